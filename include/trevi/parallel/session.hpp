@@ -1,0 +1,35 @@
+// MPI and PETSc for the life of the program: construct one Session first in main, let it go last.
+// Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as the
+// solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
+#pragma once
+
+#include <mpi.h>
+
+#include <string>
+
+namespace trevi {
+
+class Session {
+ public:
+  Session(int& argc, char**& argv);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  MPI_Comm comm() const { return MPI_COMM_WORLD; }
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+
+ private:
+  int rank_ = 0;
+  int size_ = 1;
+};
+
+int rank_of(MPI_Comm comm);
+int size_of(MPI_Comm comm);
+
+/// Text of a file, read by rank 0 and broadcast, so that all ranks see the same bytes. Collective.
+/// Throws InputError on all ranks alike when the file cannot be read.
+std::string read_file_everywhere(MPI_Comm comm, const std::string& path);
+
+}  // namespace trevi

@@ -1,0 +1,39 @@
+// The state of the particles one rank owns: a structure of arrays, one contiguous array per field, all of one length.
+// Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count changes.
+// Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has none.
+// The one list of fields is for_each_field: sorting, migration and restart all go through it.
+#pragma once
+
+#include <cassert>
+#include <vector>
+
+#include "trevi/base/types.hpp"
+
+namespace trevi {
+
+struct Particles {
+  std::vector<GlobalId> id;     ///< unique over all ranks, from 0
+  std::vector<Vec3> position;   ///< p at the start of the step, m
+  std::vector<Vec3> predicted;  ///< p*, m
+  std::vector<Vec3> velocity;   ///< v, m/s
+  std::vector<float> hue;       ///< start position on the rainbow, 0 to 1; empty unless the scene's colour asks for it
+  bool has_hue = false;
+
+  LocalId size() const { return static_cast<LocalId>(id.size()); }
+
+  /// Calls visit(array) for each field that exists.
+  template <class Visit>
+  void for_each_field(Visit&& visit) {
+    visit(id);
+    visit(position);
+    visit(predicted);
+    visit(velocity);
+    if (has_hue) visit(hue);
+  }
+
+  void resize(std::size_t n) {
+    for_each_field([n](auto& field) { field.resize(n); });
+  }
+};
+
+}  // namespace trevi
