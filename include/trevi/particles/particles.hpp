@@ -24,15 +24,25 @@ struct Particles {
   /// Calls visit(array) for each field that exists.
   template <class Visit>
   void for_each_field(Visit&& visit) {
-    visit(id);
-    visit(position);
-    visit(predicted);
-    visit(velocity);
-    if (has_hue) visit(hue);
+    for_each_field_of(*this, visit);
+  }
+  template <class Visit>
+  void for_each_field(Visit&& visit) const {
+    for_each_field_of(*this, visit);
   }
 
   void resize(std::size_t n) {
     for_each_field([n](auto& field) { field.resize(n); });
+  }
+
+ private:
+  template <class Self, class Visit>
+  static void for_each_field_of(Self& self, Visit&& visit) {
+    visit(self.id);
+    visit(self.position);
+    visit(self.predicted);
+    visit(self.velocity);
+    if (self.has_hue) visit(self.hue);
   }
 };
 

@@ -1,0 +1,29 @@
+// From a scene to objects: the one place where features are chosen. What a scene does not name is not built: no forcing, no
+// filter, no array, no event. Collective; throws InputError on all ranks alike for what this program cannot do.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "trevi/app/command_line.hpp"
+#include "trevi/app/scene.hpp"
+#include "trevi/output/checkpoint.hpp"
+#include "trevi/parallel/session.hpp"
+#include "trevi/solver/solver.hpp"
+
+namespace trevi {
+
+struct BuildOptions {
+  std::string directory;  ///< of the output
+  ProgressMode progress = ProgressMode::automatic;
+  std::int64_t last_step = 0;
+  std::optional<CheckpointState> restart;
+};
+
+/// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
+DensityModel density_model(const Scene& scene);
+
+/// Writes nothing but what the observers open.
+std::unique_ptr<Solver> build_solver(const Session& session, const Scene& scene, BuildOptions options);
+
+}  // namespace trevi

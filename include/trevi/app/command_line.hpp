@@ -1,0 +1,28 @@
+// The arguments of the program, as the user's contract lists them. The same on all ranks; not collective.
+// Arguments of the form -word go to PETSc, with the value that follows them, and are not looked at here.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "trevi/output/progress.hpp"
+
+namespace trevi {
+
+struct CommandLine {
+  std::string scene;
+  std::string output;                  ///< empty: what the scene says
+  std::vector<std::string> overrides;  ///< table.key=value
+  std::string restart;                 ///< a file, or "latest"; empty: none
+  std::optional<std::int64_t> steps;   ///< total step count to stop at
+  bool dry_run = false;
+  ProgressMode progress = ProgressMode::automatic;
+  std::string help;                    ///< not empty: print this and exit 0
+};
+
+/// Throws InputError with the usage line for what it does not understand.
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+}  // namespace trevi

@@ -1,0 +1,13 @@
+// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, planned output. Collective.
+#pragma once
+
+#include <string>
+
+#include "trevi/app/scene.hpp"
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+
+void print_dry_run(const Session& session, const Scene& scene, const std::string& directory);
+
+}  // namespace trevi

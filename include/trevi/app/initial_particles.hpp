@@ -1,0 +1,31 @@
+// The particles of a scene or a checkpoint, brought to the ranks that own them. Each rank makes its own part of a lattice and
+// reads its own slice of a file; nobody ever holds them all. Collective.
+#pragma once
+
+#include <mpi.h>
+
+#include "trevi/app/scene.hpp"
+#include "trevi/domain/slabs.hpp"
+#include "trevi/output/particle_file.hpp"
+#include "trevi/particles/cell_grid.hpp"
+#include "trevi/particles/particles.hpp"
+
+namespace trevi {
+
+/// The particles of a scene and how the planes are shared, by particle count.
+struct InitialState {
+  Slabs slabs;
+  Particles particles;  ///< those this rank owns
+};
+
+/// Ids: x fastest within a block, sources in file order. Throws InputError for a file that cannot be used, particles
+/// outside the box, or more ranks than planes.
+InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid);
+
+/// The same from the rows of a checkpoint, whatever rank count wrote it.
+InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows);
+
+/// Particles in each plane of the grid, for those of a scene that are blocks.
+std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid);
+
+}  // namespace trevi

@@ -1,0 +1,22 @@
+// Which instruction set the pair loops use. One binary holds them for SSE2/SSE4, AVX2, AVX-512 (NEON on Arm) and picks at
+// run time; all ranks must use the same one, because the number of lanes decides in which order a particle's sum is formed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace trevi {
+
+/// Bit mask of the instruction sets this machine and this binary share; a higher set is a lower bit.
+std::int64_t supported_instruction_sets();
+
+/// Leaves only those of `allowed`; to be called before the first pair loop, with the same mask on all ranks.
+void restrict_instruction_sets(std::int64_t allowed);
+
+/// Name of the instruction set in use, "AVX3" for instance.
+std::string instruction_set_name();
+
+/// Denormal numbers become zero in this thread: they slow the high powers of s_corr by a factor of ten and add nothing.
+void flush_denormals();
+
+}  // namespace trevi

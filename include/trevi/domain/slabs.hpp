@@ -1,0 +1,33 @@
+// The box, and who owns which part of it: each rank owns a run of cell planes along the slab axis, at least one.
+// Every rank knows all cuts (one number a rank), so ownership never needs a message. Not collective.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "trevi/base/types.hpp"
+
+namespace trevi {
+
+/// The closed box of the simulation, m.
+struct Box {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();
+};
+
+class Slabs {
+ public:
+  /// Cuts the planes so that the weights are shared as evenly as whole planes allow. `weights`: one per plane, any unit.
+  /// Throws InputError when there are more ranks than planes.
+  Slabs(std::span<const Real> weights, int ranks);
+
+  int ranks() const { return static_cast<int>(cuts_.size()) - 1; }
+  LocalId first_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank)]; }
+  LocalId last_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank) + 1]; }  ///< one past
+  int owner(LocalId plane) const;
+  const std::vector<LocalId>& cuts() const { return cuts_; }
+
+ private:
+  std::vector<LocalId> cuts_;  // ranks + 1
+};
+
+}  // namespace trevi

@@ -1,0 +1,84 @@
+// The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
+//   rho_i = m Σ_j W6(p_ij),  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+//   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of boundary terms]
+// The functions of one particle (density, lambda) stand apart from the loops that drive them. Not collective: the caller
+// exchanges lambda, which lives in the scalar of the records, between the two loops.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "trevi/fluid/pair_sums.hpp"
+#include "trevi/fluid/settings.hpp"
+
+namespace trevi {
+
+/// Physical constants of the constraint, already scaled to the resolution of the scene.
+struct DensityModel {
+  Real mass = 1;             ///< of a particle, kg
+  Real rest_density = 1000;  ///< kg/m³
+  Real h = 0.2;              ///< m
+  Real epsilon = 1;          ///< 1/m²
+  Constraint constraint = Constraint::equality;
+};
+
+/// What fills the missing half of a particle's neighbourhood: a share of rest density and its gradient, in 1 and 1/m.
+struct BoundaryShare {
+  Real density = 0;
+  Vec3 gradient = Vec3::Zero();
+};
+
+class BoundaryDensity {
+ public:
+  virtual ~BoundaryDensity() = default;
+  virtual BoundaryShare at(const Vec3& p) const = 0;
+};
+
+/// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest density.
+Real particle_mass(const FluidSettings& fluid);
+
+/// `poly6_sum`: Σ (1 − u²)³ over the neighbours without i; the density in kg/m³ without boundary terms.
+Real density(const DensityModel& model, Real poly6_sum);
+
+/// Σ_k |∇_k C_i|² from gradient = ∇_i C_i and neighbours = Σ_j |∇_j C_i|², both in 1/m units; lambda in m².
+Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
+
+template <class T>
+class DensityConstraint {
+ public:
+  DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
+                    std::vector<std::unique_ptr<const BoundaryDensity>> boundaries);
+
+  const DensityModel& model() const { return model_; }
+
+  /// Writes rho_i (kg/m³, all owned particles' array) for the range.
+  void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
+
+  /// Writes rho_i and puts lambda_i into the scalar of the records of the range.
+  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
+               std::vector<Packed<T>>& records) const;
+
+  /// Writes delta_i in metres for the range (arrays of all owned particles).
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Quad<T>> delta) const;
+
+  /// Floating-point operations of a pair in each loop, for the log.
+  static constexpr double density_flops = 27, delta_flops = 24;
+
+ private:
+  template <class Use>
+  void for_each_sum(const Pairs<T>& pairs, Range range, Use&& use) const;
+
+  DensityModel model_;
+  Real gradient_factor_;  // m/rho0 times that of Spiky, 1/m
+  PairLoops<T> loops_;
+  std::function<void(const Pairs<T>&, Range, Quad<T>*)> delta_loop_;
+  std::vector<std::unique_ptr<const BoundaryDensity>> boundaries_;
+};
+
+extern template class DensityConstraint<float>;
+extern template class DensityConstraint<double>;
+
+}  // namespace trevi

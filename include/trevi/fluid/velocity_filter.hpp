@@ -1,0 +1,71 @@
+// What smooths or stirs velocities after the density solve, on the frozen neighbour list (report, section 2.3):
+//   vorticity confinement   omega_i = m Σ_j (v_j − v_i) × ∇_{p_j}W_spiky,  eta_i = (m/rho0) Σ_j (|omega_j| − |omega_i|) ∇_{p_i}W_spiky
+//                           v_i += dt epsilon (eta_i/|eta_i| × omega_i), nothing where |eta_i| = 0
+//   XSPH viscosity          v_i += c m Σ_j (v_j − v_i) W6(p_ij)
+// A filter reads only the velocities the one before left, never half-updated ones. It refreshes the ghosts it reads and uses
+// the scalar of the records as it likes. Collective.
+#pragma once
+
+#include "trevi/domain/neighbourhood.hpp"
+#include "trevi/fluid/density.hpp"
+
+namespace trevi {
+
+template <class T>
+class VelocityFilter {
+ public:
+  virtual ~VelocityFilter() = default;
+  virtual void apply(Neighbourhood<T>& near, Particles& particles, Real dt) = 0;
+  virtual std::size_t bytes() const = 0;
+};
+
+/// Velocities of all particles, ghosts included, as the pair loops read them.
+template <class T>
+class VelocityField {
+ public:
+  /// Collective.
+  const Quad<T>* refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
+  std::size_t bytes() const { return quads_.capacity() * sizeof(Quad<T>); }
+
+ private:
+  std::vector<Quad<T>> quads_;
+};
+
+template <class T>
+class VorticityConfinement : public VelocityFilter<T> {
+ public:
+  VorticityConfinement(const DensityModel& model, Real epsilon);
+  void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
+  std::size_t bytes() const override { return velocity_.bytes() + omega_.capacity() * sizeof(Quad<T>); }
+
+ private:
+  void compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
+
+  Event event_{"Vorticity"};
+  PairLoops<T> loops_;
+  Real omega_factor_;  // kg/m⁴ from the dimensionless sum
+  Real epsilon_;
+  VelocityField<T> velocity_;
+  std::vector<Quad<T>> omega_;
+};
+
+template <class T>
+class XsphViscosity : public VelocityFilter<T> {
+ public:
+  XsphViscosity(const DensityModel& model, Real c);
+  void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
+  std::size_t bytes() const override { return velocity_.bytes(); }
+
+ private:
+  Event event_{"XsphViscosity"};
+  PairLoops<T> loops_;
+  Real factor_;  // c m W6(0)
+  VelocityField<T> velocity_;
+};
+
+extern template class VorticityConfinement<float>;
+extern template class VorticityConfinement<double>;
+extern template class XsphViscosity<float>;
+extern template class XsphViscosity<double>;
+
+}  // namespace trevi

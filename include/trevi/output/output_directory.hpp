@@ -1,0 +1,17 @@
+// The folder of a run: made when missing, and refused when it holds another run, as nothing is overwritten unasked.
+// A restart may go on in the folder that holds its checkpoint, or begin in one without a run.
+// Collective; every error is thrown on all ranks alike.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+
+/// InputError when the folder holds a run that `restart_file` is not part of; RunError when it cannot be made.
+void prepare_output_directory(MPI_Comm comm, const std::string& directory,
+                              const std::optional<std::string>& restart_file);
+
+}  // namespace trevi

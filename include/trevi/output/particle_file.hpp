@@ -1,0 +1,32 @@
+// Particles from an HDF5 file: /particles/position (N x 3, m), optional velocity (N x 3, m/s) and id (N, integers).
+// Every rank reads an equal contiguous slice of the rows; no rank holds more than its slice.
+// Collective. Every problem is an InputError on all ranks alike, naming file, dataset and remedy.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trevi/base/types.hpp"
+#include "trevi/output/hdf5_reader.hpp"
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+
+/// This rank's rows of a particle table, one array per column, in file order.
+struct ParticleRows {
+  GlobalId total = 0;  ///< rows of all ranks together
+  std::vector<GlobalId> id;
+  std::vector<Vec3> position, velocity;  ///< m, m/s
+  std::vector<float> hue;                ///< empty when the file has none
+};
+
+/// For [[particles]] type = "file": velocity defaults to zero, id to the row number. Numbers are finite, ids unique.
+ParticleRows read_particle_file(MPI_Comm comm, const std::string& path);
+
+/// Rank-local part of the above: the slice of `rank` among `size`, unchecked values; hue too when it is there.
+ParticleRows read_particle_rows(const Hdf5Reader& file, int rank, int size);
+
+/// Collective: throws InputError naming `path` when a number is not finite or an id occurs twice.
+void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::string& path);
+
+}  // namespace trevi

@@ -1,0 +1,55 @@
+// Phases and kernels as PETSc stages and events, so that -log_view reads as a profile of the method, and run.json with it.
+// An event is registered when the object that needs it is built: what a scene does not use has no line in the log.
+// Not collective; all ranks must register the same events in the same order (the scene builder does).
+#pragma once
+
+#include <petsclog.h>
+
+#include <string>
+#include <vector>
+
+namespace trevi {
+
+class Event {
+ public:
+  explicit Event(const std::string& name);
+  PetscLogEvent handle() const { return handle_; }
+
+ private:
+  PetscLogEvent handle_ = 0;
+};
+
+/// Times the scope it lives in.
+class ScopedEvent {
+ public:
+  explicit ScopedEvent(const Event& event) : handle_(event.handle()) { PetscLogEventBegin(handle_, 0, 0, 0, 0); }
+  ~ScopedEvent() { PetscLogEventEnd(handle_, 0, 0, 0, 0); }
+  ScopedEvent(const ScopedEvent&) = delete;
+  ScopedEvent& operator=(const ScopedEvent&) = delete;
+
+ private:
+  PetscLogEvent handle_;
+};
+
+/// A stage of -log_view: everything logged in its scope is listed under its name.
+class ScopedStage {
+ public:
+  explicit ScopedStage(const std::string& name);
+  ~ScopedStage() { PetscLogStagePop(); }
+  ScopedStage(const ScopedStage&) = delete;
+  ScopedStage& operator=(const ScopedStage&) = delete;
+};
+
+inline void log_flops(double flops) { PetscLogFlops(flops); }
+
+/// Time and work of one event on this rank, all stages together.
+struct EventTotals {
+  std::string name;
+  double seconds = 0, flops = 0;
+  long calls = 0;
+};
+
+/// Totals of all events of the solver, in order of registration.
+std::vector<EventTotals> event_totals();
+
+}  // namespace trevi

@@ -1,0 +1,79 @@
+// One density solve of a step: positions p* to be moved until rho_i = rho0, on a frozen neighbour list.
+// The methods (density_method.hpp) are written in terms of the three operations here; each leaves the ghosts up to date, with
+// the messages under way while interior planes are worked on. Collective.
+#pragma once
+
+#include "trevi/domain/neighbourhood.hpp"
+#include "trevi/fluid/density.hpp"
+#include "trevi/fluid/walls.hpp"
+
+namespace trevi {
+
+/// Compression max(0, rho/rho0 − 1) over all particles of all ranks.
+struct Compression {
+  Real mean = 0, max = 0;
+};
+
+template <class T>
+class DensityProblem {
+ public:
+  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls);
+
+  /// Starts a solve for the particles just sorted into `near`.
+  void start(Particles& particles);
+
+  /// rho and lambda of all particles from the present p*; ghosts receive lambda.
+  void compute_lambda();
+  /// Compression at the last compute_lambda(), the same bits on any rank count.
+  Compression compression() const;
+  /// delta of all owned particles from the present lambda, m.
+  void compute_delta();
+  /// p*_i = place(i, p*_i, delta_i) for all owned particles; ghosts receive the new positions.
+  template <class Place>
+  void move(Place&& place);
+
+  /// rho at the present p*, without touching lambda; for observers.
+  void compute_density();
+
+  const Walls& walls() const { return walls_; }
+  std::vector<Vec3>& places() { return particles_->predicted; }
+  std::span<const Real> density() const { return rho_; }
+  std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Quad<T>); }
+
+ private:
+  Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
+  void lambda_of(PlaneRun run);
+
+  MPI_Comm comm_;
+  Neighbourhood<T>& near_;
+  const DensityConstraint<T>& constraint_;
+  const Walls& walls_;
+  Particles* particles_ = nullptr;
+  std::vector<Real> rho_;
+  std::vector<Quad<T>> delta_;
+  Event lambda_event_{"Lambda"}, delta_event_{"Delta"}, move_event_{"Move"}, wait_event_{"HaloWait"};
+};
+
+template <class T>
+template <class Place>
+void DensityProblem<T>::move(Place&& place) {
+  const ScopedEvent timed(move_event_);
+  std::vector<Vec3>& p = particles_->predicted;
+  const auto update = [&](PlaneRun run) {
+    for (LocalId i = run.begin; i < run.end; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      p[k] = place(k, p[k], vector_of(delta_[k]));
+    }
+    near_.encode(p, run);
+  };
+  for (const PlaneRun& run : near_.boundary()) update(run);
+  near_.halo().start(near_.records());
+  update(near_.interior());
+  const ScopedEvent waited(wait_event_);
+  near_.halo().finish();
+}
+
+extern template class DensityProblem<float>;
+extern template class DensityProblem<double>;
+
+}  // namespace trevi

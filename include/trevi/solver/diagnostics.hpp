@@ -1,0 +1,49 @@
+// The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and wall_seconds
+// has the same bits on any rank count. Definitions: contract, "Outputs"; units SI. Collective.
+// An interior particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
+#pragma once
+
+#include <mpi.h>
+
+#include "trevi/domain/slabs.hpp"
+#include "trevi/fluid/density.hpp"
+#include "trevi/particles/neighbour_list.hpp"
+#include "trevi/solver/observer.hpp"
+
+namespace trevi {
+
+/// What a row is computed from; all of the owned particles, in the frozen order.
+struct DiagnosticsInput {
+  const Particles& particles;
+  std::span<const Real> density;          ///< kg/m³
+  std::span<const Vec3> listed;           ///< positions when the list was built; empty: no drift to report
+  const CellOrder& order;
+  const NeighbourList& list;
+};
+
+class DiagnosticsSum {
+ public:
+  /// `lattice_neighbours`: of an interior point of the start lattice; `gravity` in m/s².
+  DiagnosticsSum(MPI_Comm comm, const Box& box, const DensityModel& model, int lattice_neighbours, const Vec3& gravity);
+
+  /// Everything but iterations and wall_seconds.
+  Diagnostics operator()(const DiagnosticsInput& input) const;
+
+ private:
+  struct Plane;
+  Plane sum_plane(const DiagnosticsInput& input, LocalId begin, LocalId end) const;
+  bool interior(const Vec3& p, LocalId neighbours) const;
+  void add_maxima(const DiagnosticsInput& input, Diagnostics& row) const;
+
+  MPI_Comm comm_;
+  Box box_;
+  DensityModel model_;
+  Real full_neighbourhood_;
+  Vec3 gravity_;
+};
+
+/// The smallest x such that at least `fraction` of all particles have a coordinate along `axis` of at most x, to 1e-10 of the
+/// box. Three rounds of counting, no sorting. nan without particles. Collective.
+Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fraction, const Box& box);
+
+}  // namespace trevi

@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# Makes a Debian 12 or Ubuntu machine ready for Trevi and builds it.
+# Called by itself it does all of it; sourced, it only defines the functions below, for the other scripts in jobs/.
+set -euo pipefail
+
+trevi_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+trevi_packages=(
+  g++ cmake ninja-build pkg-config openmpi-bin libeigen3-dev libpetsc-real-dev libvtk9-dev
+  libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev
+  libsndfile1-dev libsmf-dev libgtest-dev libbenchmark-dev
+  python3 python3-numpy python3-h5py python3-matplotlib
+)
+
+fail() {
+  echo "$(basename "$0"): $1" >&2
+  exit "${2:-1}"
+}
+
+# The comment at the head of the calling script is its help text.
+print_help() {
+  sed -n '2,/^[^#]/{/^#/s/^# \{0,1\}//p}' "$0"
+}
+
+missing_packages() {
+  local installed package
+  installed=" $(dpkg-query -W -f='${db:Status-Status}:${Package} ' "${trevi_packages[@]}" 2>/dev/null || true)"
+  for package in "${trevi_packages[@]}"; do
+    [[ $installed == *" installed:$package "* ]] || echo "$package"
+  done
+}
+
+install_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "No apt on this machine; taking it that these are there by other means: ${trevi_packages[*]}" >&2
+    return
+  fi
+  local missing as_root=()
+  mapfile -t missing < <(missing_packages)
+  [[ ${#missing[@]} -gt 0 ]] || return 0
+  echo "Installing ${missing[*]}"
+  if [[ $(id -u) -ne 0 ]]; then
+    # Without a terminal nobody can type a password, so sudo must not ask.
+    [[ -t 0 ]] && as_root=(sudo) || as_root=(sudo -n)
+    if ! command -v sudo >/dev/null || ! "${as_root[@]}" true; then
+      fail "packages are missing and neither root nor sudo is at hand; ask an administrator for
+  apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
+    fi
+  fi
+  "${as_root[@]}" apt-get update </dev/null
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y --no-install-recommends "${missing[@]}" </dev/null
+}
+
+# More ranks than cores are fine for a trial; Open MPI refuses them, and root, unless told.
+mpi_environment() {
+  export OMPI_MCA_rmaps_base_oversubscribe=1
+  if [[ $(id -u) -eq 0 ]]; then
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  fi
+}
+
+# Compilers at a time: one per core, but 1.5 GiB of free memory for each (VTK, Eigen), in a container's limit, too.
+build_jobs() {
+  local cores free_mib limit jobs
+  cores="$(nproc)"
+  free_mib="$(awk '/^MemAvailable:/ {print int($2 / 1024)}' /proc/meminfo)"
+  limit="$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)"
+  if [[ $limit =~ ^[0-9]+$ ]] && ((limit / 1048576 < free_mib)); then
+    free_mib=$((limit / 1048576))
+  fi
+  jobs=$((free_mib / 1536))
+  ((jobs < cores)) || jobs=$cores
+  ((jobs > 0)) || jobs=1
+  echo "$jobs"
+}
+
+# build PRESET: configures and compiles in build/PRESET; lint.sh needs the list of compile commands.
+build() {
+  (
+    cd "$trevi_root"
+    cmake --preset "$1" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+    cmake --build --preset "$1" -j "$(build_jobs)"
+  )
+}
+
+setup() {
+  install_packages
+  mpi_environment
+  build "$1"
+}
+
+setup_main() {
+  case "${1:-release}" in
+    -h | --help)
+      cat <<HELP
+usage: jobs/setup.sh [PRESET]
+
+Installs with apt what is missing on Debian 12 or Ubuntu (as root or through sudo), then configures and builds
+PRESET (release, debug, asan or profile; default release) in build/PRESET.
+HELP
+      ;;
+    -*) fail "unknown option $1; see --help" 2 ;;
+    *) setup "${1:-release}" ;;
+  esac
+}
+
+if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
+  setup_main "$@"
+fi

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# usage: jobs/test.sh [--preset PRESET] [--label REGEX] [more arguments of ctest]
+#
+# Installs what is missing, builds PRESET (default release) and runs all tests, or those with a matching label.
+#
+#   jobs/test.sh
+#   jobs/test.sh --preset asan --label unit
+#   jobs/test.sh -R halo --verbose
+set -euo pipefail
+# shellcheck source=jobs/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+main() {
+  local preset=release arguments=()
+  while [[ $# -gt 0 ]]; do
+    case "$1" in
+      -h | --help) print_help && exit 0 ;;
+      --preset) preset="${2:?--preset needs a name}" && shift 2 ;;
+      --preset=*) preset="${1#*=}" && shift ;;
+      --label) arguments+=(-L "${2:?--label needs a pattern}") && shift 2 ;;
+      --label=*) arguments+=(-L "${1#*=}") && shift ;;
+      *) arguments+=("$1") && shift ;;
+    esac
+  done
+  setup "$preset"
+  # Several mpiruns at a time would all bind to the first cores and starve each other.
+  export OMPI_MCA_hwloc_base_binding_policy=none
+  # MPI and PETSc keep memory until the process ends; that is not a leak of ours.
+  export ASAN_OPTIONS="${ASAN_OPTIONS:-detect_leaks=0}"
+  # Each test sets PROCESSORS, so that ctest does not start more ranks than -j at a time.
+  ctest --test-dir "$trevi_root/build/$preset" --output-on-failure --no-tests=error -j "$(nproc)" "${arguments[@]}"
+}
+
+main "$@"

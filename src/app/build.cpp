@@ -1,0 +1,124 @@
+#include "trevi/app/build.hpp"
+
+#include "trevi/app/initial_particles.hpp"
+#include "trevi/base/error.hpp"
+#include "trevi/fluid/kernels.hpp"
+#include "trevi/output/series.hpp"
+#include "trevi/output/vtu.hpp"
+#include "trevi/parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Lengths of the report are in units of its spacing, 0.1 m.
+Real refinement(const Scene& scene) {
+  const Real ratio = scene.fluid.spacing / 0.1;
+  return ratio * ratio;
+}
+
+std::optional<Tensile> tensile_of(const Scene& scene) {
+  if (!scene.tensile) return std::nullopt;
+  return Tensile{scene.tensile->k * refinement(scene), scene.tensile->n, scene.tensile->dq};
+}
+
+std::vector<std::unique_ptr<Forcing>> build_forcings(const Scene& scene) {
+  std::vector<std::unique_ptr<Forcing>> forcings;
+  if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
+  int index = 0;
+  for (const FountainSettings& fountain : scene.fountains) {
+    if (!fountain.music.empty()) throw InputError(scene.path + ": [[fountain]] music: not built in yet; remove the key");
+    const PumpSpeed speed = [constant = fountain.speed](Real) { return constant; };
+    forcings.push_back(std::make_unique<Fountain>(fountain, speed, scene.domain_min.z(), scene.seed, index++));
+  }
+  return forcings;
+}
+
+template <class T>
+std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene, const DensityModel& model) {
+  std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
+  if (scene.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *scene.vorticity));
+  if (scene.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(model, *scene.viscosity));
+  return filters;
+}
+
+std::vector<std::unique_ptr<const BoundaryDensity>> build_boundaries(const Scene& scene) {
+  if (scene.walls.density == WallDensity::analytic) throw InputError("[walls] density: analytic is not built in yet");
+  return {};
+}
+
+ColourScale colour_scale(const Scene& scene, GlobalId particles) {
+  ColourScale scale;
+  // The same names in the same order; the output layer does not know scenes.
+  if (scene.colour) scale.by = static_cast<ColourBy>(*scene.colour);
+  scale.bottom = scene.domain_min.z();
+  scale.top = scene.domain_max.z();
+  for (const FountainSettings& fountain : scene.fountains) scale.speed_max = std::max(scale.speed_max, fountain.speed);
+  scale.total = particles;
+  return scale;
+}
+
+std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, const Scene& scene,
+                                                       const BuildOptions& options, GlobalId particles) {
+  std::vector<std::unique_ptr<Observer>> observers;
+  std::optional<std::int64_t> restart_step;
+  if (options.restart) restart_step = options.restart->step;
+  const OutputSettings& output = scene.output;
+  if (output.vtkhdf) throw InputError(scene.path + ": [output.vtkhdf] is not built in yet; use [output.vtu]");
+  if (output.series) {
+    observers.push_back(std::make_unique<SeriesWriter>(
+        session.comm(), SeriesOptions{options.directory, *output.series, static_cast<int>(scene.fountains.size()), restart_step}));
+  }
+  if (output.vtu) {
+    observers.push_back(make_vtu_writer(session.comm(), {options.directory, output.vtu->schedule, output.vtu->fields,
+                                                         colour_scale(scene, particles), restart_step}));
+  }
+  if (output.checkpoint) {
+    observers.push_back(std::make_unique<CheckpointWriter>(
+        session.comm(), CheckpointOptions{options.directory, output.checkpoint->schedule, output.checkpoint->keep,
+                                          {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)}, restart_step}));
+  }
+  observers.push_back(std::make_unique<Progress>(
+      session.comm(), ProgressOptions{.mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
+  return observers;
+}
+
+template <class T>
+std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildOptions options) {
+  const DensityModel model = density_model(scene);
+  const MPI_Comm comm = session.comm();
+  SolverParts<T> parts;
+  parts.comm = comm;
+  parts.box = {scene.domain_min, scene.domain_max};
+  parts.grid = std::make_unique<CellGrid>(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
+  InitialState state = options.restart ? restored_particles(comm, scene, *parts.grid, std::move(options.restart->rows))
+                                       : initial_particles(comm, scene, *parts.grid);
+  parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
+  parts.particles = std::move(state.particles);
+  parts.clock.dt = scene.dt;
+  if (options.restart) parts.clock.step = options.restart->step;
+  parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
+  parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
+  parts.method = make_density_method<T>(scene.density, model.h);
+  parts.forcings = build_forcings(scene);
+  parts.filters = build_filters<T>(scene, model);
+  parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
+  parts.diagnostics = std::make_unique<DiagnosticsSum>(comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h),
+                                                       parts.substeps.gravity);
+  parts.observers = build_observers(session, scene, options, sum_over_ranks(comm, parts.particles.size()));
+  return std::make_unique<PbfSolver<T>>(std::move(parts));
+}
+
+}  // namespace
+
+DensityModel density_model(const Scene& scene) {
+  return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
+          scene.density.epsilon / refinement(scene), scene.density.constraint};
+}
+
+std::unique_ptr<Solver> build_solver(const Session& session, const Scene& scene, BuildOptions options) {
+  if (scene.density.precision == Precision::single) return build<float>(session, scene, std::move(options));
+  return build<double>(session, scene, std::move(options));
+}
+
+}  // namespace trevi

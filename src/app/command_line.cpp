@@ -1,0 +1,61 @@
+#include "trevi/app/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cctype>
+
+#include "trevi/app/scene.hpp"
+#include "trevi/base/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+bool is_petsc_option(const std::string& argument) {
+  return argument.size() > 2 && argument[0] == '-' && std::isalpha(static_cast<unsigned char>(argument[1])) != 0;
+}
+
+// What is left for us once PETSc's options and their values are taken out; last first, as CLI11 wants it.
+std::vector<std::string> own_arguments(int argc, const char* const* argv) {
+  std::vector<std::string> own;
+  for (int k = 1; k < argc; ++k) {
+    if (!is_petsc_option(argv[k])) {
+      own.emplace_back(argv[k]);
+    } else if (k + 1 < argc && argv[k + 1][0] != '-') {
+      ++k;
+    }
+  }
+  return {own.rbegin(), own.rend()};
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  CommandLine line;
+  CLI::App app("Trevi: water by position based fluids, on any number of MPI ranks.", "trevi");
+  app.footer("PETSc options such as -log_view may follow the scene.\n\nKeys of a scene:\n" + scene_reference());
+  app.add_option("scene", line.scene, "scene file (.toml)")->required();
+  app.add_option("--output", line.output, "output directory, in place of the scene's");
+  app.add_option("--set", line.overrides, "table.key=value, in place of the scene's value; repeatable")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest");
+  app.add_option("--steps", line.steps, "stop when the run's total step count is this")->check(CLI::NonNegativeNumber);
+  app.add_flag("--dry-run", line.dry_run, "check the scene, print what the run would need, write nothing");
+  app.add_option("--progress", line.progress, "auto, bar, lines or none")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic},
+                                                                              {"bar", ProgressMode::bar},
+                                                                              {"lines", ProgressMode::lines},
+                                                                              {"none", ProgressMode::none}}));
+  try {
+    app.parse(own_arguments(argc, argv));
+  } catch (const CLI::CallForHelp&) {
+    line.help = app.help();
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
+                     "[--restart FILE|latest] [--steps N] [--dry-run] [--progress auto|bar|lines|none] [PETSc options]; "
+                     "--help lists all scene keys");
+  }
+  return line;
+}
+
+}  // namespace trevi

@@ -1,0 +1,109 @@
+#include "trevi/app/dry_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "trevi/app/build.hpp"
+#include "trevi/app/initial_particles.hpp"
+#include "trevi/fluid/kernels.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Everything the solver keeps for a particle of a full neighbourhood, and for a ghost.
+struct BytesEach {
+  double owned, ghost;
+};
+
+BytesEach bytes_each(const Scene& scene) {
+  const bool single = scene.density.precision == Precision::single;
+  const double quad = single ? 16 : 32;
+  const double pairs = lattice_poly6_sum(scene.fluid.spacing, scene.fluid.kernel_radius) > 0
+                           ? 4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3)
+                           : 0;
+  double owned = 3 * 24 + 8;                                  // positions, velocity, id
+  owned += 24 + 8 + 2 * 4;                                    // sorting
+  owned += quad + 8 + 4 * pairs * 1.125;                      // record, list
+  owned += 8 + quad;                                          // rho, delta
+  double ghost = quad;
+  if (scene.vorticity) owned += 2 * quad, ghost += quad;
+  if (scene.viscosity) owned += quad, ghost += quad;
+  if (scene.output.series) owned += 24;
+  if (scene.colour == Colour::rainbow_x) owned += 8;
+  return {owned, ghost};
+}
+
+// The fastest a particle may get: pumped, thrown, or fallen from the top of the water.
+Real expected_speed(const Scene& scene) {
+  Real speed = 0, top = scene.domain_min.z();
+  for (const FountainSettings& fountain : scene.fountains) speed = std::max(speed, fountain.speed + fountain.jitter);
+  for (const ParticleSource& source : scene.particles) {
+    speed = std::max(speed, source.velocity.norm());
+    top = std::max(top, source.max.z());
+  }
+  const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
+  return std::max(speed, std::sqrt(2 * g * (top - scene.domain_min.z())));
+}
+
+std::string schedule_text(const Schedule& schedule) {
+  if (schedule.every_steps > 0) return fmt::format("every {} steps", schedule.every_steps);
+  if (schedule.every > 0) return fmt::format("every {} s", schedule.every);
+  return "at the start and the end";
+}
+
+std::string slab_table(const Scene& scene, const std::vector<Real>& weights, int ranks) {
+  const Slabs slabs(weights, ranks);
+  const BytesEach bytes = bytes_each(scene);
+  std::string text;
+  for (int r = 0; r < ranks; ++r) {
+    const auto first = weights.begin() + slabs.first_plane(r), last = weights.begin() + slabs.last_plane(r);
+    const Real owned = std::accumulate(first, last, 0.0);
+    const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
+    text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
+                        slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts, owned > 0 ? 100 * ghosts / owned : 0,
+                        (owned * bytes.owned + ghosts * bytes.ghost) / 1e6);
+  }
+  return text;
+}
+
+std::string time_text(const Scene& scene) {
+  const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
+  const Real by_speed = v > 0 ? 0.4 * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
+  return fmt::format("time        {} steps of {:.6g} s; dt by CFL 0.4: {:.3g} s at {:.3g} m/s{}\n", scene.steps(), scene.dt,
+                     std::min(by_speed, by_gravity), v,
+                     scene.cfl > 0 ? "; steps are split to keep it" : "");
+}
+
+std::string output_text(const Scene& scene, const std::string& directory) {
+  std::string text = fmt::format("output      {}\n", directory);
+  const OutputSettings& output = scene.output;
+  if (output.series) text += fmt::format("  series.csv  {}\n", schedule_text(*output.series));
+  if (output.vtu) text += fmt::format("  VTU         {}\n", schedule_text(output.vtu->schedule));
+  if (output.vtkhdf) text += fmt::format("  VTKHDF      {}\n", schedule_text(output.vtkhdf->schedule));
+  if (output.checkpoint) {
+    text += fmt::format("  checkpoint  {}, keep {}\n", schedule_text(output.checkpoint->schedule), output.checkpoint->keep);
+  }
+  return text;
+}
+
+}  // namespace
+
+void print_dry_run(const Session& session, const Scene& scene, const std::string& directory) {
+  const DensityModel model = density_model(scene);
+  const CellGrid grid(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
+  const InitialState state = initial_particles(session.comm(), scene, grid);
+  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
+  for (const Vec3& p : state.particles.position) weights[static_cast<std::size_t>(grid.plane_of(p))] += 1;
+  MPI_Allreduce(MPI_IN_PLACE, weights.data(), static_cast<int>(weights.size()), MPI_DOUBLE, MPI_SUM, session.comm());
+  if (session.rank() != 0) return;
+  fmt::print("scene       {}\n", scene.path);
+  fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
+  fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y", session.size(),
+             slab_table(scene, weights, session.size()));
+  fmt::print("{}{}", time_text(scene), output_text(scene, directory));
+}
+
+}  // namespace trevi

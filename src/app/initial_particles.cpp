@@ -1,0 +1,186 @@
+#include "trevi/app/initial_particles.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "trevi/base/error.hpp"
+#include "trevi/domain/migrate.hpp"
+#include "trevi/parallel/reductions.hpp"
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+
+namespace {
+
+// The lattice of a block: point (i, j, k) is min + (i + ½, j + ½, k + ½) spacing.
+struct Lattice {
+  Vec3 min;
+  Real spacing;
+  std::array<GlobalId, 3> count;
+
+  Lattice(const ParticleSource& block, Real s) : min(block.min), spacing(s) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Eigen::Index>(a);
+      count[a] = static_cast<GlobalId>(std::llround((block.max[axis] - block.min[axis]) / s));
+    }
+  }
+  GlobalId size() const { return count[0] * count[1] * count[2]; }
+  Vec3 point(GlobalId i, GlobalId j, GlobalId k) const {
+    return min + spacing * Vec3(static_cast<Real>(i) + 0.5, static_cast<Real>(j) + 0.5, static_cast<Real>(k) + 0.5);
+  }
+};
+
+// Calls visit(layer, plane) for each layer of lattice points across the slab axis.
+template <class Visit>
+void for_each_layer(const Lattice& lattice, const CellGrid& grid, Visit&& visit) {
+  const int axis = grid.slab_axis();
+  for (GlobalId layer = 0; layer < lattice.count[static_cast<std::size_t>(axis)]; ++layer) {
+    visit(layer, grid.plane_of(lattice.point(axis == 0 ? layer : 0, axis == 1 ? layer : 0, 0)));
+  }
+}
+
+void add_particle(Particles& particles, GlobalId id, const Vec3& position, const Vec3& velocity) {
+  particles.id.push_back(id);
+  particles.position.push_back(position);
+  particles.predicted.push_back(position);
+  particles.velocity.push_back(velocity);
+}
+
+void add_layer(Particles& particles, const Lattice& lattice, int axis, GlobalId layer, const ParticleSource& block,
+               GlobalId first_id) {
+  std::array<GlobalId, 3> begin = {0, 0, 0}, end = lattice.count;
+  begin[static_cast<std::size_t>(axis)] = layer;
+  end[static_cast<std::size_t>(axis)] = layer + 1;
+  for (GlobalId k = begin[2]; k < end[2]; ++k) {
+    for (GlobalId j = begin[1]; j < end[1]; ++j) {
+      for (GlobalId i = begin[0]; i < end[0]; ++i) {
+        const GlobalId id = first_id + (k * lattice.count[1] + j) * lattice.count[0] + i;
+        add_particle(particles, id, lattice.point(i, j, k), block.velocity);
+      }
+    }
+  }
+}
+
+// Particles read from files, wherever they belong; ids already follow those of the sources before.
+struct FileParticles {
+  Particles particles;
+  std::vector<GlobalId> first_id;  // of each source
+};
+
+void append_rows(Particles& particles, const ParticleRows& rows, GlobalId first_id) {
+  for (std::size_t i = 0; i < rows.id.size(); ++i) {
+    add_particle(particles, rows.id[i] + first_id, rows.position[i], rows.velocity[i]);
+  }
+}
+
+void check_inside(MPI_Comm comm, const Scene& scene, const Particles& particles, const std::string& source) {
+  GlobalId outside = 0;
+  for (const Vec3& p : particles.position) {
+    const bool inside = (p.array() >= scene.domain_min.array()).all() && (p.array() <= scene.domain_max.array()).all();
+    if (!inside) ++outside;
+  }
+  outside = sum_over_ranks(comm, outside);
+  if (outside > 0) {
+    throw InputError(source + ": " + std::to_string(outside) + " particles are outside the box; enlarge [domain] or "
+                     "remove them");
+  }
+}
+
+FileParticles read_files(MPI_Comm comm, const Scene& scene) {
+  FileParticles result;
+  GlobalId next_id = 0;
+  for (const ParticleSource& source : scene.particles) {
+    result.first_id.push_back(next_id);
+    if (source.type == ParticleSource::Type::block) {
+      next_id += Lattice(source, scene.fluid.spacing).size();
+      continue;
+    }
+    const ParticleRows rows = read_particle_file(comm, source.path);
+    append_rows(result.particles, rows, next_id);
+    GlobalId last = -1;
+    for (const GlobalId id : rows.id) last = std::max(last, id);
+    MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
+    next_id += last + 1;
+  }
+  check_inside(comm, scene, result.particles, scene.path);
+  return result;
+}
+
+// Weights of the planes from particles anywhere on any rank.
+void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles, std::vector<Real>& weights) {
+  std::vector<Real> counted(weights.size(), 0.0);
+  for (const Vec3& p : particles.position) counted[static_cast<std::size_t>(grid.plane_of(p))] += 1;
+  MPI_Allreduce(MPI_IN_PLACE, counted.data(), static_cast<int>(counted.size()), MPI_DOUBLE, MPI_SUM, comm);
+  for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += counted[k];
+}
+
+// The start along x, as a share of the extent of all particles at the start.
+void add_hue(MPI_Comm comm, Particles& particles) {
+  Real low = 1e300, high = -1e300;
+  for (const Vec3& p : particles.position) {
+    low = std::min(low, p.x());
+    high = std::max(high, p.x());
+  }
+  low = min_over_ranks(comm, low);
+  high = max_over_ranks(comm, high);
+  particles.has_hue = true;
+  for (const Vec3& p : particles.position) {
+    particles.hue.push_back(high > low ? static_cast<float>((p.x() - low) / (high - low)) : 0.0F);
+  }
+}
+
+}  // namespace
+
+std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
+  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
+  for (const ParticleSource& source : scene.particles) {
+    if (source.type != ParticleSource::Type::block) continue;
+    const Lattice lattice(source, scene.fluid.spacing);
+    const GlobalId in_layer = lattice.size() / lattice.count[static_cast<std::size_t>(grid.slab_axis())];
+    for_each_layer(lattice, grid, [&](GlobalId, LocalId plane) {
+      weights[static_cast<std::size_t>(plane)] += static_cast<Real>(in_layer);
+    });
+  }
+  return weights;
+}
+
+InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid) {
+  FileParticles files = read_files(comm, scene);
+  std::vector<Real> weights = block_weights(scene, grid);
+  add_weights(comm, grid, files.particles, weights);
+  InitialState state{Slabs(weights, size_of(comm)), std::move(files.particles)};
+  migrate(comm, state.particles, &Particles::position, grid, state.slabs);
+  const int rank = rank_of(comm);
+  for (std::size_t s = 0; s < scene.particles.size(); ++s) {
+    const ParticleSource& source = scene.particles[s];
+    if (source.type != ParticleSource::Type::block) continue;
+    const Lattice lattice(source, scene.fluid.spacing);
+    for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
+      if (state.slabs.owner(plane) != rank) return;
+      add_layer(state.particles, lattice, grid.slab_axis(), layer, source, files.first_id[s]);
+    });
+  }
+  if (scene.colour == Colour::rainbow_x) add_hue(comm, state.particles);
+  return state;
+}
+
+InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows) {
+  Particles particles;
+  append_rows(particles, rows, 0);
+  check_inside(comm, scene, particles, "the checkpoint");
+  if (scene.colour == Colour::rainbow_x) {
+    particles.has_hue = true;
+    particles.hue = std::move(rows.hue);
+    if (particles.hue.size() != particles.id.size()) {
+      throw InputError("the checkpoint has no /particles/hue, which [colour] by = \"rainbow_x\" needs; choose another "
+                       "colour with --set colour.by=rainbow_id");
+    }
+  }
+  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
+  add_weights(comm, grid, particles, weights);
+  InitialState state{Slabs(weights, size_of(comm)), std::move(particles)};
+  migrate(comm, state.particles, &Particles::position, grid, state.slabs);
+  return state;
+}
+
+}  // namespace trevi

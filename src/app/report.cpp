@@ -1,0 +1,91 @@
+#include "trevi/app/report.hpp"
+
+#include <petscsys.h>
+#include <sys/resource.h>
+
+#include "trevi/base/simd.hpp"
+#include "trevi/output/hdf5_rows.hpp"
+#include "trevi/output/run_report.hpp"
+#include "trevi/output/vtu.hpp"
+#include "trevi/parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+double sum_real(MPI_Comm comm, double value) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return value;
+}
+
+std::vector<PhaseReport> phases(MPI_Comm comm) {
+  std::vector<PhaseReport> reports;
+  for (const EventTotals& event : event_totals()) {
+    PhaseReport report;
+    report.name = event.name;
+    report.seconds_min = min_over_ranks(comm, event.seconds);
+    report.seconds_mean = sum_real(comm, event.seconds) / size_of(comm);
+    report.seconds_max = max_over_ranks(comm, event.seconds);
+    report.calls = event.calls;
+    report.flops = sum_real(comm, event.flops);
+    if (report.calls > 0) reports.push_back(report);
+  }
+  return reports;
+}
+
+RunReport::Versions versions() {
+  char mpi[MPI_MAX_LIBRARY_VERSION_STRING] = {};
+  int length = 0;
+  MPI_Get_library_version(mpi, &length);
+  const std::string petsc = std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
+                            std::to_string(PETSC_VERSION_SUBMINOR);
+  return {TREVI_VERSION, std::string(mpi).substr(0, std::string(mpi).find(',')), petsc, hdf5_version(), vtk_version()};
+}
+
+double resident_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024;
+}
+
+// Pair loops of the density solve: two passes an iteration over the pairs of a substep.
+double pair_seconds(const std::vector<PhaseReport>& phases) {
+  double seconds = 0;
+  for (const PhaseReport& phase : phases) {
+    if (phase.name == "Lambda" || phase.name == "Delta") seconds += phase.seconds_mean;
+  }
+  return seconds;
+}
+
+}  // namespace
+
+void write_report(const Session& session, const RunContext& context, const Solver& solver, const std::string& exit_reason) {
+  const MPI_Comm comm = session.comm();
+  const Solver::Counters counters = solver.counters();
+  RunReport report;
+  report.exit_reason = exit_reason;
+  report.ranks = session.size();
+  report.versions = versions();
+  report.scene = context.scene.path;
+  report.scene_hash = scene_hash(context.scene.text);
+  report.instruction_set = instruction_set_name();
+  report.precision = context.scene.density.precision == Precision::single ? "single" : "double";
+  report.first_step = context.first_step;
+  report.last_step = solver.clock().step;
+  report.steps = report.last_step - report.first_step;
+  report.particles = sum_over_ranks(comm, solver.particles().size());
+  report.simulated_seconds = static_cast<double>(report.steps) * solver.clock().dt;
+  report.wall_seconds = max_over_ranks(comm, counters.seconds);
+  report.phases = phases(comm);
+  const auto steps = static_cast<double>(report.steps), particles = static_cast<double>(report.particles);
+  report.steps_per_second = steps / report.wall_seconds;
+  report.particle_steps_per_second = particles * steps / report.wall_seconds;
+  report.nanoseconds_per_pair = 1e9 * pair_seconds(report.phases) * session.size() / sum_real(comm, counters.pair_passes);
+  report.halo_bytes_per_step = sum_real(comm, static_cast<double>(counters.halo_bytes)) / steps;
+  report.halo_messages_per_step = sum_real(comm, static_cast<double>(counters.halo_messages)) / steps;
+  report.bytes_per_particle = sum_real(comm, static_cast<double>(counters.bytes)) / particles;
+  report.max_resident_bytes = max_over_ranks(comm, resident_bytes());
+  write_run_report(comm, context.directory, report);
+}
+
+}  // namespace trevi

@@ -1,0 +1,302 @@
+#include "scene_physics.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace trevi {
+namespace {
+
+/// Beyond this many of anything (steps, particles) a count is a slip of the pen, and no longer exact in a double.
+constexpr Real most_counted = 1e15;
+
+std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
+
+std::string beside_scene(const std::string& scene_path, const std::string& path) {
+  return (std::filesystem::path(scene_path).parent_path() / path).string();
+}
+
+class PhysicsReader {
+ public:
+  PhysicsReader(Section& root, Scene& scene)
+      : root_(root), scene_(scene), domain_(root.child("domain")), fluid_(root.child("fluid")) {}
+
+  void read() {
+    Section density = root_.child("density");
+    read_preset(density);  // first: it changes what absent keys of the other tables mean
+    read_domain();
+    read_fluid();
+    read_particles();
+    read_time();
+    read_density(density);
+    read_forces();
+    read_filters();
+    for (Section& fountain : root_.children("fountain")) read_fountain(fountain);
+    domain_.reject_unknown();
+    fluid_.reject_unknown();
+    density.reject_unknown();
+  }
+
+ private:
+  void read_preset(Section& density);
+  void read_domain();
+  void read_fluid();
+  void read_particles();
+  void read_particle_source(Section& section);
+  void read_block(Section& section, ParticleSource& source);
+  void read_time();
+  void read_density(Section& density);
+  void read_forces();
+  void read_walls();
+  void read_tensile();
+  void read_filters();
+  void read_fountain(Section& section);
+  void read_jet(Section& section, FountainSettings& fountain);
+
+  bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
+  void check_kernel_radius();
+
+  Section& root_;
+  Scene& scene_;
+  Section domain_, fluid_;
+};
+
+void PhysicsReader::read_preset(Section& density) {
+  bool report = false;
+  density.choice<bool>({"preset", "the values of absent keys"}, report, {{"default", false}, {"report", true}});
+  if (!report) return;
+  scene_.density = {.method = Method::jacobi,
+                    .iterations = 4,
+                    .tolerance = std::nullopt,
+                    .relaxation = 1,
+                    .epsilon = 1,
+                    .constraint = Constraint::equality};
+  scene_.fluid.mass = Mass::volume;
+  scene_.walls = {.restitution = 0.5, .density = WallDensity::none, .reflection = Reflection::report};
+  scene_.cfl = 0;
+  scene_.tensile = {.k = 0.001, .n = 4, .dq = 0.2};
+  scene_.vorticity = 0.002;
+  scene_.viscosity = 0.001;
+}
+
+void PhysicsReader::read_domain() {
+  domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, components(scene_.domain_min));
+  domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, components(scene_.domain_max));
+  const Vec3 extent = scene_.domain_max - scene_.domain_min;
+  if (box_known())
+    domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
+  scene_.slab_axis = extent.y() > extent.x() ? 1 : 0;
+  domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
+                      scene_.slab_axis, {{"x", 0}, {"y", 1}});
+}
+
+void PhysicsReader::read_fluid() {
+  FluidSettings& fluid = scene_.fluid;
+  fluid_.number({"spacing", "the lattice spacing in metres", true}, fluid.spacing, above(0));
+  fluid_.number({"rest_density", "the density at rest in kg/m³"}, fluid.rest_density, above(0));
+  fluid.kernel_radius = 2 * fluid.spacing;
+  fluid_.number({"kernel_radius", "the kernel radius h in metres; default twice the spacing"}, fluid.kernel_radius, above(0));
+  fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
+                      {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
+  check_kernel_radius();
+}
+
+void PhysicsReader::check_kernel_radius() {
+  constexpr Real rounding = 1e-9;  // 0.06 / 0.05 need not be 1.2 or more
+  constexpr Real most_cells = 1e6;
+  const Real h = scene_.fluid.kernel_radius, ratio = h / scene_.fluid.spacing;
+  const Vec3 extent = scene_.domain_max - scene_.domain_min;
+  const std::string value = fmt::format("{} m{}", h, fluid_.given("kernel_radius") ? "" : " (the default)");
+  if (fluid_.fine("spacing")) {
+    fluid_.check("kernel_radius", ratio >= 1.2 - rounding && ratio <= 4 + rounding,
+                 fmt::format("must be 1.2 to 4 times the spacing {} m, got {}; give about twice the spacing",
+                             scene_.fluid.spacing, value));
+  }
+  if (!box_known()) return;
+  fluid_.check("kernel_radius", h <= extent.minCoeff(),
+               fmt::format("must not exceed the smallest extent of the box, {} m, got {}; enlarge the box or refine",
+                           extent.minCoeff(), value));
+  if (fluid_.fine("kernel_radius")) {
+    domain_.check("max", extent.maxCoeff() <= most_cells * h,
+                  fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
+                              extent.maxCoeff(), h));
+  }
+}
+
+void PhysicsReader::read_particles() {
+  std::vector<Section> sections = root_.children("particles");
+  root_.check("particles", !sections.empty(), "missing; add at least one [[particles]] table, a block or a file");
+  for (Section& section : sections) read_particle_source(section);
+}
+
+void PhysicsReader::read_particle_source(Section& section) {
+  ParticleSource source;
+  source.line = section.line();
+  section.choice<ParticleSource::Type>({"type", "where the particles come from; default block"}, source.type,
+                                       {{"block", ParticleSource::Type::block}, {"file", ParticleSource::Type::file}});
+  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  if (source.type == ParticleSource::Type::file) {
+    section.text({"path", "the HDF5 file with /particles/position, relative to the scene's folder", true}, source.path);
+    source.path = beside_scene(scene_.path, source.path);
+  } else {
+    read_block(section, source);
+  }
+  section.reject_unknown();
+  scene_.particles.push_back(source);
+}
+
+void PhysicsReader::read_block(Section& section, ParticleSource& source) {
+  section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, components(source.min));
+  section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, components(source.max));
+  section.numbers({"velocity", "the start velocity [x, y, z] in m/s"}, components(source.velocity));
+  if (!section.fine("min") || !section.fine("max")) return;
+  const Vec3 extent = source.max - source.min;
+  section.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the block");
+  if (box_known()) {
+    section.check("min", (source.min - scene_.domain_min).minCoeff() >= 0,
+                  "the block is outside the box; move min to [domain] min or above");
+    section.check("max", (scene_.domain_max - source.max).minCoeff() >= 0,
+                  "the block is outside the box; move max to [domain] max or below");
+  }
+  if (!fluid_.fine("spacing") || !section.fine("max")) return;
+  const Real spacing = scene_.fluid.spacing;
+  const Vec3 counts = (extent / spacing).array().round();
+  section.check("max", counts.minCoeff() >= 1,
+                fmt::format("zero particles: the block is thinner than half the spacing {} m; enlarge it", spacing));
+  section.check("max", counts.prod() <= most_counted,
+                fmt::format("{:.1e} particles are too many; check the units, or coarsen the spacing", counts.prod()));
+}
+
+void PhysicsReader::read_time() {
+  Section time = root_.child("time");
+  time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
+  time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
+  time.number({"cfl", "the CFL number that splits a step; 0 never splits"}, scene_.cfl, at_least(0));
+  if (time.fine("dt")) {
+    const Real steps = scene_.end / scene_.dt;
+    time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
+  }
+  time.reject_unknown();
+}
+
+void PhysicsReader::read_density(Section& section) {
+  DensitySettings& density = scene_.density;
+  section.choice<Method>(
+      {"method", "how the density iteration is accelerated"}, density.method,
+      {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
+  section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
+                  density.iterations, 1);
+  Real tolerance = 0;
+  if (section.number({"tolerance", "the mean compression to stop at; default: never stop early"}, tolerance, above(0)))
+    density.tolerance = tolerance;
+  section.number({"relaxation", "the factor on each position correction"}, density.relaxation,
+                 {.low = 0, .high = 2, .with_low = false});
+  section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
+  section.choice<Constraint>({"constraint", "whether stretched fluid is pulled together, too"}, density.constraint,
+                             {{"equality", Constraint::equality}, {"inequality", Constraint::inequality}});
+  section.choice<Precision>({"precision", "the arithmetic of the pair loops"}, density.precision,
+                            {{"double", Precision::double_}, {"single", Precision::single}});
+  read_walls();
+  read_tensile();
+}
+
+void PhysicsReader::read_walls() {
+  Section section = root_.child("walls");
+  WallSettings& walls = scene_.walls;
+  section.number({"restitution", "the share of speed kept in a bounce"}, walls.restitution, {.low = 0, .high = 1});
+  section.choice<WallDensity>({"density", "what the fluid feels of a wall"}, walls.density,
+                              {{"none", WallDensity::none}, {"analytic", WallDensity::analytic}});
+  section.choice<Reflection>({"reflection", "what restitution scales: the normal part, or all as in the report"},
+                             walls.reflection, {{"normal", Reflection::normal}, {"report", Reflection::report}});
+  section.reject_unknown();
+}
+
+void PhysicsReader::read_tensile() {
+  Section section = root_.child("tensile");
+  TensileSettings tensile = scene_.tensile.value_or(TensileSettings{});
+  section.number({"k", "the strength of the artificial pressure in m² at spacing 0.1 m"}, tensile.k, at_least(0));
+  section.integer({"n", "the exponent of the artificial pressure"}, tensile.n, 1);
+  section.number({"dq", "the reference distance in units of kernel_radius"}, tensile.dq,
+                 {.low = 0, .high = 1, .with_low = false, .with_high = false});
+  if (section.present()) scene_.tensile = tensile;
+  section.reject_unknown();
+}
+
+void PhysicsReader::read_forces() {
+  Section section = root_.child("gravity");
+  if (section.present()) {
+    Vec3 acceleration(0, 0, -9.8);
+    section.numbers({"acceleration", "the acceleration [x, y, z] in m/s²"}, components(acceleration));
+    scene_.gravity = acceleration;
+  }
+  section.reject_unknown();
+}
+
+void PhysicsReader::read_filters() {
+  Section vorticity = root_.child("vorticity"), viscosity = root_.child("viscosity");
+  // A table without its key means the values of the report.
+  Real epsilon = scene_.vorticity.value_or(0.002), c = scene_.viscosity.value_or(0.001);
+  vorticity.number({"epsilon", "the strength of the vorticity confinement"}, epsilon, at_least(0));
+  viscosity.number({"c", "the XSPH viscosity in m³/kg"}, c, at_least(0));
+  if (vorticity.present()) scene_.vorticity = epsilon;
+  if (viscosity.present()) scene_.viscosity = c;
+  if (scene_.viscosity && viscosity.fine("c") && fluid_.fine("rest_density")) {
+    const bool own = viscosity.given("c");
+    (own ? viscosity : fluid_)
+        .check(own ? "c" : "rest_density", c * scene_.fluid.rest_density <= 1 + 1e-12,
+               fmt::format("XSPH would overshoot: c * rest_density must not exceed 1, got {} * {}; lower [viscosity] c",
+                           c, scene_.fluid.rest_density));
+  }
+  vorticity.reject_unknown();
+  viscosity.reject_unknown();
+}
+
+void PhysicsReader::read_fountain(Section& section) {
+  FountainSettings fountain;
+  section.numbers({"center", "the middle [x, y] of the fountain on the floor in metres", true}, fountain.center);
+  if (box_known() && section.fine("center")) {
+    const Eigen::Map<const Eigen::Vector2d> center(fountain.center);
+    const auto low = scene_.domain_min.head<2>(), high = scene_.domain_max.head<2>();
+    section.check("center", (center - low).minCoeff() >= 0 && (high - center).minCoeff() >= 0,
+                  fmt::format("the fountain is outside the floor, x {} to {} and y {} to {}; move it inside", low.x(),
+                              high.x(), low.y(), high.y()));
+  }
+  section.number({"diameter", "the diameter of the cylinder in metres"}, fountain.diameter, above(0));
+  section.number({"height", "the height of the cylinder above the floor in metres"}, fountain.height, above(0));
+  read_jet(section, fountain);
+  section.number({"start", "the time the fountain starts in seconds"}, fountain.start, at_least(0));
+  section.number({"stop", "the time the fountain stops in seconds"}, fountain.stop);
+  if (section.fine("start")) {
+    section.check("stop", fountain.stop > fountain.start,
+                  fmt::format("must be later than start, {} s; give the time the fountain stops", fountain.start));
+  }
+  section.reject_unknown();
+  scene_.fountains.push_back(fountain);
+}
+
+void PhysicsReader::read_jet(Section& section, FountainSettings& fountain) {
+  if (section.numbers({"direction", "the direction of the jet [x, y, z], of any length"},
+                      components(fountain.direction)) &&
+      section.check("direction", fountain.direction.stableNorm() > 0, "must not be zero; give the way the jet goes")) {
+    fountain.direction.stableNormalize();
+  }
+  section.number({"speed", "the speed of the jet in m/s"}, fountain.speed, at_least(0));
+  section.number({"jitter", "the largest random addition to speed in m/s"}, fountain.jitter, at_least(0));
+  if (section.text({"music", "the score (.txt .mid .wav), relative to the scene's folder, or -"}, fountain.music) &&
+      fountain.music != "-") {
+    fountain.music = beside_scene(scene_.path, fountain.music);
+  }
+  Real range[2] = {0, 0};
+  if (section.numbers({"speed_range", "the speeds [low, high] of the lowest and highest note in m/s"}, range) &&
+      section.check("speed_range", range[0] >= 0 && range[0] < range[1],
+                    "must increase and not be negative; give [low, high]")) {
+    fountain.speed_range = {range[0], range[1]};
+  }
+}
+
+}  // namespace
+
+void read_physics(Section& root, Scene& scene) { PhysicsReader(root, scene).read(); }
+
+}  // namespace trevi

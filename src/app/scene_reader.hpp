@@ -1,0 +1,141 @@
+// Reading a TOML table into plain members: types, ranges, missing and unknown keys.
+// A Section never throws on bad input: it hands each problem to Findings, leaves the target as it was and goes on,
+// so that one pass finds every problem. Findings also keeps the keys that were asked for, which is the reference.
+// Nothing here knows what a scene is. Not collective; the same document gives the same findings on all ranks.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "trevi/base/types.hpp"
+
+namespace trevi {
+
+/// Text for a message: one line whatever it holds, and cut when long.
+inline constexpr std::size_t usual_length = 60, longest_message = 300;
+std::string printable(std::string_view text, std::size_t longest = usual_length);
+
+/// The known word that was most likely meant; empty when none is near.
+std::string nearest_word(std::string_view word, std::span<const std::string> known);
+
+struct Place {
+  toml::source_region where;
+  std::string path;   ///< "fluid.spacing", as --set names it
+  std::string label;  ///< "[fluid] spacing", as messages name it
+};
+
+/// What was wrong with a scene, and what a scene may hold.
+class Findings {
+ public:
+  explicit Findings(std::string file) : file_(std::move(file)) {}
+  void add(const Place& place, const std::string& message);
+  /// A problem of an override that has no place in the document.
+  void add_override(const std::string& assignment, const std::string& message);
+  void describe(const std::string& line);
+  /// Throws InputError with one problem a line, in the order of the file, overrides last; nothing found: returns.
+  void throw_if_any() const;
+  const std::vector<std::string>& descriptions() const { return descriptions_; }
+
+ private:
+  std::string file_;
+  std::vector<std::pair<toml::source_index, std::string>> problems_;  ///< line for sorting, message
+  std::vector<std::string> descriptions_;
+};
+
+struct Key {
+  const char* name;
+  const char* meaning;  ///< with its unit; completes the sentence "give ..."
+  bool required = false;
+};
+
+/// Finite numbers from low to high, the ends included or not.
+struct Range {
+  Real low = -std::numeric_limits<Real>::infinity(), high = std::numeric_limits<Real>::infinity();
+  bool with_low = true, with_high = true;
+  bool contains(Real value) const;
+  std::string rule() const;  ///< "must be positive"
+};
+inline Range above(Real low) { return {.low = low, .with_low = false}; }
+inline Range at_least(Real low) { return {.low = low}; }
+
+class Section {
+ public:
+  Section(const toml::table& root, Findings& findings);
+
+  /// The table `name` of this one; absent: a section without keys. Array: one section for each [[name]].
+  Section child(const std::string& name);
+  std::vector<Section> children(const std::string& name);
+
+  /// These return whether the key was given and good; only then is the target written.
+  bool number(const Key& key, Real& target, const Range& range = {});
+  bool numbers(const Key& key, std::span<Real> target);
+  bool text(const Key& key, std::string& target);
+  bool texts(const Key& key, std::vector<std::string>& target);
+  template <std::integral T>
+  bool integer(const Key& key, T& target, std::int64_t least);
+  template <class E>
+  bool choice(const Key& key, E& target, std::initializer_list<std::pair<const char*, E>> options);
+
+  /// The value of a key of more than one type, and the way to refuse it.
+  const toml::node* find(const Key& key, const std::string& type);
+  void refuse(const Key& key, const std::string& what);
+
+  /// A rule between keys: reported once, and only when the key was good so far.
+  bool check(const char* key, bool holds, const std::string& message);
+
+  bool present() const { return table_ != nullptr; }
+  bool given(const char* key) const { return table_ && table_->contains(key); }
+  bool fine(const char* key) const { return !failed_.contains(key); }
+  /// In the scene file; 0 when the table came from an override.
+  int line() const;
+  /// Reports the keys that nobody asked for; call last.
+  void reject_unknown();
+
+ private:
+  Section(const toml::table* table, Place place, Findings& findings);
+  const toml::table* accept_table(const toml::node& node, const Place& place, const std::string& what);
+  void fail(const char* key, const std::string& message);
+  bool integer_between(const Key& key, std::int64_t& target, std::pair<std::int64_t, std::int64_t> bounds);
+  int pick(const Key& key, std::span<const std::string> options);
+  Place place_of(const std::string& key) const;
+
+  const toml::table* table_;
+  Place place_;
+  Findings* findings_;
+  bool malformed_ = false;  ///< something else stands in the table's place, so nothing is missing from it
+  std::vector<std::string> known_;
+  std::set<std::string, std::less<>> failed_;
+};
+
+template <std::integral T>
+bool Section::integer(const Key& key, T& target, std::int64_t least) {
+  std::int64_t value = 0;
+  constexpr auto most = std::cmp_less(std::numeric_limits<T>::max(), std::numeric_limits<std::int64_t>::max())
+                            ? static_cast<std::int64_t>(std::numeric_limits<T>::max())
+                            : std::numeric_limits<std::int64_t>::max();
+  if (!integer_between(key, value, {least, most})) return false;
+  target = static_cast<T>(value);
+  return true;
+}
+
+template <class E>
+bool Section::choice(const Key& key, E& target, std::initializer_list<std::pair<const char*, E>> options) {
+  std::vector<std::string> words;
+  for (const auto& option : options) words.emplace_back(option.first);
+  const int chosen = pick(key, words);
+  if (chosen < 0) return false;
+  target = (options.begin() + chosen)->second;
+  return true;
+}
+
+}  // namespace trevi

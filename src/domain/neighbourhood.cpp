@@ -1,0 +1,56 @@
+#include "trevi/domain/neighbourhood.hpp"
+
+#include "trevi/base/error.hpp"
+
+namespace trevi {
+
+template <class T>
+Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
+    : comm_(comm), order_(grid), halo_(comm), encoding_(origin, h) {}
+
+template <class T>
+void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last) {
+  {
+    const ScopedEvent timed(sort_event_);
+    order_.sort(particles, first, last);
+  }
+  {
+    const ScopedEvent timed(halo_event_);
+    halo_.rebuild(order_);
+    records_.resize(static_cast<std::size_t>(order_.size()));
+    encode(particles.predicted, all());
+    halo_.exchange(records_);
+  }
+  const ScopedEvent timed(search_event_);
+  list_.rebuild(order_, records_);
+  if (list_.crowded() >= 0) {
+    const auto i = static_cast<std::size_t>(list_.crowded());
+    throw RunError("particle " + std::to_string(particles.id[i]) + " has more than " +
+                   std::to_string(NeighbourList::most_neighbours) +
+                   " neighbours: the water has collapsed into a point; use a smaller dt, time.cfl, or under-relaxation");
+  }
+}
+
+template <class T>
+void Neighbourhood<T>::encode(const std::vector<Vec3>& place, PlaneRun range) {
+  for (LocalId i = range.begin; i < range.end; ++i) record(i) = encoding_(place[static_cast<std::size_t>(i)], T{0});
+}
+
+template <class T>
+std::vector<PlaneRun> Neighbourhood<T>::boundary() const {
+  const auto first = order_.owned_range(0, 1), last = order_.owned_range(order_.planes() - 1, order_.planes());
+  if (order_.planes() == 1) return {{first.first, first.second}};
+  return {{first.first, first.second}, {last.first, last.second}};
+}
+
+template <class T>
+PlaneRun Neighbourhood<T>::interior() const {
+  if (order_.planes() <= 2) return {};
+  const auto range = order_.owned_range(1, order_.planes() - 1);
+  return {range.first, range.second};
+}
+
+template class Neighbourhood<float>;
+template class Neighbourhood<double>;
+
+}  // namespace trevi

@@ -1,0 +1,105 @@
+#include "trevi/fluid/density.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "trevi/fluid/kernels.hpp"
+
+namespace trevi {
+
+namespace {
+// Particles summed before their sums are used: the sums stay in the first-level cache.
+constexpr LocalId chunk = 128;
+}  // namespace
+
+Real particle_mass(const FluidSettings& fluid) {
+  if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
+  return fluid.rest_density / lattice_poly6_sum(fluid.spacing, fluid.kernel_radius);
+}
+
+Real density(const DensityModel& model, Real poly6_sum) { return model.mass * poly6_factor(model.h) * (1 + poly6_sum); }
+
+Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
+  Real c = rho / model.rest_density - 1;
+  if (model.constraint == Constraint::inequality) c = std::max(c, 0.0);
+  if (c == 0) return 0;
+  // A particle without neighbours has no gradient; with epsilon = 0 that would be 0/0.
+  return -c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
+}
+
+template <class T>
+DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
+                                        std::vector<std::unique_ptr<const BoundaryDensity>> boundaries)
+    : model_(model),
+      gradient_factor_(model.mass / model.rest_density * spiky_gradient_factor(model.h)),
+      loops_(pair_loops<T>()),
+      delta_loop_(loops_.delta),
+      boundaries_(std::move(boundaries)) {
+  if (tensile) {
+    delta_loop_ = [loop = loops_.tensile_delta, t = *tensile](const Pairs<T>& pairs, Range range, Quad<T>* out) {
+      loop(pairs, range, t, out);
+    };
+  }
+}
+
+template <class T>
+template <class Use>
+void DensityConstraint<T>::for_each_sum(const Pairs<T>& pairs, Range range, Use&& use) const {
+  std::array<Quad<T>, chunk> sums;
+  std::array<T, chunk> squares;
+  for (LocalId begin = range.begin; begin < range.end; begin += chunk) {
+    const Range part{begin, std::min(begin + chunk, range.end)};
+    loops_.density(pairs, part, sums.data(), squares.data());
+    for (LocalId k = 0; k < part.size(); ++k) use(begin + k, sums[static_cast<std::size_t>(k)], squares[static_cast<std::size_t>(k)]);
+  }
+}
+
+template <class T>
+void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const {
+  for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T) {
+    const auto k = static_cast<std::size_t>(i);
+    rho[k] = density(model_, sum.w);
+    for (const auto& boundary : boundaries_) rho[k] += model_.rest_density * boundary->at(p[k]).density;
+  });
+}
+
+template <class T>
+void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
+                                   std::vector<Packed<T>>& records) const {
+  for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T squares) {
+    const auto k = static_cast<std::size_t>(i);
+    rho[k] = density(model_, sum.w);
+    Vec3 gradient = -gradient_factor_ * vector_of(sum);
+    for (const auto& boundary : boundaries_) {
+      const BoundaryShare share = boundary->at(p[k]);
+      rho[k] += model_.rest_density * share.density;
+      gradient += share.gradient;
+    }
+    const Real neighbours = gradient_factor_ * gradient_factor_ * static_cast<Real>(squares);
+    records[static_cast<std::size_t>(pairs.low_ghosts) + k].w = static_cast<T>(lambda(model_, rho[k], gradient, neighbours));
+  });
+}
+
+template <class T>
+void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                  std::span<Quad<T>> delta) const {
+  Quad<T>* out = delta.data() + range.begin;
+  delta_loop_(pairs, range, out);
+  const auto factor = static_cast<T>(-gradient_factor_);
+  for (LocalId k = 0; k < range.size(); ++k) out[k] = {out[k].x * factor, out[k].y * factor, out[k].z * factor, 0};
+  for (const auto& boundary : boundaries_) {
+    for (LocalId k = 0; k < range.size(); ++k) {
+      const LocalId i = range.begin + k;
+      const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts + i)].w;
+      const Vec3 shift = lambda_i * boundary->at(p[static_cast<std::size_t>(i)]).gradient;
+      out[k].x += static_cast<T>(shift.x());
+      out[k].y += static_cast<T>(shift.y());
+      out[k].z += static_cast<T>(shift.z());
+    }
+  }
+}
+
+template class DensityConstraint<float>;
+template class DensityConstraint<double>;
+
+}  // namespace trevi

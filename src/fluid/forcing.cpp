@@ -1,0 +1,46 @@
+#include "trevi/fluid/forcing.hpp"
+
+#include <Random123/philox.h>
+
+namespace trevi {
+
+void Gravity::apply(Particles& particles, const StepInfo& info) {
+  const ScopedEvent timed(event_);
+  const Vec3 change = acceleration_ * info.dt;
+  for (Vec3& v : particles.velocity) v += change;
+}
+
+Fountain::Fountain(const FountainSettings& settings, PumpSpeed speed, Real floor, std::uint64_t seed, int index)
+    : event_("Fountain"), settings_(settings), speed_(std::move(speed)), floor_(floor), seed_(seed), index_(index) {}
+
+bool Fountain::contains(const Vec3& p) const {
+  const Real x = p.x() - settings_.center[0], y = p.y() - settings_.center[1], r = settings_.diameter / 2;
+  return x * x + y * y <= r * r && p.z() - floor_ <= settings_.height;
+}
+
+void Fountain::apply(Particles& particles, const StepInfo& info) {
+  const ScopedEvent timed(event_);
+  if (!running(info.time)) return;
+  const Real speed = speed_(info.time);
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    if (!contains(particles.position[i])) continue;
+    const Real u = uniform(seed_, particles.id[i], info, index_);
+    particles.velocity[i] = settings_.direction * (speed + settings_.jitter * u);
+  }
+}
+
+Real uniform(std::uint64_t seed, GlobalId id, const StepInfo& info, int stream) {
+  using Generator = r123::Philox4x32;
+  const auto low = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
+  const auto high = [](std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); };
+  const auto particle = static_cast<std::uint64_t>(id), step = static_cast<std::uint64_t>(info.step);
+  // 40 bits of step, 12 of substep, 12 of stream.
+  const auto place = static_cast<std::uint32_t>(static_cast<unsigned>(info.substep) << 12U | (static_cast<unsigned>(stream) & 0xfffU));
+  const Generator::ctr_type counter = {{low(particle), high(particle), low(step), place | high(step) << 24U}};
+  const Generator::key_type key = {{low(seed), high(seed)}};
+  const Generator::ctr_type random = Generator()(counter, key);
+  const std::uint64_t bits = (static_cast<std::uint64_t>(random[0]) << 32U | random[1]) >> 11U;
+  return static_cast<Real>(bits) * 0x1p-53;
+}
+
+}  // namespace trevi

@@ -1,0 +1,163 @@
+// One traversal for all pair loops: particle by particle, a vector of neighbours at a time. A neighbour's record is loaded
+// whole and the vector of records transposed in registers, which beats gather instructions by a factor of two.
+// Included once per instruction set, inside the sources that Highway compiles repeatedly.
+#if defined(TREVI_FLUID_PAIR_TRAVERSAL_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREVI_FLUID_PAIR_TRAVERSAL_INL
+#undef TREVI_FLUID_PAIR_TRAVERSAL_INL
+#else
+#define TREVI_FLUID_PAIR_TRAVERSAL_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include "trevi/fluid/pair_sums.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class D>
+struct Four {
+  hn::Vec<D> x, y, z, w;
+};
+
+// Block b of the result is the 16 bytes at records[index[first + b · stride]] + offset.
+template <class D>
+HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const LocalId* index, std::size_t stride) {
+  const auto block = [=](std::size_t b) { return base + 4 * static_cast<std::size_t>(index[b * stride]); };
+  constexpr std::size_t lanes_per_block = 16 / sizeof(hn::TFromD<D>);
+  constexpr std::size_t blocks = HWY_MAX_BYTES >= 16 ? hn::MaxLanes(D()) / lanes_per_block : 1;
+  if constexpr (blocks == 1) {
+    return hn::Load(d, block(0));
+  } else if constexpr (blocks == 2) {
+    return hn::ConcatUpperLower(d, hn::LoadDup128(d, block(1)), hn::LoadDup128(d, block(0)));
+  } else {
+    static_assert(blocks == 4);
+    const auto low = hn::IfThenElse(hn::FirstN(d, lanes_per_block), hn::LoadDup128(d, block(0)), hn::LoadDup128(d, block(1)));
+    const auto high =
+        hn::IfThenElse(hn::FirstN(d, 3 * lanes_per_block), hn::LoadDup128(d, block(2)), hn::LoadDup128(d, block(3)));
+    return hn::ConcatUpperLower(d, high, low);
+  }
+}
+
+// Lane k of x, y, z, w is the record at index[k].
+template <class D>
+  requires(sizeof(hn::TFromD<D>) == 4)
+HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
+  const auto* base = static_cast<const hn::TFromD<D>*>(records);
+  const auto a = load_blocks(d, base, index, 4), b = load_blocks(d, base, index + 1, 4);
+  const auto c = load_blocks(d, base, index + 2, 4), e = load_blocks(d, base, index + 3, 4);
+  const hn::Repartition<double, D> wide;  // two lanes moved as one
+  const auto ab = hn::BitCast(wide, hn::InterleaveLower(d, a, b)), ce = hn::BitCast(wide, hn::InterleaveLower(d, c, e));
+  const auto ab2 = hn::BitCast(wide, hn::InterleaveUpper(d, a, b)), ce2 = hn::BitCast(wide, hn::InterleaveUpper(d, c, e));
+  return {hn::BitCast(d, hn::InterleaveLower(wide, ab, ce)), hn::BitCast(d, hn::InterleaveUpper(wide, ab, ce)),
+          hn::BitCast(d, hn::InterleaveLower(wide, ab2, ce2)), hn::BitCast(d, hn::InterleaveUpper(wide, ab2, ce2))};
+}
+
+template <class D>
+  requires(sizeof(hn::TFromD<D>) == 8)
+HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
+  const auto* base = static_cast<const hn::TFromD<D>*>(records);
+  const auto xy0 = load_blocks(d, base, index, 2), xy1 = load_blocks(d, base, index + 1, 2);
+  const auto zw0 = load_blocks(d, base + 2, index, 2), zw1 = load_blocks(d, base + 2, index + 1, 2);
+  return {hn::InterleaveLower(d, xy0, xy1), hn::InterleaveUpper(d, xy0, xy1), hn::InterleaveLower(d, zw0, zw1),
+          hn::InterleaveUpper(d, zw0, zw1)};
+}
+
+// Sum of the 128-bit blocks of a vector.
+template <class D, class V>
+HWY_INLINE auto sum_of_blocks(D, V v) {
+  if constexpr (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) <= 16) {
+    return v;
+  } else {
+    const hn::Half<D> half;
+    return sum_of_blocks(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
+}
+
+// The four sums over lanes as one record.
+template <class D>
+  requires(sizeof(hn::TFromD<D>) == 4)
+HWY_INLINE Quad<float> sum_of_lanes(D d, const Four<D>& v) {
+  const hn::Repartition<double, D> wide;
+  const auto xy = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y)));
+  const auto zw = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w)));
+  const auto sums = hn::Add(hn::BitCast(d, hn::InterleaveLower(wide, xy, zw)), hn::BitCast(d, hn::InterleaveUpper(wide, xy, zw)));
+  Quad<float> result;
+  hn::Store(sum_of_blocks(D(), sums), hn::Full128<float>(), &result.x);
+  return result;
+}
+
+template <class D>
+  requires(sizeof(hn::TFromD<D>) == 8)
+HWY_INLINE Quad<double> sum_of_lanes(D d, const Four<D>& v) {
+  const auto xy = hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y));
+  const auto zw = hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w));
+  Quad<double> result;
+  hn::Store(sum_of_blocks(D(), xy), hn::Full128<double>(), &result.x);
+  hn::Store(sum_of_blocks(D(), zw), hn::Full128<double>(), &result.z);
+  return result;
+}
+
+// A vector of pairs (i, j): d = p_i − p_j in the units of the records, r2 in h², w_j the scalar of record j.
+template <class D>
+struct PairVector {
+  hn::Vec<D> dx, dy, dz, r2, w;
+  const LocalId* index;
+};
+
+// The coordinates of a record are integers in single precision; their difference is exact.
+template <class D, class V>
+HWY_INLINE hn::Vec<D> difference(D d, hwy::HWY_NAMESPACE::Vec<hn::RebindToSigned<D>> a, V b) {
+  const hn::RebindToSigned<D> di;
+  return hn::ConvertTo(d, hn::Sub(a, hn::BitCast(di, b)));
+}
+
+template <class D>
+HWY_INLINE PairVector<D> pair_vector(D d, const Packed<float>& self, const Packed<float>* records, const LocalId* index) {
+  const hn::RebindToSigned<D> di;
+  const Four<D> j = gather(d, records, index);
+  const auto dx = difference(d, hn::Set(di, self.x), j.x), dy = difference(d, hn::Set(di, self.y), j.y);
+  const auto dz = difference(d, hn::Set(di, self.z), j.z);
+  const auto scale = hn::Set(d, static_cast<float>(1 / (Packed<float>::units_per_h * Packed<float>::units_per_h)));
+  return {dx, dy, dz, hn::Mul(scale, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)))), j.w, index};
+}
+
+template <class D>
+HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Packed<double>* records, const LocalId* index) {
+  const Four<D> j = gather(d, records, index);
+  const auto dx = hn::Sub(hn::Set(d, self.x), j.x), dy = hn::Sub(hn::Set(d, self.y), j.y);
+  const auto dz = hn::Sub(hn::Set(d, self.z), j.z);
+  return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, index};
+}
+
+// For each owned particle i of the range: sums = kernel.start(i), kernel.add(sums, pairs) for all its neighbours,
+// kernel.finish(place in the range, sums).
+template <class T, class Kernel>
+HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Kernel& kernel) {
+  const hn::ScalableTag<T> d;
+  const auto lanes = static_cast<LocalId>(hn::Lanes(d));
+  const auto one = hn::Set(d, T{1});
+  const Packed<T>* records = pairs.records.data();
+  for (LocalId i = range.begin; i < range.end; ++i) {
+    const Packed<T>& self = records[pairs.low_ghosts + i];
+    const LocalId* row = pairs.list.row(i);
+    const LocalId count = pairs.list.count(i);
+    auto sums = kernel.start(d, pairs.low_ghosts + i);
+    for (LocalId k = 0; k < count; k += lanes) {
+      auto pair = pair_vector(d, self, records, row + k);
+      // Lanes past the end of the row are moved to r = h, where every kernel is zero.
+      if (count - k < lanes) pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(count - k)), pair.r2, one);
+      kernel.add(d, sums, pair);
+    }
+    kernel.finish(d, i - range.begin, sums);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+
+#endif

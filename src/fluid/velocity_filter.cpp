@@ -1,0 +1,100 @@
+#include "trevi/fluid/velocity_filter.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+
+#include "trevi/fluid/kernels.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr LocalId chunk = 128;
+
+// loop(part, sums) fills the sums of a part of the particles; use(i, sum) is then called for each of them.
+template <class T, class Loop, class Use>
+void for_each_sum(LocalId particles, Loop&& loop, Use&& use) {
+  std::array<Quad<T>, chunk> sums;
+  for (LocalId begin = 0; begin < particles; begin += chunk) {
+    const Range part{begin, std::min(begin + chunk, particles)};
+    loop(part, sums.data());
+    for (LocalId k = 0; k < part.size(); ++k) use(static_cast<std::size_t>(begin + k), sums[static_cast<std::size_t>(k)]);
+  }
+}
+
+template <class T>
+Pairs<T> pairs_of(const Neighbourhood<T>& near) {
+  return {near.records(), near.list(), near.order().low_ghosts()};
+}
+
+}  // namespace
+
+template <class T>
+const Quad<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
+  quads_.resize(near.records().size());
+  Quad<T>* owned = quads_.data() + near.order().low_ghosts();
+  for (std::size_t i = 0; i < velocity.size(); ++i) {
+    const Vec3& v = velocity[i];
+    owned[i] = {static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), T{0}};
+  }
+  near.halo().exchange(quads_);
+  return quads_.data();
+}
+
+// ∇_{p_j} W = +45/(π h⁶) (h − r)² r̂ with r̂ from j to i, the sign of the sum in the loop.
+template <class T>
+VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon)
+    : loops_(pair_loops<T>()), omega_factor_(model.mass * spiky_gradient_factor(model.h)), epsilon_(epsilon) {}
+
+template <class T>
+void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
+  const Quad<T>* velocities = velocity_.refresh(near, velocity);
+  const LocalId owned = near.order().owned();
+  omega_.resize(static_cast<std::size_t>(owned));
+  loops_.curl(pairs_of(near), {0, owned}, velocities, omega_.data());
+  const auto factor = static_cast<T>(omega_factor_);
+  for (LocalId i = 0; i < owned; ++i) {
+    Quad<T>& omega = omega_[static_cast<std::size_t>(i)];
+    omega = {omega.x * factor, omega.y * factor, omega.z * factor, T{0}};
+    near.record(i).w = static_cast<T>(vector_of(omega).norm());
+  }
+}
+
+template <class T>
+void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
+  const ScopedEvent timed(event_);
+  compute_omega(near, particles.velocity);
+  near.halo().exchange(near.records());
+  const Pairs<T> pairs = pairs_of(near);
+  const auto gradients = [&](Range part, Quad<T>* out) { loops_.gradient(pairs, part, out); };
+  for_each_sum<T>(near.order().owned(), gradients, [&](std::size_t i, const Quad<T>& sum) {
+    // Only the direction of eta matters: minus that of the sum, as ∇_{p_i}W points from i to j.
+    const Vec3 eta = -vector_of(sum);
+    const Real length = eta.norm();
+    if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omega_[i]));
+  });
+  log_flops(static_cast<double>(near.list().pairs()) * (34 + 25));
+}
+
+template <class T>
+XsphViscosity<T>::XsphViscosity(const DensityModel& model, Real c)
+    : loops_(pair_loops<T>()), factor_(c * model.mass * poly6_factor(model.h)) {}
+
+template <class T>
+void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
+  const ScopedEvent timed(event_);
+  const Quad<T>* velocities = velocity_.refresh(near, particles.velocity);
+  const Pairs<T> pairs = pairs_of(near);
+  const auto smoothing = [&](Range part, Quad<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
+  for_each_sum<T>(near.order().owned(), smoothing,
+                  [&](std::size_t i, const Quad<T>& sum) { particles.velocity[i] += factor_ * vector_of(sum); });
+  log_flops(static_cast<double>(near.list().pairs()) * 22);
+}
+
+template class VorticityConfinement<float>;
+template class VorticityConfinement<double>;
+template class XsphViscosity<float>;
+template class XsphViscosity<double>;
+
+}  // namespace trevi

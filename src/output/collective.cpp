@@ -1,0 +1,60 @@
+#include "trevi/output/collective.hpp"
+
+#include <exception>
+#include <string>
+
+#include "trevi/base/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+struct Failure {
+  bool happened = false;
+  ExitCode code = ExitCode::run_failed;
+  std::string message;
+};
+
+Failure attempt(const std::function<void()>& work) {
+  try {
+    work();
+    return {};
+  } catch (const Error& error) {
+    return {true, error.code(), error.what()};
+  } catch (const std::exception& error) {
+    return {true, ExitCode::run_failed, error.what()};
+  }
+}
+
+std::string broadcast(MPI_Comm comm, std::string text, int from) {
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, from, comm);
+  text.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(text.data(), length, MPI_CHAR, from, comm);
+  return text;
+}
+
+}  // namespace
+
+void all_or_none(MPI_Comm comm, const std::function<void()>& work) {
+  const Failure mine = attempt(work);
+  const int size = size_of(comm);
+  const int candidate = mine.happened ? rank_of(comm) : size;
+  int culprit = size;
+  MPI_Allreduce(&candidate, &culprit, 1, MPI_INT, MPI_MIN, comm);
+  if (culprit == size) return;
+  int code = static_cast<int>(mine.code);
+  MPI_Bcast(&code, 1, MPI_INT, culprit, comm);
+  const std::string message = broadcast(comm, mine.message, culprit);
+  if (code == static_cast<int>(ExitCode::bad_input)) throw InputError(message);
+  throw RunError(size == 1 ? message : "rank " + std::to_string(culprit) + ": " + message);
+}
+
+void on_root(MPI_Comm comm, const std::function<void()>& work) {
+  const bool is_root = rank_of(comm) == 0;
+  all_or_none(comm, [&] {
+    if (is_root) work();
+  });
+}
+
+}  // namespace trevi

@@ -1,0 +1,143 @@
+#include "trevi/output/files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <tuple>
+
+#include "trevi/base/error.hpp"
+
+namespace trevi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void write_all(int descriptor, std::string_view text, const std::string& path) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw_file_error(path, "write", errno);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void sync_folder_of(const std::string& path) {
+  const fs::path parent = fs::path(path).parent_path();
+  const int descriptor = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor < 0) return;
+  // Some network file systems refuse to sync a folder; the rename itself has succeeded all the same.
+  static_cast<void>(::fsync(descriptor));
+  ::close(descriptor);
+}
+
+void sync_file(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR);
+  if (descriptor < 0) throw_file_error(path, "open", errno);
+  const int error = ::fsync(descriptor) == 0 ? 0 : errno;
+  ::close(descriptor);
+  // EINVAL: a special file or file system that has no sync.
+  if (error != 0 && error != EINVAL) throw_file_error(path, "sync", error);
+}
+
+void rename_file(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) throw_file_error(to, "rename " + from + " to it", errno);
+}
+
+void set_aside(const std::string& path) {
+  std::string target = path + ".stale";
+  for (int k = 1; fs::exists(target); ++k) target = fmt::format("{}.{}.stale", path, k);
+  rename_file(path, target);
+}
+
+}  // namespace
+
+void throw_file_error(const std::string& path, const std::string& action, int error) {
+  throw RunError(fmt::format("{}: cannot {}: {}", path, action, std::strerror(error)));
+}
+
+AppendFile::AppendFile(const std::string& path)
+    : path_(path), descriptor_(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT, 0666)) {
+  if (descriptor_ < 0) throw_file_error(path, "open", errno);
+}
+
+AppendFile::~AppendFile() { ::close(descriptor_); }
+
+void AppendFile::write(std::string_view text) { write_all(descriptor_, text, path_); }
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw_file_error(path, "open", errno);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (file.bad()) throw_file_error(path, "read", errno);
+  return text.str();
+}
+
+void replace_file(const std::string& path, std::string_view text) {
+  const std::string temporary = path + ".tmp";
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  if (descriptor < 0) throw_file_error(temporary, "open", errno);
+  try {
+    write_all(descriptor, text, temporary);
+  } catch (...) {
+    ::close(descriptor);
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  if (::close(descriptor) != 0) throw_file_error(temporary, "close", errno);
+  publish_file(temporary, path);
+}
+
+void publish_file(const std::string& path, const std::string& target) {
+  sync_file(path);
+  rename_file(path, target);
+  sync_folder_of(target);
+}
+
+std::string step_digits(std::int64_t step) { return fmt::format("{:06}", step); }
+
+std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view prefix, std::string_view suffix) {
+  if (!name.starts_with(prefix)) return std::nullopt;
+  name.remove_prefix(prefix.size());
+  if (!name.ends_with(suffix)) return std::nullopt;
+  name.remove_suffix(suffix.size());
+  std::int64_t step = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), step);
+  if (error != std::errc() || step < 0) return std::nullopt;
+  // Only another field may follow the digits, as the rank does in particles_000120_3.vtu.
+  const bool whole = end == name.data() + name.size() || *end == '_';
+  return whole ? std::optional(step) : std::nullopt;
+}
+
+std::vector<SteppedFile> stepped_files(const std::string& directory, std::string_view prefix, std::string_view suffix) {
+  std::vector<SteppedFile> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    if (const auto step = step_in_name(entry.path().filename().string(), prefix, suffix)) {
+      files.push_back({*step, entry.path().string()});
+    }
+  }
+  std::sort(files.begin(), files.end(), [](const SteppedFile& a, const SteppedFile& b) {
+    return std::tie(a.step, a.path) < std::tie(b.step, b.path);
+  });
+  return files;
+}
+
+void set_aside_after(const std::string& directory, std::string_view prefix, std::string_view suffix,
+                     std::int64_t step) {
+  for (const SteppedFile& file : stepped_files(directory, prefix, suffix)) {
+    if (file.step > step) set_aside(file.path);
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,76 @@
+#include "trevi/output/particle_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "trevi/base/error.hpp"
+#include "trevi/output/collective.hpp"
+#include "trevi/output/id_order.hpp"
+
+namespace trevi {
+
+namespace {
+
+void check_finite(const std::vector<Vec3>& field, GlobalId first_row, const std::string& object) {
+  const auto bad = std::find_if(field.begin(), field.end(), [](const Vec3& row) { return !row.allFinite(); });
+  if (bad == field.end()) return;
+  throw InputError(fmt::format("{}: row {} is not finite ({}, {}, {}); remove or repair the particle", object,
+                               first_row + (bad - field.begin()), (*bad)[0], (*bad)[1], (*bad)[2]));
+}
+
+GlobalId first_row_of(MPI_Comm comm, const ParticleRows& rows) {
+  return equal_slice(rows.total, rank_of(comm), size_of(comm)).first;
+}
+
+}  // namespace
+
+ParticleRows read_particle_rows(const Hdf5Reader& file, int rank, int size) {
+  ParticleRows rows;
+  rows.total = file.rows<Vec3>("/particles/position");
+  const RowSlice slice = equal_slice(rows.total, rank, size);
+  if (slice.count > std::numeric_limits<LocalId>::max()) {
+    throw InputError(fmt::format("/particles/position: {} rows are too many for {} ranks; use more", rows.total, size));
+  }
+  const auto count = static_cast<std::size_t>(slice.count);
+  rows.position = file.read<Vec3>("/particles/position", slice);
+  if (file.has("/particles/velocity"))
+    rows.velocity = file.read<Vec3>("/particles/velocity", slice);
+  else
+    rows.velocity.assign(count, Vec3::Zero());
+  if (file.has("/particles/hue")) rows.hue = file.read<float>("/particles/hue", slice);
+  if (file.has("/particles/id")) {
+    rows.id = file.read<GlobalId>("/particles/id", slice);
+  } else {
+    rows.id.resize(count);
+    std::iota(rows.id.begin(), rows.id.end(), slice.first);
+  }
+  return rows;
+}
+
+void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::string& path) {
+  const GlobalId first = first_row_of(comm, rows);
+  all_or_none(comm, [&] {
+    check_finite(rows.position, first, path + ": /particles/position");
+    check_finite(rows.velocity, first, path + ": /particles/velocity");
+  });
+  const IdOrder order(comm, rows.id);
+  all_or_none(comm, [&] {
+    const auto twice = std::adjacent_find(order.ids().begin(), order.ids().end());
+    if (twice == order.ids().end()) return;
+    throw InputError(fmt::format(
+        "{}: /particles/id: {} occurs more than once; make ids unique, or leave them out to number the rows", path,
+        *twice));
+  });
+}
+
+ParticleRows read_particle_file(MPI_Comm comm, const std::string& path) {
+  ParticleRows rows;
+  all_or_none(comm, [&] { rows = read_particle_rows(Hdf5Reader(path), rank_of(comm), size_of(comm)); });
+  check_particle_rows(comm, rows, path);
+  return rows;
+}
+
+}  // namespace trevi

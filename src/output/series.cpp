@@ -1,0 +1,100 @@
+#include "trevi/output/series.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include "trevi/base/error.hpp"
+#include "trevi/output/collective.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr const char* fixed_columns =
+    "step,time,dt,substeps,particles,iterations,density_mean,density_max,density_interior,compression_mean,"
+    "compression_max,compression_rms,kinetic_energy,potential_energy,momentum_x,momentum_y,momentum_z,com_x,com_y,"
+    "com_z,speed_max,top,front,front_q99,drift_max,imbalance,wall_seconds";
+
+std::string number(Real value) {
+  // The sign of a nan depends on how it came about; a column must not.
+  return std::isnan(value) ? "nan" : fmt::format("{}", value);
+}
+
+std::string row(const Frame& frame) {
+  const Clock& clock = frame.clock;
+  const Diagnostics& d = *frame.diagnostics;
+  std::string text = fmt::format("{},{},{},{},{},{}", clock.step, number(clock.time()), number(clock.dt),
+                                 clock.substeps, d.particles, d.iterations);
+  for (const Real value : {d.density_mean,    d.density_max,     d.density_interior, d.compression_mean,
+                           d.compression_max, d.compression_rms, d.kinetic_energy,   d.potential_energy,
+                           d.momentum.x(),    d.momentum.y(),    d.momentum.z(),     d.com.x(),
+                           d.com.y(),         d.com.z(),         d.speed_max,        d.top,
+                           d.front,           d.front_q99,       d.drift_max,        d.imbalance,
+                           d.wall_seconds}) {
+    text += "," + number(value);
+  }
+  for (const FountainState& fountain : frame.fountains) {
+    text += "," + number(fountain.note) + "," + number(fountain.speed);
+  }
+  return text + "\n";
+}
+
+struct KeptRows {
+  std::string text;  ///< header and rows
+  std::int64_t last_step = -1;
+};
+
+/// The rows up to `last`, without a row that a killed run left unfinished.
+KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::string& header) {
+  std::istringstream old(read_text(path));
+  std::string line;
+  std::getline(old, line);
+  if (line != header) {
+    throw InputError(path + ": its columns are not those of this scene; restart with another --output");
+  }
+  KeptRows kept{header + "\n"};
+  while (std::getline(old, line) && !old.eof()) {  // eof: the line has no end
+    std::int64_t step = -1;
+    const auto result = std::from_chars(line.data(), line.data() + line.size(), step);
+    if (result.ec != std::errc() || step > last) continue;
+    kept.text += line + "\n";
+    kept.last_step = step;
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::string series_header(int fountains) {
+  std::string header = fixed_columns;
+  for (int k = 0; k < fountains; ++k) header += fmt::format(",note_{0},speed_{0}", k);
+  return header;
+}
+
+SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), options_(std::move(options)) {
+  on_root(comm_, [&] { open(); });
+  MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
+}
+
+void SeriesWriter::open() {
+  const std::string path = options_.directory + "/series.csv";
+  const std::string header = series_header(options_.fountains);
+  KeptRows kept{header + "\n"};
+  if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
+  replace_file(path, kept.text);
+  last_step_ = kept.last_step;
+  file_.emplace(path);
+}
+
+void SeriesWriter::observe(const Frame& frame) {
+  require(frame.diagnostics != nullptr, "series.csv: no diagnostics in this frame");
+  on_root(comm_, [&] { file_->write(row(frame)); });
+  last_step_ = frame.clock.step;
+}
+
+}  // namespace trevi

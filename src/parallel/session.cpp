@@ -1,0 +1,73 @@
+#include "trevi/parallel/session.hpp"
+
+#include <petscsys.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "trevi/base/error.hpp"
+#include "trevi/base/simd.hpp"
+
+namespace trevi {
+
+namespace {
+
+// The lowest instruction set among the ranks is used by all of them, whatever mix of nodes a job was given.
+void agree_on_instruction_set(MPI_Comm comm) {
+  std::int64_t sets = supported_instruction_sets();
+  MPI_Allreduce(MPI_IN_PLACE, &sets, 1, MPI_INT64_T, MPI_BAND, comm);
+  restrict_instruction_sets(sets);
+}
+
+}  // namespace
+
+Session::Session(int& argc, char**& argv) {
+  MPI_Init(&argc, &argv);
+  MPI_Comm_rank(comm(), &rank_);
+  MPI_Comm_size(comm(), &size_);
+  require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
+  PetscPopSignalHandler();
+  PetscLogDefaultBegin();  // run.json reads its phases from the log, -log_view or not
+  agree_on_instruction_set(comm());
+  flush_denormals();
+}
+
+Session::~Session() {
+  PetscFinalize();
+  MPI_Finalize();
+}
+
+int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+int size_of(MPI_Comm comm) {
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  return size;
+}
+
+std::string read_file_everywhere(MPI_Comm comm, const std::string& path) {
+  std::string text;
+  std::int64_t status[2] = {0, 0};  // errno, length
+  if (rank_of(comm) == 0) {
+    errno = 0;
+    std::ifstream file(path, std::ios::binary);
+    if (file) text.assign(std::istreambuf_iterator<char>(file), {});
+    if (!file || file.bad()) status[0] = errno != 0 ? errno : EIO;
+    status[1] = static_cast<std::int64_t>(text.size());
+  }
+  MPI_Bcast(status, 2, MPI_INT64_T, 0, comm);
+  if (status[0] != 0) {
+    throw InputError(path + ": cannot be read (" + std::strerror(static_cast<int>(status[0])) + "); check the path");
+  }
+  text.resize(static_cast<std::size_t>(status[1]));
+  MPI_Bcast(text.data(), static_cast<int>(status[1]), MPI_CHAR, 0, comm);
+  return text;
+}
+
+}  // namespace trevi

@@ -1,0 +1,123 @@
+#include "trevi/solver/diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "trevi/parallel/reductions.hpp"
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+
+// One row of partial sums, in the order in which they travel.
+struct DiagnosticsSum::Plane {
+  Real count = 0, rho = 0, compression = 0, compression2 = 0, interior_count = 0, interior_rho = 0;
+  Real v2 = 0, height = 0;
+  Vec3 momentum = Vec3::Zero(), position = Vec3::Zero();
+};
+
+DiagnosticsSum::DiagnosticsSum(MPI_Comm comm, const Box& box, const DensityModel& model, int lattice_neighbours,
+                               const Vec3& gravity)
+    : comm_(comm), box_(box), model_(model), full_neighbourhood_(0.9 * lattice_neighbours), gravity_(gravity) {}
+
+bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
+  return neighbours >= full_neighbourhood_ && ((p - box_.min).array() > model_.h).all() &&
+         ((box_.max - p).array() > model_.h).all();
+}
+
+DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, LocalId begin, LocalId end) const {
+  Plane sum;
+  for (LocalId i = begin; i < end; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Vec3 &p = input.particles.position[k], &v = input.particles.velocity[k];
+    const Real rho = input.density[k], c = std::max(rho / model_.rest_density - 1, 0.0);
+    sum.count += 1;
+    sum.rho += rho;
+    sum.compression += c;
+    sum.compression2 += c * c;
+    if (interior(p, input.list.count(i))) {
+      sum.interior_count += 1;
+      sum.interior_rho += rho;
+    }
+    sum.v2 += v.squaredNorm();
+    sum.height -= gravity_.dot(p - box_.min);
+    sum.momentum += v;
+    sum.position += p;
+  }
+  return sum;
+}
+
+void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row) const {
+  Real rho = 0, v2 = 0, top = -std::numeric_limits<Real>::infinity(), front = top, drift2 = 0;
+  for (std::size_t k = 0; k < input.density.size(); ++k) {
+    const Vec3& p = input.particles.position[k];
+    rho = std::max(rho, input.density[k]);
+    v2 = std::max(v2, input.particles.velocity[k].squaredNorm());
+    top = std::max(top, p.z());
+    front = std::max(front, p.x());
+    if (!input.listed.empty()) drift2 = std::max(drift2, (p - input.listed[k]).squaredNorm());
+  }
+  const auto pairs = static_cast<Real>(input.list.pairs());
+  Real maxima[] = {rho, v2, top, front, drift2, pairs};
+  MPI_Allreduce(MPI_IN_PLACE, maxima, 6, MPI_DOUBLE, MPI_MAX, comm_);
+  row.density_max = maxima[0];
+  row.compression_max = std::max(maxima[0] / model_.rest_density - 1, 0.0);
+  row.speed_max = std::sqrt(maxima[1]);
+  row.top = maxima[2];
+  row.front = maxima[3];
+  row.drift_max = std::sqrt(maxima[4]);
+  const auto all_pairs = static_cast<Real>(sum_over_ranks(comm_, input.list.pairs()));
+  row.imbalance = all_pairs > 0 ? maxima[5] * size_of(comm_) / all_pairs : 1;
+}
+
+Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
+  std::vector<Real> partial;
+  constexpr int columns = sizeof(Plane) / sizeof(Real);
+  for (LocalId plane = 0; plane < input.order.planes(); ++plane) {
+    const auto [begin, end] = input.order.owned_range(plane, plane + 1);
+    const Plane sum = sum_plane(input, begin, end);
+    const auto* first = reinterpret_cast<const Real*>(&sum);
+    partial.insert(partial.end(), first, first + columns);
+  }
+  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
+  Plane sum;
+  std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sum));
+  Diagnostics row;
+  row.particles = static_cast<GlobalId>(sum.count);
+  row.density_mean = sum.rho / sum.count;
+  row.density_interior = sum.interior_rho / sum.interior_count;  // 0/0, nan, where there is no interior
+  row.compression_mean = sum.compression / sum.count;
+  row.compression_rms = std::sqrt(sum.compression2 / sum.count);
+  row.kinetic_energy = model_.mass / 2 * sum.v2;
+  row.potential_energy = model_.mass * sum.height;
+  row.momentum = model_.mass * sum.momentum;
+  row.com = sum.position / sum.count;
+  add_maxima(input, row);
+  row.front_q99 = quantile(comm_, input.particles.position, 0, 0.99, box_);
+  return row;
+}
+
+Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fraction, const Box& box) {
+  constexpr int bins = 4096, rounds = 3;
+  const GlobalId all = sum_over_ranks(comm, static_cast<GlobalId>(places.size()));
+  if (all == 0) return std::numeric_limits<Real>::quiet_NaN();
+  auto wanted = static_cast<GlobalId>(std::ceil(fraction * static_cast<Real>(all)));  // the how manieth in this interval
+  Real low = box.min[axis], width = (box.max[axis] - box.min[axis]) / bins;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<GlobalId> count(bins, 0);
+    for (const Vec3& p : places) {
+      const Real bin = std::floor((p[axis] - low) / width);
+      // Outside the interval only after the first round; the last bin is closed, for particles on the wall.
+      if (bin < 0 || (bin >= bins && round > 0)) continue;
+      ++count[static_cast<std::size_t>(std::min(bin, bins - 1.0))];
+    }
+    MPI_Allreduce(MPI_IN_PLACE, count.data(), bins, MPI_INT64_T, MPI_SUM, comm);
+    std::size_t bin = 0;
+    while (bin + 1 < bins && wanted > count[bin]) wanted -= count[bin++];
+    low += static_cast<Real>(bin) * width;
+    width /= bins;
+  }
+  return low + width * bins / 2;
+}
+
+}  // namespace trevi

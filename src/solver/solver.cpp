@@ -1,0 +1,184 @@
+#include "trevi/solver/solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "trevi/base/error.hpp"
+#include "trevi/parallel/reductions.hpp"
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+
+template <class T>
+PbfSolver<T>::PbfSolver(SolverParts<T> parts)
+    : parts_(std::move(parts)),
+      particles_in_all_(sum_over_ranks(parts_.comm, parts_.particles.size())),
+      near_(parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
+      problem_(parts_.comm, near_, *parts_.constraint, *parts_.walls) {}
+
+template <class T>
+void PbfSolver<T>::start() {
+  Particles& particles = parts_.particles;
+  particles.predicted = particles.position;
+  keep_listed_ = false;
+  find_neighbours();
+  observe();
+}
+
+template <class T>
+void PbfSolver<T>::step() {
+  Clock& clock = parts_.clock;
+  {
+    const Stopwatch::Lap lap(stopwatch_);
+    clock.substeps = choose_substeps();
+    const Real dt = clock.dt / clock.substeps;
+    for (int k = 0; k < clock.substeps; ++k) {
+      if (k > 0) follow(&Particles::position);
+      keep_listed_ = k + 1 == clock.substeps;
+      advance({clock.step, k, clock.time() + k * dt, dt});
+    }
+    ++clock.step;
+    check_particle_count();
+  }
+  observe();
+  const Stopwatch::Lap lap(stopwatch_);
+  follow(&Particles::position);
+}
+
+// The body of Algorithm 1.
+template <class T>
+void PbfSolver<T>::advance(const StepInfo& info) {
+  for (const auto& forcing : parts_.forcings) forcing->apply(parts_.particles, info);
+  predict(info.dt);
+  follow(&Particles::predicted);
+  find_neighbours();
+  last_solve_ = parts_.method->solve(problem_);
+  update_velocities(info.dt);
+  for (const auto& filter : parts_.filters) filter->apply(near_, parts_.particles, info.dt);
+  parts_.particles.position = parts_.particles.predicted;
+  count_work();
+}
+
+template <class T>
+void PbfSolver<T>::predict(Real dt) {
+  const ScopedEvent timed(predict_event_);
+  Particles& particles = parts_.particles;
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    particles.predicted[i] = parts_.walls->predict(particles.position[i], particles.velocity[i], dt);
+  }
+}
+
+template <class T>
+void PbfSolver<T>::follow(std::vector<Vec3> Particles::*place) {
+  const ScopedEvent timed(migrate_event_);
+  counters_.migrated += migrate(parts_.comm, parts_.particles, place, *parts_.grid, *parts_.slabs);
+}
+
+template <class T>
+void PbfSolver<T>::find_neighbours() {
+  const int rank = rank_of(parts_.comm);
+  near_.rebuild(parts_.particles, parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank));
+  problem_.start(parts_.particles);
+  if (keep_listed_ && wanted(&Observer::wants_diagnostics, parts_.clock.step + 1)) listed_ = parts_.particles.predicted;
+}
+
+template <class T>
+void PbfSolver<T>::update_velocities(Real dt) {
+  const ScopedEvent timed(update_event_);
+  Particles& particles = parts_.particles;
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    const Vec3& p = particles.predicted[i];
+    // Written so that a NaN fails, too.
+    if (!parts_.walls->inside(p)) throw_lost(i);
+    particles.velocity[i] = (p - particles.position[i]) / dt;
+  }
+}
+
+template <class T>
+void PbfSolver<T>::throw_lost(std::size_t i) const {
+  const Vec3& p = parts_.particles.predicted[i];
+  throw RunError("rank " + std::to_string(rank_of(parts_.comm)) + ", step " + std::to_string(parts_.clock.step + 1) +
+                 ": particle " + std::to_string(parts_.particles.id[i]) + " is at (" + std::to_string(p.x()) + ", " +
+                 std::to_string(p.y()) + ", " + std::to_string(p.z()) +
+                 "), outside the box or not a number: the run has become unstable; use a smaller dt, time.cfl, or a "
+                 "smaller density.relaxation");
+}
+
+template <class T>
+void PbfSolver<T>::check_particle_count() const {
+  const GlobalId now = sum_over_ranks(parts_.comm, parts_.particles.size());
+  require(now == particles_in_all_, "step " + std::to_string(parts_.clock.step) + ": " + std::to_string(now) +
+                                        " particles instead of " + std::to_string(particles_in_all_));
+}
+
+template <class T>
+int PbfSolver<T>::choose_substeps() const {
+  if (parts_.substeps.cfl <= 0) return 1;
+  const Real dt = parts_.clock.dt, h = parts_.constraint->model().h, g = parts_.substeps.gravity.norm();
+  Real v2 = 0;
+  for (const Vec3& v : parts_.particles.velocity) v2 = std::max(v2, v.squaredNorm());
+  Real v = std::sqrt(max_over_ranks(parts_.comm, v2)) + g * dt;
+  for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest(parts_.clock.time()));
+  const Real by_speed = dt * v / (parts_.substeps.cfl * h);
+  const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
+  require(std::max(by_speed, by_gravity) < 1e6, "a step would need more than a million substeps: the run has become unstable");
+  return std::max(1, static_cast<int>(std::ceil(std::max(by_speed, by_gravity) * (1 - 1e-9))));
+}
+
+template <class T>
+bool PbfSolver<T>::wanted(bool (Observer::*what)() const, std::int64_t step) const {
+  Clock clock = parts_.clock;
+  clock.step = step;
+  return std::any_of(parts_.observers.begin(), parts_.observers.end(),
+                     [&](const auto& observer) { return observer->due(clock) && (observer.get()->*what)(); });
+}
+
+// Observers see the particles in the order that sums were formed in; the sums are made only when one of them asks.
+template <class T>
+void PbfSolver<T>::observe() {
+  const Clock& clock = parts_.clock;
+  const bool diagnose = wanted(&Observer::wants_diagnostics, clock.step);
+  if (diagnose || wanted(&Observer::wants_density, clock.step)) problem_.compute_density();
+  Diagnostics row;
+  if (diagnose) {
+    const ScopedEvent timed(diagnostics_event_);
+    row = (*parts_.diagnostics)({parts_.particles, problem_.density(), listed_, near_.order(), near_.list()});
+    row.iterations = last_solve_.iterations;
+    row.wall_seconds = stopwatch_.seconds();
+  }
+  const Frame frame{clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountains()};
+  for (const auto& observer : parts_.observers) {
+    if (observer->due(clock)) observer->observe(frame);
+  }
+}
+
+template <class T>
+void PbfSolver<T>::finish() {
+  const Frame frame{parts_.clock, parts_.particles, {}, nullptr, fountains()};
+  for (const auto& observer : parts_.observers) observer->finish(frame);
+}
+
+template <class T>
+void PbfSolver<T>::count_work() {
+  counters_.pair_passes += 2.0 * static_cast<double>(near_.list().pairs()) * last_solve_.iterations;
+  counters_.iterations += last_solve_.iterations;
+  counters_.unconverged += last_solve_.converged ? 0 : 1;
+  ++counters_.substeps;
+}
+
+template <class T>
+Solver::Counters PbfSolver<T>::counters() const {
+  Counters counters = counters_;
+  counters.halo_bytes = near_.halo().bytes();
+  counters.halo_messages = near_.halo().messages();
+  counters.seconds = stopwatch_.seconds();
+  counters.bytes = near_.bytes() + problem_.bytes() + parts_.method->bytes() + listed_.capacity() * sizeof(Vec3);
+  for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();
+  parts_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });
+  return counters;
+}
+
+template class PbfSolver<float>;
+template class PbfSolver<double>;
+
+}  // namespace trevi

@@ -1,0 +1,231 @@
+#!/usr/bin/python3
+"""Checks the layers of Trevi: who includes whom, which libraries show where, file lengths, top-level folders.
+
+The rules (ARCHITECTURE.md): a layer includes only itself and lower layers; no circular includes; mpi.h and petsc*.h in
+public headers of parallel/ and domain/ only; HDF5 and VTK only in src/output, VTK in src/app/view*.cpp, too;
+sndfile and smf only in src/fluid/*.cpp; no file over 400 lines; no other folders at the top than the known ones.
+Prints each violation as file:line: message and exits 1 when there is one.
+"""
+
+import argparse
+import re
+import sys
+import tempfile
+from collections import namedtuple
+from pathlib import Path
+
+LAYERS = ["base", "parallel", "particles", "domain", "fluid", "solver", "output", "app"]
+FOLDERS = {"jobs", "inputs", "postprocess", "tests", "src", "include"}
+MAX_LINES = 400
+CODE = {".hpp", ".h", ".cpp"}
+COUNTED = CODE | {".py", ".sh", ".cmake"}
+
+MPI = re.compile(r"(mpi|petsc\w*)\.h$")
+# What may include a library's headers, as a pattern over the path from the project's root.
+LIBRARIES = {
+    "HDF5": (re.compile(r"(hdf5|hdf5_hl|H5\w*)\.h$"), re.compile(r"src/output/")),
+    "VTK": (re.compile(r"vtk\w*\.h$"), re.compile(r"src/output/|src/app/view\w*\.cpp$")),
+    "sndfile": (re.compile(r"sndfile\.(h|hh)$"), re.compile(r"src/fluid/\w+\.cpp$")),
+    "smf": (re.compile(r"smf\.h$"), re.compile(r"src/fluid/\w+\.cpp$")),
+}
+
+Include = namedtuple("Include", "line name")
+
+
+def read_includes(path):
+    """Includes of a file in order, those in comments left out."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    text = re.sub(r"/\*.*?\*/", lambda comment: "\n" * comment[0].count("\n"), text, flags=re.S)
+    found = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        match = re.match(r'\s*#\s*include\s*["<]([^">]+)[">]', line)
+        if match:
+            found.append(Include(number, match[1]))
+    return found
+
+
+def layer_of(file):
+    """Layer of a path from the project's root ("src/fluid/x.cpp"), None when it is in none. src/main.cpp is app."""
+    parts = file.split("/")
+    if file == "src/main.cpp":
+        return "app"
+    if parts[:2] == ["include", "trevi"]:
+        parts = parts[1:]
+    return parts[1] if len(parts) > 2 and parts[1] in LAYERS else None
+
+
+class Tree:
+    def __init__(self, root):
+        self.root = root
+        paths = (p for top in ("include", "src") for p in (root / top).rglob("*") if p.suffix in CODE)
+        self.includes = {p.relative_to(root).as_posix(): read_includes(p) for p in sorted(paths)}
+
+    def resolve(self, file, name):
+        """Path from the root of what `file` includes by `name`; for a trevi/ header even if it does not exist (yet)."""
+        if name.startswith("trevi/"):
+            return "include/" + name
+        for base in (Path(file).parent, Path("src")):
+            path = (self.root / base / name).resolve()
+            if path.is_file() and self.root in path.parents:
+                return path.relative_to(self.root).as_posix()
+        return None
+
+
+def check_layers(tree):
+    for file, includes in tree.includes.items():
+        own = layer_of(file)
+        if own is None:
+            yield file, 1, f"is in no layer; they are {', '.join(LAYERS)}"
+            continue
+        for line, name in includes:
+            target = tree.resolve(file, name)
+            if target is None:
+                continue
+            other = layer_of(target)
+            if other is None:
+                yield file, line, f"{name} is in no layer"
+            elif LAYERS.index(other) > LAYERS.index(own):
+                yield file, line, f"{own} includes {name}, which is in a higher layer"
+            elif target.startswith("src/") and other != own:
+                yield file, line, f"{own} includes {name}, which is private to {other}"
+            elif file.startswith("include/") and target.startswith("src/"):
+                yield file, line, f"a public header includes {name}, which is private"
+
+
+def check_libraries(tree):
+    for file, includes in tree.includes.items():
+        for line, name in includes:
+            base = name.split("/")[-1]
+            if file.startswith("include/") and MPI.match(base) and layer_of(file) not in ("parallel", "domain"):
+                yield file, line, f"{name} in a public header outside parallel/ and domain/"
+            for library, (header, allowed) in LIBRARIES.items():
+                if header.match(base) and not allowed.match(file):
+                    yield file, line, f"{library} ({name}) may not show here"
+
+
+def check_circles(tree):
+    done = set()
+
+    def visit(file, chain):
+        if file in chain:
+            circle = chain[chain.index(file):]
+            line = next(i.line for i in tree.includes[circle[-1]] if tree.resolve(circle[-1], i.name) == file)
+            yield circle[-1], line, "circular include: " + " -> ".join([*circle, file])
+            return
+        if file in done or file not in tree.includes:
+            return
+        for include in tree.includes[file]:
+            target = tree.resolve(file, include.name)
+            if target is not None:
+                yield from visit(target, [*chain, file])
+        done.add(file)
+
+    for file in tree.includes:
+        yield from visit(file, [])
+
+
+def check_lengths(root):
+    for folder in sorted(FOLDERS - {"inputs"}):
+        for path in sorted((root / folder).rglob("*")):
+            if path.is_file() and (path.suffix in COUNTED or path.name == "CMakeLists.txt"):
+                lines = len(path.read_text(encoding="utf-8", errors="replace").splitlines())
+                if lines > MAX_LINES:
+                    yield path.relative_to(root).as_posix(), MAX_LINES + 1, f"{lines} lines; at most {MAX_LINES}"
+
+
+def check_folders(root):
+    ignore = root / ".gitignore"
+    ignored = {line.strip().strip("/") for line in ignore.read_text().splitlines()} if ignore.exists() else set()
+    for path in sorted(root.iterdir()):
+        if path.is_dir() and not path.name.startswith(".") and path.name not in FOLDERS | ignored:
+            yield path.name, 1, f"unknown folder at the top; known are {', '.join(sorted(FOLDERS))}"
+
+
+def violations(root):
+    root = root.resolve()
+    tree = Tree(root)
+    checks = (check_layers(tree), check_libraries(tree), check_circles(tree), check_lengths(root), check_folders(root))
+    return [violation for check in checks for violation in check]
+
+
+# Self-test: a tree with one violation of each kind, and neighbours of each that are allowed.
+GOOD = {
+    "include/trevi/base/types.hpp": "#pragma once\n#include <vector>\n",
+    "include/trevi/parallel/session.hpp": '#include <mpi.h>\n#include "trevi/base/types.hpp"\n',
+    "include/trevi/particles/grid.hpp": '#include "trevi/parallel/session.hpp"\n#include "trevi/base/types.hpp"\n',
+    "include/trevi/domain/halo.hpp": "#include <petscvec.h>\n",
+    "include/trevi/fluid/kernel.hpp": '// #include "trevi/app/scene.hpp"\n/*\n#include <hdf5.h>\n*/\n',
+    "src/fluid/music.cpp": '#include <sndfile.h>\n#include <smf.h>\n#include "table.hpp"\n',
+    "src/fluid/table.hpp": '#include "trevi/fluid/kernel.hpp"\n',
+    "src/output/vtu.cpp": "#include <vtkPoints.h>\n#include <hdf5.h>\n",
+    "src/solver/step.cpp": "#include <mpi.h>\n",
+    "src/app/view_window.cpp": "#include <vtkRenderer.h>\n",
+    "src/main.cpp": '#include "trevi/app/scene.hpp"\n',
+    "include/trevi/app/scene.hpp": "\n",
+    "jobs/run.sh": "\n" * MAX_LINES,
+    ".gitignore": "build/\n/out\n",
+    "build/x": "", "out/x": "", ".ci/run": "",
+}
+BAD = [  # file, text, the line and a word of the violation
+    ("include/trevi/base/up.hpp", '#pragma once\n#include "trevi/fluid/kernel.hpp"\n', 2, "higher layer"),
+    ("src/fluid/up.cpp", '#include "../solver/private.hpp"\n', 1, "higher layer"),
+    ("src/app/private.cpp", '#include "fluid/table.hpp"\n', 1, "private to fluid"),
+    ("include/trevi/fluid/leak.hpp", '#include "../../../src/fluid/table.hpp"\n', 1, "which is private"),
+    ("src/solver/odd.cpp", '\n\n  #  include "trevi/extras/odd.hpp"\n', 3, "in no layer"),
+    ("src/stray.cpp", "\n", 1, "in no layer"),
+    ("include/trevi/fluid/mpi.hpp", "#include <mpi.h>\n", 1, "mpi.h"),
+    ("include/trevi/solver/petsc.hpp", "#include <petscvec.h>\n", 1, "petscvec.h"),
+    ("include/trevi/output/hdf.hpp", "#include <hdf5.h>\n", 1, "HDF5"),
+    ("src/app/build.cpp", "#include <vtkPoints.h>\n", 1, "VTK"),
+    ("include/trevi/fluid/sound.hpp", "#include <sndfile.h>\n", 1, "sndfile"),
+    ("src/app/midi.cpp", "#include <smf.h>\n", 1, "smf"),
+    ("include/trevi/domain/b.hpp", '#include "trevi/domain/a.hpp"\n', 1, "circular"),
+    ("src/fluid/long.cpp", "\n" * (MAX_LINES + 1), MAX_LINES + 1, "401 lines"),
+    ("docs/manual.txt", "", 1, "unknown folder"),
+]
+BAD_HELPERS = {"src/solver/private.hpp": "\n", "include/trevi/domain/a.hpp": '#include "trevi/domain/b.hpp"\n'}
+
+
+def write_tree(root, files):
+    for name, text in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        write_tree(root, GOOD)
+        failures = [f"false alarm: {v}" for v in violations(root)]
+        write_tree(root, BAD_HELPERS | {file: text for file, text, *_ in BAD})
+        found = violations(root)
+    for file, _, line, word in BAD:
+        reported = "docs" if word == "unknown folder" else file
+        if not any((v[0], v[1]) == (reported, line) and word in v[2] for v in found):
+            failures.append(f"not found: {file}:{line}: {word}")
+    if len(found) != len(BAD):
+        failures.append(f"planted {len(BAD)} violations, found {len(found)}: {found}")
+    return failures
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent,
+                        help="project (default: this one)")
+    parser.add_argument("--self-test", action="store_true", help="plant violations in a temporary tree and find them")
+    arguments = parser.parse_args()
+    if arguments.self_test:
+        failures = self_test()
+        print("\n".join(failures) or f"{len(BAD)} planted violations found, no false alarm")
+        return 1 if failures else 0
+    if not (arguments.root / "src").is_dir():
+        parser.error(f"no src/ in {arguments.root}")
+    found = violations(arguments.root)
+    for file, line, message in found:
+        print(f"{file}:{line}: {message}")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,122 @@
+// VTU frames, read back with VTK's own reader, with an empty rank among the writers.
+#include <algorithm>
+
+#include "output_fixture.hpp"
+#include "trevi/output/files.hpp"
+#include "trevi/output/vtu.hpp"
+
+#ifdef TREVI_WITH_VTK
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPUnstructuredGridReader.h>
+#endif
+
+namespace trevi {
+namespace {
+
+#ifdef TREVI_WITH_VTK
+
+VtuOptions vtu_options(const std::string& folder) {
+  VtuOptions options;
+  options.directory = folder;
+  options.schedule.every_steps = 5;
+  options.fields = {"velocity", "density", "id", "rank", "rgb"};
+  options.colour.by = ColourBy::rainbow_x;
+  return options;
+}
+
+/// Row of each id in the whole cloud.
+std::size_t row_of(const Particles& all, GlobalId id) {
+  return static_cast<std::size_t>(std::lower_bound(all.id.begin(), all.id.end(), id) - all.id.begin());
+}
+
+void expect_frame(const std::string& path, const Particles& all) {
+  vtkNew<vtkXMLPUnstructuredGridReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  vtkUnstructuredGrid* grid = reader->GetOutput();
+  const auto count = static_cast<vtkIdType>(all.id.size());
+  ASSERT_EQ(grid->GetNumberOfPoints(), count);
+  ASSERT_EQ(grid->GetNumberOfCells(), count);
+  for (const char* name : {"velocity", "density", "id", "rank", "rgb"}) {
+    ASSERT_NE(grid->GetPointData()->GetArray(name), nullptr) << name;
+  }
+  vtkDataArray* ids = grid->GetPointData()->GetArray("id");
+  EXPECT_EQ(ids->GetDataTypeSize(), 8);
+  EXPECT_EQ(grid->GetPointData()->GetArray("rgb")->GetDataType(), VTK_UNSIGNED_CHAR);
+  for (vtkIdType i = 0; i < count; ++i) {
+    const std::size_t row = row_of(all, static_cast<GlobalId>(ids->GetVariantValue(i).ToLongLong()));
+    ASSERT_LT(row, all.id.size());
+    EXPECT_EQ(Vec3(grid->GetPoint(i)), all.position[row]);
+    EXPECT_EQ(grid->GetCellType(i), VTK_VERTEX);
+    EXPECT_EQ(grid->GetPointData()->GetArray("density")->GetTuple1(i),
+              static_cast<float>(1000 + all.position[row].x()));
+    EXPECT_EQ(grid->GetPointData()->GetArray("velocity")->GetTuple3(i)[2], static_cast<float>(all.velocity[row].z()));
+    EXPECT_EQ(grid->GetPointData()->GetArray("rgb")->GetTuple3(i)[0], rainbow(all.hue[row])[0]);
+  }
+}
+
+void write_frames(const VtuOptions& options, const Particles& all, std::int64_t first, std::int64_t last) {
+  const Particles mine = my_part(all);
+  std::vector<Real> density;
+  for (const Vec3& p : mine.position) density.push_back(1000 + p.x());
+  const auto writer = make_vtu_writer(world, options);
+  EXPECT_TRUE(writer->wants_density());
+  for (Clock clock{first, 0.1, 1}; clock.step <= last; ++clock.step) {
+    if (writer->due(clock)) writer->observe(frame_of(clock, mine, density));
+  }
+}
+
+TEST_F(Output, VtuFramesReadBackWithAnEmptyRank) {
+  const Particles all = whole_cloud(500);
+  write_frames(vtu_options(folder()), all, 0, 12);
+  for (const char* step : {"000000", "000005", "000010"}) {
+    expect_frame(path(std::string("vtu/particles_") + step + ".pvtu"), all);
+  }
+  write_frames(vtu_options(folder()), whole_cloud(0), 0, 0);
+  expect_frame(path("vtu/particles_000000.pvtu"), whole_cloud(0));
+}
+
+TEST_F(Output, VtuRestartSetsLaterFramesAside) {
+  const Particles all = whole_cloud(50);
+  VtuOptions options = vtu_options(folder());
+  write_frames(options, all, 0, 12);
+  barrier();
+  options.restart_step = 7;
+  write_frames(options, all, 7, 9);
+  barrier();
+  EXPECT_TRUE(fs::exists(path("vtu/particles_000010.pvtu.stale")));
+  EXPECT_TRUE(fs::exists(path("vtu/particles_000010_0.vtu.stale")));
+  EXPECT_FALSE(fs::exists(path("vtu/particles_000010_0.vtu")));
+  EXPECT_EQ(text_of(path("particles.pvd")).find("000010"), std::string::npos);
+  barrier();
+  write_frames(options, all, 7, 10);
+  barrier();
+  expect_mentions(text_of(path("particles.pvd")), {"timestep=\"0.5\"", "timestep=\"1\"", "000010.pvtu"});
+  expect_frame(path("vtu/particles_000010.pvtu"), all);
+}
+
+TEST_F(Output, VtuFailuresReachAllRanks) {
+  VtuOptions options = vtu_options(folder());
+  options.fields.push_back("vorticity");
+  expect_mentions(input_error_of([&] { make_vtu_writer(world, options); }), {"[output.vtu]", "vorticity"});
+  options.fields = {"id"};
+  const auto writer = make_vtu_writer(world, options);
+  EXPECT_FALSE(writer->wants_density());
+  if (rank_of(world) == 0) fs::remove_all(path("vtu"));
+  barrier();
+  EXPECT_THROW(writer->observe(frame_of(Clock{}, my_part(whole_cloud(5)))), RunError);
+}
+
+#else
+
+TEST_F(Output, VtuNamesItsAbsence) {
+  expect_mentions(input_error_of([&] { make_vtu_writer(world, {}); }), {"[output.vtu]", "TREVI_WITH_VTK"});
+}
+
+#endif
+
+}  // namespace
+}  // namespace trevi

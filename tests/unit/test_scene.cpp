@@ -1,0 +1,217 @@
+// The scene reader: defaults, preset, overrides, several problems at once, and text that is no scene.
+// The rules one by one are in test_scene_rules.cpp.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <sstream>
+
+#include "scene_text.hpp"
+
+namespace trevi::test {
+namespace {
+
+TEST(Scene, EmptyFileMissesAllThatIsRequired) {
+  EXPECT_EQ(problems(""),
+            "in/s.toml:1: [domain] min: missing; give the lower corner of the box [x, y, z] in metres\n"
+            "in/s.toml:1: [domain] max: missing; give the upper corner of the box [x, y, z] in metres\n"
+            "in/s.toml:1: [fluid] spacing: missing; give the lattice spacing in metres\n"
+            "in/s.toml:1: particles: missing; add at least one [[particles]] table, a block or a file\n"
+            "in/s.toml:1: [time] dt: missing; give the time step in seconds\n"
+            "in/s.toml:1: [time] end: missing; give the simulated time in seconds");
+}
+
+TEST(Scene, SeveralProblemsAreListedInTheOrderOfTheFile) {
+  const std::string text =
+      "[time]\ndt = 0\nend = -1\n[fluid]\nspacing = 0\n[domain]\nmin = [0,0,0]\nmax = 3\n"
+      "[[particles]]\n[walls]\nbounce = 1\n";
+  std::istringstream found(problems(text, {"density.iterations=0", "nonsense"}));
+  const std::vector<std::string> starts = {"in/s.toml:2: [time] dt",          "in/s.toml:3: [time] end",
+                                           "in/s.toml:5: [fluid] spacing",    "in/s.toml:8: [domain] max",
+                                           "in/s.toml:9: [[particles]] min",  "in/s.toml:9: [[particles]] max",
+                                           "in/s.toml:11: [walls] bounce",    "--set nonsense",
+                                           "--set density.iterations=0: must"};
+  std::string line;
+  for (const std::string& start : starts) {
+    std::getline(found, line);
+    EXPECT_EQ(line.find(start), 0u) << line;
+  }
+  EXPECT_FALSE(std::getline(found, line)) << line;
+}
+
+TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
+  const Scene scene = parse(scene_plus());
+  EXPECT_EQ(scene.path, "in/s.toml");
+  EXPECT_EQ(scene.name, "s");
+  EXPECT_EQ(scene.output.directory, "out/s");
+  EXPECT_EQ(scene.steps(), 100);
+  EXPECT_EQ(scene.slab_axis, 0);
+  EXPECT_EQ(scene.fluid.kernel_radius, FluidSettings{}.kernel_radius);
+  EXPECT_EQ(scene.fluid.mass, FluidSettings{}.mass);
+  EXPECT_EQ(scene.density.relaxation, DensitySettings{}.relaxation);
+  EXPECT_EQ(scene.density.constraint, DensitySettings{}.constraint);
+  EXPECT_FALSE(scene.density.tolerance);
+  EXPECT_EQ(scene.walls.reflection, WallSettings{}.reflection);
+  EXPECT_FALSE(scene.gravity || scene.tensile || scene.vorticity || scene.viscosity || scene.colour ||
+               scene.wall_limit);
+  EXPECT_FALSE(scene.output.vtu || scene.output.vtkhdf || scene.output.checkpoint || scene.output.series);
+  EXPECT_TRUE(scene.fountains.empty());
+  EXPECT_EQ(scene.seed, 1u);
+  ASSERT_EQ(scene.particles.size(), 1u);
+  EXPECT_EQ(scene.particles[0].line, 6);
+  EXPECT_EQ(scene.particles[0].max, Vec3(1, 1, 0.5));
+}
+
+TEST(Scene, EveryKeyArrives) {
+  const Scene scene = parse(scene_plus(
+      "cfl = 0.4\n[gravity]\nacceleration = [0, 0, -1]\n[density]\nmethod = 'anderson'\niterations = 9\n"
+      "tolerance = 0.01\nrelaxation = 2\nepsilon = 0\nconstraint = 'equality'\nprecision = 'single'\n[walls]\n"
+      "restitution = 1\ndensity = 'analytic'\nreflection = 'report'\n[tensile]\nk = 1\nn = 2\ndq = 0.3\n[vorticity]\n"
+      "epsilon = 1\n[viscosity]\nc = 0.0005\n[output]\ndirectory = 'd'\n[output.vtu]\nevery = 1\nevery_steps = 2\n"
+      "fields = ['rgb', 'rank']\n[output.vtkhdf]\nevery_steps = 3\n[output.checkpoint]\nkeep = 5\n[output.series]\n"
+      "[colour]\nby = 'blue'\n[random]\nseed = 0\n[run]\nwall_limit = '1h30m'\n"
+      "[[particles]]\ntype = 'file'\npath = 'a.h5'\n[[particles]]\ntype = 'file'\npath = '/a.h5'\n"
+      "[[fountain]]\ncenter = [1, 0.5]\ndirection = [0, 3, 4]\nmusic = 'm.mid'\nspeed_range = [8, 20]\nstop = 2\n"));
+  EXPECT_EQ(scene.cfl, 0.4);
+  EXPECT_EQ(*scene.gravity, Vec3(0, 0, -1));
+  EXPECT_TRUE(scene.density.method == Method::anderson && scene.density.precision == Precision::single);
+  EXPECT_TRUE(scene.density.constraint == Constraint::equality && scene.walls.density == WallDensity::analytic);
+  EXPECT_EQ(scene.density.iterations, 9);
+  EXPECT_EQ(scene.density.tolerance, 0.01);
+  EXPECT_EQ(scene.density.relaxation, 2);
+  EXPECT_EQ(scene.density.epsilon, 0);
+  EXPECT_EQ(scene.tensile->n, 2);
+  EXPECT_EQ(scene.vorticity, 1);
+  EXPECT_EQ(scene.viscosity, 0.0005);
+  EXPECT_EQ(scene.output.directory, "d");
+  EXPECT_EQ(scene.output.vtu->schedule.every_steps, 2);
+  EXPECT_EQ(scene.output.vtu->fields, (std::vector<std::string>{"rgb", "rank"}));
+  EXPECT_EQ(scene.output.vtkhdf->fields, FrameSettings{}.fields);
+  EXPECT_EQ(scene.output.checkpoint->keep, 5);
+  EXPECT_EQ(scene.output.series->every_steps, 1);
+  EXPECT_EQ(scene.colour, Colour::blue);
+  EXPECT_EQ(scene.wall_limit, 5400);
+  EXPECT_EQ(scene.particles.at(1).path, "in/a.h5");
+  EXPECT_EQ(scene.particles.at(2).path, "/a.h5");
+  EXPECT_LT((scene.fountains.at(0).direction - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_EQ(scene.fountains[0].music, "in/m.mid");
+  EXPECT_EQ(scene.fountains[0].speed_range->second, 20);
+}
+
+TEST(Scene, ReportPresetCreatesItsTablesAndYieldsToExplicitKeys) {
+  const Scene scene = parse(scene_plus("[density]\npreset = 'report'"));
+  EXPECT_TRUE(scene.density.method == Method::jacobi && scene.density.constraint == Constraint::equality);
+  EXPECT_EQ(scene.density.iterations, 4);
+  EXPECT_EQ(scene.density.relaxation, 1);
+  EXPECT_EQ(scene.density.epsilon, 1);
+  EXPECT_EQ(scene.fluid.mass, Mass::volume);
+  EXPECT_TRUE(scene.walls.density == WallDensity::none && scene.walls.reflection == Reflection::report);
+  EXPECT_EQ(scene.walls.restitution, 0.5);
+  EXPECT_EQ(scene.cfl, 0);
+  EXPECT_TRUE(scene.tensile && scene.tensile->k == 0.001 && scene.tensile->n == 4 && scene.tensile->dq == 0.2);
+  EXPECT_EQ(scene.vorticity, 0.002);
+  EXPECT_EQ(scene.viscosity, 0.001);
+  const Scene other = parse(scene_plus("cfl = 1\n[tensile]\nk = 2\n[vorticity]\nepsilon = 0\n[walls]\nreflection = "
+                                       "'normal'\n[density]\nrelaxation = 0.5\npreset = 'report'"),
+                            {"fluid.mass='calibrated'"});
+  EXPECT_EQ(other.cfl, 1);
+  EXPECT_TRUE(other.tensile->k == 2 && other.tensile->n == 4 && other.vorticity == 0.0);
+  EXPECT_TRUE(other.walls.reflection == Reflection::normal && other.fluid.mass == Mass::calibrated);
+  EXPECT_EQ(other.density.relaxation, 0.5);
+  EXPECT_FALSE(parse(scene_plus("[density]\npreset = 'default'")).vorticity);
+}
+
+TEST(Scene, SlabAxisIsTheLongestHorizontalOne) {
+  EXPECT_EQ(parse(scene_with(3, "max = [2, 2, 9]")).slab_axis, 0);
+  EXPECT_EQ(parse(scene_with(3, "max = [2, 3, 9]")).slab_axis, 1);
+  EXPECT_EQ(parse(scene_with(3, "max = [2, 3, 9]\nslab_axis = 'x'")).slab_axis, 0);
+}
+
+TEST(Scene, WallLimitHasUnits) {
+  for (const auto& [text, seconds] : std::vector<std::pair<std::string, Real>>{{"'3h'", 10800},
+                                                                               {"'90m'", 5400},
+                                                                               {"'45s'", 45},
+                                                                               {"'1h1s'", 3601},
+                                                                               {"'0.5h'", 1800},
+                                                                               {"12", 12},
+                                                                               {"1.5", 1.5}})
+    EXPECT_EQ(parse(scene_plus("[run]\nwall_limit = " + text)).wall_limit, seconds) << text;
+}
+
+TEST(SceneOverrides, AreAppliedInOrderAndKeptInTheText) {
+  const Scene scene = parse(scene_plus("[[fountain]]\ncenter = [1, 0.5]"),
+                            {"density.iterations=8", "density.iterations = 9", "density.method=chebyshev",
+                             "fountain.0.speed=12", "particles.0.max=[1, 1, 1]", "run.wall_limit=3h", "time.end=2",
+                             "particles.1.type=file", "particles.1.path=data/c.h5", "gravity.acceleration=[0,0,-1]",
+                             "output.vtu.every_steps=2", "viscosity={c=0}", "domain.max.2=1.5"});
+  EXPECT_EQ(scene.density.iterations, 9);
+  EXPECT_EQ(scene.density.method, Method::chebyshev);
+  EXPECT_EQ(scene.fountains.at(0).speed, 12);
+  EXPECT_EQ(scene.particles.at(0).max, Vec3(1, 1, 1));
+  EXPECT_EQ(scene.particles.at(1).path, "in/data/c.h5");
+  EXPECT_EQ(scene.particles.at(1).line, 0);
+  EXPECT_EQ(scene.wall_limit, 10800);
+  EXPECT_EQ(scene.steps(), 200);
+  EXPECT_EQ(*scene.gravity, Vec3(0, 0, -1));
+  EXPECT_EQ(scene.output.vtu->schedule.every_steps, 2);
+  EXPECT_EQ(scene.viscosity, 0);
+  EXPECT_EQ(scene.domain_max.z(), 1.5);
+  EXPECT_NE(scene.text.find("\n# --set density.iterations=8\n# --set density.iterations = 9\n"), std::string::npos);
+  EXPECT_EQ(parse(scene_plus(), {"fountain.0.center=[1,0]"}).fountains.size(), 1u);
+}
+
+TEST(SceneOverrides, AreNamedWhenTheyAreWrong) {
+  const auto told = [](const std::string& assignment) { return problems(scene_plus(), {assignment}); };
+  EXPECT_EQ(told("density.itertions=8"), "--set density.itertions=8: unknown key; did you mean iterations?");
+  EXPECT_EQ(told("densty.iterations=8"), "--set densty.iterations=8: [densty]: unknown table; did you mean density?");
+  EXPECT_EQ(told("fluid.spacing=-1"),
+            "--set fluid.spacing=-1: must be positive, got -1; give the lattice spacing in metres");
+  EXPECT_EQ(told("fluid={spacing=-1}").find("--set fluid={spacing=-1}: [fluid] spacing: must be positive"), 0u);
+  EXPECT_EQ(told("fountain.0.speed=1").find("--set fountain.0.speed=1: [[fountain]] center: missing"), 0u);
+  EXPECT_EQ(told("particles.0.max=[9,9,9]").find("--set particles.0.max=[9,9,9]: the block is outside"), 0u);
+  EXPECT_EQ(told("particles.2.max=1"), "--set particles.2.max=1: no such element; the next new one is particles.1");
+  EXPECT_EQ(told("particles.max=1"), "--set particles.max=1: say which [[particles]]: particles.0.key=value");
+  EXPECT_EQ(told("density=5").find("--set density=5: must be a table"), 0u);
+  for (const std::string bad : {"density.iterations", "", "a=1\nb=2", "# a = 1"})
+    EXPECT_NE(told(bad).find("not of the form table.key=value"), std::string::npos) << bad;
+  for (const std::string bad :
+       {"=5", "density.iterations=", "density..n=1", "[density]=1", "density.method=a b", "a.=x"})
+    EXPECT_EQ(told(bad).find("--set " + bad + ": not valid TOML"), 0u) << told(bad);
+}
+
+TEST(Scene, ReferenceListsEachKeyOnce) {
+  std::istringstream reference(scene_reference());
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(reference, line);) lines.push_back(line);
+  const auto lists = [&](const std::string& key) {
+    return std::count_if(lines.begin(), lines.end(),
+                         [&](const std::string& line) { return line.starts_with(key + ": "); });
+  };
+  for (const std::string key :
+       {"[domain] slab_axis", "[fluid] spacing", "[[particles]] min", "[[particles]] path", "[time] dt",
+        "[density] preset", "[tensile] dq", "[viscosity] c", "[[fountain]] speed_range", "[output] directory",
+        "[output.vtkhdf] fields", "[output.checkpoint] keep", "[output.series] every_steps", "[colour] by",
+        "[random] seed", "[run] wall_limit"})
+    EXPECT_EQ(lists(key), 1) << key;
+}
+
+TEST(Scene, BrokenTextIsAnInputErrorAndNeverACrash) {
+  const std::string whole = scene_plus("[[fountain]]\ncenter = [1, 0.5]\nmusic = \"ü.mid\"\n[output.vtu]\nevery = 1\n");
+  std::mt19937 random(7);
+  const std::string alphabet = "[]{}=.\"'#,\n\t 0123456789-+einfatrueXx\\\x01\xff\xc3_";
+  for (int round = 0; round < 3000; ++round) {
+    std::string text = whole.substr(0, random() % (whole.size() + 1));
+    for (unsigned change = random() % 4; change > 0 && !text.empty(); --change)
+      text[random() % text.size()] = round % 2 ? static_cast<char>(random()) : alphabet[random() % alphabet.size()];
+    if (round % 3 == 0)
+      for (char& c : text) c = static_cast<char>(random());
+    try {
+      parse(text, {text.substr(0, 20), "fluid." + text.substr(text.size() / 2, 9)});
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()), "");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace trevi::test
