@@ -27,7 +27,8 @@ std::vector<std::unique_ptr<Forcing>> build_forcings(const Scene& scene) {
   if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
   int index = 0;
   for (const FountainSettings& fountain : scene.fountains) {
-    if (!fountain.music.empty()) throw InputError(scene.path + ": [[fountain]] music: not built in yet; remove the key");
+    if (!fountain.music.empty())
+      throw InputError(scene.path + ": [[fountain]] music: not built in yet; remove the key");
     const PumpSpeed speed = [constant = fountain.speed](Real) { return constant; };
     forcings.push_back(std::make_unique<Fountain>(fountain, speed, scene.domain_min.z(), scene.seed, index++));
   }
@@ -67,7 +68,8 @@ std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, c
   if (output.vtkhdf) throw InputError(scene.path + ": [output.vtkhdf] is not built in yet; use [output.vtu]");
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
-        session.comm(), SeriesOptions{options.directory, *output.series, static_cast<int>(scene.fountains.size()), restart_step}));
+        session.comm(),
+        SeriesOptions{options.directory, *output.series, static_cast<int>(scene.fountains.size()), restart_step}));
   }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(session.comm(), {options.directory, output.vtu->schedule, output.vtu->fields,
@@ -75,11 +77,15 @@ std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, c
   }
   if (output.checkpoint) {
     observers.push_back(std::make_unique<CheckpointWriter>(
-        session.comm(), CheckpointOptions{options.directory, output.checkpoint->schedule, output.checkpoint->keep,
-                                          {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)}, restart_step}));
+        session.comm(), CheckpointOptions{options.directory,
+                                          output.checkpoint->schedule,
+                                          output.checkpoint->keep,
+                                          {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)},
+                                          restart_step}));
   }
-  observers.push_back(std::make_unique<Progress>(
-      session.comm(), ProgressOptions{.mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
+  observers.push_back(std::make_unique<Progress>(session.comm(), ProgressOptions{.mode = options.progress,
+                                                                                 .first_step = restart_step.value_or(0),
+                                                                                 .last_step = options.last_step}));
   return observers;
 }
 
@@ -103,8 +109,8 @@ std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildO
   parts.forcings = build_forcings(scene);
   parts.filters = build_filters<T>(scene, model);
   parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
-  parts.diagnostics = std::make_unique<DiagnosticsSum>(comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h),
-                                                       parts.substeps.gravity);
+  parts.diagnostics = std::make_unique<DiagnosticsSum>(
+      comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h), parts.substeps.gravity);
   parts.observers = build_observers(session, scene, options, sum_over_ranks(comm, parts.particles.size()));
   return std::make_unique<PbfSolver<T>>(std::move(parts));
 }

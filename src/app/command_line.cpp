@@ -51,9 +51,11 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::CallForHelp&) {
     line.help = app.help();
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
-                     "[--restart FILE|latest] [--steps N] [--dry-run] [--progress auto|bar|lines|none] [PETSc options]; "
-                     "--help lists all scene keys");
+    throw InputError(
+        std::string(error.what()) +
+        "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
+        "[--restart FILE|latest] [--steps N] [--dry-run] [--progress auto|bar|lines|none] [PETSc options]; "
+        "--help lists all scene keys");
   }
   return line;
 }

@@ -24,10 +24,10 @@ BytesEach bytes_each(const Scene& scene) {
   const double pairs = lattice_poly6_sum(scene.fluid.spacing, scene.fluid.kernel_radius) > 0
                            ? 4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3)
                            : 0;
-  double owned = 3 * 24 + 8;                                  // positions, velocity, id
-  owned += 24 + 8 + 2 * 4;                                    // sorting
-  owned += quad + 8 + 4 * pairs * 1.125;                      // record, list
-  owned += 8 + quad;                                          // rho, delta
+  double owned = 3 * 24 + 8;              // positions, velocity, id
+  owned += 24 + 8 + 2 * 4;                // sorting
+  owned += quad + 8 + 4 * pairs * 1.125;  // record, list
+  owned += 8 + quad;                      // rho, delta
   double ghost = quad;
   if (scene.vorticity) owned += 2 * quad, ghost += quad;
   if (scene.viscosity) owned += quad, ghost += quad;
@@ -63,8 +63,8 @@ std::string slab_table(const Scene& scene, const std::vector<Real>& weights, int
     const Real owned = std::accumulate(first, last, 0.0);
     const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
     text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
-                        slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts, owned > 0 ? 100 * ghosts / owned : 0,
-                        (owned * bytes.owned + ghosts * bytes.ghost) / 1e6);
+                        slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts,
+                        owned > 0 ? 100 * ghosts / owned : 0, (owned * bytes.owned + ghosts * bytes.ghost) / 1e6);
   }
   return text;
 }
@@ -72,9 +72,8 @@ std::string slab_table(const Scene& scene, const std::vector<Real>& weights, int
 std::string time_text(const Scene& scene) {
   const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
   const Real by_speed = v > 0 ? 0.4 * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
-  return fmt::format("time        {} steps of {:.6g} s; dt by CFL 0.4: {:.3g} s at {:.3g} m/s{}\n", scene.steps(), scene.dt,
-                     std::min(by_speed, by_gravity), v,
-                     scene.cfl > 0 ? "; steps are split to keep it" : "");
+  return fmt::format("time        {} steps of {:.6g} s; dt by CFL 0.4: {:.3g} s at {:.3g} m/s{}\n", scene.steps(),
+                     scene.dt, std::min(by_speed, by_gravity), v, scene.cfl > 0 ? "; steps are split to keep it" : "");
 }
 
 std::string output_text(const Scene& scene, const std::string& directory) {
@@ -84,7 +83,8 @@ std::string output_text(const Scene& scene, const std::string& directory) {
   if (output.vtu) text += fmt::format("  VTU         {}\n", schedule_text(output.vtu->schedule));
   if (output.vtkhdf) text += fmt::format("  VTKHDF      {}\n", schedule_text(output.vtkhdf->schedule));
   if (output.checkpoint) {
-    text += fmt::format("  checkpoint  {}, keep {}\n", schedule_text(output.checkpoint->schedule), output.checkpoint->keep);
+    text +=
+        fmt::format("  checkpoint  {}, keep {}\n", schedule_text(output.checkpoint->schedule), output.checkpoint->keep);
   }
   return text;
 }
@@ -101,8 +101,8 @@ void print_dry_run(const Session& session, const Scene& scene, const std::string
   if (session.rank() != 0) return;
   fmt::print("scene       {}\n", scene.path);
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
-  fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y", session.size(),
-             slab_table(scene, weights, session.size()));
+  fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
+             session.size(), slab_table(scene, weights, session.size()));
   fmt::print("{}{}", time_text(scene), output_text(scene, directory));
 }
 

@@ -81,7 +81,8 @@ void check_inside(MPI_Comm comm, const Scene& scene, const Particles& particles,
   }
   outside = sum_over_ranks(comm, outside);
   if (outside > 0) {
-    throw InputError(source + ": " + std::to_string(outside) + " particles are outside the box; enlarge [domain] or "
+    throw InputError(source + ": " + std::to_string(outside) +
+                     " particles are outside the box; enlarge [domain] or "
                      "remove them");
   }
 }
@@ -172,8 +173,9 @@ InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGri
     particles.has_hue = true;
     particles.hue = std::move(rows.hue);
     if (particles.hue.size() != particles.id.size()) {
-      throw InputError("the checkpoint has no /particles/hue, which [colour] by = \"rainbow_x\" needs; choose another "
-                       "colour with --set colour.by=rainbow_id");
+      throw InputError(
+          "the checkpoint has no /particles/hue, which [colour] by = \"rainbow_x\" needs; choose another "
+          "colour with --set colour.by=rainbow_id");
     }
   }
   std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);

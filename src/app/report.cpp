@@ -59,7 +59,8 @@ double pair_seconds(const std::vector<PhaseReport>& phases) {
 
 }  // namespace
 
-void write_report(const Session& session, const RunContext& context, const Solver& solver, const std::string& exit_reason) {
+void write_report(const Session& session, const RunContext& context, const Solver& solver,
+                  const std::string& exit_reason) {
   const MPI_Comm comm = session.comm();
   const Solver::Counters counters = solver.counters();
   RunReport report;
@@ -80,7 +81,8 @@ void write_report(const Session& session, const RunContext& context, const Solve
   const auto steps = static_cast<double>(report.steps), particles = static_cast<double>(report.particles);
   report.steps_per_second = steps / report.wall_seconds;
   report.particle_steps_per_second = particles * steps / report.wall_seconds;
-  report.nanoseconds_per_pair = 1e9 * pair_seconds(report.phases) * session.size() / sum_real(comm, counters.pair_passes);
+  report.nanoseconds_per_pair =
+      1e9 * pair_seconds(report.phases) * session.size() / sum_real(comm, counters.pair_passes);
   report.halo_bytes_per_step = sum_real(comm, static_cast<double>(counters.halo_bytes)) / steps;
   report.halo_messages_per_step = sum_real(comm, static_cast<double>(counters.halo_messages)) / steps;
   report.bytes_per_particle = sum_real(comm, static_cast<double>(counters.bytes)) / particles;

@@ -96,7 +96,8 @@ void PhysicsReader::read_fluid() {
   fluid_.number({"spacing", "the lattice spacing in metres", true}, fluid.spacing, above(0));
   fluid_.number({"rest_density", "the density at rest in kg/m³"}, fluid.rest_density, above(0));
   fluid.kernel_radius = 2 * fluid.spacing;
-  fluid_.number({"kernel_radius", "the kernel radius h in metres; default twice the spacing"}, fluid.kernel_radius, above(0));
+  fluid_.number({"kernel_radius", "the kernel radius h in metres; default twice the spacing"}, fluid.kernel_radius,
+                above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
   check_kernel_radius();

@@ -25,9 +25,10 @@ void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last
   list_.rebuild(order_, records_);
   if (list_.crowded() >= 0) {
     const auto i = static_cast<std::size_t>(list_.crowded());
-    throw RunError("particle " + std::to_string(particles.id[i]) + " has more than " +
-                   std::to_string(NeighbourList::most_neighbours) +
-                   " neighbours: the water has collapsed into a point; use a smaller dt, time.cfl, or under-relaxation");
+    throw RunError(
+        "particle " + std::to_string(particles.id[i]) + " has more than " +
+        std::to_string(NeighbourList::most_neighbours) +
+        " neighbours: the water has collapsed into a point; use a smaller dt, time.cfl, or under-relaxation");
   }
 }
 

@@ -22,7 +22,8 @@ Slabs::Slabs(std::span<const Real> weights, int ranks) {
   for (int r = 1; r < ranks; ++r) {
     const Real target = before.back() * r / ranks;
     auto cut = static_cast<LocalId>(std::lower_bound(before.begin(), before.end(), target) - before.begin());
-    if (cut > 0 && target - before[static_cast<std::size_t>(cut) - 1] < before[static_cast<std::size_t>(cut)] - target) --cut;
+    if (cut > 0 && target - before[static_cast<std::size_t>(cut) - 1] < before[static_cast<std::size_t>(cut)] - target)
+      --cut;
     cuts_[static_cast<std::size_t>(r)] = std::clamp(cut, first_plane(r - 1) + 1, planes - (ranks - r));
   }
 }

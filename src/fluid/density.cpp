@@ -50,12 +50,14 @@ void DensityConstraint<T>::for_each_sum(const Pairs<T>& pairs, Range range, Use&
   for (LocalId begin = range.begin; begin < range.end; begin += chunk) {
     const Range part{begin, std::min(begin + chunk, range.end)};
     loops_.density(pairs, part, sums.data(), squares.data());
-    for (LocalId k = 0; k < part.size(); ++k) use(begin + k, sums[static_cast<std::size_t>(k)], squares[static_cast<std::size_t>(k)]);
+    for (LocalId k = 0; k < part.size(); ++k)
+      use(begin + k, sums[static_cast<std::size_t>(k)], squares[static_cast<std::size_t>(k)]);
   }
 }
 
 template <class T>
-void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const {
+void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                     std::span<Real> rho) const {
   for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T) {
     const auto k = static_cast<std::size_t>(i);
     rho[k] = density(model_, sum.w);
@@ -76,7 +78,8 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
       gradient += share.gradient;
     }
     const Real neighbours = gradient_factor_ * gradient_factor_ * static_cast<Real>(squares);
-    records[static_cast<std::size_t>(pairs.low_ghosts) + k].w = static_cast<T>(lambda(model_, rho[k], gradient, neighbours));
+    records[static_cast<std::size_t>(pairs.low_ghosts) + k].w =
+        static_cast<T>(lambda(model_, rho[k], gradient, neighbours));
   });
 }
 

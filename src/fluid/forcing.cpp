@@ -35,7 +35,8 @@ Real uniform(std::uint64_t seed, GlobalId id, const StepInfo& info, int stream) 
   const auto high = [](std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); };
   const auto particle = static_cast<std::uint64_t>(id), step = static_cast<std::uint64_t>(info.step);
   // 40 bits of step, 12 of substep, 12 of stream.
-  const auto place = static_cast<std::uint32_t>(static_cast<unsigned>(info.substep) << 12U | (static_cast<unsigned>(stream) & 0xfffU));
+  const auto place =
+      static_cast<std::uint32_t>(static_cast<unsigned>(info.substep) << 12U | (static_cast<unsigned>(stream) & 0xfffU));
   const Generator::ctr_type counter = {{low(particle), high(particle), low(step), place | high(step) << 24U}};
   const Generator::key_type key = {{low(seed), high(seed)}};
   const Generator::ctr_type random = Generator()(counter, key);

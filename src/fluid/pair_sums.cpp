@@ -201,8 +201,9 @@ struct Loops {
   }
   static void tensile_delta(const Pairs<T>& pairs, Range range, const Tensile& tensile, Quad<T>* out) {
     const auto per_base = static_cast<T>(1 / (1 - tensile.dq * tensile.dq));
-    for_each_particle(pairs, range,
-                      TensileDeltaKernel<T>{{{out}, pairs.records.data()}, static_cast<T>(-tensile.k), per_base, tensile.n});
+    for_each_particle(
+        pairs, range,
+        TensileDeltaKernel<T>{{{out}, pairs.records.data()}, static_cast<T>(-tensile.k), per_base, tensile.n});
   }
   static void curl(const Pairs<T>& pairs, Range range, const Quad<T>* velocity, Quad<T>* out) {
     for_each_particle(pairs, range, CurlKernel<T>{{{out}, velocity}});
@@ -217,7 +218,8 @@ struct Loops {
 
 template <class T>
 PairLoops<T> pair_loops() {
-  return {Loops<T>::density, Loops<T>::delta, Loops<T>::tensile_delta, Loops<T>::curl, Loops<T>::gradient, Loops<T>::smoothing};
+  return {Loops<T>::density, Loops<T>::delta,    Loops<T>::tensile_delta,
+          Loops<T>::curl,    Loops<T>::gradient, Loops<T>::smoothing};
 }
 PairLoops<float> pair_loops_single() { return pair_loops<float>(); }
 PairLoops<double> pair_loops_double() { return pair_loops<double>(); }

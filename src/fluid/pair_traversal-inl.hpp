@@ -1,5 +1,5 @@
-// One traversal for all pair loops: particle by particle, a vector of neighbours at a time. A neighbour's record is loaded
-// whole and the vector of records transposed in registers, which beats gather instructions by a factor of two.
+// One traversal for all pair loops: particle by particle, a vector of neighbours at a time. A neighbour's record is
+// loaded whole and the vector of records transposed in registers, which beats gather instructions by a factor of two.
 // Included once per instruction set, inside the sources that Highway compiles repeatedly.
 #if defined(TREVI_FLUID_PAIR_TRAVERSAL_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_FLUID_PAIR_TRAVERSAL_INL
@@ -35,7 +35,8 @@ HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const LocalId*
     return hn::ConcatUpperLower(d, hn::LoadDup128(d, block(1)), hn::LoadDup128(d, block(0)));
   } else {
     static_assert(blocks == 4);
-    const auto low = hn::IfThenElse(hn::FirstN(d, lanes_per_block), hn::LoadDup128(d, block(0)), hn::LoadDup128(d, block(1)));
+    const auto low =
+        hn::IfThenElse(hn::FirstN(d, lanes_per_block), hn::LoadDup128(d, block(0)), hn::LoadDup128(d, block(1)));
     const auto high =
         hn::IfThenElse(hn::FirstN(d, 3 * lanes_per_block), hn::LoadDup128(d, block(2)), hn::LoadDup128(d, block(3)));
     return hn::ConcatUpperLower(d, high, low);
@@ -44,21 +45,20 @@ HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const LocalId*
 
 // Lane k of x, y, z, w is the record at index[k].
 template <class D>
-  requires(sizeof(hn::TFromD<D>) == 4)
-HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
+requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
   const auto* base = static_cast<const hn::TFromD<D>*>(records);
   const auto a = load_blocks(d, base, index, 4), b = load_blocks(d, base, index + 1, 4);
   const auto c = load_blocks(d, base, index + 2, 4), e = load_blocks(d, base, index + 3, 4);
   const hn::Repartition<double, D> wide;  // two lanes moved as one
   const auto ab = hn::BitCast(wide, hn::InterleaveLower(d, a, b)), ce = hn::BitCast(wide, hn::InterleaveLower(d, c, e));
-  const auto ab2 = hn::BitCast(wide, hn::InterleaveUpper(d, a, b)), ce2 = hn::BitCast(wide, hn::InterleaveUpper(d, c, e));
+  const auto ab2 = hn::BitCast(wide, hn::InterleaveUpper(d, a, b)),
+             ce2 = hn::BitCast(wide, hn::InterleaveUpper(d, c, e));
   return {hn::BitCast(d, hn::InterleaveLower(wide, ab, ce)), hn::BitCast(d, hn::InterleaveUpper(wide, ab, ce)),
           hn::BitCast(d, hn::InterleaveLower(wide, ab2, ce2)), hn::BitCast(d, hn::InterleaveUpper(wide, ab2, ce2))};
 }
 
 template <class D>
-  requires(sizeof(hn::TFromD<D>) == 8)
-HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
+requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
   const auto* base = static_cast<const hn::TFromD<D>*>(records);
   const auto xy0 = load_blocks(d, base, index, 2), xy1 = load_blocks(d, base, index + 1, 2);
   const auto zw0 = load_blocks(d, base + 2, index, 2), zw1 = load_blocks(d, base + 2, index + 1, 2);
@@ -79,20 +79,19 @@ HWY_INLINE auto sum_of_blocks(D, V v) {
 
 // The four sums over lanes as one record.
 template <class D>
-  requires(sizeof(hn::TFromD<D>) == 4)
-HWY_INLINE Quad<float> sum_of_lanes(D d, const Four<D>& v) {
+requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Quad<float> sum_of_lanes(D d, const Four<D>& v) {
   const hn::Repartition<double, D> wide;
   const auto xy = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y)));
   const auto zw = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w)));
-  const auto sums = hn::Add(hn::BitCast(d, hn::InterleaveLower(wide, xy, zw)), hn::BitCast(d, hn::InterleaveUpper(wide, xy, zw)));
+  const auto sums =
+      hn::Add(hn::BitCast(d, hn::InterleaveLower(wide, xy, zw)), hn::BitCast(d, hn::InterleaveUpper(wide, xy, zw)));
   Quad<float> result;
   hn::Store(sum_of_blocks(D(), sums), hn::Full128<float>(), &result.x);
   return result;
 }
 
 template <class D>
-  requires(sizeof(hn::TFromD<D>) == 8)
-HWY_INLINE Quad<double> sum_of_lanes(D d, const Four<D>& v) {
+requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Quad<double> sum_of_lanes(D d, const Four<D>& v) {
   const auto xy = hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y));
   const auto zw = hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w));
   Quad<double> result;
@@ -116,7 +115,8 @@ HWY_INLINE hn::Vec<D> difference(D d, hwy::HWY_NAMESPACE::Vec<hn::RebindToSigned
 }
 
 template <class D>
-HWY_INLINE PairVector<D> pair_vector(D d, const Packed<float>& self, const Packed<float>* records, const LocalId* index) {
+HWY_INLINE PairVector<D> pair_vector(D d, const Packed<float>& self, const Packed<float>* records,
+                                     const LocalId* index) {
   const hn::RebindToSigned<D> di;
   const Four<D> j = gather(d, records, index);
   const auto dx = difference(d, hn::Set(di, self.x), j.x), dy = difference(d, hn::Set(di, self.y), j.y);
@@ -126,7 +126,8 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<float>& self, const Packe
 }
 
 template <class D>
-HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Packed<double>* records, const LocalId* index) {
+HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Packed<double>* records,
+                                     const LocalId* index) {
   const Four<D> j = gather(d, records, index);
   const auto dx = hn::Sub(hn::Set(d, self.x), j.x), dy = hn::Sub(hn::Set(d, self.y), j.y);
   const auto dz = hn::Sub(hn::Set(d, self.z), j.z);

@@ -19,7 +19,8 @@ void for_each_sum(LocalId particles, Loop&& loop, Use&& use) {
   for (LocalId begin = 0; begin < particles; begin += chunk) {
     const Range part{begin, std::min(begin + chunk, particles)};
     loop(part, sums.data());
-    for (LocalId k = 0; k < part.size(); ++k) use(static_cast<std::size_t>(begin + k), sums[static_cast<std::size_t>(k)]);
+    for (LocalId k = 0; k < part.size(); ++k)
+      use(static_cast<std::size_t>(begin + k), sums[static_cast<std::size_t>(k)]);
   }
 }
 

@@ -81,7 +81,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
 void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointInfo& info, const Frame& frame) {
   const std::string temporary = path + ".tmp";
   try {
-    Hdf5Writer file(comm, temporary, Storage::checksummed);
+    Hdf5Writer file(comm, temporary, Storage::contiguous);
     write_header(file, info, frame);
     write_particles(comm, file, frame.particles);
     file.close();

@@ -7,7 +7,8 @@
 
 namespace trevi {
 
-CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis) : min_(min), axis_{slab_axis, 1 - slab_axis, 2} {
+CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis)
+    : min_(min), axis_{slab_axis, 1 - slab_axis, 2} {
   assert(slab_axis == 0 || slab_axis == 1);
   double cells = 1;
   for (int k = 0; k < 3; ++k) {

@@ -112,7 +112,8 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
       std::size_t self = 0;
       const auto anchor = records[static_cast<std::size_t>(begin)];
       for_each_row_around(order, k, c, [&](LocalId row_begin, LocalId row_end) {
-        if (row_begin <= begin && begin < row_end) self = candidates.size() + static_cast<std::size_t>(begin - row_begin);
+        if (row_begin <= begin && begin < row_end)
+          self = candidates.size() + static_cast<std::size_t>(begin - row_begin);
         candidates.append(records.data(), row_begin, row_end, anchor);
       });
       rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding) * count);

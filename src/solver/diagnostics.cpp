@@ -101,7 +101,8 @@ Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fracti
   constexpr int bins = 4096, rounds = 3;
   const GlobalId all = sum_over_ranks(comm, static_cast<GlobalId>(places.size()));
   if (all == 0) return std::numeric_limits<Real>::quiet_NaN();
-  auto wanted = static_cast<GlobalId>(std::ceil(fraction * static_cast<Real>(all)));  // the how manieth in this interval
+  auto wanted =
+      static_cast<GlobalId>(std::ceil(fraction * static_cast<Real>(all)));  // the how manieth in this interval
   Real low = box.min[axis], width = (box.max[axis] - box.min[axis]) / bins;
   for (int round = 0; round < rounds; ++round) {
     std::vector<GlobalId> count(bins, 0);

@@ -121,7 +121,8 @@ int PbfSolver<T>::choose_substeps() const {
   for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest(parts_.clock.time()));
   const Real by_speed = dt * v / (parts_.substeps.cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
-  require(std::max(by_speed, by_gravity) < 1e6, "a step would need more than a million substeps: the run has become unstable");
+  require(std::max(by_speed, by_gravity) < 1e6,
+          "a step would need more than a million substeps: the run has become unstable");
   return std::max(1, static_cast<int>(std::ceil(std::max(by_speed, by_gravity) * (1 - 1e-9))));
 }
 

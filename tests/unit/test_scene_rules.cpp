@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{5, "spacing = nan", "5: [fluid] spacing", "must be finite"},
         BadScene{5, "spacing = {a = 1}", "5: [fluid] spacing", "must be a number, got a table"},
         BadScene{5, "spacing = 2020-01-01", "5: [fluid] spacing", "a date"},
-        BadScene{5, "spacing = 0.03", "4: [fluid] kernel_radius", "1.2 to 4 times"},
+        BadScene{5, "spacing = 0.03\nkernel_radius = 0.2", "6: [fluid] kernel_radius", "1.2 to 4 times"},
         BadScene{5, "spacing = 0.1\nrest_density = 0", "6: [fluid] rest_density", "must be positive, got 0"},
         BadScene{5, "spacing = 0.1\nkernel_radius = 0.11", "6: [fluid] kernel_radius",
                  "1.2 to 4 times the spacing 0.1 m"},

@@ -1,5 +1,6 @@
-// From a scene to objects: the one place where features are chosen. What a scene does not name is not built: no forcing, no
-// filter, no array, no event. Collective; throws InputError on all ranks alike for what this program cannot do.
+// From a scene to objects: the one place where features are chosen. What a scene does not name is not built: no
+// forcing, no filter, no array, no event. Collective; throws InputError on all ranks alike for what this program cannot
+// do.
 #pragma once
 
 #include <memory>

@@ -19,7 +19,7 @@ struct CommandLine {
   std::optional<std::int64_t> steps;   ///< total step count to stop at
   bool dry_run = false;
   ProgressMode progress = ProgressMode::automatic;
-  std::string help;                    ///< not empty: print this and exit 0
+  std::string help;  ///< not empty: print this and exit 0
 };
 
 /// Throws InputError with the usage line for what it does not understand.

@@ -1,4 +1,5 @@
-// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, planned output. Collective.
+// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, planned output.
+// Collective.
 #pragma once
 
 #include <string>

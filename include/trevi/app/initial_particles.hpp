@@ -1,12 +1,11 @@
-// The particles of a scene or a checkpoint, brought to the ranks that own them. Each rank makes its own part of a lattice and
-// reads its own slice of a file; nobody ever holds them all. Collective.
+// The particles of a scene or a checkpoint, brought to the ranks that own them. Each rank makes its own part of a
+// lattice and reads its own slice of a file; nobody ever holds them all. Collective.
 #pragma once
-
-#include <mpi.h>
 
 #include "trevi/app/scene.hpp"
 #include "trevi/domain/slabs.hpp"
 #include "trevi/output/particle_file.hpp"
+#include "trevi/parallel/session.hpp"
 #include "trevi/particles/cell_grid.hpp"
 #include "trevi/particles/particles.hpp"
 

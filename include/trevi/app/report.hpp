@@ -15,6 +15,7 @@ struct RunContext {
   std::int64_t first_step = 0;
 };
 
-void write_report(const Session& session, const RunContext& context, const Solver& solver, const std::string& exit_reason);
+void write_report(const Session& session, const RunContext& context, const Solver& solver,
+                  const std::string& exit_reason);
 
 }  // namespace trevi

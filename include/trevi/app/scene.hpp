@@ -47,21 +47,21 @@ struct Scene {
   int slab_axis = 0;                                          ///< 0 x, 1 y
   FluidSettings fluid;
   std::vector<ParticleSource> particles;
-  Real dt = 1.0 / 60, end = 0;     ///< s
-  Real cfl = 0;                    ///< 0: steps are never split
-  std::optional<Vec3> gravity;     ///< m/s²
+  Real dt = 1.0 / 60, end = 0;  ///< s
+  Real cfl = 0;                 ///< 0: steps are never split
+  std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;
   std::optional<TensileSettings> tensile;
-  std::optional<Real> vorticity;   ///< epsilon of vorticity confinement
-  std::optional<Real> viscosity;   ///< c of XSPH
+  std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
+  std::optional<Real> viscosity;  ///< c of XSPH
   std::vector<FountainSettings> fountains;
   OutputSettings output;
   std::optional<Colour> colour;
   std::uint64_t seed = 1;
   std::optional<Real> wall_limit;  ///< s
 
-  std::int64_t steps() const;      ///< round(end/dt)
+  std::int64_t steps() const;  ///< round(end/dt)
 };
 
 /// Reads the text of a scene. `overrides` are "table.key=value" with TOML values, applied in order.

@@ -1,5 +1,5 @@
-// Simulated time, and when something is due. Steps are counted, never accumulated, so that a restart sees the same times.
-// An output is due at the first step whose time is at least its due time − dt/2 (contract, "Time").
+// Simulated time, and when something is due. Steps are counted, never accumulated, so that a restart sees the same
+// times. An output is due at the first step whose time is at least its due time − dt/2 (contract, "Time").
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct Clock {
 
 /// Every so many seconds or every so many steps; `every_steps` wins when both are set; neither set: never due.
 struct Schedule {
-  Real every = 0;               ///< s
+  Real every = 0;  ///< s
   std::int64_t every_steps = 0;
 
   bool due(const Clock& clock) const {

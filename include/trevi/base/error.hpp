@@ -1,5 +1,5 @@
-// Errors that a user of Trevi can meet, each with the exit code of the program (contract: 2 bad input, 3 the run failed).
-// Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone.
+// Errors that a user of Trevi can meet, each with the exit code of the program (contract: 2 bad input, 3 the run
+// failed). Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone.
 // Internal bugs are asserts, not errors.
 #pragma once
 

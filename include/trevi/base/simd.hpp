@@ -1,5 +1,6 @@
-// Which instruction set the pair loops use. One binary holds them for SSE2/SSE4, AVX2, AVX-512 (NEON on Arm) and picks at
-// run time; all ranks must use the same one, because the number of lanes decides in which order a particle's sum is formed.
+// Which instruction set the pair loops use. One binary holds them for SSE2/SSE4, AVX2, AVX-512 (NEON on Arm) and picks
+// at run time; all ranks must use the same one, because the number of lanes decides in which order a particle's sum is
+// formed.
 #pragma once
 
 #include <cstdint>

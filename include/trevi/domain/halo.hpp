@@ -1,7 +1,7 @@
-// Ghost exchange with the two neighbour slabs. Particles are in cell order, so what a neighbour needs, and where its answer
-// goes, are contiguous slices of an array [low ghosts | owned | high ghosts]: no index list, no packing.
-// rebuild() makes the plan once a step; then any array of that layout is exchanged by start() and finish(), with work that
-// needs no ghosts in between. Collective over neighbours: all ranks call the same exchanges in the same order.
+// Ghost exchange with the two neighbour slabs. Particles are in cell order, so what a neighbour needs, and where its
+// answer goes, are contiguous slices of an array [low ghosts | owned | high ghosts]: no index list, no packing.
+// rebuild() makes the plan once a step; then any array of that layout is exchanged by start() and finish(), with work
+// that needs no ghosts in between. Collective over neighbours: all ranks call the same exchanges in the same order.
 #pragma once
 
 #include <mpi.h>

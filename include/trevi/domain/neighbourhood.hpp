@@ -1,7 +1,7 @@
 // Everything about who is near whom in one step: cell order, ghosts, packed records, neighbour list.
-// rebuild() follows the prediction; list, ghosts and order are frozen until the end of the step, while the records follow the
-// particles: write the owned ones, then exchange() them. Interior work may go on between start() and finish() of the halo.
-// Collective: rebuild and everything that exchanges.
+// rebuild() follows the prediction; list, ghosts and order are frozen until the end of the step, while the records
+// follow the particles: write the owned ones, then exchange() them. Interior work may go on between start() and
+// finish() of the halo. Collective: rebuild and everything that exchanges.
 #pragma once
 
 #include <mpi.h>
@@ -23,8 +23,8 @@ class Neighbourhood {
  public:
   Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
 
-  /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All particles
-  /// must be in the planes [first, last). Throws RunError that names a particle with too many neighbours.
+  /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
+  /// particles must be in the planes [first, last). Throws RunError that names a particle with too many neighbours.
   void rebuild(Particles& particles, LocalId first, LocalId last);
 
   /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.

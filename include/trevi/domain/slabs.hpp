@@ -16,8 +16,8 @@ struct Box {
 
 class Slabs {
  public:
-  /// Cuts the planes so that the weights are shared as evenly as whole planes allow. `weights`: one per plane, any unit.
-  /// Throws InputError when there are more ranks than planes.
+  /// Cuts the planes so that the weights are shared as evenly as whole planes allow. `weights`: one per plane, any
+  /// unit. Throws InputError when there are more ranks than planes.
   Slabs(std::span<const Real> weights, int ranks);
 
   int ranks() const { return static_cast<int>(cuts_.size()) - 1; }

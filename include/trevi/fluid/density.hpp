@@ -1,9 +1,10 @@
 // The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
 //   rho_i = m Σ_j W6(p_ij),  C_i = rho_i/rho0 − 1 (inequality: not below 0)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
-//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of boundary terms]
-// The functions of one particle (density, lambda) stand apart from the loops that drive them. Not collective: the caller
-// exchanges lambda, which lives in the scalar of the records, between the two loops.
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of boundary
+//   terms]
+// The functions of one particle (density, lambda) stand apart from the loops that drive them. Not collective: the
+// caller exchanges lambda, which lives in the scalar of the records, between the two loops.
 #pragma once
 
 #include <functional>
@@ -37,7 +38,8 @@ class BoundaryDensity {
   virtual BoundaryShare at(const Vec3& p) const = 0;
 };
 
-/// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest density.
+/// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest
+/// density.
 Real particle_mass(const FluidSettings& fluid);
 
 /// `poly6_sum`: Σ (1 − u²)³ over the neighbours without i; the density in kg/m³ without boundary terms.

@@ -1,6 +1,7 @@
 // What changes velocities before the prediction: gravity and fountains, each called once per particle set.
-// Only the forcings a scene names are built. A forcing is the same on any rank count: it looks at one particle at a time and
-// draws its random numbers from (seed, id, step, substep) with a counter-based generator (Random123's Philox). Not collective.
+// Only the forcings a scene names are built. A forcing is the same on any rank count: it looks at one particle at a
+// time and draws its random numbers from (seed, id, step, substep) with a counter-based generator (Random123's Philox).
+// Not collective.
 #pragma once
 
 #include <functional>
@@ -16,8 +17,8 @@ namespace trevi {
 struct StepInfo {
   std::int64_t step = 0;  ///< steps done before
   int substep = 0;
-  Real time = 0;          ///< at the start of the substep, s
-  Real dt = 0;            ///< of the substep, s
+  Real time = 0;  ///< at the start of the substep, s
+  Real dt = 0;    ///< of the substep, s
 };
 
 class Forcing {

@@ -1,7 +1,8 @@
 // The two smoothing kernels of the method (Müller 2003; report, section 2.2), for one pair.
 //   Poly6  W(r)  = 315/(64 π h⁹) (h² − r²)³                     [1/m³]
 //   Spiky  ∇W(r) = −45/(π h⁶) (h − r)² r̂,  0 < r < h            [1/m⁴]
-// The pair loops sum the dimensionless shapes (1 − u²)³ and (1 − u)² r̂, u = r/h; the factors here give them their units.
+// The pair loops sum the dimensionless shapes (1 − u²)³ and (1 − u)² r̂, u = r/h; the factors here give them their
+// units.
 #pragma once
 
 #include <numbers>

@@ -21,9 +21,9 @@ enum class WallDensity { none, analytic };
 enum class Reflection { normal, report };
 
 struct FluidSettings {
-  Real spacing = 0.1;         ///< of the start lattice, m
-  Real rest_density = 1000;   ///< kg/m³
-  Real kernel_radius = 0.2;   ///< h, m
+  Real spacing = 0.1;        ///< of the start lattice, m
+  Real rest_density = 1000;  ///< kg/m³
+  Real kernel_radius = 0.2;  ///< h, m
   Mass mass = Mass::calibrated;
 };
 
@@ -32,7 +32,7 @@ struct DensitySettings {
   int iterations = 4;
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
   Real relaxation = 0.5;
-  Real epsilon = 1;               ///< 1/m² at spacing 0.1
+  Real epsilon = 1;  ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
 };
@@ -46,16 +46,16 @@ struct WallSettings {
 struct TensileSettings {
   Real k = 0.001;  ///< m² at spacing 0.1
   int n = 4;
-  Real dq = 0.2;   ///< in units of h
+  Real dq = 0.2;  ///< in units of h
 };
 
 struct FountainSettings {
-  Real center[2] = {0, 0};             ///< m, on the floor
-  Real diameter = 0.15, height = 0.2;  ///< m, upright cylinder on the floor
-  Vec3 direction = Vec3::UnitZ();      ///< normalised
-  Real speed = 10, jitter = 0;         ///< m/s
-  Real start = 0, stop = 1e300;        ///< s
-  std::string music;                   ///< path beside the scene, or "-"; empty: none
+  Real center[2] = {0, 0};                           ///< m, on the floor
+  Real diameter = 0.15, height = 0.2;                ///< m, upright cylinder on the floor
+  Vec3 direction = Vec3::UnitZ();                    ///< normalised
+  Real speed = 10, jitter = 0;                       ///< m/s
+  Real start = 0, stop = 1e300;                      ///< s
+  std::string music;                                 ///< path beside the scene, or "-"; empty: none
   std::optional<std::pair<Real, Real>> speed_range;  ///< m/s, for the lowest and highest note
 };
 

@@ -1,9 +1,10 @@
 // What smooths or stirs velocities after the density solve, on the frozen neighbour list (report, section 2.3):
-//   vorticity confinement   omega_i = m Σ_j (v_j − v_i) × ∇_{p_j}W_spiky,  eta_i = (m/rho0) Σ_j (|omega_j| − |omega_i|) ∇_{p_i}W_spiky
+//   vorticity confinement   omega_i = m Σ_j (v_j − v_i) × ∇_{p_j}W_spiky,  eta_i = (m/rho0) Σ_j (|omega_j| − |omega_i|)
+//   ∇_{p_i}W_spiky
 //                           v_i += dt epsilon (eta_i/|eta_i| × omega_i), nothing where |eta_i| = 0
 //   XSPH viscosity          v_i += c m Σ_j (v_j − v_i) W6(p_ij)
-// A filter reads only the velocities the one before left, never half-updated ones. It refreshes the ghosts it reads and uses
-// the scalar of the records as it likes. Collective.
+// A filter reads only the velocities the one before left, never half-updated ones. It refreshes the ghosts it reads and
+// uses the scalar of the records as it likes. Collective.
 #pragma once
 
 #include "trevi/domain/neighbourhood.hpp"

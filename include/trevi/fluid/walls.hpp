@@ -1,5 +1,6 @@
 // The six walls of the box (Algorithm 3 of the report): where a moving particle ends up, and where a shifted one stops.
-// One particle at a time, metres and seconds; a particle inside the closed box stays inside at any speed. Not collective.
+// One particle at a time, metres and seconds; a particle inside the closed box stays inside at any speed. Not
+// collective.
 #pragma once
 
 #include "trevi/domain/slabs.hpp"
@@ -24,7 +25,9 @@ class Walls {
   }
 
   Vec3 clamp(const Vec3& p) const { return p.cwiseMax(box_.min).cwiseMin(box_.max); }
-  bool inside(const Vec3& p) const { return (p.array() >= box_.min.array()).all() && (p.array() <= box_.max.array()).all(); }
+  bool inside(const Vec3& p) const {
+    return (p.array() >= box_.min.array()).all() && (p.array() <= box_.max.array()).all();
+  }
   const Box& box() const { return box_; }
 
  private:

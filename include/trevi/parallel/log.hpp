@@ -1,5 +1,5 @@
-// Phases and kernels as PETSc stages and events, so that -log_view reads as a profile of the method, and run.json with it.
-// An event is registered when the object that needs it is built: what a scene does not use has no line in the log.
+// Phases and kernels as PETSc stages and events, so that -log_view reads as a profile of the method, and run.json with
+// it. An event is registered when the object that needs it is built: what a scene does not use has no line in the log.
 // Not collective; all ranks must register the same events in the same order (the scene builder does).
 #pragma once
 

@@ -1,6 +1,7 @@
 // Reductions over all ranks. Collective.
-// Floating-point sums depend on their order, so a sum over particles is formed per cell plane by the plane's one owner, and
-// the planes are added in their global order: the same bits on any rank count. Maxima and integer sums need no such care.
+// Floating-point sums depend on their order, so a sum over particles is formed per cell plane by the plane's one owner,
+// and the planes are added in their global order: the same bits on any rank count. Maxima and integer sums need no such
+// care.
 #pragma once
 
 #include <mpi.h>
@@ -16,8 +17,8 @@ Real max_over_ranks(MPI_Comm comm, Real value);
 Real min_over_ranks(MPI_Comm comm, Real value);
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value);
 
-/// `partial` holds one row of `columns` sums for each cell plane this rank owns, in plane order; ranks own planes in rank
-/// order. Returns the `columns` totals on all ranks.
+/// `partial` holds one row of `columns` sums for each cell plane this rank owns, in plane order; ranks own planes in
+/// rank order. Returns the `columns` totals on all ranks.
 std::vector<Real> sum_over_planes(MPI_Comm comm, std::span<const Real> partial, int columns);
 
 }  // namespace trevi

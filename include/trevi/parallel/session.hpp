@@ -1,6 +1,6 @@
 // MPI and PETSc for the life of the program: construct one Session first in main, let it go last.
-// Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as the
-// solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
+// Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as
+// the solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
 #pragma once
 
 #include <mpi.h>

@@ -1,7 +1,7 @@
-// The cells of Algorithm 2: a grid over the whole box with cells at least h wide, so that neighbours are in touching cells.
-// Cells are numbered plane by plane along the slab axis, then row by row, the vertical axis fastest; the numbering is global
-// and the same on every rank, which is what makes the order of particles, and with it every sum, independent of the ranks.
-// Lengths in metres. Not collective.
+// The cells of Algorithm 2: a grid over the whole box with cells at least h wide, so that neighbours are in touching
+// cells. Cells are numbered plane by plane along the slab axis, then row by row, the vertical axis fastest; the
+// numbering is global and the same on every rank, which is what makes the order of particles, and with it every sum,
+// independent of the ranks. Lengths in metres. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ class CellGrid {
   CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis);
 
   LocalId planes() const { return count_[0]; }
-  LocalId rows() const { return count_[1]; }      ///< in a plane
-  LocalId columns() const { return count_[2]; }   ///< in a row
+  LocalId rows() const { return count_[1]; }     ///< in a plane
+  LocalId columns() const { return count_[2]; }  ///< in a row
   LocalId cells_per_plane() const { return count_[1] * count_[2]; }
   int slab_axis() const { return axis_[0]; }
 
@@ -33,7 +33,7 @@ class CellGrid {
   }
 
   Vec3 min_;
-  std::array<int, 3> axis_;         // grid direction -> coordinate
+  std::array<int, 3> axis_;  // grid direction -> coordinate
   std::array<LocalId, 3> count_;
   std::array<Real, 3> per_length_;  // cells per metre
 };

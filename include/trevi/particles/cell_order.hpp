@@ -1,7 +1,7 @@
 // Particles in cell order: sorted by (plane, row, cell, id) of their predicted positions, O(n).
-// The order is frozen from the prediction to the end of a step. Owned particles of the planes [first, last) come in plane
-// order, so a boundary plane, and the ghosts of a neighbour rank, are contiguous slices: low ghosts, owned, high ghosts.
-// Not collective: the cell counts of the ghost planes are handed in by the halo.
+// The order is frozen from the prediction to the end of a step. Owned particles of the planes [first, last) come in
+// plane order, so a boundary plane, and the ghosts of a neighbour rank, are contiguous slices: low ghosts, owned, high
+// ghosts. Not collective: the cell counts of the ghost planes are handed in by the halo.
 #pragma once
 
 #include <span>
@@ -34,7 +34,8 @@ class CellOrder {
   LocalId high_ghosts() const { return high_ghosts_; }
   LocalId size() const { return low_ghosts_ + owned_ + high_ghosts_; }
 
-  /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned one.
+  /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned
+  /// one.
   LocalId start(LocalId k, LocalId c) const { return start_[static_cast<std::size_t>(k) * cells() + c]; }
   /// Owned particles of the owned planes [k, l) counted from 0: first and one past the last, without ghosts.
   std::pair<LocalId, LocalId> owned_range(LocalId k, LocalId l) const;
@@ -48,10 +49,10 @@ class CellOrder {
 
   CellGrid grid_;
   LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
-  std::vector<LocalId> counts_;    // of each owned cell
-  std::vector<LocalId> start_;     // cells of planes_ + 2 planes, and the end
-  std::vector<LocalId> cell_;      // of each particle, before sorting
-  std::vector<LocalId> order_;     // sorted place -> old place
+  std::vector<LocalId> counts_;  // of each owned cell
+  std::vector<LocalId> start_;   // cells of planes_ + 2 planes, and the end
+  std::vector<LocalId> cell_;    // of each particle, before sorting
+  std::vector<LocalId> order_;   // sorted place -> old place
   std::tuple<std::vector<GlobalId>, std::vector<Vec3>, std::vector<float>> scratch_;
 };
 

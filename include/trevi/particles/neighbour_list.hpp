@@ -1,6 +1,6 @@
 // Neighbours of each owned particle: all others, ghosts included, with |p*_i − p*_j| < h at the time of the search
-// (Algorithm 2 of the report, found once a step). Compressed rows; within a row in storage order, which no rank count changes.
-// Indices count from the first low ghost. Not collective.
+// (Algorithm 2 of the report, found once a step). Compressed rows; within a row in storage order, which no rank count
+// changes. Indices count from the first low ghost. Not collective.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,8 @@ struct NeighbourRows {
 
 class NeighbourList {
  public:
-  /// More neighbours than this (all the water within a few h piled up in one place) end the run: lists grow as the square.
+  /// More neighbours than this (all the water within a few h piled up in one place) end the run: lists grow as the
+  /// square.
   static constexpr LocalId most_neighbours = 4096;
 
   /// `records` are those of all particles of `order`, ghosts included. O(n).

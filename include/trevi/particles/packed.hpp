@@ -1,10 +1,11 @@
 // One record per particle as the pair loops read it: position and one scalar (lambda, |omega|) side by side, so that a
 // neighbour costs one cache line. Records exist for ghosts, too; low ghosts, owned, high ghosts.
 //
-// Single precision keeps a position as 32-bit integers in units of h / 2^22, counted from the box corner and wrapping around.
-// The difference of two such numbers is exact whatever the size of the box, so that a pair has 2^-22 h of resolution near the
-// corner and a kilometre away alike, and no rank has an origin of its own. (Neighbours that drift more than 512 h apart within
-// a step would alias; the box of any run that gets there has exploded long before.) Double precision keeps units of h.
+// Single precision keeps a position as 32-bit integers in units of h / 2^22, counted from the box corner and wrapping
+// around. The difference of two such numbers is exact whatever the size of the box, so that a pair has 2^-22 h of
+// resolution near the corner and a kilometre away alike, and no rank has an origin of its own. (Neighbours that drift
+// more than 512 h apart within a step would alias; the box of any run that gets there has exploded long before.) Double
+// precision keeps units of h.
 #pragma once
 
 #include <cmath>

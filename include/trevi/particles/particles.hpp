@@ -1,7 +1,7 @@
 // The state of the particles one rank owns: a structure of arrays, one contiguous array per field, all of one length.
-// Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count changes.
-// Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has none.
-// The one list of fields is for_each_field: sorting, migration and restart all go through it.
+// Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count
+// changes. Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has
+// none. The one list of fields is for_each_field: sorting, migration and restart all go through it.
 #pragma once
 
 #include <cassert>

@@ -1,5 +1,5 @@
-// How the density constraints of all particles are solved together. Each method is an iteration over DensityProblem's sweeps
-// and leaves p* corrected, inside the walls, with fresh ghosts. Collective; the same bits on any rank count.
+// How the density constraints of all particles are solved together. Each method is an iteration over DensityProblem's
+// sweeps and leaves p* corrected, inside the walls, with fresh ghosts. Collective; the same bits on any rank count.
 //   jacobi     p* += relaxation · delta (report, Algorithm 1; relaxation 1 there)
 #pragma once
 

@@ -1,6 +1,6 @@
 // One density solve of a step: positions p* to be moved until rho_i = rho0, on a frozen neighbour list.
-// The methods (density_method.hpp) are written in terms of the three operations here; each leaves the ghosts up to date, with
-// the messages under way while interior planes are worked on. Collective.
+// The methods (density_method.hpp) are written in terms of the three operations here; each leaves the ghosts up to
+// date, with the messages under way while interior planes are worked on. Collective.
 #pragma once
 
 #include "trevi/domain/neighbourhood.hpp"

@@ -1,12 +1,11 @@
-// The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and wall_seconds
-// has the same bits on any rank count. Definitions: contract, "Outputs"; units SI. Collective.
-// An interior particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
+// The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and
+// wall_seconds has the same bits on any rank count. Definitions: contract, "Outputs"; units SI. Collective. An interior
+// particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
 #pragma once
-
-#include <mpi.h>
 
 #include "trevi/domain/slabs.hpp"
 #include "trevi/fluid/density.hpp"
+#include "trevi/parallel/session.hpp"
 #include "trevi/particles/neighbour_list.hpp"
 #include "trevi/solver/observer.hpp"
 
@@ -15,8 +14,8 @@ namespace trevi {
 /// What a row is computed from; all of the owned particles, in the frozen order.
 struct DiagnosticsInput {
   const Particles& particles;
-  std::span<const Real> density;          ///< kg/m³
-  std::span<const Vec3> listed;           ///< positions when the list was built; empty: no drift to report
+  std::span<const Real> density;  ///< kg/m³
+  std::span<const Vec3> listed;   ///< positions when the list was built; empty: no drift to report
   const CellOrder& order;
   const NeighbourList& list;
 };
@@ -42,8 +41,8 @@ class DiagnosticsSum {
   Vec3 gravity_;
 };
 
-/// The smallest x such that at least `fraction` of all particles have a coordinate along `axis` of at most x, to 1e-10 of the
-/// box. Three rounds of counting, no sorting. nan without particles. Collective.
+/// The smallest x such that at least `fraction` of all particles have a coordinate along `axis` of at most x, to 1e-10
+/// of the box. Three rounds of counting, no sorting. nan without particles. Collective.
 Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fraction, const Box& box);
 
 }  // namespace trevi

@@ -1,5 +1,5 @@
-// Observers look at a run and write; they never change it. Each has its own schedule; the solver notifies them at the end
-// of a step, while the particles still stand in the frozen cell order of that step.
+// Observers look at a run and write; they never change it. Each has its own schedule; the solver notifies them at the
+// end of a step, while the particles still stand in the frozen cell order of that step.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace trevi {
 
-/// One row of series.csv, sums and maxima over all ranks, the same bits on any rank count (but imbalance, wall_seconds).
-/// Units: SI; definitions in the user's contract, "Outputs". Undefined values are nan.
+/// One row of series.csv, sums and maxima over all ranks, the same bits on any rank count (but imbalance,
+/// wall_seconds). Units: SI; definitions in the user's contract, "Outputs". Undefined values are nan.
 struct Diagnostics {
   GlobalId particles = 0;
   int iterations = 0;
@@ -32,8 +32,8 @@ struct FountainState {
 struct Frame {
   const Clock& clock;
   const Particles& particles;
-  std::span<const Real> density;     ///< kg/m³ at the final positions; empty unless an observer wanted it
-  const Diagnostics* diagnostics;    ///< null unless an observer wanted it
+  std::span<const Real> density;   ///< kg/m³ at the final positions; empty unless an observer wanted it
+  const Diagnostics* diagnostics;  ///< null unless an observer wanted it
   std::span<const FountainState> fountains;
 };
 

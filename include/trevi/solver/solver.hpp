@@ -1,6 +1,6 @@
 // The time step of position based fluids (report, Algorithm 1) on slabs, and the state it advances.
-// Collective throughout: all ranks make the same calls. Between steps each rank owns the particles in its slab; during a step
-// the neighbour list, the ghosts and the order are frozen from the prediction to the end of the filters.
+// Collective throughout: all ranks make the same calls. Between steps each rank owns the particles in its slab; during
+// a step the neighbour list, the ghosts and the order are frozen from the prediction to the end of the filters.
 #pragma once
 
 #include <memory>
@@ -40,13 +40,13 @@ class Solver {
 
   /// Work and traffic of this rank so far, for run.json.
   struct Counters {
-    double pair_passes = 0;            ///< pairs times passes of the density solve
-    std::int64_t iterations = 0;       ///< density iterations, summed over substeps
+    double pair_passes = 0;       ///< pairs times passes of the density solve
+    std::int64_t iterations = 0;  ///< density iterations, summed over substeps
     std::int64_t substeps = 0;
-    std::int64_t unconverged = 0;      ///< solves that missed their tolerance
+    std::int64_t unconverged = 0;  ///< solves that missed their tolerance
     std::int64_t halo_bytes = 0, halo_messages = 0, migrated = 0;
-    std::size_t bytes = 0;             ///< memory of particles, ghosts, lists and everything else the solver holds
-    double seconds = 0;                ///< in step(), observers not counted
+    std::size_t bytes = 0;  ///< memory of particles, ghosts, lists and everything else the solver holds
+    double seconds = 0;     ///< in step(), observers not counted
   };
   virtual Counters counters() const = 0;
   virtual std::span<const FountainState> fountains() const = 0;
