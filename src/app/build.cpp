@@ -5,6 +5,7 @@
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/wall_density.hpp"
 #include "trevi/output/series.hpp"
+#include "trevi/output/vtkhdf.hpp"
 #include "trevi/output/vtu.hpp"
 #include "trevi/parallel/reductions.hpp"
 
@@ -64,13 +65,27 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   return scale;
 }
 
+// A run that is asked to stop leaves a checkpoint, whether the scene has a table for them or not.
+CheckpointOptions checkpoint_options(const Scene& scene, const std::string& directory,
+                                     std::optional<std::int64_t> restart_step) {
+  CheckpointOptions options;
+  options.directory = directory;
+  options.info = {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides};
+  options.restart_step = restart_step;
+  options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
+  if (scene.output.checkpoint) {
+    options.schedule = scene.output.checkpoint->schedule;
+    options.keep = scene.output.checkpoint->keep;
+  }
+  return options;
+}
+
 std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, const Scene& scene,
                                                        const BuildOptions& options, GlobalId particles) {
   std::vector<std::unique_ptr<Observer>> observers;
   std::optional<std::int64_t> restart_step;
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
-  if (output.vtkhdf) throw InputError(scene.path + ": [output.vtkhdf] is not built in yet; use [output.vtu]");
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
         session.comm(),
@@ -80,18 +95,24 @@ std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, c
     observers.push_back(make_vtu_writer(session.comm(), {options.directory, output.vtu->schedule, output.vtu->fields,
                                                          colour_scale(scene, particles), restart_step}));
   }
-  if (output.checkpoint) {
-    observers.push_back(std::make_unique<CheckpointWriter>(
-        session.comm(), CheckpointOptions{options.directory,
-                                          output.checkpoint->schedule,
-                                          output.checkpoint->keep,
-                                          {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)},
-                                          restart_step}));
+  if (output.vtkhdf) {
+    observers.push_back(
+        make_vtkhdf_writer(session.comm(), {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
+                                            colour_scale(scene, particles), restart_step}));
   }
+  observers.push_back(
+      std::make_unique<CheckpointWriter>(session.comm(), checkpoint_options(scene, options.directory, restart_step)));
   observers.push_back(std::make_unique<Progress>(session.comm(), ProgressOptions{.mode = options.progress,
                                                                                  .first_step = restart_step.value_or(0),
                                                                                  .last_step = options.last_step}));
   return observers;
+}
+
+// Those of a checkpoint are kept when the method starts from them; without any it starts from zero.
+void keep_multipliers(Particles& particles, bool needed) {
+  if (!needed) particles.lambda.clear();
+  if (needed && !particles.has_lambda) particles.lambda.assign(particles.id.size(), 0.0);
+  particles.has_lambda = needed;
 }
 
 template <class T>
@@ -106,12 +127,14 @@ std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildO
                                        : initial_particles(comm, scene, *parts.grid);
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
   parts.particles = std::move(state.particles);
-  if (scene.density.warm_start > 0) {
-    parts.particles.has_lambda = true;
-    parts.particles.lambda.assign(parts.particles.id.size(), 0.0);
-  }
+  keep_multipliers(parts.particles, scene.density.warm_start > 0);
   parts.clock.dt = scene.dt;
-  if (options.restart) parts.clock.step = options.restart->step;
+  if (options.restart) {
+    parts.clock.step = options.restart->step;
+    parts.clock.substeps = options.restart->substeps;
+    parts.wall_seconds = options.restart->wall_seconds;
+  }
+  parts.requests = std::move(options.requests);
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
   parts.method = make_density_method<T>(scene.density, model.h);

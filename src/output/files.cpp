@@ -111,6 +111,10 @@ void publish_file(const std::string& path, const std::string& target) {
   sync_folder_of(target);
 }
 
+void sync_if_there(const std::string& path) {
+  if (fs::exists(path)) sync_file(path);
+}
+
 std::string step_digits(std::int64_t step) { return fmt::format("{:06}", step); }
 
 std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view prefix, std::string_view suffix) {

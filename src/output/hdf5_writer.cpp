@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "trevi/base/error.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 
@@ -122,7 +122,12 @@ void Hdf5Writer::text(const std::string& name, const std::string& value) {
 
 void Hdf5Writer::write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space,
                                  const void* value) {
-  Hdf5Handle attribute(H5Acreate2(file_.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  create_groups(name);
+  const std::size_t slash = name.rfind('/');
+  const std::string group = slash == std::string::npos ? "/" : name.substr(0, slash + 1);
+  const std::string own_name = slash == std::string::npos ? name : name.substr(slash + 1);
+  const Hdf5Handle place(H5Gopen2(file_.id(), group.c_str(), H5P_DEFAULT), H5Gclose);
+  Hdf5Handle attribute(H5Acreate2(place.id(), own_name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const bool good = attribute.valid() && H5Awrite(attribute.id(), type, value) >= 0;
   check(good && attribute.close(), "attribute " + name);
 }
@@ -141,9 +146,21 @@ void Hdf5Writer::attribute(const std::string& name, std::span<const Real> values
                   values.data());
 }
 
+void Hdf5Writer::attribute(const std::string& name, std::span<const std::int64_t> values) {
+  const hsize_t count = values.size();
+  write_attribute(name, native_type(Scalar::int64), Hdf5Handle(H5Screate_simple(1, &count, nullptr), H5Sclose),
+                  values.data());
+}
+
 void Hdf5Writer::attribute(const std::string& name, const std::string& value) {
   const Hdf5Handle type = string_type(value.size());
   write_attribute(name, type.id(), Hdf5Handle(H5Screate(H5S_SCALAR), H5Sclose), value.c_str());
+}
+
+void Hdf5Writer::link(const std::string& name, const std::string& second_name) {
+  create_groups(second_name);
+  check(H5Lcreate_hard(file_.id(), name.c_str(), file_.id(), second_name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0,
+        second_name);
 }
 
 void Hdf5Writer::close() {

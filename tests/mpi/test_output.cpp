@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output_fixture.hpp"
-#include "trevi/output/collective.hpp"
+#include "trevi/parallel/collective.hpp"
 #include "trevi/output/colour.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/id_order.hpp"

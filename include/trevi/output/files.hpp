@@ -41,6 +41,9 @@ void replace_file(const std::string& path, std::string_view text);
 /// crash.
 void publish_file(const std::string& path, const std::string& target);
 
+/// fsync of a file when there is one of that name.
+void sync_if_there(const std::string& path);
+
 /// A step as file names carry it: six digits at least.
 std::string step_digits(std::int64_t step);
 

@@ -28,10 +28,16 @@ class Hdf5Writer {
   }
 
   void text(const std::string& name, const std::string& value);  ///< a dataset that is one UTF-8 string
-  void attribute(const std::string& name, std::int64_t value);   ///< of the root group
+
+  /// An attribute of the root group, or "/group/name" for one of another group, which is created.
+  void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, Real value);
+  void attribute(const std::string& name, std::span<const std::int64_t> values);
   void attribute(const std::string& name, std::span<const Real> values);
   void attribute(const std::string& name, const std::string& value);
+
+  /// A second name for a dataset.
+  void link(const std::string& name, const std::string& second_name);
 
   /// Flushes to the disk and closes.
   void close();

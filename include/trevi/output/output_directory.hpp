@@ -14,4 +14,8 @@ namespace trevi {
 void prepare_output_directory(MPI_Comm comm, const std::string& directory,
                               const std::optional<std::string>& restart_file);
 
+/// Whether a run in this folder would lose nothing by beginning again: there is none, or it died before its first
+/// checkpoint and has written nothing past step 0.
+bool is_before_first_checkpoint(MPI_Comm comm, const std::string& directory);
+
 }  // namespace trevi

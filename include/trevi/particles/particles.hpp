@@ -1,7 +1,8 @@
 // The state of the particles one rank owns: a structure of arrays, one contiguous array per field, all of one length.
 // Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count
 // changes. Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has
-// none. The one list of fields is for_each_field: sorting, migration and restart all go through it.
+// none. The one list of fields is for_each_field: sorting and migration go through it, and checkpoints through
+// for_each_saved_field, which names those that a restart needs beside the id.
 #pragma once
 
 #include <cassert>
@@ -32,6 +33,17 @@ struct Particles {
     for_each_field_of(*this, visit);
   }
 
+  /// Calls visit(name, array) for each field, but for the id, that a checkpoint must hold: predicted positions are those
+  /// of the particles between two steps.
+  template <class Visit>
+  void for_each_saved_field(Visit&& visit) {
+    for_each_saved_field_of(*this, visit);
+  }
+  template <class Visit>
+  void for_each_saved_field(Visit&& visit) const {
+    for_each_saved_field_of(*this, visit);
+  }
+
   void resize(std::size_t n) {
     for_each_field([n](auto& field) { field.resize(n); });
   }
@@ -45,6 +57,13 @@ struct Particles {
     visit(self.velocity);
     if (self.has_hue) visit(self.hue);
     if (self.has_lambda) visit(self.lambda);
+  }
+  template <class Self, class Visit>
+  static void for_each_saved_field_of(Self& self, Visit&& visit) {
+    visit("position", self.position);
+    visit("velocity", self.velocity);
+    if (self.has_hue) visit("hue", self.hue);
+    if (self.has_lambda) visit("lambda", self.lambda);
   }
 };
 
