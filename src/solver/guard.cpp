@@ -26,12 +26,15 @@ void Guard::note(std::int64_t step, const std::string& failure) {
 void Guard::check(const Particles& particles, const Walls& walls, std::int64_t step) {
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     const Vec3 &p = particles.predicted[i], &v = particles.velocity[i];
-    if (walls.inside(p) && v.allFinite()) continue;  // a NaN is not inside
-    const std::string what = !p.allFinite() || !v.allFinite() ? ", not a number: " : ", outside the box: ";
-    note(step, fmt::format("particle {} is at {} with velocity {}{}{}", particles.id[i], text_of(p), text_of(v), what,
-                           unstable));
-    return;
+    if (!walls.inside(p) || !v.allFinite()) return note_particle(particles, i, step);  // a NaN is not inside
   }
+}
+
+void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_t step) {
+  const Vec3 &p = particles.predicted[i], &v = particles.velocity[i];
+  const char* what = p.allFinite() && v.allFinite() ? "outside the box" : "not a number";
+  note(step, fmt::format("particle {} is at {} with velocity {}, {}: {}", particles.id[i], text_of(p), text_of(v), what,
+                         unstable));
 }
 
 void Guard::agree(const Particles& particles, std::int64_t step) {

@@ -68,6 +68,8 @@ void PbfSolver<T>::predict(Real dt) {
   Particles& particles = parts_.particles;
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     particles.predicted[i] = parts_.walls->predict(particles.position[i], particles.velocity[i], dt);
+    // Here, as an infinite p* would be moved to a wall by the next collision and look sound again.
+    if (!parts_.walls->inside(particles.predicted[i])) guard_.note_particle(particles, i, parts_.clock.step + 1);
   }
 }
 

@@ -21,7 +21,9 @@ class Guard {
   /// The first failure of a substep is the one that is told. `step` counts from 1.
   void note(std::int64_t step, const std::string& failure);
 
-  /// Notes a particle whose p* is outside the box, or whose p* or v is not a number.
+  void note_particle(const Particles& particles, std::size_t i, std::int64_t step);
+
+  /// Notes the first particle whose p* is outside the box, or whose p* or v is not a number.
   void check(const Particles& particles, const Walls& walls, std::int64_t step);
 
   /// Throws BlowUp on all ranks alike when any has noted a failure, or a particle is missing or there twice.
