@@ -27,8 +27,8 @@ std::string text_of(const toml::node& node) {
   if (const auto* real = node.as_floating_point()) return fmt::format("{}", real->get());
   if (const auto* array = node.as_array()) {
     std::string all;
-    for (const toml::node& element : *array) all += (all.empty() ? "" : ", ") + text_of(element);
-    return '[' + all + ']';
+    for (const toml::node& element : *array) all += fmt::format("{}{}", all.empty() ? "" : ", ", text_of(element));
+    return fmt::format("[{}]", all);
   }
   std::ostringstream text;
   text << toml::node_view<const toml::node>(node);

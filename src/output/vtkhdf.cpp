@@ -66,7 +66,8 @@ class FrameSeries {
   void write() const {
     // One frame a line, for people and diff.
     std::string text = "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [";
-    for (std::size_t k = 0; k < files_.size(); ++k) text += (k == 0 ? "\n    " : ",\n    ") + files_[k].dump();
+    for (std::size_t k = 0; k < files_.size(); ++k)
+      text += fmt::format("{}\n    {}", k == 0 ? "" : ",", files_[k].dump());
     replace_file(path_, text + "\n  ]\n}\n");
   }
 
