@@ -125,9 +125,9 @@ class Signals(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.output = self.folder.path("out")
 
-    def interrupt(self, text, act, ranks=2, extra=None):
+    def interrupt(self, text, act, ranks=2, extra=None, steps=500):
         scene = self.folder.scene(text)
-        process = runs.start(ranks, scene, self.output, "--steps", 500, extra=extra)
+        process = runs.start(ranks, scene, self.output, "--steps", steps, extra=extra)
         runs.wait_for_row(self.output, 20, process)
         act(process)
         return runs.finish(process)
@@ -170,8 +170,9 @@ class Signals(unittest.TestCase):
         self.assertIn("SIGTERM", reason(self.output))
 
     def test_term_to_mpirun_with_time_to_stop(self):
-        code, told = self.interrupt(CUBE, lambda process: process.terminate(),
-                                    extra={"OMPI_MCA_odls_base_sigkill_timeout": "30"})
+        # Open MPI waits that many seconds, sends SIGTERM to the ranks, and waits as many again before it kills them.
+        code, told = self.interrupt(CUBE, lambda process: process.terminate(), steps=10**7,
+                                    extra={"OMPI_MCA_odls_base_sigkill_timeout": "4"})
         self.assertNotEqual(code, 0, told)
         self.assertTrue(list(self.output.glob("checkpoint_*.h5")), told)
         self.assertIn("stopped", reason(self.output))
