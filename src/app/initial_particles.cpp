@@ -97,6 +97,7 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene) {
       continue;
     }
     const ParticleRows rows = read_particle_file(comm, source.path);
+    if (rows.total == 0) throw InputError(source.path + ": /particles/position: no particles; write one row for each");
     append_rows(result.particles, rows, next_id);
     GlobalId last = -1;
     for (const GlobalId id : rows.id) last = std::max(last, id);

@@ -74,9 +74,9 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   options.progress = line.progress;
   options.last_step = line.steps.value_or(scene.steps());
   std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
-  if (restart) tell(session, restart->message);
   const bool goes_on = restart && restart->state;
   prepare_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
+  if (restart) tell(session, restart->message);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
   options.requests = [&watch] { return watch.poll(); };

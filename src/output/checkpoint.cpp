@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <span>
@@ -116,6 +117,20 @@ ParticleRows read_checked_rows(const Source& source) {
   return rows;
 }
 
+void check_header(const std::string& path, const CheckpointState& state) {
+  const auto refuse = [&](const char* name, const auto& value) {
+    throw InputError(fmt::format("{}: attribute {}: cannot be {}; use another checkpoint", path, name, value));
+  };
+  if (state.step < 0) refuse("step", state.step);
+  if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
+  if (state.substeps < 1) refuse("substeps", state.substeps);
+  if (!(state.wall_seconds >= 0) || !std::isfinite(state.wall_seconds)) refuse("wall_seconds", state.wall_seconds);
+  const auto& text = state.info.scene_text;
+  const auto lines = std::count(text.begin(), text.end(), '\n');
+  if (state.info.scene_overrides < 0 || state.info.scene_overrides > lines)
+    refuse("scene_overrides", state.info.scene_overrides);
+}
+
 CheckpointState read_slice(const std::string& path, int rank, int size) {
   Source source{path, Hdf5Reader(path), {}};
   const Hdf5Reader& file = source.file;
@@ -134,6 +149,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
   state.info.scene_text = file.text("/scene");
   state.info.scene_overrides = file.integer_attribute("scene_overrides");
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
+  check_header(path, state);
   state.rows = read_checked_rows(source);
   return state;
 }

@@ -88,6 +88,9 @@ keep = {}
 class Folder(tempfile.TemporaryDirectory):
     """A folder for the scene and the outputs of a test."""
 
+    def __enter__(self):
+        return self
+
     def path(self, name):
         return Path(self.name) / name
 

@@ -313,5 +313,33 @@ class Failures(unittest.TestCase):
         self.assertIn("no checkpoint", told)
 
 
+class Slurm(unittest.TestCase):
+    """jobs/trevi.sbatch, without Slurm: a stand-in for scontrol starts it again."""
+
+    def test_goes_on_after_the_time_limit(self):
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        scene, output = folder.scene(CUBE), folder.path("out")
+        folder.scene("#!/bin/sh\necho scontrol \"$@\"\n", "scontrol").chmod(0o755)
+        extra = {"PATH": f"{folder.name}:{os.environ['PATH']}", "TREVI": runs.TREVI, "MPIRUN": runs.MPIEXEC,
+                 "SLURM_NTASKS": "2", "SLURM_JOB_ID": "77"}
+        job = ["bash", str(runs.ROOT / "jobs/trevi.sbatch"), str(scene), "--output", str(output), "--progress", "none",
+               "--steps", "300"]
+        process = subprocess.Popen(job, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                   env=runs.environment(extra))
+        runs.wait_for_row(output, 20, process)
+        process.send_signal(signal.SIGUSR2)
+        code, told = runs.finish(process)
+        self.assertEqual(code, 0, told)
+        self.assertIn("scontrol requeue 77", told)
+        self.assertEqual(reason(output), "stopped: SIGUSR2")
+        done = subprocess.run(job, env=runs.environment(extra), capture_output=True, text=True, timeout=runs.TIMEOUT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("scontrol", done.stdout)
+        straight = folder.path("straight")
+        runs.run_well(1, scene, straight, "--steps", 300)
+        self.assertEqual(runs.rows(straight), runs.rows(output))
+
+
 if __name__ == "__main__":
     unittest.main()
