@@ -56,7 +56,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
   RunContext context{scene, options.directory, options.restart ? options.restart->step : 0};
   const std::int64_t last_step = options.last_step;
   const bool restarted = options.restart.has_value();
-  const std::unique_ptr<Solver> solver = build_solver(session, scene, std::move(options));
+  const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   run_steps(*solver, last_step, restarted);
   write_report(session, context, *solver, "done");
   return ExitCode::done;

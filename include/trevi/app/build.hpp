@@ -24,7 +24,7 @@ struct BuildOptions {
 /// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
 DensityModel density_model(const Scene& scene);
 
-/// Writes nothing but what the observers open.
-std::unique_ptr<Solver> build_solver(const Session& session, const Scene& scene, BuildOptions options);
+/// Writes nothing but what the observers open. Any communicator will do, so that a test can set one rank beside many.
+std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options);
 
 }  // namespace trevi
