@@ -3,6 +3,7 @@
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
+#include "trevi/fluid/wall_density.hpp"
 #include "trevi/output/series.hpp"
 #include "trevi/output/vtu.hpp"
 #include "trevi/parallel/reductions.hpp"
@@ -44,8 +45,12 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
 }
 
 std::vector<std::unique_ptr<const BoundaryDensity>> build_boundaries(const Scene& scene) {
-  if (scene.walls.density == WallDensity::analytic) throw InputError("[walls] density: analytic is not built in yet");
-  return {};
+  std::vector<std::unique_ptr<const BoundaryDensity>> boundaries;
+  if (scene.walls.density == WallDensity::analytic) {
+    boundaries.push_back(std::make_unique<AnalyticWallDensity>(Box{scene.domain_min, scene.domain_max},
+                                                               scene.fluid.spacing, scene.fluid.kernel_radius));
+  }
+  return boundaries;
 }
 
 ColourScale colour_scale(const Scene& scene, GlobalId particles) {
@@ -100,6 +105,10 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
                                        : initial_particles(comm, scene, *parts.grid);
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
   parts.particles = std::move(state.particles);
+  if (scene.density.warm_start > 0) {
+    parts.particles.has_lambda = true;
+    parts.particles.lambda.assign(parts.particles.id.size(), 0.0);
+  }
   parts.clock.dt = scene.dt;
   if (options.restart) parts.clock.step = options.restart->step;
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
@@ -118,7 +127,9 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 
 DensityModel density_model(const Scene& scene) {
   return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
-          scene.density.epsilon / refinement(scene), scene.density.constraint};
+          scene.density.epsilon / refinement(scene),
+          // Methods that accumulate multipliers clamp the sum, not each contribution.
+          scene.density.method == Method::jacobi ? scene.density.constraint : Constraint::equality};
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {

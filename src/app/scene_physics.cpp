@@ -193,6 +193,12 @@ void PhysicsReader::read_density(Section& section) {
     density.tolerance = tolerance;
   section.number({"relaxation", "the factor on each position correction"}, density.relaxation,
                  {.low = 0, .high = 2, .with_low = false});
+  section.number({"spectral_radius", "chebyshev: the spectral radius assumed of the relaxed iteration"},
+                 density.spectral_radius, {.low = 0, .high = 1, .with_high = false});
+  section.number({"warm_start", "chebyshev: the share of the last multipliers to begin a step with"},
+                 density.warm_start, {.low = 0, .high = 1});
+  section.number({"max_shift", "the longest shift of a particle in one iteration in units of kernel_radius; 0: no cap"},
+                 density.max_shift, at_least(0));
   section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
   section.choice<Constraint>({"constraint", "whether stretched fluid is pulled together, too"}, density.constraint,
                              {{"equality", Constraint::equality}, {"inequality", Constraint::inequality}});

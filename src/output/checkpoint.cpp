@@ -6,9 +6,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "trevi/base/error.hpp"
+#include "trevi/output/checksums.hpp"
 #include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/hdf5_writer.hpp"
@@ -38,16 +40,30 @@ void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& fra
     file.attribute("fountain_speed", std::span<const Real>(speeds));
   }
   file.text("/scene", info.scene_text);
+  file.attribute("scene_checksum", checksum(info.scene_text));
+}
+
+/// Block of rows `row` begins, or the number of blocks up to the end of the table.
+std::int64_t block_at(std::int64_t row) { return (row + rows_per_block - 1) / rows_per_block; }
+
+RowSlice blocks_of(RowSlice rows) {
+  const std::int64_t first = block_at(rows.first);
+  return {first, block_at(rows.first + rows.count) - first, block_at(rows.total)};
+}
+
+template <class T>
+void write_column(Hdf5Writer& file, const std::string& name, const std::vector<T>& rows, RowSlice slice) {
+  file.write("/particles/" + name, rows, slice);
+  file.write("/checksums/" + name, block_checksums(std::span<const T>(rows)), blocks_of(slice));
 }
 
 void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles) {
-  // Whole chunks per rank: a chunk that two ranks share would have to travel between them to be summed.
-  const IdOrder order(comm, particles.id, rows_per_chunk);
+  const IdOrder order(comm, particles.id, rows_per_block);
   const RowSlice slice{order.first_row(), static_cast<std::int64_t>(order.ids().size()), order.total()};
-  file.write("/particles/id", order.ids(), slice);
-  file.write("/particles/position", order.apply(particles.position), slice);
-  file.write("/particles/velocity", order.apply(particles.velocity), slice);
-  if (particles.has_hue) file.write("/particles/hue", order.apply(particles.hue), slice);
+  write_column(file, "id", order.ids(), slice);
+  write_column(file, "position", order.apply(particles.position), slice);
+  write_column(file, "velocity", order.apply(particles.velocity), slice);
+  if (particles.has_hue) write_column(file, "hue", order.apply(particles.hue), slice);
 }
 
 bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
@@ -58,12 +74,50 @@ bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
   return good != 0;
 }
 
-CheckpointState read_slice(const std::string& path, int rank, int size) {
-  const Hdf5Reader file(path);
-  for (const char* name : {"/particles/id", "/particles/velocity"}) {
-    if (file.has(name)) continue;
-    throw InputError(fmt::format("{}: {}: missing; a restart needs a whole checkpoint, use another file", path, name));
+[[noreturn]] void fail_damaged(const std::string& path, const std::string& what) {
+  throw InputError(
+      fmt::format("{}: {}: not what its checksum says; the file is damaged, use another copy or an older "
+                  "checkpoint",
+                  path, what));
+}
+
+/// What a restart reads from, on one rank: the file and the rows that this rank looks after.
+struct Source {
+  std::string path;
+  Hdf5Reader file;
+  RowSlice slice;
+};
+
+template <class T>
+void check_column(const Source& source, const std::string& name, const std::vector<T>& rows) {
+  const auto written = source.file.read<std::int64_t>("/checksums/" + name, blocks_of(source.slice));
+  const auto found = block_checksums(std::span<const T>(rows));
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k] == written[k]) continue;
+    const std::int64_t first = source.slice.first + static_cast<std::int64_t>(k) * rows_per_block;
+    const std::int64_t last = std::min(first + rows_per_block, source.slice.total) - 1;
+    fail_damaged(source.path, fmt::format("/particles/{}: rows {} to {}", name, first, last));
   }
+}
+
+ParticleRows read_checked_rows(const Source& source) {
+  for (const char* name : {"/particles/id", "/particles/velocity"}) {
+    if (source.file.has(name)) continue;
+    throw InputError(
+        fmt::format("{}: {}: missing; a restart needs a whole checkpoint, use another file", source.path, name));
+  }
+  ParticleRows rows = read_particle_rows(source.file, source.slice);
+  check_column(source, "id", rows.id);
+  check_column(source, "position", rows.position);
+  check_column(source, "velocity", rows.velocity);
+  if (!rows.hue.empty()) check_column(source, "hue", rows.hue);
+  return rows;
+}
+
+CheckpointState read_slice(const std::string& path, int rank, int size) {
+  Source source{path, Hdf5Reader(path), {}};
+  const Hdf5Reader& file = source.file;
+  source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
   CheckpointState state;
   state.step = file.integer_attribute("step");
   state.dt = file.real_attribute("dt");
@@ -72,7 +126,8 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
   state.info.seed = file.integer_attribute("seed");
   state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
-  state.rows = read_particle_rows(file, rank, size);
+  if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
+  state.rows = read_checked_rows(source);
   return state;
 }
 
@@ -81,7 +136,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
 void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointInfo& info, const Frame& frame) {
   const std::string temporary = path + ".tmp";
   try {
-    Hdf5Writer file(comm, temporary, Storage::contiguous);
+    Hdf5Writer file(comm, temporary);
     write_header(file, info, frame);
     write_particles(comm, file, frame.particles);
     file.close();

@@ -65,6 +65,13 @@ void throw_file_error(const std::string& path, const std::string& action, int er
   throw RunError(fmt::format("{}: cannot {}: {}", path, action, std::strerror(error)));
 }
 
+std::string free_space(const std::string& path) {
+  std::error_code error;
+  const fs::path parent = fs::path(path).parent_path();
+  const fs::space_info space = fs::space(parent.empty() ? fs::path(".") : parent, error);
+  return error ? error.message() : fmt::format("{:.1f} MB free there", static_cast<double>(space.available) / 1e6);
+}
+
 AppendFile::AppendFile(const std::string& path)
     : path_(path), descriptor_(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT, 0666)) {
   if (descriptor_ < 0) throw_file_error(path, "open", errno);

@@ -7,6 +7,7 @@
 
 #include "trevi/base/error.hpp"
 #include "trevi/output/collective.hpp"
+#include "trevi/output/files.hpp"
 
 namespace trevi {
 
@@ -26,29 +27,30 @@ Hdf5Handle collective_transfer() {
   return transfer;
 }
 
-Hdf5Handle dataset_creation() {
-  Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  // Every row is written, and the time of day would make two equal checkpoints differ.
-  H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);
+/// Without the time of day, which would make two equal checkpoints differ. `kind`: H5P_DATASET_CREATE and the like.
+Hdf5Handle timeless(hid_t kind) {
+  Hdf5Handle creation(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(creation.id(), false);
   return creation;
 }
 
-Hdf5Handle link_creation() {
-  Hdf5Handle creation(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(creation.id(), 1);
+Hdf5Handle dataset_creation() {
+  Hdf5Handle creation = timeless(H5P_DATASET_CREATE);
+  H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);  // every row is written
   return creation;
 }
 
 }  // namespace
 
-Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path, Storage storage)
-    : comm_(comm), path_(path), storage_(storage) {
+Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
   silence_hdf5();
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_mpio(access.id(), comm, MPI_INFO_NULL);
   H5Pset_file_locking(access.id(), false, true);
-  file_ = Hdf5Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
+  // Since 1.8 HDF5 can put checksums on its own records (names, shapes, attributes); the default is the older format.
+  H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+  const Hdf5Handle creation = timeless(H5P_FILE_CREATE);
+  file_ = Hdf5Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
   check(file_.valid(), "file");
 }
 
@@ -56,21 +58,30 @@ Hdf5Writer::~Hdf5Writer() = default;
 
 void Hdf5Writer::check(bool good, const std::string& object) const {
   all_or_none(comm_, [&] {
-    if (!good) throw RunError(fmt::format("{}: cannot write {}: {}", path_, object, hdf5_reason()));
+    if (!good)
+      throw RunError(fmt::format("{}: cannot write {}: {} ({})", path_, object, hdf5_reason(), free_space(path_)));
   });
 }
 
+void Hdf5Writer::create_groups(const std::string& name) const {
+  // By hand, as the groups that HDF5 makes on the way to a dataset carry the time of day.
+  const Hdf5Handle creation = timeless(H5P_GROUP_CREATE);
+  for (std::size_t slash = name.find('/', 1); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+    const std::string group_name = name.substr(0, slash);
+    if (H5Lexists(file_.id(), group_name.c_str(), H5P_DEFAULT) > 0) continue;
+    const Hdf5Handle group(H5Gcreate2(file_.id(), group_name.c_str(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+                           H5Gclose);
+    check(group.valid(), group_name);
+  }
+}
+
 Hdf5Handle Hdf5Writer::create_dataset(const std::string& name, RowFormat format, std::int64_t total) const {
+  create_groups(name);
   const int rank = format.components == 1 ? 1 : 2;
   const hsize_t shape[2] = {static_cast<hsize_t>(total), static_cast<hsize_t>(format.components)};
-  const hsize_t chunk[2] = {static_cast<hsize_t>(std::min(total, rows_per_chunk)), shape[1]};
-  const Hdf5Handle creation = dataset_creation(), links = link_creation();
-  if (storage_ == Storage::checksummed && total > 0) {
-    H5Pset_chunk(creation.id(), rank, chunk);
-    H5Pset_fletcher32(creation.id());
-  }
+  const Hdf5Handle creation = dataset_creation();
   const Hdf5Handle space(H5Screate_simple(rank, shape, nullptr), H5Sclose);
-  Hdf5Handle dataset(H5Dcreate2(file_.id(), name.c_str(), native_type(format.scalar), space.id(), links.id(),
+  Hdf5Handle dataset(H5Dcreate2(file_.id(), name.c_str(), native_type(format.scalar), space.id(), H5P_DEFAULT,
                                 creation.id(), H5P_DEFAULT),
                      H5Dclose);
   check(dataset.valid(), name);
@@ -98,9 +109,9 @@ void Hdf5Writer::write_rows(const std::string& name, RowFormat format, RowSlice 
 
 void Hdf5Writer::text(const std::string& name, const std::string& value) {
   const Hdf5Handle type = string_type(value.size()), space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Hdf5Handle creation = dataset_creation(), links = link_creation(), transfer = collective_transfer();
+  const Hdf5Handle creation = dataset_creation(), transfer = collective_transfer();
   Hdf5Handle dataset(
-      H5Dcreate2(file_.id(), name.c_str(), type.id(), space.id(), links.id(), creation.id(), H5P_DEFAULT), H5Dclose);
+      H5Dcreate2(file_.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), H5Dclose);
   check(dataset.valid(), name);
   const Hdf5Handle selection(H5Screate(H5S_SCALAR), H5Sclose);
   if (rank_of(comm_) != 0) H5Sselect_none(selection.id());

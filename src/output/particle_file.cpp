@@ -21,19 +21,16 @@ void check_finite(const std::vector<Vec3>& field, GlobalId first_row, const std:
                                first_row + (bad - field.begin()), (*bad)[0], (*bad)[1], (*bad)[2]));
 }
 
-GlobalId first_row_of(MPI_Comm comm, const ParticleRows& rows) {
-  return equal_slice(rows.total, rank_of(comm), size_of(comm)).first;
-}
-
 }  // namespace
 
-ParticleRows read_particle_rows(const Hdf5Reader& file, int rank, int size) {
-  ParticleRows rows;
-  rows.total = file.rows<Vec3>("/particles/position");
-  const RowSlice slice = equal_slice(rows.total, rank, size);
+ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice) {
   if (slice.count > std::numeric_limits<LocalId>::max()) {
-    throw InputError(fmt::format("/particles/position: {} rows are too many for {} ranks; use more", rows.total, size));
+    throw InputError(
+        fmt::format("/particles/position: {} rows are too many for one rank; use more ranks", slice.count));
   }
+  ParticleRows rows;
+  rows.total = slice.total;
+  rows.first = slice.first;
   const auto count = static_cast<std::size_t>(slice.count);
   rows.position = file.read<Vec3>("/particles/position", slice);
   if (file.has("/particles/velocity"))
@@ -51,10 +48,9 @@ ParticleRows read_particle_rows(const Hdf5Reader& file, int rank, int size) {
 }
 
 void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::string& path) {
-  const GlobalId first = first_row_of(comm, rows);
   all_or_none(comm, [&] {
-    check_finite(rows.position, first, path + ": /particles/position");
-    check_finite(rows.velocity, first, path + ": /particles/velocity");
+    check_finite(rows.position, rows.first, path + ": /particles/position");
+    check_finite(rows.velocity, rows.first, path + ": /particles/velocity");
   });
   const IdOrder order(comm, rows.id);
   all_or_none(comm, [&] {
@@ -68,7 +64,11 @@ void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::str
 
 ParticleRows read_particle_file(MPI_Comm comm, const std::string& path) {
   ParticleRows rows;
-  all_or_none(comm, [&] { rows = read_particle_rows(Hdf5Reader(path), rank_of(comm), size_of(comm)); });
+  all_or_none(comm, [&] {
+    const Hdf5Reader file(path);
+    const GlobalId total = file.rows<Vec3>("/particles/position");
+    rows = read_particle_rows(file, equal_slice(total, rank_of(comm), size_of(comm)));
+  });
   check_particle_rows(comm, rows, path);
   return rows;
 }

@@ -97,9 +97,9 @@ class ErrorText : public vtkCommand {
 
 void write_piece(const std::string& path, vtkUnstructuredGrid* grid) {
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
-  vtkNew<ErrorText> errors;
+  vtkNew<ErrorText> errors, echoes;  // the pipeline repeats what the writer has said
   writer->AddObserver(vtkCommand::ErrorEvent, errors);
-  writer->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, errors);
+  writer->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, echoes);
   writer->SetCompressorTypeToZLib();
   writer->SetCompressionLevel(1);  // higher levels cost several times the time for a few percent
   writer->SetDataModeToAppended();
@@ -109,8 +109,7 @@ void write_piece(const std::string& path, vtkUnstructuredGrid* grid) {
   writer->SetInputData(grid);
   const bool good = writer->Write() != 0 && writer->GetErrorCode() == vtkErrorCode::NoError;
   if (good) return;
-  const bool full = writer->GetErrorCode() == vtkErrorCode::OutOfDiskSpaceError;
-  throw RunError(fmt::format("{}: cannot write: {}", path, full ? "No space left on device" : errors->text()));
+  throw RunError(fmt::format("{}: cannot write ({}) {}", path, free_space(path), errors->text()));
 }
 
 class VtuWriter : public Observer {

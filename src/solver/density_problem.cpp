@@ -21,17 +21,8 @@ void DensityProblem<T>::start(Particles& particles) {
 template <class T>
 void DensityProblem<T>::lambda_of(PlaneRun run) {
   constraint_.lambdas(pairs(), {run.begin, run.end}, particles_->predicted, rho_, near_.records());
-}
-
-template <class T>
-void DensityProblem<T>::compute_lambda() {
-  const ScopedEvent timed(lambda_event_);
-  for (const PlaneRun& run : near_.boundary()) lambda_of(run);
-  near_.halo().start(near_.records());
-  lambda_of(near_.interior());
-  log_flops(static_cast<double>(near_.list().pairs()) * DensityConstraint<T>::density_flops);
-  const ScopedEvent waited(wait_event_);
-  near_.halo().finish();
+  const auto run_pairs = static_cast<double>(near_.list().first(run.end) - near_.list().first(run.begin));
+  log_flops(run_pairs * DensityConstraint<T>::density_flops);
 }
 
 template <class T>

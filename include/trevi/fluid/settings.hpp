@@ -32,7 +32,10 @@ struct DensitySettings {
   int iterations = 4;
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
   Real relaxation = 0.5;
-  Real epsilon = 1;  ///< 1/m² at spacing 0.1
+  Real epsilon = 1;            ///< 1/m² at spacing 0.1
+  Real spectral_radius = 0.9;  ///< chebyshev: of the relaxed Jacobi iteration
+  Real warm_start = 0;         ///< chebyshev: share of the last step's multipliers to begin with
+  Real max_shift = 0;          ///< cap on a particle's shift in one iteration, in units of h; 0: none
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
 };

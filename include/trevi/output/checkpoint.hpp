@@ -1,8 +1,8 @@
 // Checkpoints: DIR/checkpoint_<step>.h5 holds all that a restart needs, rows sorted by id, the same on any rank count.
-// /particles/{id,position,velocity[,hue]}, /scene (text), and at the root step, time, dt, substeps, seed,
-// program_version, fountain_note, fountain_speed. Random numbers and fountains are functions of (seed, id, step), so
-// these are their state. Written under a temporary name, synced, renamed; only then are older ones removed, down to
-// `keep`. Collective: all but the struct definitions.
+// /particles/{id,position,velocity[,hue]}, /checksums/ of the same names (checksums.hpp), /scene (text), and at the
+// root step, time, dt, substeps, seed, program_version, fountain_note, fountain_speed. Random numbers and fountains are
+// functions of (seed, id, step), so these are their state. Written under a temporary name, synced, renamed; only then
+// are older ones removed, down to `keep`. Collective: all but the struct definitions.
 #pragma once
 
 #include <cstdint>

@@ -14,6 +14,9 @@ namespace trevi {
 /// Throws RunError "path: cannot <action>: <reason>" with the text of `error`, an errno value.
 [[noreturn]] void throw_file_error(const std::string& path, const std::string& action, int error);
 
+/// "12.3 MB free there": what the folder of `path` has room for, to go with errors of libraries that hide their reason.
+std::string free_space(const std::string& path);
+
 /// An open file that only grows; what write() has returned for survives the death of the process.
 class AppendFile {
  public:

@@ -40,14 +40,12 @@ struct RowSlice {
   std::int64_t first = 0, count = 0, total = 0;
 };
 
-/// Slice `rank` of `size` slices that differ by one row at most.
-inline RowSlice equal_slice(std::int64_t total, int rank, int size) {
-  const std::int64_t share = total / size, rest = total % size;
-  return {share * rank + std::min<std::int64_t>(rank, rest), share + (rank < rest ? 1 : 0), total};
+/// Slice `rank` of `size` slices that differ by one block at most; they begin at multiples of `block`.
+inline RowSlice equal_slice(std::int64_t total, int rank, int size, std::int64_t block = 1) {
+  const std::int64_t blocks = (total + block - 1) / block, share = blocks / size, rest = blocks % size;
+  const auto start = [&](std::int64_t k) { return std::min(total, block * (share * k + std::min(k, rest))); };
+  return {start(rank), start(rank + 1) - start(rank), total};
 }
-
-/// Rows of a chunk, the unit that carries one checksum. Writers that keep ranks apart at its multiples share no chunk.
-inline constexpr std::int64_t rows_per_chunk = 65536;
 
 class Hdf5Handle {
  public:
@@ -74,7 +72,7 @@ class Hdf5Handle {
 /// From here on HDF5 prints no error stack of its own: every return value is checked and told in one line.
 void silence_hdf5();
 
-/// The innermost reason on HDF5's error stack, e.g. "data error detected by Fletcher32 checksum".
+/// The innermost reason on HDF5's error stack, e.g. "truncated file: eof = ...".
 /// To be asked before any other handle closes: each successful call of HDF5 clears the stack.
 std::string hdf5_reason();
 

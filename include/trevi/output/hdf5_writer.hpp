@@ -1,7 +1,7 @@
 // Writes tables of particles to one HDF5 file, all ranks together (MPI-IO, collective transfers).
-// Invariant: all ranks hold the same file structure; after a failure all ranks throw the same RunError.
-// Collective: every member, with the same arguments on all ranks but for the rows. The file is whole only after
-// close().
+// Tables are contiguous (checksums.hpp says why not chunked). Invariant: all ranks hold the same file structure; after
+// a failure all ranks throw the same RunError. Collective: every member, with the same arguments on all ranks but for
+// the rows. The file is whole only after close().
 #pragma once
 
 #include <span>
@@ -13,12 +13,9 @@
 
 namespace trevi {
 
-/// Checksummed tables are chunked by rows_per_chunk, each chunk with a Fletcher-32 sum that every reader checks.
-enum class Storage { contiguous, checksummed };
-
 class Hdf5Writer {
  public:
-  Hdf5Writer(MPI_Comm comm, const std::string& path, Storage storage);
+  Hdf5Writer(MPI_Comm comm, const std::string& path);
   ~Hdf5Writer();
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
@@ -42,12 +39,12 @@ class Hdf5Writer {
  private:
   void check(bool good, const std::string& object) const;
   void write_rows(const std::string& name, RowFormat format, RowSlice slice, const void* rows);
+  void create_groups(const std::string& name) const;
   Hdf5Handle create_dataset(const std::string& name, RowFormat format, std::int64_t total) const;
   void write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space, const void* value);
 
   MPI_Comm comm_;
   std::string path_;
-  Storage storage_;
   Hdf5Handle file_;
 };
 

@@ -15,6 +15,7 @@ namespace trevi {
 /// This rank's rows of a particle table, one array per column, in file order.
 struct ParticleRows {
   GlobalId total = 0;  ///< rows of all ranks together
+  GlobalId first = 0;  ///< row number of this rank's first
   std::vector<GlobalId> id;
   std::vector<Vec3> position, velocity;  ///< m, m/s
   std::vector<float> hue;                ///< empty when the file has none
@@ -23,8 +24,9 @@ struct ParticleRows {
 /// For [[particles]] type = "file": velocity defaults to zero, id to the row number. Numbers are finite, ids unique.
 ParticleRows read_particle_file(MPI_Comm comm, const std::string& path);
 
-/// Rank-local part of the above: the slice of `rank` among `size`, unchecked values; hue too when it is there.
-ParticleRows read_particle_rows(const Hdf5Reader& file, int rank, int size);
+/// Rank-local part of the above: one slice of the /particles/position.rows(), values unchecked; hue too when it is
+/// there.
+ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice);
 
 /// Collective: throws InputError naming `path` when a number is not finite or an id occurs twice.
 void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::string& path);

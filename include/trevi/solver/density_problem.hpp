@@ -23,7 +23,15 @@ class DensityProblem {
   void start(Particles& particles);
 
   /// rho and lambda of all particles from the present p*; ghosts receive lambda.
-  void compute_lambda();
+  void compute_lambda() {
+    compute_lambda([](std::size_t, Real lambda) { return lambda; });
+  }
+  /// The same with lambda_i replaced by use(i, lambda_i).
+  template <class Use>
+  void compute_lambda(Use&& use);
+  /// Gives particle i the multiplier value(i), without looking at densities; ghosts receive it.
+  template <class Value>
+  void set_lambda(Value&& value);
   /// Compression at the last compute_lambda(), the same bits on any rank count.
   Compression compression() const;
   /// delta of all owned particles from the present lambda, m.
@@ -36,7 +44,7 @@ class DensityProblem {
   void compute_density();
 
   const Walls& walls() const { return walls_; }
-  std::vector<Vec3>& places() { return particles_->predicted; }
+  Particles& particles() { return *particles_; }
   std::span<const Real> density() const { return rho_; }
   std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Quad<T>); }
 
@@ -71,6 +79,33 @@ void DensityProblem<T>::move(Place&& place) {
   update(near_.interior());
   const ScopedEvent waited(wait_event_);
   near_.halo().finish();
+}
+
+template <class T>
+template <class Use>
+void DensityProblem<T>::compute_lambda(Use&& use) {
+  const ScopedEvent timed(lambda_event_);
+  const auto update = [&](PlaneRun run) {
+    lambda_of(run);
+    for (LocalId i = run.begin; i < run.end; ++i) {
+      T& w = near_.record(i).w;
+      w = static_cast<T>(use(static_cast<std::size_t>(i), static_cast<Real>(w)));
+    }
+  };
+  for (const PlaneRun& run : near_.boundary()) update(run);
+  near_.halo().start(near_.records());
+  update(near_.interior());
+  const ScopedEvent waited(wait_event_);
+  near_.halo().finish();
+}
+
+template <class T>
+template <class Value>
+void DensityProblem<T>::set_lambda(Value&& value) {
+  for (LocalId i = 0; i < near_.order().owned(); ++i) {
+    near_.record(i).w = static_cast<T>(value(static_cast<std::size_t>(i)));
+  }
+  near_.halo().exchange(near_.records());
 }
 
 extern template class DensityProblem<float>;
