@@ -4,6 +4,7 @@
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/wall_density.hpp"
+#include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
 #include "trevi/output/vtu.hpp"
 #include "trevi/parallel/reductions.hpp"
@@ -71,6 +72,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
   if (output.vtkhdf) throw InputError(scene.path + ": [output.vtkhdf] is not built in yet; use [output.vtu]");
+  if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
         comm,

@@ -51,7 +51,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     return ExitCode::done;
   }
   std::optional<Restart> restart = find_restart(session, line, options.directory);
-  prepare_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
+  check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart) options.restart = std::move(restart->state);
   RunContext context{scene, options.directory, options.restart ? options.restart->step : 0};
   const std::int64_t last_step = options.last_step;
