@@ -4,6 +4,7 @@
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/wall_density.hpp"
+#include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
 #include "trevi/output/vtu.hpp"
 #include "trevi/parallel/reductions.hpp"
@@ -64,40 +65,40 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   return scale;
 }
 
-std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, const Scene& scene,
-                                                       const BuildOptions& options, GlobalId particles) {
+std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
+                                                       GlobalId particles) {
   std::vector<std::unique_ptr<Observer>> observers;
   std::optional<std::int64_t> restart_step;
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
   if (output.vtkhdf) throw InputError(scene.path + ": [output.vtkhdf] is not built in yet; use [output.vtu]");
+  if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
-        session.comm(),
+        comm,
         SeriesOptions{options.directory, *output.series, static_cast<int>(scene.fountains.size()), restart_step}));
   }
   if (output.vtu) {
-    observers.push_back(make_vtu_writer(session.comm(), {options.directory, output.vtu->schedule, output.vtu->fields,
-                                                         colour_scale(scene, particles), restart_step}));
+    observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
+                                               colour_scale(scene, particles), restart_step}));
   }
   if (output.checkpoint) {
     observers.push_back(std::make_unique<CheckpointWriter>(
-        session.comm(), CheckpointOptions{options.directory,
-                                          output.checkpoint->schedule,
-                                          output.checkpoint->keep,
-                                          {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)},
-                                          restart_step}));
+        comm, CheckpointOptions{options.directory,
+                                output.checkpoint->schedule,
+                                output.checkpoint->keep,
+                                {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)},
+                                restart_step}));
   }
-  observers.push_back(std::make_unique<Progress>(session.comm(), ProgressOptions{.mode = options.progress,
-                                                                                 .first_step = restart_step.value_or(0),
-                                                                                 .last_step = options.last_step}));
+  observers.push_back(std::make_unique<Progress>(
+      comm, ProgressOptions{
+                .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
   return observers;
 }
 
 template <class T>
-std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildOptions options) {
+std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions options) {
   const DensityModel model = density_model(scene);
-  const MPI_Comm comm = session.comm();
   SolverParts<T> parts;
   parts.comm = comm;
   parts.box = {scene.domain_min, scene.domain_max};
@@ -116,7 +117,7 @@ std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildO
   parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h), parts.substeps.gravity);
-  parts.observers = build_observers(session, scene, options, sum_over_ranks(comm, parts.particles.size()));
+  parts.observers = build_observers(comm, scene, options, sum_over_ranks(comm, parts.particles.size()));
   return std::make_unique<PbfSolver<T>>(std::move(parts));
 }
 
@@ -127,9 +128,9 @@ DensityModel density_model(const Scene& scene) {
           scene.density.epsilon / refinement(scene), scene.density.constraint};
 }
 
-std::unique_ptr<Solver> build_solver(const Session& session, const Scene& scene, BuildOptions options) {
-  if (scene.density.precision == Precision::single) return build<float>(session, scene, std::move(options));
-  return build<double>(session, scene, std::move(options));
+std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {
+  if (scene.density.precision == Precision::single) return build<float>(comm, scene, std::move(options));
+  return build<double>(comm, scene, std::move(options));
 }
 
 }  // namespace trevi

@@ -51,12 +51,12 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     return ExitCode::done;
   }
   std::optional<Restart> restart = find_restart(session, line, options.directory);
-  prepare_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
+  check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart) options.restart = std::move(restart->state);
   RunContext context{scene, options.directory, options.restart ? options.restart->step : 0};
   const std::int64_t last_step = options.last_step;
   const bool restarted = options.restart.has_value();
-  const std::unique_ptr<Solver> solver = build_solver(session, scene, std::move(options));
+  const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   run_steps(*solver, last_step, restarted);
   write_report(session, context, *solver, "done");
   return ExitCode::done;

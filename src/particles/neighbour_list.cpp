@@ -5,6 +5,7 @@
 // Highway wants its own headers after foreach_target.
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "trevi/particles/neighbour_list.hpp"
@@ -128,6 +129,9 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
       }
     }
   }
+  // Whole vectors are read past the last row. What an earlier, longer list left there may name records that are gone.
+  rows.reserve(end);
+  std::fill_n(rows.index.begin() + end, NeighbourRows::slack, 0);
 }
 
 void search_single(const CellOrder& order, const std::vector<Packed<float>>& records, NeighbourRows& rows) {
