@@ -94,8 +94,8 @@ TEST(Scene, EveryKeyArrives) {
   EXPECT_EQ(scene.particles.at(1).path, "in/a.h5");
   EXPECT_EQ(scene.particles.at(2).path, "/a.h5");
   EXPECT_LT((scene.fountains.at(0).direction - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
-  EXPECT_EQ(scene.fountains[0].music, "in/m.mid");
-  EXPECT_EQ(scene.fountains[0].speed_range->second, 20);
+  EXPECT_EQ(scene.fountains[0].music->source, "in/m.mid");
+  EXPECT_EQ(scene.fountains[0].music->speed_range.second, 20);
 }
 
 TEST(Scene, ReportPresetCreatesItsTablesAndYieldsToExplicitKeys) {
