@@ -64,12 +64,12 @@ class PhysicsReader {
   Section& root_;
   Scene& scene_;
   Section domain_, fluid_;
+  bool report_ = false;  // preset
 };
 
 void PhysicsReader::read_preset(Section& density) {
-  bool report = false;
-  density.choice<bool>({"preset", "the values of absent keys"}, report, {{"default", false}, {"report", true}});
-  if (!report) return;
+  density.choice<bool>({"preset", "the values of absent keys"}, report_, {{"default", false}, {"report", true}});
+  if (!report_) return;
   scene_.density = {.method = Method::jacobi,
                     .iterations = 4,
                     .tolerance = std::nullopt,
@@ -192,6 +192,12 @@ void PhysicsReader::read_density(Section& section) {
   section.choice<Method>(
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
+  // Named in place of the default method, the others are what the literature calls them.
+  if (section.given("method") && density.method != Method::chebyshev && !report_) {
+    density.coarse_grid = false;
+    density.max_shift = 0;
+    density.relaxation = 0.5;
+  }
   section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
                   density.iterations, 1);
   Real tolerance = 0;

@@ -165,6 +165,7 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
 template <class T>
 void CoarseCorrection::displacements(const CellOrder& order, std::span<const Real> rho, std::span<const Vec3> p,
                                      std::span<Quad<T>> out) {
+  const ScopedEvent timed(event_);
   last_plane_ = order.planes();
   fill_sources(order, rho);
   solve(order);

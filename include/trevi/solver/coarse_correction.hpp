@@ -16,6 +16,7 @@
 #include "trevi/domain/halo.hpp"
 #include "trevi/domain/slabs.hpp"
 #include "trevi/fluid/density.hpp"
+#include "trevi/parallel/log.hpp"
 #include "trevi/parallel/session.hpp"
 
 namespace trevi {
@@ -54,6 +55,7 @@ class CoarseCorrection {
   Real through_face(std::size_t low, std::size_t high, Real per_length, bool& known) const;
 
   MPI_Comm comm_;
+  Event event_{"CoarseGrid"};
   DensityModel model_;
   Box box_;
   int slab_axis_;
