@@ -31,24 +31,24 @@ void expect_same_everywhere(Real value) {
 class LivePipe : public testing::Test {
  protected:
   LivePipe() {
-    if (root() && pipe(ends_.data()) != 0) ADD_FAILURE() << "no pipe";
+    if (root() && pipe(ends.data()) != 0) ADD_FAILURE() << "no pipe";
   }
   ~LivePipe() override { hang_up(); }
 
   void play(const std::string& bytes) {
-    if (root() && write(ends_[1], bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
+    if (root() && write(ends[1], bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
       ADD_FAILURE() << "the pipe is full";
   }
   void hang_up() {
-    if (root() && ends_[1] >= 0) close(ends_[1]);
-    ends_[1] = -1;
+    if (root() && ends[1] >= 0) close(ends[1]);
+    ends[1] = -1;
   }
 
-  std::array<int, 2> ends_ = {-1, -1};
+  std::array<int, 2> ends = {-1, -1};
 };
 
 TEST_F(LivePipe, AllRanksHearTheSameAndNobodyWaits) {
-  LiveSound sound(MPI_COMM_WORLD, ends_[0], rate);
+  LiveSound sound(MPI_COMM_WORLD, ends[0], rate);
   sound.listen(step_at(0));  // nothing to hear yet
   EXPECT_EQ(sound.level(), 0);
   play(raw(sung(69, 0.2, rate)));
@@ -69,7 +69,7 @@ TEST_F(LivePipe, AllRanksHearTheSameAndNobodyWaits) {
 }
 
 TEST_F(LivePipe, HalfASampleWaitsForItsOtherHalf) {
-  LiveSound sound(MPI_COMM_WORLD, ends_[0], rate);
+  LiveSound sound(MPI_COMM_WORLD, ends[0], rate);
   const std::string bytes = raw(sung(69, 0.2, rate));
   play(bytes.substr(0, 4001));
   sound.listen(step_at(0));
@@ -80,7 +80,7 @@ TEST_F(LivePipe, HalfASampleWaitsForItsOtherHalf) {
 }
 
 TEST_F(LivePipe, TwoPumpsShareOneStream) {
-  const auto sound = std::make_shared<LiveSound>(MPI_COMM_WORLD, ends_[0], rate);
+  const auto sound = std::make_shared<LiveSound>(MPI_COMM_WORLD, ends[0], rate);
   const SpeedScale scale = scale_between(8, 20);
   LivePump loud(sound, Follow::loudness, scale), sings(sound, Follow::pitch, scale);
   EXPECT_FALSE(loud.at(0));

@@ -24,23 +24,23 @@ std::vector<Real> onsets(const Melody& melody) {
 
 class OdeToJoy : public testing::Test {
  protected:
-  const Melody text_ = read_score("ode_to_joy.txt", input_file("ode_to_joy.txt"));
-  const std::string sound_ = input_file("ode_to_joy.wav");
+  const Melody text = read_score("ode_to_joy.txt", input_file("ode_to_joy.txt"));
+  const std::string sound = input_file("ode_to_joy.wav");
 };
 
 TEST_F(OdeToJoy, SoundBeginsWhereNotesBegin) {
   for (const Follow follow : {Follow::loudness, Follow::pitch}) {
-    const std::vector<Real> heard = onsets(read_sound("v.wav", sound_, follow));
-    ASSERT_EQ(heard.size(), text_.tones.size());
-    for (std::size_t i = 0; i < heard.size(); ++i) EXPECT_NEAR(heard[i], text_.tones[i].start, 0.025) << i;
+    const std::vector<Real> heard = onsets(read_sound("v.wav", sound, follow));
+    ASSERT_EQ(heard.size(), text.tones.size());
+    for (std::size_t i = 0; i < heard.size(); ++i) EXPECT_NEAR(heard[i], text.tones[i].start, 0.025) << i;
   }
 }
 
 TEST_F(OdeToJoy, PitchAndItsSpeedAreThoseOfTheScore) {
   const SpeedScale scale = scale_between(8, 20);
-  const Melody melody = read_sound("v.wav", sound_, Follow::pitch);
-  const MelodyPump heard(melody, scale), written(text_, scale);
-  for (const Tone& tone : text_.tones) {
+  const Melody melody = read_sound("v.wav", sound, Follow::pitch);
+  const MelodyPump heard(melody, scale), written(text, scale);
+  for (const Tone& tone : text.tones) {
     const Real middle = (tone.start + tone.stop) / 2;
     ASSERT_TRUE(heard.at(middle)) << middle;
     EXPECT_NEAR(heard.at(middle)->note, tone.height, 0.15) << middle;
@@ -49,13 +49,13 @@ TEST_F(OdeToJoy, PitchAndItsSpeedAreThoseOfTheScore) {
 }
 
 TEST_F(OdeToJoy, LouderNotesGiveHigherSpeeds) {
-  const Melody melody = read_sound("v.wav", sound_, Follow::loudness);
+  const Melody melody = read_sound("v.wav", sound, Follow::loudness);
   const MelodyPump pump(melody, scale_between(0, 1));
-  for (const Tone& a : text_.tones) {
+  for (const Tone& a : text.tones) {
     const FountainState state = *pump.at((a.start + a.stop) / 2);
     EXPECT_TRUE(std::isnan(state.note));
     // make_music.py plays the lowest note at 2/7 of the peak of the highest.
-    const Real x = (a.height - text_.lowest) / (text_.highest - text_.lowest);
+    const Real x = (a.height - text.lowest) / (text.highest - text.lowest);
     EXPECT_NEAR(state.speed, (0.2 + 0.5 * x) / 0.7, 0.02);
   }
 }
