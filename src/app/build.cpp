@@ -107,15 +107,11 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
                                        : initial_particles(comm, scene, *parts.grid);
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
   parts.particles = std::move(state.particles);
-  if (scene.density.warm_start > 0) {
-    parts.particles.has_lambda = true;
-    parts.particles.lambda.assign(parts.particles.id.size(), 0.0);
-  }
   parts.clock.dt = scene.dt;
   if (options.restart) parts.clock.step = options.restart->step;
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
-  parts.method = make_density_method<T>(scene.density, model.h);
+  parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});
   parts.forcings = build_forcings(scene);
   parts.filters = build_filters<T>(scene, model);
   parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
@@ -129,9 +125,7 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 
 DensityModel density_model(const Scene& scene) {
   return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
-          scene.density.epsilon / refinement(scene),
-          // Methods that accumulate multipliers clamp the sum, not each contribution.
-          scene.density.method == Method::jacobi ? scene.density.constraint : Constraint::equality};
+          scene.density.epsilon / refinement(scene), scene.density.constraint};
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {

@@ -70,6 +70,8 @@ void PhysicsReader::read_preset(Section& density) {
                     .iterations = 4,
                     .tolerance = std::nullopt,
                     .relaxation = 1,
+                    .coarse_grid = false,
+                    .max_shift = 0,
                     .epsilon = 1,
                     .constraint = Constraint::equality};
   scene_.fluid.mass = Mass::volume;
@@ -195,8 +197,7 @@ void PhysicsReader::read_density(Section& section) {
                  {.low = 0, .high = 2, .with_low = false});
   section.number({"spectral_radius", "chebyshev: the spectral radius assumed of the relaxed iteration"},
                  density.spectral_radius, {.low = 0, .high = 1, .with_high = false});
-  section.number({"warm_start", "chebyshev: the share of the last multipliers to begin a step with"},
-                 density.warm_start, {.low = 0, .high = 1});
+  section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, density.coarse_grid);
   section.number({"max_shift", "the longest shift of a particle in one iteration in units of kernel_radius; 0: no cap"},
                  density.max_shift, at_least(0));
   section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));

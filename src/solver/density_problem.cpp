@@ -33,6 +33,12 @@ void DensityProblem<T>::compute_delta() {
 }
 
 template <class T>
+void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
+  compute_density();
+  coarse.displacements<T>(near_.order(), rho_, particles_->predicted, delta_);
+}
+
+template <class T>
 void DensityProblem<T>::compute_density() {
   const ScopedEvent timed(lambda_event_);
   constraint_.densities(pairs(), {0, near_.order().owned()}, particles_->predicted, rho_);

@@ -28,21 +28,21 @@ struct FluidSettings {
 };
 
 struct DensitySettings {
-  Method method = Method::jacobi;
-  int iterations = 4;
+  Method method = Method::chebyshev;
+  int iterations = 4;             ///< the coarse-grid correction counts as one
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
-  Real relaxation = 0.5;
-  Real epsilon = 1;            ///< 1/m² at spacing 0.1
-  Real spectral_radius = 0.9;  ///< chebyshev: of the relaxed Jacobi iteration
-  Real warm_start = 0;         ///< chebyshev: share of the last step's multipliers to begin with
-  Real max_shift = 0;          ///< cap on a particle's shift in one iteration, in units of h; 0: none
+  Real relaxation = 0.7;
+  Real spectral_radius = 0.95;  ///< chebyshev: assumed of the relaxed Jacobi iteration
+  bool coarse_grid = true;      ///< the smooth part of the correction from the cell grid
+  Real max_shift = 0.2;         ///< cap on a particle's shift in a sweep, in units of h; 0: none
+  Real epsilon = 1;             ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
 };
 
 struct WallSettings {
   Real restitution = 0.5;
-  WallDensity density = WallDensity::none;
+  WallDensity density = WallDensity::analytic;
   Reflection reflection = Reflection::normal;
 };
 

@@ -18,7 +18,7 @@ struct Particles {
   std::vector<Vec3> velocity;   ///< v, m/s
   std::vector<float> hue;       ///< start position on the rainbow, 0 to 1; empty unless the scene's colour asks for it
   std::vector<Real> lambda;     ///< multipliers of the last step, m²; empty unless the density method starts from them
-  bool has_hue = false, has_lambda = false;
+  bool has_hue = false;
 
   LocalId size() const { return static_cast<LocalId>(id.size()); }
 
@@ -44,7 +44,6 @@ struct Particles {
     visit(self.predicted);
     visit(self.velocity);
     if (self.has_hue) visit(self.hue);
-    if (self.has_lambda) visit(self.lambda);
   }
 };
 
