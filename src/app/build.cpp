@@ -3,6 +3,7 @@
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
+#include "trevi/fluid/music.hpp"
 #include "trevi/fluid/wall_density.hpp"
 #include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
@@ -22,19 +23,6 @@ Real refinement(const Scene& scene) {
 std::optional<Tensile> tensile_of(const Scene& scene) {
   if (!scene.tensile) return std::nullopt;
   return Tensile{scene.tensile->k * refinement(scene), scene.tensile->n, scene.tensile->dq};
-}
-
-std::vector<std::unique_ptr<Forcing>> build_forcings(const Scene& scene) {
-  std::vector<std::unique_ptr<Forcing>> forcings;
-  if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
-  int index = 0;
-  for (const FountainSettings& fountain : scene.fountains) {
-    if (!fountain.music.empty())
-      throw InputError(scene.path + ": [[fountain]] music: not built in yet; remove the key");
-    const PumpSpeed speed = [constant = fountain.speed](Real) { return constant; };
-    forcings.push_back(std::make_unique<Fountain>(fountain, speed, scene.domain_min.z(), scene.seed, index++));
-  }
-  return forcings;
 }
 
 template <class T>
@@ -60,7 +48,8 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   if (scene.colour) scale.by = static_cast<ColourBy>(*scene.colour);
   scale.bottom = scene.domain_min.z();
   scale.top = scene.domain_max.z();
-  for (const FountainSettings& fountain : scene.fountains) scale.speed_max = std::max(scale.speed_max, fountain.speed);
+  for (const FountainSettings& fountain : scene.fountains)
+    scale.speed_max = std::max(scale.speed_max, fountain.top_speed());
   scale.total = particles;
   return scale;
 }
@@ -112,7 +101,7 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
   parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});
-  parts.forcings = build_forcings(scene);
+  parts.forcings = build_forcings(comm, scene);
   parts.filters = build_filters<T>(scene, model);
   parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
@@ -126,6 +115,20 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 DensityModel density_model(const Scene& scene) {
   return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
           scene.density.epsilon / refinement(scene), scene.density.constraint};
+}
+
+std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {
+  std::vector<std::unique_ptr<Forcing>> forcings;
+  if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
+  std::shared_ptr<LiveSound> live;
+  int index = 0;
+  for (const FountainSettings& fountain : scene.fountains) {
+    std::unique_ptr<Pump> pump =
+        fountain.music ? make_music_pump(comm, *fountain.music, live) : std::make_unique<ConstantPump>(fountain.speed);
+    forcings.push_back(
+        std::make_unique<Fountain>(fountain, std::move(pump), scene.domain_min.z(), scene.seed, index++));
+  }
+  return forcings;
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {

@@ -6,6 +6,7 @@
 
 #include "trevi/app/build.hpp"
 #include "trevi/app/dry_run.hpp"
+#include "trevi/app/preview.hpp"
 #include "trevi/app/report.hpp"
 #include "trevi/output/output_directory.hpp"
 #include "trevi/output/run_report.hpp"
@@ -46,6 +47,10 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
   options.directory = line.output.empty() ? scene.output.directory : line.output;
   options.progress = line.progress;
   options.last_step = line.steps.value_or(scene.steps());
+  if (!line.preview.empty()) {
+    write_preview(session, scene, {line.preview, options.last_step});
+    return ExitCode::done;
+  }
   if (line.dry_run) {
     print_dry_run(session, scene, options.directory);
     return ExitCode::done;

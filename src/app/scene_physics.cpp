@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "trevi/fluid/music.hpp"
+
 namespace trevi {
 namespace {
 
@@ -53,6 +55,8 @@ class PhysicsReader {
   void read_filters();
   void read_fountain(Section& section);
   void read_jet(Section& section, FountainSettings& fountain);
+  void read_music(Section& section, FountainSettings& fountain);
+  void check_music(Section& section, const MusicSettings& music);
 
   bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
   void check_kernel_radius();
@@ -291,15 +295,65 @@ void PhysicsReader::read_jet(Section& section, FountainSettings& fountain) {
   }
   section.number({"speed", "the speed of the jet in m/s"}, fountain.speed, at_least(0));
   section.number({"jitter", "the largest random addition to speed in m/s"}, fountain.jitter, at_least(0));
-  if (section.text({"music", "the score (.txt .mid .wav), relative to the scene's folder, or -"}, fountain.music) &&
-      fountain.music != "-") {
-    fountain.music = beside_scene(scene_.path, fountain.music);
+  read_music(section, fountain);
+}
+
+void PhysicsReader::read_music(Section& section, FountainSettings& fountain) {
+  MusicSettings music;
+  const bool given =
+      section.text({"music",
+                    "the music: a score (.txt), MIDI (.mid) or sound file (.wav .flac .ogg) relative to the "
+                    "scene's folder, or \"-\" for raw PCM on standard input; the pump is off where it is silent"},
+                   music.source);
+  Real range[2] = {fountain.speed / 2, fountain.speed};
+  if (section.numbers({"speed_range",
+                       "the speeds [low, high] in m/s of the lowest and highest note, or of silence and "
+                       "the loudest sound; default half the speed and the speed"},
+                      range)) {
+    section.check("speed_range", range[0] >= 0 && range[0] < range[1],
+                  "must increase and not be negative; give [low, high]");
   }
-  Real range[2] = {0, 0};
-  if (section.numbers({"speed_range", "the speeds [low, high] of the lowest and highest note in m/s"}, range) &&
-      section.check("speed_range", range[0] >= 0 && range[0] < range[1],
-                    "must increase and not be negative; give [low, high]")) {
-    fountain.speed_range = {range[0], range[1]};
+  music.speed_range = {range[0], range[1]};
+  section.choice<SpeedMapping>({"mapping",
+                                "what grows evenly with the note or the loudness: linear is the speed, energy "
+                                "its square and with it the height of the jet"},
+                               music.mapping, {{"linear", SpeedMapping::linear}, {"energy", SpeedMapping::energy}});
+  if (music_kind(music.source) == MusicKind::sound || music.source == "-") music.follow = Follow::loudness;
+  section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
+                         music.follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}});
+  section.integer({"track", "the track of a MIDI file, from 1; default all"}, music.track, 1);
+  section.integer({"channel", "the channel of a MIDI file, 1 to 16; default all but 10, the drums"}, music.channel, 1);
+  section.integer({"rate", "the rate of raw PCM on standard input in Hz (16 bits, little-endian, mono)"}, music.rate,
+                  1000);
+  if (given && music.source != "-") music.source = beside_scene(scene_.path, music.source);
+  if (given || !section.fine("music")) check_music(section, music);
+  for (const char* key : {"mapping", "follow", "track", "channel", "rate"}) {
+    section.check(key, section.given("music") || !section.given(key), "there is no music to use it for; add music");
+  }
+  if (given) fountain.music = music;
+}
+
+void PhysicsReader::check_music(Section& section, const MusicSettings& music) {
+  if (!section.fine("music")) return;
+  const std::optional<MusicKind> kind = music_kind(music.source);
+  if (!section.check("music", kind.has_value(), "unknown kind of music; give a file ending in " + music_endings()))
+    return;
+  const auto only_for = [&](const char* key, bool right, const std::string& words) {
+    section.check(key, right || !section.given(key), "is for " + words + "; leave it out");
+  };
+  only_for("follow", kind == MusicKind::sound || kind == MusicKind::live, "sound only, as a score has its pitches");
+  only_for("track", kind == MusicKind::midi, "MIDI files only");
+  only_for("channel", kind == MusicKind::midi, "MIDI files only");
+  only_for("rate", kind == MusicKind::live, "raw PCM on standard input only (music = \"-\")");
+  section.check("channel", music.channel <= 16, "must be from 1 to 16");
+  section.check("rate", music.rate <= 1000000, "must be at most 1000000 Hz");
+  section.check("speed", section.given("speed_range") || music.speed_range.second > 0,
+                "must be positive where music sets the speed; give speed_range");
+  for (const FountainSettings& other : scene_.fountains) {
+    section.check(
+        "rate",
+        kind != MusicKind::live || !other.music || other.music->source != "-" || other.music->rate == music.rate,
+        "must be the same for all fountains that follow standard input; there is only one");
   }
 }
 

@@ -30,6 +30,7 @@ void PbfSolver<T>::step() {
   Clock& clock = parts_.clock;
   {
     const Stopwatch::Lap lap(stopwatch_);
+    for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
     clock.substeps = choose_substeps();
     const Real dt = clock.dt / clock.substeps;
     for (int k = 0; k < clock.substeps; ++k) {
@@ -147,7 +148,8 @@ void PbfSolver<T>::observe() {
     row.iterations = last_solve_.iterations;
     row.wall_seconds = stopwatch_.seconds();
   }
-  const Frame frame{clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountains()};
+  const std::vector<FountainState> states = fountains();
+  const Frame frame{clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, states};
   for (const auto& observer : parts_.observers) {
     if (observer->due(clock)) observer->observe(frame);
   }
@@ -155,8 +157,18 @@ void PbfSolver<T>::observe() {
 
 template <class T>
 void PbfSolver<T>::finish() {
-  const Frame frame{parts_.clock, parts_.particles, {}, nullptr, fountains()};
+  const std::vector<FountainState> states = fountains();
+  const Frame frame{parts_.clock, parts_.particles, {}, nullptr, states};
   for (const auto& observer : parts_.observers) observer->finish(frame);
+}
+
+template <class T>
+std::vector<FountainState> PbfSolver<T>::fountains() const {
+  std::vector<FountainState> states;
+  for (const auto& forcing : parts_.forcings) {
+    if (const auto state = forcing->state(parts_.clock.time())) states.push_back(*state);
+  }
+  return states;
 }
 
 template <class T>

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "trevi/app/command_line.hpp"
 #include "trevi/app/scene.hpp"
@@ -23,6 +24,9 @@ struct BuildOptions {
 
 /// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
 DensityModel density_model(const Scene& scene);
+
+/// Gravity and the fountains with their music, in the order of the scene.
+std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene);
 
 /// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any
 /// communicator will do, so that a test can set one rank beside many.

@@ -19,6 +19,8 @@ enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
 enum class WallDensity { none, analytic };
 enum class Reflection { normal, report };
+enum class Follow { pitch, loudness };
+enum class SpeedMapping { linear, energy };
 
 struct FluidSettings {
   Real spacing = 0.1;        ///< of the start lattice, m
@@ -52,14 +54,25 @@ struct TensileSettings {
   Real dq = 0.2;  ///< in units of h
 };
 
+struct MusicSettings {
+  std::string source;                        ///< a file, or "-" for raw PCM on standard input
+  Follow follow = Follow::pitch;             ///< what of it sets the speed; scores have a pitch only
+  int track = 0, channel = 0;                ///< of a MIDI file, from 1; 0: all (but channel 10, the drums)
+  int rate = 44100;                          ///< of raw PCM, Hz
+  std::pair<Real, Real> speed_range{5, 10};  ///< m/s, for the lowest and highest note, or silence and the loudest
+  SpeedMapping mapping = SpeedMapping::linear;
+};
+
 struct FountainSettings {
-  Real center[2] = {0, 0};                           ///< m, on the floor
-  Real diameter = 0.15, height = 0.2;                ///< m, upright cylinder on the floor
-  Vec3 direction = Vec3::UnitZ();                    ///< normalised
-  Real speed = 10, jitter = 0;                       ///< m/s
-  Real start = 0, stop = 1e300;                      ///< s
-  std::string music;                                 ///< path beside the scene, or "-"; empty: none
-  std::optional<std::pair<Real, Real>> speed_range;  ///< m/s, for the lowest and highest note
+  Real center[2] = {0, 0};             ///< m, on the floor
+  Real diameter = 0.15, height = 0.2;  ///< m, upright cylinder on the floor
+  Vec3 direction = Vec3::UnitZ();      ///< normalised
+  Real speed = 10, jitter = 0;         ///< m/s; speed counts where there is no music
+  Real start = 0, stop = 1e300;        ///< s
+  std::optional<MusicSettings> music;
+
+  /// The highest speed without jitter, m/s.
+  Real top_speed() const { return music ? music->speed_range.second : speed; }
 };
 
 }  // namespace trevi

@@ -49,7 +49,8 @@ class Solver {
     double seconds = 0;     ///< in step(), observers not counted
   };
   virtual Counters counters() const = 0;
-  virtual std::span<const FountainState> fountains() const = 0;
+  /// What the fountains do at the clock's time, in the order of the scene.
+  virtual std::vector<FountainState> fountains() const = 0;
 };
 
 /// Everything a solver is made of; filled by the scene builder.
@@ -84,7 +85,7 @@ class PbfSolver : public Solver {
   const Particles& particles() const override { return parts_.particles; }
   const Slabs& slabs() const override { return *parts_.slabs; }
   Counters counters() const override;
-  std::span<const FountainState> fountains() const override { return {}; }
+  std::vector<FountainState> fountains() const override;
 
  private:
   void advance(const StepInfo& info);
