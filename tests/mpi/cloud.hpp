@@ -71,6 +71,8 @@ acceleration = [0.3, -0.2, -9.8]
 [density]
 method = "jacobi"
 iterations = 4
+coarse_grid = false
+max_shift = 0.0
 relaxation = 0.3
 epsilon = 1.0
 constraint = "equality"

@@ -146,6 +146,20 @@ TEST_F(Ranks, FountainInSinglePrecision) { expect_same_on_one_rank(fountain_scen
 
 TEST_F(Ranks, PresetOfTheReport) { expect_same_on_one_rank(cube_scene, {"density.preset='report'"}); }
 
+// PETSc sums over ranks in its own order, so that anderson is no part of this.
+TEST_F(Ranks, EveryMethodOfOurOwnWithEitherWall) {
+  for (const char* method : {"jacobi", "chebyshev"}) {
+    for (const char* wall : {"none", "analytic"}) {
+      for (const char* coarse : {"true", "false"}) {
+        SCOPED_TRACE(std::string(method) + " " + wall + " " + coarse);
+        expect_same_on_one_rank(
+            cube_scene, {std::string("density.method='") + method + "'", std::string("walls.density='") + wall + "'",
+                         std::string("density.coarse_grid=") + coarse, "density.tolerance=0.0001"});
+      }
+    }
+  }
+}
+
 // Random places and speeds up to 60 m/s, one metre a step: most particles change slabs, many cross several.
 TEST_F(Ranks, WildCloud) {
   for (const char* precision : {"double", "single"}) {

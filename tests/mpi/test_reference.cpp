@@ -102,6 +102,16 @@ TEST(Reference, FountainInPlaceOfGravity) {
   expect_reference(cloud_scene + fountain, {});
 }
 
+// The preset is literal: nothing but what the report names. Its plain iteration throws a random cloud about, which
+// doubles an error at each turn, so one step is compared.
+TEST(Reference, PresetOfTheReport) {
+  const std::string bare = cloud_scene.substr(0, cloud_scene.find("[density]")) + "[density]\npreset = 'report'\n";
+  const Scene scene = scene_with(bare, {"fluid.mass='volume'"});
+  const auto [one, three] = deviations(scene, random_cloud(500, box_of(scene), 1, 0.06));
+  EXPECT_LT(one.position, 1e-9);
+  EXPECT_TRUE(scene.tensile && scene.vorticity && scene.viscosity);
+}
+
 // n is chosen by the solver; the reference follows it once it is seen to obey the rule of the contract.
 TEST(Reference, Substeps) {
   const Scene scene = scene_with(cloud_scene, joined(filters, {"time.cfl=0.4"}));
