@@ -111,7 +111,11 @@ FountainSettings slanted_fountain() {
   return settings;
 }
 
-const PumpSpeed pump = [](Real time) { return 8 + time; };
+/// 8 m/s and one more for each second.
+class RisingPump : public Pump {
+ public:
+  std::optional<FountainState> at(Real time) const override { return FountainState{60, 8 + time}; }
+};
 
 TEST(Forcing, GravityAddsTheSameToAll) {
   Particles particles = five_particles();
@@ -121,7 +125,7 @@ TEST(Forcing, GravityAddsTheSameToAll) {
 
 // Upright whatever its direction: 0.15 m around the axis and 0.4 m high; velocity in place of what was there.
 TEST(Forcing, FountainPumpsInsideItsUprightCylinder) {
-  Fountain fountain(slanted_fountain(), pump, 0, 1, 0);
+  Fountain fountain(slanted_fountain(), std::make_unique<RisingPump>(), 0, 1, 0);
   Particles particles = five_particles();
   fountain.apply(particles, {30, 0, 0.5, 0.1});
   for (const std::size_t k : {0U, 1U, 3U})
@@ -130,18 +134,20 @@ TEST(Forcing, FountainPumpsInsideItsUprightCylinder) {
 }
 
 TEST(Forcing, FountainRunsFromStartUntilStop) {
-  Fountain fountain(slanted_fountain(), pump, 0, 1, 0);
+  Fountain fountain(slanted_fountain(), std::make_unique<RisingPump>(), 0, 1, 0);
   for (const auto& [time, runs] : {std::pair{0.49, false}, {0.5, true}, {0.74, true}, {0.75, false}}) {
     Particles particles = five_particles();
     fountain.apply(particles, {0, 0, time, 0.1});
     EXPECT_EQ(particles.velocity[0].z() > 1, runs) << "at " << time << " s";
+    EXPECT_EQ(fountain.state(time)->speed, runs ? 8 + time : 0);
+    EXPECT_EQ(std::isnan(fountain.state(time)->note), !runs) << "no note sounds";
   }
 }
 
 TEST(Forcing, JitterIsTheUniformNumberOfIdAndStep) {
   FountainSettings settings = slanted_fountain();
   settings.jitter = 3;
-  Fountain fountain(settings, pump, 0, 77, 2);
+  Fountain fountain(settings, std::make_unique<RisingPump>(), 0, 77, 2);
   Particles particles = five_particles();
   const StepInfo info{31, 1, 0.5, 0.1};
   fountain.apply(particles, info);

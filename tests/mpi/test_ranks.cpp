@@ -84,6 +84,7 @@ std::string comparable(const std::string& series) {
   const std::vector<std::string> header = cells_of(line);
   while (std::getline(lines, line)) {
     const std::vector<std::string> cells = cells_of(line);
+    EXPECT_EQ(cells.size(), header.size()) << "row " << cells[0];
     for (std::size_t k = 0; k < std::min(cells.size(), header.size()); ++k)
       if (!may_differ(header[k])) text += header[k] + "=" + cells[k] + " ";
     text += "\n";
@@ -141,6 +142,11 @@ TEST_F(Ranks, FallingCube) { expect_same_on_one_rank(cube_scene, {"density.preci
 TEST_F(Ranks, FallingCubeInSinglePrecision) { expect_same_on_one_rank(cube_scene, {"density.precision='single'"}); }
 
 TEST_F(Ranks, Fountain) { expect_same_on_one_rank(fountain_scene, {"density.precision='double'"}); }
+
+TEST_F(Ranks, FountainTellsItsSpeed) {
+  const Run one = run(world, scene_with(fountain_scene, {}), 2);
+  EXPECT_NE(one.series.find("note_0=nan speed_0=4 "), std::string::npos) << one.series;
+}
 
 TEST_F(Ranks, FountainInSinglePrecision) { expect_same_on_one_rank(fountain_scene, {"density.precision='single'"}); }
 
