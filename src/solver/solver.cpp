@@ -118,7 +118,7 @@ int PbfSolver<T>::choose_substeps() const {
   const Real dt = parts_.clock.dt, h = parts_.constraint->model().h, g = parts_.substeps.gravity.norm();
   Real v2 = 0;
   for (const Vec3& v : parts_.particles.velocity) v2 = std::max(v2, v.squaredNorm());
-  Real v = std::sqrt(max_over_ranks(parts_.comm, v2)) + g * dt;
+  Real v = std::sqrt(max_over_ranks(parts_.comm, v2));
   for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest(parts_.clock.time()));
   const Real by_speed = dt * v / (parts_.substeps.cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
