@@ -7,6 +7,7 @@
 #include "trevi/fluid/wall_density.hpp"
 #include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
+#include "trevi/output/vtkhdf.hpp"
 #include "trevi/output/vtu.hpp"
 #include "trevi/parallel/reductions.hpp"
 
@@ -54,13 +55,27 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   return scale;
 }
 
+// A run that is asked to stop leaves a checkpoint, whether the scene has a table for them or not.
+CheckpointOptions checkpoint_options(const Scene& scene, const std::string& directory,
+                                     std::optional<std::int64_t> restart_step) {
+  CheckpointOptions options;
+  options.directory = directory;
+  options.info = {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides};
+  options.restart_step = restart_step;
+  options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
+  if (scene.output.checkpoint) {
+    options.schedule = scene.output.checkpoint->schedule;
+    options.keep = scene.output.checkpoint->keep;
+  }
+  return options;
+}
+
 std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
                                                        GlobalId particles) {
   std::vector<std::unique_ptr<Observer>> observers;
   std::optional<std::int64_t> restart_step;
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
-  if (output.vtkhdf) throw InputError(scene.path + ": [output.vtkhdf] is not built in yet; use [output.vtu]");
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
@@ -71,14 +86,12 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
                                                colour_scale(scene, particles), restart_step}));
   }
-  if (output.checkpoint) {
-    observers.push_back(std::make_unique<CheckpointWriter>(
-        comm, CheckpointOptions{options.directory,
-                                output.checkpoint->schedule,
-                                output.checkpoint->keep,
-                                {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed)},
-                                restart_step}));
+  if (output.vtkhdf) {
+    observers.push_back(make_vtkhdf_writer(comm, {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
+                                                  colour_scale(scene, particles), restart_step}));
   }
+  observers.push_back(
+      std::make_unique<CheckpointWriter>(comm, checkpoint_options(scene, options.directory, restart_step)));
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
@@ -97,7 +110,12 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
   parts.particles = std::move(state.particles);
   parts.clock.dt = scene.dt;
-  if (options.restart) parts.clock.step = options.restart->step;
+  if (options.restart) {
+    parts.clock.step = options.restart->step;
+    parts.clock.substeps = options.restart->substeps;
+    parts.wall_seconds = options.restart->wall_seconds;
+  }
+  parts.requests = std::move(options.requests);
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
   parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});

@@ -97,6 +97,7 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene) {
       continue;
     }
     const ParticleRows rows = read_particle_file(comm, source.path);
+    if (rows.total == 0) throw InputError(source.path + ": /particles/position: no particles; write one row for each");
     append_rows(result.particles, rows, next_id);
     GlobalId last = -1;
     for (const GlobalId id : rows.id) last = std::max(last, id);
@@ -166,18 +167,17 @@ InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid
 }
 
 InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows) {
-  Particles particles;
-  append_rows(particles, rows, 0);
+  Particles particles = std::move(static_cast<Particles&>(rows));
+  particles.predicted = particles.position;
   check_inside(comm, scene, particles, "the checkpoint");
-  if (scene.colour == Colour::rainbow_x) {
-    particles.has_hue = true;
-    particles.hue = std::move(rows.hue);
-    if (particles.hue.size() != particles.id.size()) {
-      throw InputError(
-          "the checkpoint has no /particles/hue, which [colour] by = \"rainbow_x\" needs; choose another "
-          "colour with --set colour.by=rainbow_id");
-    }
+  const bool had_hue = particles.has_hue;
+  particles.has_hue = scene.colour == Colour::rainbow_x;
+  if (particles.has_hue && !had_hue) {
+    throw InputError(
+        "the checkpoint has no /particles/hue, which [colour] by = \"rainbow_x\" needs; choose another "
+        "colour with --set colour.by=rainbow_id");
   }
+  if (!particles.has_hue) particles.hue.clear();
   std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
   add_weights(comm, grid, particles, weights);
   InitialState state{Slabs(weights, size_of(comm)), std::move(particles)};

@@ -6,8 +6,8 @@
 
 #include "trevi/app/build.hpp"
 #include "trevi/base/error.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 

@@ -57,14 +57,11 @@ double pair_seconds(const std::vector<PhaseReport>& phases) {
   return seconds;
 }
 
-}  // namespace
-
-void write_report(const Session& session, const RunContext& context, const Solver& solver,
-                  const std::string& exit_reason) {
-  const MPI_Comm comm = session.comm();
-  const Solver::Counters counters = solver.counters();
+RunReport local_report(const Session& session, const RunContext& context, const Solver& solver,
+                       const Outcome& outcome) {
   RunReport report;
-  report.exit_reason = exit_reason;
+  report.exit_reason = outcome.reason;
+  report.exit_code = static_cast<int>(outcome.code);
   report.ranks = session.size();
   report.versions = versions();
   report.scene = context.scene.path;
@@ -74,8 +71,17 @@ void write_report(const Session& session, const RunContext& context, const Solve
   report.first_step = context.first_step;
   report.last_step = solver.clock().step;
   report.steps = report.last_step - report.first_step;
-  report.particles = sum_over_ranks(comm, solver.particles().size());
   report.simulated_seconds = static_cast<double>(report.steps) * solver.clock().dt;
+  return report;
+}
+
+}  // namespace
+
+void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome) {
+  const MPI_Comm comm = session.comm();
+  const Solver::Counters counters = solver.counters();
+  RunReport report = local_report(session, context, solver, outcome);
+  report.particles = sum_over_ranks(comm, solver.particles().size());
   report.wall_seconds = max_over_ranks(comm, counters.seconds);
   report.phases = phases(comm);
   const auto steps = static_cast<double>(report.steps), particles = static_cast<double>(report.particles);
@@ -88,6 +94,12 @@ void write_report(const Session& session, const RunContext& context, const Solve
   report.bytes_per_particle = sum_real(comm, static_cast<double>(counters.bytes)) / particles;
   report.max_resident_bytes = max_over_ranks(comm, resident_bytes());
   write_run_report(comm, context.directory, report);
+}
+
+void write_last_words(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome) {
+  RunReport report = local_report(session, context, solver, outcome);
+  report.wall_seconds = solver.counters().seconds;
+  write_run_report(MPI_COMM_SELF, context.directory, report);
 }
 
 }  // namespace trevi

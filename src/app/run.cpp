@@ -1,37 +1,96 @@
 #include "trevi/app/run.hpp"
 
-#include <unistd.h>
-
 #include <cstdio>
 
 #include "trevi/app/build.hpp"
 #include "trevi/app/dry_run.hpp"
 #include "trevi/app/preview.hpp"
 #include "trevi/app/report.hpp"
+#include "trevi/app/restart.hpp"
+#include "trevi/output/blowup.hpp"
 #include "trevi/output/output_directory.hpp"
-#include "trevi/output/run_report.hpp"
 
 namespace trevi {
 
 namespace {
 
-// The checkpoint to go on from, if any: its file and what it holds.
-struct Restart {
-  std::string file;
-  CheckpointState state;
-};
-
-std::optional<Restart> find_restart(const Session& session, const CommandLine& line, const std::string& directory) {
-  if (line.restart.empty()) return std::nullopt;
-  const std::string file = line.restart == "latest" ? latest_checkpoint(session.comm(), directory) : line.restart;
-  return Restart{file, read_checkpoint(session.comm(), file)};
+void tell(const Session& session, const std::string& text) {
+  if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", text.c_str());
 }
 
-void run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
+// To the last step, or until somebody asks for a stop, which a run that is at its end anyway does not notice.
+Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
   const ScopedStage stage("Solve");
   if (!restarted) solver.start();
-  while (solver.clock().step < last_step) solver.step();
+  std::int64_t saves = 0;
+  while (solver.clock().step < last_step) {
+    solver.step();
+    const RequestCounts& asked = solver.requests();
+    const auto reason = solver.clock().step < last_step ? stop_reason(asked) : std::nullopt;
+    if (reason || count_of(asked, Request::checkpoint) > saves) solver.save();
+    saves = count_of(asked, Request::checkpoint);
+    if (!reason) continue;
+    solver.finish();
+    return {ExitCode::stopped, "stopped: " + *reason};
+  }
   solver.finish();
+  return {};
+}
+
+// What can still be saved of a run that failed; a second failure (the disk) must not hide the first.
+std::string leave_traces(const Session& session, const RunContext& context, const Solver& solver, const RunError& error,
+                         bool blown_up) {
+  const Outcome outcome{ExitCode::run_failed, std::string("failed: ") + error.what()};
+  std::string traces;
+  try {
+    if (error.reach() == Reach::one_rank) {
+      write_last_words(session, context, solver, outcome);
+      return traces;
+    }
+    if (blown_up) {
+      const std::int64_t step = solver.clock().step + 1;
+      traces = "\n" + write_blowup(session.comm(), context.directory, {step, solver.particles(), error.what()}) +
+               " holds the particles; ParaView opens it as .hdf";
+    }
+    write_report(session, context, solver, outcome);
+  } catch (const Error& second) {
+    traces += std::string("\n") + second.what();
+  }
+  return traces;
+}
+
+Outcome run_guarded(const Session& session, const RunContext& context, Solver& solver, std::int64_t last_step) {
+  try {
+    return run_steps(solver, last_step, context.restarted);
+  } catch (const BlowUp& error) {
+    throw RunError(error.what() + leave_traces(session, context, solver, error, true), error.reach());
+  } catch (const RunError& error) {
+    throw RunError(error.what() + leave_traces(session, context, solver, error, false), error.reach());
+  }
+}
+
+ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine& line, const std::string& command) {
+  BuildOptions options;
+  options.directory = line.output.empty() ? scene.output.directory : line.output;
+  options.progress = line.progress;
+  options.last_step = line.steps.value_or(scene.steps());
+  std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
+  const bool goes_on = restart && restart->state;
+  check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
+  if (restart) tell(session, restart->message);
+  if (goes_on) options.restart = std::move(restart->state);
+  RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
+  options.requests = [&watch] { return watch.poll(); };
+  const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on};
+  const std::int64_t last_step = options.last_step;
+  const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
+  const Outcome outcome = run_guarded(session, context, *solver, last_step);
+  write_report(session, context, *solver, outcome);
+  if (outcome.code == ExitCode::stopped) {
+    watch.remove_stop_file();
+    tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);
+  }
+  return outcome.code;
 }
 
 }  // namespace
@@ -43,38 +102,23 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     return ExitCode::done;
   }
   const Scene scene = parse_scene(line.scene, read_file_everywhere(session.comm(), line.scene), line.overrides);
-  BuildOptions options;
-  options.directory = line.output.empty() ? scene.output.directory : line.output;
-  options.progress = line.progress;
-  options.last_step = line.steps.value_or(scene.steps());
   if (!line.preview.empty()) {
-    write_preview(session, scene, {line.preview, options.last_step});
+    write_preview(session, scene, {line.preview, line.steps.value_or(scene.steps())});
     return ExitCode::done;
   }
   if (line.dry_run) {
-    print_dry_run(session, scene, options.directory);
+    print_dry_run(session, scene, line.output.empty() ? scene.output.directory : line.output);
     return ExitCode::done;
   }
-  std::optional<Restart> restart = find_restart(session, line, options.directory);
-  check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
-  if (restart) options.restart = std::move(restart->state);
-  RunContext context{scene, options.directory, options.restart ? options.restart->step : 0};
-  const std::int64_t last_step = options.last_step;
-  const bool restarted = options.restart.has_value();
-  const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
-  run_steps(*solver, last_step, restarted);
-  write_report(session, context, *solver, "done");
-  return ExitCode::done;
+  return run_scene(session, scene, line, restart_command(session, argc, argv));
 }
 
 int report_error(const Session& session, const Error& error) {
-  if (error.code() == ExitCode::bad_input) {
+  if (error.reach() == Reach::all_ranks) {
     if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", error.what());
     return static_cast<int>(error.code());
   }
-  // Most failures strike all ranks alike; a moment's patience lets rank 0 speak for them.
-  if (session.rank() != 0) usleep(300000);
-  std::fprintf(stderr, "trevi: %s\n", error.what());
+  std::fprintf(stderr, "trevi: rank %d: %s\n", session.rank(), error.what());
   MPI_Abort(session.comm(), static_cast<int>(error.code()));
   return static_cast<int>(error.code());
 }

@@ -148,6 +148,7 @@ Scene parse_scene(const std::string& path, const std::string& text, const std::v
   scene.path = path;
   scene.name = std::filesystem::path(path).stem().string();
   scene.text = text;
+  scene.overrides = std::ssize(overrides);
   for (const std::string& assignment : overrides) {
     if (!scene.text.empty() && scene.text.back() != '\n') scene.text += '\n';
     scene.text += "# --set " + assignment + '\n';

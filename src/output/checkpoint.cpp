@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <span>
@@ -11,10 +12,10 @@
 
 #include "trevi/base/error.hpp"
 #include "trevi/output/checksums.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/hdf5_writer.hpp"
 #include "trevi/output/id_order.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 
@@ -23,11 +24,15 @@ namespace {
 constexpr const char* prefix = "checkpoint_";
 constexpr const char* suffix = ".h5";
 
-void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
+constexpr std::int64_t format_version = 1;
+
+void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame, Real wall_seconds) {
+  file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
   file.attribute("time", frame.clock.time());
   file.attribute("dt", frame.clock.dt);
   file.attribute("substeps", static_cast<std::int64_t>(frame.clock.substeps));
+  file.attribute("wall_seconds", wall_seconds);
   file.attribute("seed", info.seed);
   file.attribute("program_version", info.program_version);
   if (!frame.fountains.empty()) {
@@ -40,6 +45,7 @@ void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& fra
     file.attribute("fountain_speed", std::span<const Real>(speeds));
   }
   file.text("/scene", info.scene_text);
+  file.attribute("scene_overrides", info.scene_overrides);
   file.attribute("scene_checksum", checksum(info.scene_text));
 }
 
@@ -61,9 +67,8 @@ void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles
   const IdOrder order(comm, particles.id, rows_per_block);
   const RowSlice slice{order.first_row(), static_cast<std::int64_t>(order.ids().size()), order.total()};
   write_column(file, "id", order.ids(), slice);
-  write_column(file, "position", order.apply(particles.position), slice);
-  write_column(file, "velocity", order.apply(particles.velocity), slice);
-  if (particles.has_hue) write_column(file, "hue", order.apply(particles.hue), slice);
+  particles.for_each_saved_field(
+      [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
 }
 
 bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
@@ -101,17 +106,29 @@ void check_column(const Source& source, const std::string& name, const std::vect
 }
 
 ParticleRows read_checked_rows(const Source& source) {
-  for (const char* name : {"/particles/id", "/particles/velocity"}) {
+  for (const char* name : {"/particles/id", "/particles/velocity"}) {  // which a particle file may lack
     if (source.file.has(name)) continue;
     throw InputError(
         fmt::format("{}: {}: missing; a restart needs a whole checkpoint, use another file", source.path, name));
   }
   ParticleRows rows = read_particle_rows(source.file, source.slice);
   check_column(source, "id", rows.id);
-  check_column(source, "position", rows.position);
-  check_column(source, "velocity", rows.velocity);
-  if (!rows.hue.empty()) check_column(source, "hue", rows.hue);
+  rows.for_each_saved_field([&](const char* name, const auto& field) { check_column(source, name, field); });
   return rows;
+}
+
+void check_header(const std::string& path, const CheckpointState& state) {
+  const auto refuse = [&](const char* name, const auto& value) {
+    throw InputError(fmt::format("{}: attribute {}: cannot be {}; use another checkpoint", path, name, value));
+  };
+  if (state.step < 0) refuse("step", state.step);
+  if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
+  if (state.substeps < 1) refuse("substeps", state.substeps);
+  if (!(state.wall_seconds >= 0) || !std::isfinite(state.wall_seconds)) refuse("wall_seconds", state.wall_seconds);
+  const auto& text = state.info.scene_text;
+  const auto lines = std::count(text.begin(), text.end(), '\n');
+  if (state.info.scene_overrides < 0 || state.info.scene_overrides > lines)
+    refuse("scene_overrides", state.info.scene_overrides);
 }
 
 CheckpointState read_slice(const std::string& path, int rank, int size) {
@@ -119,14 +136,20 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
   const Hdf5Reader& file = source.file;
   source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
   CheckpointState state;
+  if (file.integer_attribute("format") != format_version) {
+    throw InputError(path + ": written by another version of trevi, in a format that this one does not know");
+  }
   state.step = file.integer_attribute("step");
   state.dt = file.real_attribute("dt");
   state.time = file.real_attribute("time");
   state.substeps = static_cast<int>(file.integer_attribute("substeps"));
+  state.wall_seconds = file.real_attribute("wall_seconds");
   state.info.seed = file.integer_attribute("seed");
   state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
+  state.info.scene_overrides = file.integer_attribute("scene_overrides");
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
+  check_header(path, state);
   state.rows = read_checked_rows(source);
   return state;
 }
@@ -135,9 +158,11 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
 
 void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointInfo& info, const Frame& frame) {
   const std::string temporary = path + ".tmp";
+  Real wall_seconds = frame.wall_seconds;  // one rank's watch for all, as all must write the same
+  MPI_Bcast(&wall_seconds, 1, MPI_DOUBLE, 0, comm);
   try {
     Hdf5Writer file(comm, temporary);
-    write_header(file, info, frame);
+    write_header(file, info, frame, wall_seconds);
     write_particles(comm, file, frame.particles);
     file.close();
   } catch (const Error&) {  // thrown by all ranks alike
@@ -179,16 +204,24 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
 }
 
 bool CheckpointWriter::due(const Clock& clock) const {
+  if (options_.when == CheckpointTimes::asked_for) return false;
   return clock.step != last_step_ && (clock.step == 0 || options_.schedule.due(clock));
 }
 
 void CheckpointWriter::write(const Frame& frame) {
+  // A checkpoint vouches for the rows before it: they reach the disk first.
+  on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);
   last_step_ = frame.clock.step;
   on_root(comm_, [&] { remove_old(); });
 }
 
+void CheckpointWriter::save(const Frame& frame) {
+  if (frame.clock.step != last_step_) write(frame);
+}
+
 void CheckpointWriter::finish(const Frame& frame) {
+  if (options_.when == CheckpointTimes::asked_for) return;
   if (frame.clock.step != last_step_ && finite_everywhere(comm_, frame.particles)) write(frame);
 }
 

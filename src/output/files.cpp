@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,13 +41,21 @@ void sync_folder_of(const std::string& path) {
   ::close(descriptor);
 }
 
+void sync_descriptor(int descriptor, const std::string& path) {
+  // EINVAL: a special file or file system that has no sync.
+  if (::fsync(descriptor) != 0 && errno != EINVAL) throw_file_error(path, "sync", errno);
+}
+
 void sync_file(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR);
   if (descriptor < 0) throw_file_error(path, "open", errno);
-  const int error = ::fsync(descriptor) == 0 ? 0 : errno;
+  try {
+    sync_descriptor(descriptor, path);
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
   ::close(descriptor);
-  // EINVAL: a special file or file system that has no sync.
-  if (error != 0 && error != EINVAL) throw_file_error(path, "sync", error);
 }
 
 void rename_file(const std::string& from, const std::string& to) {
@@ -81,6 +90,52 @@ AppendFile::~AppendFile() { ::close(descriptor_); }
 
 void AppendFile::write(std::string_view text) { write_all(descriptor_, text, path_); }
 
+// memfd_create would do without a name, but HDF5 insists on one that is no symbolic link.
+MemoryFile::MemoryFile()
+    : name_(fmt::format("/trevi-{}-{}", ::getpid(), fmt::ptr(this))),
+      descriptor_(::shm_open(name_.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600)) {
+  if (descriptor_ < 0) throw_file_error(path(), "make a file in memory", errno);
+}
+
+MemoryFile::~MemoryFile() {
+  forget_name();
+  ::close(descriptor_);
+}
+
+std::string MemoryFile::path() const { return "/dev/shm" + name_; }
+
+void MemoryFile::forget_name() {
+  if (!name_.empty()) ::shm_unlink(name_.c_str());
+  name_.clear();
+}
+
+std::int64_t MemoryFile::size() const { return ::lseek(descriptor_, 0, SEEK_END); }
+
+std::string MemoryFile::read(std::int64_t begin, std::int64_t end) const {
+  std::string bytes(static_cast<std::size_t>(end - begin), '\0');
+  const ssize_t count = ::pread(descriptor_, bytes.data(), bytes.size(), begin);
+  if (count != static_cast<ssize_t>(bytes.size())) throw_file_error("memory", "read from it", errno);
+  return bytes;
+}
+
+PlacedFile::PlacedFile(const std::string& path) : path_(path), descriptor_(::open(path.c_str(), O_WRONLY)) {
+  if (descriptor_ < 0) throw_file_error(path, "open", errno);
+}
+
+PlacedFile::~PlacedFile() { ::close(descriptor_); }
+
+void PlacedFile::write(std::int64_t place, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), place);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw_file_error(path_, "write", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    place += written;
+  }
+}
+
+void PlacedFile::sync() { sync_descriptor(descriptor_, path_); }
+
 std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw_file_error(path, "open", errno);
@@ -105,10 +160,20 @@ void replace_file(const std::string& path, std::string_view text) {
   publish_file(temporary, path);
 }
 
+void create_empty_file(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  if (descriptor < 0) throw_file_error(path, "create", errno);
+  ::close(descriptor);
+}
+
 void publish_file(const std::string& path, const std::string& target) {
   sync_file(path);
   rename_file(path, target);
   sync_folder_of(target);
+}
+
+void sync_if_there(const std::string& path) {
+  if (fs::exists(path)) sync_file(path);
 }
 
 std::string step_digits(std::int64_t step) { return fmt::format("{:06}", step); }

@@ -4,11 +4,12 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <sstream>
 #include <system_error>
 
 #include "trevi/base/error.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 
@@ -26,6 +27,22 @@ std::string trace_of_a_run(const std::string& directory) {
     if (!files.empty()) return fs::path(files.front().path).filename().string();
   }
   return {};
+}
+
+bool has_files_past_start(const std::string& folder, const char* prefix, const char* suffix) {
+  const auto files = stepped_files(folder, prefix, suffix);
+  return !files.empty() && files.back().step > 0;
+}
+
+bool series_is_past_start(const std::string& path) {
+  if (!fs::exists(path)) return false;
+  std::istringstream text(read_text(path));
+  std::string line;
+  std::getline(text, line);  // the header
+  while (std::getline(text, line)) {
+    if (!line.starts_with("0,") && !text.eof()) return true;  // eof: a row that was never finished
+  }
+  return false;
 }
 
 bool is_in(const std::string& file, const std::string& directory) {
@@ -57,6 +74,19 @@ void check_output_directory(MPI_Comm comm, const std::string& directory,
 
 void make_output_directory(MPI_Comm comm, const std::string& directory) {
   on_root(comm, [&] { make(directory); });
+}
+
+bool is_before_first_checkpoint(MPI_Comm comm, const std::string& directory) {
+  int before = 1;
+  on_root(comm, [&] {
+    const bool past = !stepped_files(directory, "checkpoint_", ".h5").empty() ||
+                      has_files_past_start(directory, "particles_", ".hdf") ||
+                      has_files_past_start(directory + "/vtu", "particles_", ".pvtu") ||
+                      series_is_past_start(directory + "/series.csv");
+    before = past ? 0 : 1;
+  });
+  MPI_Bcast(&before, 1, MPI_INT, 0, comm);
+  return before != 0;
 }
 
 }  // namespace trevi

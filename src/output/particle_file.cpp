@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "trevi/base/error.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/id_order.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 
@@ -32,12 +32,14 @@ ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice) {
   rows.total = slice.total;
   rows.first = slice.first;
   const auto count = static_cast<std::size_t>(slice.count);
-  rows.position = file.read<Vec3>("/particles/position", slice);
-  if (file.has("/particles/velocity"))
-    rows.velocity = file.read<Vec3>("/particles/velocity", slice);
-  else
-    rows.velocity.assign(count, Vec3::Zero());
-  if (file.has("/particles/hue")) rows.hue = file.read<float>("/particles/hue", slice);
+  rows.has_hue = file.has("/particles/hue");
+  rows.for_each_saved_field([&](const std::string& name, auto& field) {
+    using Row = typename std::remove_reference_t<decltype(field)>::value_type;
+    if (name == "velocity" && !file.has("/particles/velocity"))
+      rows.velocity.assign(count, Vec3::Zero());
+    else
+      field = file.read<Row>("/particles/" + name, slice);
+  });
   if (file.has("/particles/id")) {
     rows.id = file.read<GlobalId>("/particles/id", slice);
   } else {

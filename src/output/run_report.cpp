@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "trevi/base/error.hpp"
-#include "trevi/output/collective.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 

@@ -24,9 +24,9 @@
 #include <type_traits>
 
 #include "trevi/base/error.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/pvd.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 

@@ -161,6 +161,10 @@ void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>
   } else {
     HWY_DYNAMIC_DISPATCH(search_double)(order, records, rows_);
   }
+  if (rows_.crowded >= 0) {
+    const auto cut = rows_.first.begin() + rows_.crowded;
+    std::fill(cut + 1, rows_.first.end(), *cut);
+  }
 }
 
 template void NeighbourList::rebuild(const CellOrder&, const std::vector<Packed<float>>&);

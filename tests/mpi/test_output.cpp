@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "output_fixture.hpp"
-#include "trevi/output/collective.hpp"
 #include "trevi/output/colour.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/id_order.hpp"
@@ -15,6 +14,7 @@
 #include "trevi/output/pvd.hpp"
 #include "trevi/output/run_report.hpp"
 #include "trevi/output/series.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 namespace {

@@ -3,6 +3,7 @@
 // do.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,6 +21,7 @@ struct BuildOptions {
   ProgressMode progress = ProgressMode::automatic;
   std::int64_t last_step = 0;
   std::optional<CheckpointState> restart;
+  std::function<RequestCounts()> requests;  ///< what the world outside asks of this rank
 };
 
 /// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").

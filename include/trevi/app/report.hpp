@@ -1,9 +1,10 @@
-// run.json of a run: totals over ranks of time, work, traffic and memory. Collective.
+// run.json of a run: totals over ranks of time, work, traffic and memory, and how it ended.
 #pragma once
 
 #include <string>
 
 #include "trevi/app/scene.hpp"
+#include "trevi/base/error.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/solver/solver.hpp"
 
@@ -13,9 +14,18 @@ struct RunContext {
   const Scene& scene;
   std::string directory;
   std::int64_t first_step = 0;
+  bool restarted = false;
 };
 
-void write_report(const Session& session, const RunContext& context, const Solver& solver,
-                  const std::string& exit_reason);
+struct Outcome {
+  ExitCode code = ExitCode::done;
+  std::string reason = "done";  ///< "stopped: SIGUSR2", "failed: ...", for run.json
+};
+
+/// Collective.
+void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
+
+/// The part of it that one rank knows, when it fails alone and the others cannot be asked. Not collective.
+void write_last_words(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
 
 }  // namespace trevi

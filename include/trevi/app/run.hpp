@@ -6,10 +6,10 @@
 
 namespace trevi {
 
-/// Throws InputError on all ranks alike, RunError on any.
+/// Throws InputError on all ranks alike, RunError on all or one (Error::reach).
 ExitCode run(const Session& session, int argc, const char* const* argv);
 
-/// Prints an error once: bad input from rank 0 and returns its exit code; a failed run takes all ranks down.
+/// Prints an error once and returns its exit code; a failure of one rank alone takes all ranks down.
 int report_error(const Session& session, const Error& error);
 
 }  // namespace trevi

@@ -41,8 +41,9 @@ struct OutputSettings {
 };
 
 struct Scene {
-  std::string path, name;  ///< as given, and the file name without folder and ending
-  std::string text;        ///< the file, plus one line "# --set table.key=value" for each override
+  std::string path, name;      ///< as given, and the file name without folder and ending
+  std::string text;            ///< the file, plus one line "# --set table.key=value" for each override
+  std::int64_t overrides = 0;  ///< number of these lines
   Vec3 domain_min = Vec3::Zero(), domain_max = Vec3::Zero();  ///< m
   int slab_axis = 0;                                          ///< 0 x, 1 y
   FluidSettings fluid;

@@ -1,5 +1,6 @@
 // Errors that a user of Trevi can meet, each with the exit code of the program (contract: 2 bad input, 3 the run
-// failed). Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone.
+// failed). Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone,
+// and carry whether they did: only after one that all ranks threw may the program still communicate.
 // Internal bugs are asserts, not errors.
 #pragma once
 
@@ -11,25 +12,38 @@ namespace trevi {
 
 enum class ExitCode : int { done = 0, bad_input = 2, run_failed = 3, stopped = 4 };
 
+/// Who threw an error: this rank, or all of them at the same place of the program.
+enum class Reach { one_rank, all_ranks };
+
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  Error(ExitCode code, Reach reach, const std::string& message)
+      : std::runtime_error(message), code_(code), reach_(reach) {}
   ExitCode code() const { return code_; }
+  Reach reach() const { return reach_; }
 
  private:
   ExitCode code_;
+  Reach reach_;
 };
 
 /// Bad input or usage: the message is for the user and names file, line, key and remedy where they are known.
 class InputError : public Error {
  public:
-  explicit InputError(const std::string& message) : Error(ExitCode::bad_input, message) {}
+  explicit InputError(const std::string& message) : Error(ExitCode::bad_input, Reach::all_ranks, message) {}
 };
 
 /// The run failed (blow-up, disk, a library): the message names rank, step and particle where they are known.
 class RunError : public Error {
  public:
-  explicit RunError(const std::string& message) : Error(ExitCode::run_failed, message) {}
+  explicit RunError(const std::string& message, Reach reach = Reach::one_rank)
+      : Error(ExitCode::run_failed, reach, message) {}
+};
+
+/// The particles went wrong. Thrown by all ranks alike, and the solver still holds what there is to look at.
+class BlowUp : public RunError {
+ public:
+  explicit BlowUp(const std::string& message) : RunError(message, Reach::all_ranks) {}
 };
 
 /// Throws RunError with the calling place unless `condition` holds.

@@ -3,6 +3,8 @@
 // collective.
 #pragma once
 
+#include <algorithm>
+
 #include "trevi/domain/slabs.hpp"
 #include "trevi/fluid/settings.hpp"
 
@@ -24,7 +26,12 @@ class Walls {
     return along_ray_ ? stop_on_ray(p, shift) : clamp(target);
   }
 
-  Vec3 clamp(const Vec3& p) const { return p.cwiseMax(box_.min).cwiseMin(box_.max); }
+  // std::clamp lets a NaN be one, which Eigen's cwiseMin need not: the guard of the step looks for it.
+  Vec3 clamp(const Vec3& p) const {
+    const Vec3 &low = box_.min, &high = box_.max;
+    return {std::clamp(p.x(), low.x(), high.x()), std::clamp(p.y(), low.y(), high.y()),
+            std::clamp(p.z(), low.z(), high.z())};
+  }
   bool inside(const Vec3& p) const {
     return (p.array() >= box_.min.array()).all() && (p.array() <= box_.max.array()).all();
   }

@@ -1,6 +1,7 @@
 // Checkpoints: DIR/checkpoint_<step>.h5 holds all that a restart needs, rows sorted by id, the same on any rank count.
-// /particles/{id,position,velocity[,hue]}, /checksums/ of the same names (checksums.hpp), /scene (text), and at the
-// root step, time, dt, substeps, seed, program_version, fountain_note, fountain_speed. Random numbers and fountains are
+// /particles/{id,position,velocity[,hue,lambda]}, /checksums/ of the same names (checksums.hpp), /scene (text), and at
+// the root format, step, time, dt, substeps, wall_seconds, seed, program_version, scene_overrides, fountain_note,
+// fountain_speed. But for wall_seconds it is the same on any rank count. Random numbers and fountains are
 // functions of (seed, id, step), so these are their state. Written under a temporary name, synced, renamed; only then
 // are older ones removed, down to `keep`. Collective: all but the struct definitions.
 #pragma once
@@ -19,6 +20,7 @@ namespace trevi {
 struct CheckpointInfo {
   std::string scene_text, program_version;
   std::int64_t seed = 1;
+  std::int64_t scene_overrides = 0;  ///< so many lines "# --set table.key=value" at the end of the text
 };
 
 /// RunError on all ranks alike; a file of that name is then still the old one.
@@ -29,6 +31,7 @@ struct CheckpointState {
   std::int64_t step = 0;
   Real dt = 0, time = 0;
   int substeps = 1;
+  Real wall_seconds = 0;  ///< used by the run so far
   CheckpointInfo info;
 };
 
@@ -38,12 +41,16 @@ CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path);
 /// The checkpoint of the highest step in a folder, for --restart latest. InputError when there is none.
 std::string latest_checkpoint(MPI_Comm comm, const std::string& directory);
 
+/// A scene without [output.checkpoint] gets one only when somebody asks the run to stop or to save.
+enum class CheckpointTimes { scheduled, asked_for };
+
 struct CheckpointOptions {
   std::string directory;
-  Schedule schedule;  ///< step 0 and the end of the run are always written
+  Schedule schedule;  ///< step 0 and the end of the run are always written, too
   int keep = 2;       ///< newest checkpoints that stay; 1 at least
   CheckpointInfo info;
   std::optional<std::int64_t> restart_step;  ///< checkpoints past it are renamed *.stale
+  CheckpointTimes when = CheckpointTimes::scheduled;
 };
 
 class CheckpointWriter : public Observer {
@@ -56,10 +63,10 @@ class CheckpointWriter : public Observer {
   /// not become the latest checkpoint.
   void finish(const Frame& frame) override;
 
-  /// At once, due or not (SIGUSR1).
-  void write(const Frame& frame);
+  void save(const Frame& frame) override;
 
  private:
+  void write(const Frame& frame);
   std::string path_of(std::int64_t step) const;
   void remove_old() const;
 

@@ -1,6 +1,6 @@
 // Checksums of tables, one for each block of rows, so that a damaged checkpoint is refused and the place is named.
-// HDF5's own Fletcher-32 filter is not used: on parallel files HDF5 1.10 writes such tables twice and hangs on a full
-// disk. FNV-1a, 64 bits, over 8-byte words: any change confined to one word changes the sum. Rank-local.
+// HDF5's own Fletcher-32 filter is not used, as it needs chunks and HDF5's own hands on the rows (hdf5_writer.hpp says
+// why not). FNV-1a, 64 bits, over 8-byte words: any change confined to one word changes the sum. Rank-local.
 #pragma once
 
 #include <algorithm>

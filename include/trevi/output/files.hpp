@@ -32,7 +32,44 @@ class AppendFile {
   int descriptor_;
 };
 
+/// A file that lives in memory; what was never written to takes no room.
+class MemoryFile {
+ public:
+  MemoryFile();
+  ~MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  std::string path() const;
+  void forget_name();  ///< once a library has opened the file, so that even a killed process leaves nothing behind
+  std::int64_t size() const;
+  std::string read(std::int64_t begin, std::int64_t end) const;
+
+ private:
+  std::string name_;
+  int descriptor_;
+};
+
+/// An open file that exists already, written to at any place.
+class PlacedFile {
+ public:
+  explicit PlacedFile(const std::string& path);
+  ~PlacedFile();
+  PlacedFile(const PlacedFile&) = delete;
+  PlacedFile& operator=(const PlacedFile&) = delete;
+
+  void write(std::int64_t place, std::string_view bytes);
+  void sync();  ///< returns when what was written is on the disk
+
+ private:
+  std::string path_;
+  int descriptor_;
+};
+
 std::string read_text(const std::string& path);
+
+/// Creates an empty file, or empties the one of that name.
+void create_empty_file(const std::string& path);
 
 /// Temporary name, fsync, rename.
 void replace_file(const std::string& path, std::string_view text);
@@ -40,6 +77,9 @@ void replace_file(const std::string& path, std::string_view text);
 /// fsync of `path`, rename to `target`, fsync of the folder, so that the new name stands for whole content after a
 /// crash.
 void publish_file(const std::string& path, const std::string& target);
+
+/// fsync of a file when there is one of that name.
+void sync_if_there(const std::string& path);
 
 /// A step as file names carry it: six digits at least.
 std::string step_digits(std::int64_t step);

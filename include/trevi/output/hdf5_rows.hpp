@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -29,6 +30,22 @@ struct RowFormatOf<GlobalId> {
 template <>
 struct RowFormatOf<float> {
   static constexpr RowFormat value{Scalar::float32, 1};
+};
+template <>
+struct RowFormatOf<Real> {
+  static constexpr RowFormat value{Scalar::float64, 1};
+};
+template <>
+struct RowFormatOf<std::int32_t> {
+  static constexpr RowFormat value{Scalar::int32, 1};
+};
+template <>
+struct RowFormatOf<std::uint8_t> {
+  static constexpr RowFormat value{Scalar::uint8, 1};
+};
+template <class T>
+struct RowFormatOf<std::array<T, 3>> {
+  static constexpr RowFormat value{RowFormatOf<T>::value.scalar, 3};
 };
 template <>
 struct RowFormatOf<Vec3> {

@@ -1,17 +1,27 @@
-// Writes tables of particles to one HDF5 file, all ranks together (MPI-IO, collective transfers).
-// Tables are contiguous (checksums.hpp says why not chunked). Invariant: all ranks hold the same file structure; after
-// a failure all ranks throw the same RunError. Collective: every member, with the same arguments on all ranks but for
-// the rows. The file is whole only after close().
+// Writes tables of particles to one HDF5 file, all ranks together: HDF5 lays the file out in the memory of rank 0 (a
+// few kilobytes, the rows are holes), and every rank writes its own rows to where the tables lie, with plain writes.
+// HDF5 never sees the disk, because it cannot bear a full one: the ranks of its parallel driver lose step with each
+// other and hang, and its serial driver crashes at the end of the program. The file is the same.
+// Invariant: after a failure all ranks throw the same RunError. Collective: every member, with the same arguments on
+// all ranks but for the rows. The file is whole, and on the disk, only after close().
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "trevi/output/files.hpp"
 #include "trevi/output/hdf5_rows.hpp"
 #include "trevi/parallel/session.hpp"
 
 namespace trevi {
+
+/// Bytes [begin, end) of a file.
+struct Extent {
+  std::int64_t begin = 0, end = 0;
+};
 
 class Hdf5Writer {
  public:
@@ -24,28 +34,43 @@ class Hdf5Writer {
   /// created.
   template <class T>
   void write(const std::string& name, const std::vector<T>& rows, RowSlice slice) {
-    write_rows(name, RowFormatOf<T>::value, slice, rows.data());
+    write_rows(name, RowFormatOf<T>::value, slice,
+               {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(T)});
   }
 
   void text(const std::string& name, const std::string& value);  ///< a dataset that is one UTF-8 string
-  void attribute(const std::string& name, std::int64_t value);   ///< of the root group
+
+  /// An attribute of the root group, or "/group/name" for one of another group, which is created.
+  void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, Real value);
+  void attribute(const std::string& name, std::span<const std::int64_t> values);
   void attribute(const std::string& name, std::span<const Real> values);
   void attribute(const std::string& name, const std::string& value);
+
+  /// A second name for a dataset.
+  void link(const std::string& name, const std::string& second_name);
 
   /// Flushes to the disk and closes.
   void close();
 
  private:
+  // Of rank 0 alone; these throw there.
+  void create_file();
+  void copy_layout();
   void check(bool good, const std::string& object) const;
-  void write_rows(const std::string& name, RowFormat format, RowSlice slice, const void* rows);
   void create_groups(const std::string& name) const;
-  Hdf5Handle create_dataset(const std::string& name, RowFormat format, std::int64_t total) const;
+  std::int64_t create_dataset(const std::string& name, RowFormat format, std::int64_t total);
+  void create_text(const std::string& name, const std::string& value) const;
+
+  void write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes);
   void write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space, const void* value);
 
   MPI_Comm comm_;
   std::string path_;
-  Hdf5Handle file_;
+  std::optional<MemoryFile> layout_;  ///< rank 0 only, like the two below
+  Hdf5Handle file_;                   ///< in `layout_`
+  std::vector<Extent> tables_;        ///< where the rows lie
+  std::optional<PlacedFile> disk_;
 };
 
 }  // namespace trevi

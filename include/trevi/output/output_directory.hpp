@@ -17,4 +17,8 @@ void check_output_directory(MPI_Comm comm, const std::string& directory,
 /// To be called once all input has been found good. RunError when it cannot be made.
 void make_output_directory(MPI_Comm comm, const std::string& directory);
 
+/// Whether a run in this folder would lose nothing by beginning again: there is none, or it died before its first
+/// checkpoint and has written nothing past step 0.
+bool is_before_first_checkpoint(MPI_Comm comm, const std::string& directory);
+
 }  // namespace trevi

@@ -9,23 +9,22 @@
 #include "trevi/base/types.hpp"
 #include "trevi/output/hdf5_reader.hpp"
 #include "trevi/parallel/session.hpp"
+#include "trevi/particles/particles.hpp"
 
 namespace trevi {
 
-/// This rank's rows of a particle table, one array per column, in file order.
-struct ParticleRows {
+/// This rank's rows of a particle table: particles in file order, without predicted positions, and with those of the
+/// optional fields that the file has.
+struct ParticleRows : Particles {
   GlobalId total = 0;  ///< rows of all ranks together
   GlobalId first = 0;  ///< row number of this rank's first
-  std::vector<GlobalId> id;
-  std::vector<Vec3> position, velocity;  ///< m, m/s
-  std::vector<float> hue;                ///< empty when the file has none
 };
 
 /// For [[particles]] type = "file": velocity defaults to zero, id to the row number. Numbers are finite, ids unique.
 ParticleRows read_particle_file(MPI_Comm comm, const std::string& path);
 
-/// Rank-local part of the above: one slice of the /particles/position.rows(), values unchecked; hue too when it is
-/// there.
+/// Rank-local part of the above: one slice of the /particles/position.rows(), values unchecked, with all the fields of
+/// a checkpoint that are there.
 ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice);
 
 /// Collective: throws InputError naming `path` when a number is not finite or an id occurs twice.

@@ -6,23 +6,15 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "trevi/output/colour.hpp"
+#include "trevi/output/frame_options.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/solver/observer.hpp"
 
 namespace trevi {
 
-struct VtuOptions {
-  std::string directory;
-  Schedule schedule;
-  std::vector<std::string> fields;  ///< of velocity, density, id, rank, rgb
-  ColourScale colour;
-  std::optional<std::int64_t> restart_step;  ///< entries past it leave the .pvd, their files are renamed *.stale
-};
+using VtuOptions = FrameOptions;
 
 std::unique_ptr<Observer> make_vtu_writer(MPI_Comm comm, VtuOptions options);
 

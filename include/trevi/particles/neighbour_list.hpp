@@ -45,7 +45,7 @@ class NeighbourList {
   const LocalId* row(LocalId i) const { return rows_.index.data() + first(i); }
   /// Pairs of the particles before owned particle i.
   std::int64_t first(LocalId i) const { return rows_.first[static_cast<std::size_t>(i)]; }
-  /// Owned particle with more than most_neighbours, −1 if there is none; with one the list is not usable.
+  /// Owned particle with more than most_neighbours, −1 if there is none; it and those after it then have empty rows.
   LocalId crowded() const { return rows_.crowded; }
   std::size_t bytes() const {
     return rows_.first.capacity() * sizeof(rows_.first[0]) + rows_.index.capacity() * sizeof(rows_.index[0]);

@@ -27,9 +27,10 @@ struct Diagnostics {
 struct Frame {
   const Clock& clock;
   const Particles& particles;
-  std::span<const Real> density;   ///< kg/m³ at the final positions; empty unless an observer wanted it
-  const Diagnostics* diagnostics;  ///< null unless an observer wanted it
+  std::span<const Real> density;             ///< kg/m³ at the final positions; empty unless an observer wanted it
+  const Diagnostics* diagnostics;            ///< null unless an observer wanted it
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene
+  Real wall_seconds = 0;                     ///< since step 1 on this rank, restarts included, observers not counted
 };
 
 class Observer {
@@ -41,6 +42,8 @@ class Observer {
   virtual bool wants_diagnostics() const { return false; }
   /// Collective.
   virtual void observe(const Frame& frame) = 0;
+  /// Asked for from outside (SIGUSR1, a request to stop), due or not: put on disk what a restart needs. Collective.
+  virtual void save(const Frame&) {}
   /// Once at the end of the run, whatever its reason. Collective.
   virtual void finish(const Frame&) {}
 };

@@ -12,6 +12,7 @@
 #include "trevi/parallel/stopwatch.hpp"
 #include "trevi/solver/density_method.hpp"
 #include "trevi/solver/diagnostics.hpp"
+#include "trevi/solver/guard.hpp"
 #include "trevi/solver/observer.hpp"
 
 namespace trevi {
@@ -29,8 +30,12 @@ class Solver {
 
   /// Sorts the start, notifies the observers of step 0. Once, before the first step of a run that is not a restart.
   virtual void start() = 0;
-  /// One step of length clock.dt, observers included.
+  /// One step of length clock.dt, observers included. Throws BlowUp on all ranks alike.
   virtual void step() = 0;
+  /// Makes the observers save what a restart needs, between two steps.
+  virtual void save() = 0;
+  /// What is asked of the run from outside, agreed at the end of the last step.
+  virtual const RequestCounts& requests() const = 0;
   /// Tells the observers that the run is over, whatever its reason.
   virtual void finish() = 0;
 
@@ -69,7 +74,9 @@ struct SolverParts {
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substeps;
   Clock clock;
-  Particles particles;  ///< those in this rank's slab by position
+  Real wall_seconds = 0;                    ///< used before this process started
+  std::function<RequestCounts()> requests;  ///< of this rank, from outside; may be empty
+  Particles particles;                      ///< those in this rank's slab by position
 };
 
 template <class T>
@@ -79,6 +86,8 @@ class PbfSolver : public Solver {
 
   void start() override;
   void step() override;
+  void save() override;
+  const RequestCounts& requests() const override { return guard_.requests(); }
   void finish() override;
 
   const Clock& clock() const override { return parts_.clock; }
@@ -97,11 +106,10 @@ class PbfSolver : public Solver {
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   void observe();
   void count_work();
-  void check_particle_count() const;
-  [[noreturn]] void throw_lost(std::size_t i) const;
+  Frame plain_frame();
 
   SolverParts<T> parts_;
-  GlobalId particles_in_all_;
+  Guard guard_;
   Neighbourhood<T> near_;
   DensityProblem<T> problem_;
   std::vector<Vec3> listed_;  // positions at the search, kept only on steps whose drift is reported
@@ -109,6 +117,7 @@ class PbfSolver : public Solver {
   Counters counters_;
   Stopwatch stopwatch_;
   SolveResult last_solve_;
+  std::vector<FountainState> fountain_states_;  // what the frames of observers point to
   Event predict_event_{"Predict"}, migrate_event_{"Migrate"}, update_event_{"UpdateVelocity"};
   Event diagnostics_event_{"Diagnostics"};
 };

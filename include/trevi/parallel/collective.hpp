@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "trevi/parallel/session.hpp"
 
@@ -14,5 +15,8 @@ void all_or_none(MPI_Comm comm, const std::function<void()>& work);
 
 /// Runs `work` on rank 0 only; throws on all ranks alike if it threw there.
 void on_root(MPI_Comm comm, const std::function<void()>& work);
+
+/// The text of the lowest rank whose own is not empty; empty when all are.
+std::string first_text(MPI_Comm comm, const std::string& mine);
 
 }  // namespace trevi

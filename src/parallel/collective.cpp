@@ -1,4 +1,4 @@
-#include "trevi/output/collective.hpp"
+#include "trevi/parallel/collective.hpp"
 
 #include <exception>
 #include <string>
@@ -26,6 +26,13 @@ Failure attempt(const std::function<void()>& work) {
   }
 }
 
+// The lowest rank that says so, or the number of ranks.
+int lowest_rank(MPI_Comm comm, bool here) {
+  int rank = here ? rank_of(comm) : size_of(comm);
+  MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, comm);
+  return rank;
+}
+
 std::string broadcast(MPI_Comm comm, std::string text, int from) {
   int length = static_cast<int>(text.size());
   MPI_Bcast(&length, 1, MPI_INT, from, comm);
@@ -38,16 +45,13 @@ std::string broadcast(MPI_Comm comm, std::string text, int from) {
 
 void all_or_none(MPI_Comm comm, const std::function<void()>& work) {
   const Failure mine = attempt(work);
-  const int size = size_of(comm);
-  const int candidate = mine.happened ? rank_of(comm) : size;
-  int culprit = size;
-  MPI_Allreduce(&candidate, &culprit, 1, MPI_INT, MPI_MIN, comm);
+  const int size = size_of(comm), culprit = lowest_rank(comm, mine.happened);
   if (culprit == size) return;
   int code = static_cast<int>(mine.code);
   MPI_Bcast(&code, 1, MPI_INT, culprit, comm);
   const std::string message = broadcast(comm, mine.message, culprit);
   if (code == static_cast<int>(ExitCode::bad_input)) throw InputError(message);
-  throw RunError(size == 1 ? message : "rank " + std::to_string(culprit) + ": " + message);
+  throw RunError(size == 1 ? message : "rank " + std::to_string(culprit) + ": " + message, Reach::all_ranks);
 }
 
 void on_root(MPI_Comm comm, const std::function<void()>& work) {
@@ -55,6 +59,11 @@ void on_root(MPI_Comm comm, const std::function<void()>& work) {
   all_or_none(comm, [&] {
     if (is_root) work();
   });
+}
+
+std::string first_text(MPI_Comm comm, const std::string& mine) {
+  const int from = lowest_rank(comm, !mine.empty());
+  return from == size_of(comm) ? std::string() : broadcast(comm, mine, from);
 }
 
 }  // namespace trevi

@@ -1,0 +1,21 @@
+// What changed between the scene a checkpoint was made with and the scene it is restarted with, key by key.
+// Times and outputs may change freely: [time] end, [output], [colour], [run]. What changes the physics may not, unless
+// the command line says so with --set; and time.dt may not at all, as times are numbers of steps times dt.
+// The texts are compared as parsed documents, so comments, order and the way a number is written do not count.
+// Not collective; the same texts give the same answer on all ranks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trevi/app/scene.hpp"
+#include "trevi/output/checkpoint.hpp"
+
+namespace trevi {
+
+/// One line for each change that is allowed. Throws InputError that lists every one that is not, with file, line, key
+/// and remedy; `info` is that of the checkpoint `checkpoint_path`.
+std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,
+                                       const Scene& scene);
+
+}  // namespace trevi

@@ -1,0 +1,55 @@
+#include "trevi/app/restart.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include "trevi/app/scene_changes.hpp"
+#include "trevi/output/output_directory.hpp"
+
+namespace trevi {
+
+namespace {
+
+std::string quoted_for_shell(std::string_view word) {
+  constexpr std::string_view harmless = "_-./:=,+@%";
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [&](unsigned char c) {
+    return std::isalnum(c) != 0 || harmless.find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return std::string(word);
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+std::optional<Restart> find_restart(const Session& session, const Scene& scene, const std::string& wanted,
+                                    const std::string& directory) {
+  if (wanted.empty()) return std::nullopt;
+  const MPI_Comm comm = session.comm();
+  if (wanted == "latest" && is_before_first_checkpoint(comm, directory)) {
+    return Restart{directory + "/checkpoint_000000.h5", std::nullopt,
+                   directory + ": no checkpoint and nothing past step 0 here; the run begins at step 0"};
+  }
+  Restart restart;
+  restart.file = wanted == "latest" ? latest_checkpoint(comm, directory) : wanted;
+  restart.state = read_checkpoint(comm, restart.file);
+  restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step);
+  const std::vector<std::string> changes = scene_changes(restart.state->info, restart.file, scene);
+  for (const std::string& change : changes) restart.message += "\n  changed since: " + change;
+  return restart;
+}
+
+std::string restart_command(const Session& session, int argc, const char* const* argv) {
+  std::string command = session.size() > 1 ? "mpirun -np " + std::to_string(session.size()) + " " : "";
+  for (int k = 0; k < argc; ++k) {
+    const std::string_view word = argv[k];
+    if (word == "--restart") ++k;  // and its value
+    if (word == "--restart" || word.starts_with("--restart=")) continue;
+    command += quoted_for_shell(word) + " ";
+  }
+  return command + "--restart latest";
+}
+
+}  // namespace trevi

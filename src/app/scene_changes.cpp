@@ -1,0 +1,132 @@
+#include "trevi/app/scene_changes.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <sstream>
+
+#include "scene_overrides.hpp"
+#include "trevi/base/error.hpp"
+
+namespace trevi {
+namespace {
+
+constexpr std::string_view override_mark = "# --set ";
+
+struct Value {
+  std::string text;
+  std::string origin;  ///< "scene.toml:12" or "--set time.end=2"
+  bool by_override = false;
+};
+
+/// "fluid.spacing", "particles.0.min" and so on, with what stands there.
+using Values = std::map<std::string, Value>;
+
+std::string text_of(const toml::node& node) {
+  // Through one format, so that 1, 1.0 and 1e0 are the same.
+  if (const auto* real = node.as_floating_point()) return fmt::format("{}", real->get());
+  if (const auto* array = node.as_array()) {
+    std::string all;
+    for (const toml::node& element : *array) all += fmt::format("{}{}", all.empty() ? "" : ", ", text_of(element));
+    return fmt::format("[{}]", all);
+  }
+  std::ostringstream text;
+  text << toml::node_view<const toml::node>(node);
+  return text.str();
+}
+
+void collect(const toml::node& node, const std::string& path, Values& values) {
+  const std::string dot = path.empty() ? "" : path + '.';
+  const toml::array* array = node.as_array();
+  if (const toml::table* table = node.as_table()) {
+    for (auto&& [key, child] : *table) collect(child, dot + std::string(key.str()), values);
+  } else if (array && array->is_array_of_tables()) {
+    for (std::size_t k = 0; k < array->size(); ++k) collect((*array)[k], dot + std::to_string(k), values);
+  } else {
+    const auto& source = node.source();
+    const std::string file = source.path ? *source.path : "";
+    const bool by_override = file.starts_with("--set ");
+    values[path] = {text_of(node), by_override ? file : fmt::format("{}:{}", file, source.begin.line), by_override};
+  }
+}
+
+struct SceneText {
+  std::string path, text;
+  std::int64_t overrides;  ///< lines at the end of the text
+};
+
+/// The overrides that end a text, in their order; they leave the text.
+std::vector<std::string> take_overrides(SceneText& scene) {
+  std::vector<std::string> overrides(static_cast<std::size_t>(scene.overrides));
+  for (auto assignment = overrides.rbegin(); assignment != overrides.rend(); ++assignment) {
+    if (scene.text.ends_with('\n')) scene.text.pop_back();
+    const std::size_t newline = scene.text.rfind('\n');
+    const std::size_t start = newline == std::string::npos ? 0 : newline + 1;
+    const std::string line = scene.text.substr(start);
+    if (!line.starts_with(override_mark)) throw InputError(scene.path + ": /scene: does not end with its overrides");
+    *assignment = line.substr(override_mark.size());
+    scene.text.resize(start);
+  }
+  return overrides;
+}
+
+Values values_of(SceneText scene) {
+  Findings findings(scene.path);
+  const std::vector<std::string> overrides = take_overrides(scene);
+  const toml::table document = read_document(scene.path, scene.text, overrides, findings);
+  findings.throw_if_any();
+  Values values;
+  collect(document, "", values);
+  return values;
+}
+
+bool may_change(const std::string& path) {
+  if (path == "time.end") return true;
+  for (const std::string_view table : {"output.", "colour.", "run."}) {
+    if (path.starts_with(table)) return true;
+  }
+  return false;
+}
+
+/// Sorts the changes into those that are fine and those that are not.
+class Comparison {
+ public:
+  void add(const std::string& path, const Value* then, const Value* now) {
+    const std::string change =
+        fmt::format("{}: {} -> {}", path, then ? then->text : "(absent)", now ? now->text : "(absent)");
+    const bool asked_for = now && now->by_override;
+    if (may_change(path) || (asked_for && path != "time.dt")) {
+      allowed.push_back(change);
+      return;
+    }
+    const std::string where = now ? now->origin + ": " : "";
+    const std::string remedy = path == "time.dt" ? "steps of another length need a run of their own"
+                               : now             ? fmt::format("put it back, or say --set {}={}", path, now->text)
+                                                 : "put it back";
+    refused.push_back(fmt::format("{}{}; {}", where, change, remedy));
+  }
+  std::vector<std::string> allowed, refused;
+};
+
+}  // namespace
+
+std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,
+                                       const Scene& scene) {
+  const Values then = values_of({checkpoint_path, info.scene_text, info.scene_overrides});
+  const Values now = values_of({scene.path, scene.text, scene.overrides});
+  Comparison comparison;
+  for (const auto& [path, value] : now) {
+    const auto old = then.find(path);
+    if (old == then.end()) comparison.add(path, nullptr, &value);
+    if (old != then.end() && old->second.text != value.text) comparison.add(path, &old->second, &value);
+  }
+  for (const auto& [path, value] : then) {
+    if (!now.contains(path)) comparison.add(path, &value, nullptr);
+  }
+  if (comparison.refused.empty()) return comparison.allowed;
+  std::string all = checkpoint_path + ": made with another scene; a restart may not change the physics:";
+  for (const std::string& change : comparison.refused) all += "\n  " + change;
+  throw InputError(all);
+}
+
+}  // namespace trevi

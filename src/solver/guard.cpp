@@ -1,0 +1,66 @@
+#include "trevi/solver/guard.hpp"
+
+#include <fmt/format.h>
+
+#include "trevi/base/error.hpp"
+#include "trevi/parallel/collective.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr const char* unstable =
+    "the run has become unstable; use a smaller dt, time.cfl, or a smaller density.relaxation";
+
+std::string text_of(const Vec3& p) { return fmt::format("({}, {}, {})", p.x(), p.y(), p.z()); }
+
+}  // namespace
+
+Guard::Guard(MPI_Comm comm, const Particles& particles, std::function<RequestCounts()> requests)
+    : comm_(comm), ballot_(comm), ask_(std::move(requests)), start_(ballot_.count(vote_of(particles.id))) {}
+
+void Guard::note(std::int64_t step, const std::string& failure) {
+  if (failure_.empty()) failure_ = fmt::format("rank {}, step {}: {}", rank_of(comm_), step, failure);
+}
+
+void Guard::check(const Particles& particles, const Walls& walls, std::int64_t step) {
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    const Vec3 &p = particles.predicted[i], &v = particles.velocity[i];
+    if (!walls.inside(p) || !v.allFinite()) return note_particle(particles, i, step);  // a NaN is not inside
+  }
+}
+
+void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_t step) {
+  const Vec3 &p = particles.predicted[i], &v = particles.velocity[i];
+  const char* what = p.allFinite() && v.allFinite() ? "outside the box" : "not a number";
+  note(step, fmt::format("particle {} is at {} with velocity {}, {}: {}", particles.id[i], text_of(p), text_of(v), what,
+                         unstable));
+}
+
+void Guard::agree(const Particles& particles, std::int64_t step) {
+  Vote mine = vote_of(particles.id);
+  mine.failures = failure_.empty() ? 0 : 1;
+  if (ask_) mine.requests = ask_();
+  const Vote now = ballot_.count(mine);
+  requests_ = now.requests;
+  if (now.failures > 0) throw BlowUp(first_text(comm_, failure_));
+  const std::string wrong = lost_or_doubled(now);
+  if (!wrong.empty()) throw BlowUp(fmt::format("step {}: {}", step, wrong));
+}
+
+std::string Guard::lost_or_doubled(const Vote& now) const {
+  const auto more = static_cast<std::int64_t>(now.particles - start_.particles);
+  const std::uint64_t difference = now.ids - start_.ids;
+  if (more == 0 && difference == 0 && now.squares == start_.squares) return {};
+  std::string what = fmt::format("{} particles instead of {}", now.particles, start_.particles);
+  const bool one_lost = more == -1 && start_.squares - now.squares == difference * difference;
+  const bool one_doubled = more == 1 && now.squares - start_.squares == difference * difference;
+  if (one_lost) what = fmt::format("particle {} is lost", static_cast<GlobalId>(0 - difference));
+  if (one_doubled) what = fmt::format("particle {} is there twice", static_cast<GlobalId>(difference));
+  if (more == 0) what = "as many particles as at the start, but with other ids: some are lost, some there twice";
+  return what +
+         ": a fault of this machine or a bug of Trevi, as nothing ever removes a particle; go on from the last "
+         "checkpoint, and report it if it happens again";
+}
+
+}  // namespace trevi
