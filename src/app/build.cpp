@@ -113,7 +113,6 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   if (options.restart) {
     parts.clock.step = options.restart->step;
     parts.clock.substeps = options.restart->substeps;
-    parts.wall_seconds = options.restart->wall_seconds;
   }
   parts.requests = std::move(options.requests);
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);

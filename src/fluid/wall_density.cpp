@@ -134,7 +134,7 @@ BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
   for (int a = 0; a < 3; ++a) {
     const Real low = p[a] - box_.min[a], high = box_.max[a] - p[a];
     const Real distance = std::max(std::min(low, high), 0.0);
-    if (distance >= h_) continue;
+    if (!(distance < h_)) continue;  // a NaN is nowhere near; the guards report it
     // rho falls as the particle moves away from the plane.
     sign[a] = low < high ? -1 : 1;
     d[static_cast<std::size_t>(near)] = distance;

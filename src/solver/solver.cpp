@@ -14,8 +14,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
-      problem_(parts_.comm, near_, *parts_.constraint, *parts_.walls),
-      stopwatch_(parts_.wall_seconds) {}
+      problem_(parts_.comm, near_, *parts_.constraint, *parts_.walls) {}
 
 template <class T>
 void PbfSolver<T>::start() {
@@ -141,7 +140,7 @@ void PbfSolver<T>::observe() {
   }
   fountain_states_ = fountains();
   const Frame frame{
-      clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_, stopwatch_.seconds()};
+      clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_};
   for (const auto& observer : parts_.observers) {
     if (observer->due(clock)) observer->observe(frame);
   }
@@ -150,7 +149,7 @@ void PbfSolver<T>::observe() {
 template <class T>
 Frame PbfSolver<T>::plain_frame() {
   fountain_states_ = fountains();
-  return {parts_.clock, parts_.particles, {}, nullptr, fountain_states_, stopwatch_.seconds()};
+  return {parts_.clock, parts_.particles, {}, nullptr, fountain_states_};
 }
 
 template <class T>
@@ -185,7 +184,7 @@ Solver::Counters PbfSolver<T>::counters() const {
   Counters counters = counters_;
   counters.halo_bytes = near_.halo().bytes();
   counters.halo_messages = near_.halo().messages();
-  counters.seconds = stopwatch_.seconds() - parts_.wall_seconds;
+  counters.seconds = stopwatch_.seconds();
   counters.bytes = near_.bytes() + problem_.bytes() + parts_.method->bytes() + listed_.capacity() * sizeof(Vec3);
   for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();
   parts_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });

@@ -30,7 +30,6 @@ struct Frame {
   std::span<const Real> density;             ///< kg/m³ at the final positions; empty unless an observer wanted it
   const Diagnostics* diagnostics;            ///< null unless an observer wanted it
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene
-  Real wall_seconds = 0;                     ///< since step 1 on this rank, restarts included, observers not counted
 };
 
 class Observer {

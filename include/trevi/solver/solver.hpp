@@ -74,7 +74,6 @@ struct SolverParts {
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substeps;
   Clock clock;
-  Real wall_seconds = 0;                    ///< used before this process started
   std::function<RequestCounts()> requests;  ///< of this rank, from outside; may be empty
   Particles particles;                      ///< those in this rank's slab by position
 };
