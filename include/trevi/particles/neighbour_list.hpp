@@ -23,7 +23,10 @@ struct NeighbourRows {
 
   void reserve(std::int64_t n) {
     const auto wanted = static_cast<std::size_t>(n) + slack;
-    if (wanted > index.size()) index.resize(wanted + wanted / 8);
+    if (wanted <= index.size()) return;
+    // Reserved first: resize alone would double the memory of the largest array there is.
+    index.reserve(wanted + wanted / 8);
+    index.resize(wanted + wanted / 8);
   }
 };
 
