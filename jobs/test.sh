@@ -25,8 +25,9 @@ main() {
   setup "$preset"
   # Several mpiruns at a time would all bind to the first cores and starve each other.
   export OMPI_MCA_hwloc_base_binding_policy=none
-  # MPI and PETSc keep memory until the process ends; that is not a leak of ours.
-  export ASAN_OPTIONS="${ASAN_OPTIONS:-detect_leaks=0}"
+  # MPI keeps memory until the process ends; that is not a leak of ours. The names in the list are found on whole stacks.
+  export ASAN_OPTIONS="${ASAN_OPTIONS:-fast_unwind_on_malloc=0}"
+  export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$trevi_root/tests/lsan.supp:print_suppressions=0}"
   # Each test sets PROCESSORS, so that ctest does not start more ranks than -j at a time.
   ctest --test-dir "$trevi_root/build/$preset" --output-on-failure --no-tests=error -j "$(nproc)" "${arguments[@]}"
 }

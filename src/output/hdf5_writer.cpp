@@ -37,6 +37,19 @@ Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path) : comm_(comm), pa
 
 Hdf5Writer::~Hdf5Writer() = default;
 
+void Hdf5Writer::attempt(const std::function<void()>& work) {
+  if (failure_) return;
+  try {
+    work();
+  } catch (const std::exception&) {
+    failure_ = std::current_exception();
+  }
+}
+
+void Hdf5Writer::attempt_on_root(const std::function<void()>& work) {
+  if (rank_of(comm_) == 0) attempt(work);
+}
+
 void Hdf5Writer::create_file() {
   create_empty_file(path_);
   layout_.emplace();
@@ -92,10 +105,10 @@ std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat forma
 
 void Hdf5Writer::write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes) {
   std::int64_t place = 0;
-  on_root(comm_, [&] { place = create_dataset(name, format, slice.total); });
+  attempt_on_root([&] { place = create_dataset(name, format, slice.total); });
   MPI_Bcast(&place, 1, MPI_INT64_T, 0, comm_);
   const std::int64_t row = slice.count == 0 ? 0 : static_cast<std::int64_t>(bytes.size()) / slice.count;
-  all_or_none(comm_, [&] { disk_->write(place + slice.first * row, bytes); });
+  attempt([&] { disk_->write(place + slice.first * row, bytes); });
 }
 
 void Hdf5Writer::create_text(const std::string& name, const std::string& value) const {
@@ -110,12 +123,12 @@ void Hdf5Writer::create_text(const std::string& name, const std::string& value) 
 }
 
 void Hdf5Writer::text(const std::string& name, const std::string& value) {
-  on_root(comm_, [&] { create_text(name, value); });
+  attempt_on_root([&] { create_text(name, value); });
 }
 
 void Hdf5Writer::write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space,
                                  const void* value) {
-  on_root(comm_, [&] {
+  attempt_on_root([&] {
     create_groups(name);
     const std::size_t slash = name.rfind('/');
     const std::string group = slash == std::string::npos ? "/" : name.substr(0, slash + 1);
@@ -154,7 +167,7 @@ void Hdf5Writer::attribute(const std::string& name, const std::string& value) {
 }
 
 void Hdf5Writer::link(const std::string& name, const std::string& second_name) {
-  on_root(comm_, [&] {
+  attempt_on_root([&] {
     create_groups(second_name);
     check(H5Lcreate_hard(file_.id(), name.c_str(), file_.id(), second_name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0,
           second_name);
@@ -174,11 +187,14 @@ void Hdf5Writer::copy_layout() {
 }
 
 void Hdf5Writer::close() {
-  on_root(comm_, [&] {
+  attempt_on_root([&] {
     check(file_.close(), "to the end");
     copy_layout();
   });
-  all_or_none(comm_, [&] { disk_->sync(); });
+  attempt([&] { disk_->sync(); });
+  all_or_none(comm_, [&] {
+    if (failure_) std::rethrow_exception(failure_);
+  });
 }
 
 }  // namespace trevi

@@ -68,7 +68,7 @@ TEST_F(Output, CheckpointWithoutHueHasNone) {
   Particles all = whole_cloud(10);
   all.has_hue = false;
   all.hue.clear();
-  write_checkpoint(world, path("c.h5"), info, frame_of(Clock{.dt = 0.01}, my_part(all)));
+  write_checkpoint(world, path("c.h5"), info, frame_of(Clock{0, 0.1, 1}, my_part(all)));
   EXPECT_TRUE(read_checkpoint(world, path("c.h5")).rows.hue.empty());
 }
 

@@ -2,10 +2,13 @@
 // few kilobytes, the rows are holes), and every rank writes its own rows to where the tables lie, with plain writes.
 // HDF5 never sees the disk, because it cannot bear a full one: the ranks of its parallel driver lose step with each
 // other and hang, and its serial driver crashes at the end of the program. The file is the same.
-// Invariant: after a failure all ranks throw the same RunError. Collective: every member, with the same arguments on
-// all ranks but for the rows. The file is whole, and on the disk, only after close().
+// Collective: every member, with the same arguments on all ranks but for the rows. What goes wrong on a rank before
+// close() is kept until then, which spares a message for each table; close() throws it, the same RunError on all ranks.
+// The file is whole, and on the disk, only after close().
 #pragma once
 
+#include <exception>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -54,6 +57,10 @@ class Hdf5Writer {
   void close();
 
  private:
+  /// Does the work, unless something has gone wrong on this rank before.
+  void attempt(const std::function<void()>& work);
+  void attempt_on_root(const std::function<void()>& work);
+
   // Of rank 0 alone; these throw there.
   void create_file();
   void copy_layout();
@@ -71,6 +78,7 @@ class Hdf5Writer {
   Hdf5Handle file_;                   ///< in `layout_`
   std::vector<Extent> tables_;        ///< where the rows lie
   std::optional<PlacedFile> disk_;
+  std::exception_ptr failure_;
 };
 
 }  // namespace trevi

@@ -35,14 +35,18 @@ class IdOrder {
   GlobalId total_ = 0, first_row_ = 0;
   std::vector<GlobalId> ids_;
   std::vector<LocalId> send_order_, receive_order_;
+  bool arrives_sorted_ = true;  // then there is no receive_order_
   std::vector<int> send_counts_, send_starts_, receive_counts_, receive_starts_;
 };
 
 template <class T>
 std::vector<T> IdOrder::apply(const std::vector<T>& field) const {
-  std::vector<T> buffer(send_order_.size()), received(receive_order_.size());
+  std::vector<T> buffer(send_order_.size());
   for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = field[static_cast<std::size_t>(send_order_[k])];
+  if (size_of(comm_) == 1) return buffer;
+  std::vector<T> received(ids_.size());
   exchange(buffer.data(), received.data(), sizeof(T));
+  if (arrives_sorted_) return received;
   buffer.resize(received.size());
   for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = received[static_cast<std::size_t>(receive_order_[k])];
   return buffer;

@@ -1,0 +1,111 @@
+// usage: mpirun -np P bench_output FOLDER [PARTICLES, default 1000000]
+// Checkpoint and VTKHDF frame of a cloud against plain writes of the same bytes to the same disk, all synced, in turns
+// in one run so that the disk's moods strike all alike. Medians of nine; exits 1 when a ratio is below one half.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <random>
+
+#include "trevi/base/error.hpp"
+#include "trevi/output/checkpoint.hpp"
+#include "trevi/output/files.hpp"
+#include "trevi/output/vtkhdf.hpp"
+#include "trevi/parallel/session.hpp"
+
+namespace trevi {
+namespace {
+
+constexpr int rounds = 9;
+
+/// This rank's share of a cloud, in an order of space as the solver has it: slabs by rank, ids in no order.
+Particles cloud(const Session& session, GlobalId total) {
+  Particles particles;
+  std::mt19937_64 random(static_cast<std::uint64_t>(session.rank()));
+  std::uniform_real_distribution<Real> number(0, 1);
+  for (GlobalId id = session.rank(); id < total; id += session.size()) particles.id.push_back(id);
+  std::shuffle(particles.id.begin(), particles.id.end(), random);
+  particles.resize(particles.id.size());
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    particles.position[i] = Vec3(number(random), number(random), number(random));
+    particles.velocity[i] = Vec3(number(random), number(random), number(random));
+  }
+  return particles;
+}
+
+/// Wall seconds until the last rank is through.
+double seconds_of(MPI_Comm comm, const std::function<void()>& work) {
+  MPI_Barrier(comm);
+  const double start = MPI_Wtime();
+  work();
+  MPI_Barrier(comm);
+  return MPI_Wtime() - start;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+void write_plainly(const Session& session, const std::string& path, std::int64_t bytes) {
+  const std::int64_t share = bytes / session.size();
+  const std::string data(static_cast<std::size_t>(share), 'x');
+  if (session.rank() == 0) create_empty_file(path);
+  MPI_Barrier(session.comm());
+  PlacedFile file(path);
+  file.write(share * session.rank(), data);
+  file.sync();
+}
+
+/// Compares `write`, which leaves its file at `path`, with plain writes; returns the ratio of their speeds.
+double compare(const Session& session, const std::string& name, const std::string& path,
+               const std::function<void()>& write) {
+  write();  // warm, and for the size
+  const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
+  std::vector<double> ours, plain;
+  for (int k = 0; k < rounds; ++k) {
+    plain.push_back(seconds_of(session.comm(), [&] { write_plainly(session, path + ".plain", bytes); }));
+    ours.push_back(seconds_of(session.comm(), write));
+  }
+  const double ratio = median(plain) / median(ours), megabytes = static_cast<double>(bytes) / 1e6;
+  if (session.rank() == 0) {
+    fmt::print("{}: {:.1f} MB, {:.0f} MB/s (best {:.0f}); plain writes {:.0f} MB/s (best {:.0f}); ratio {:.2f}\n", name,
+               megabytes, megabytes / median(ours), megabytes / *std::min_element(ours.begin(), ours.end()),
+               megabytes / median(plain), megabytes / *std::min_element(plain.begin(), plain.end()), ratio);
+  }
+  return ratio;
+}
+
+int bench(const Session& session, const std::string& folder, GlobalId total) {
+  const Particles particles = cloud(session, total);
+  const std::vector<Real> density(particles.id.size(), 1000);
+  const Clock clock{0, 0.01, 1};
+  const Frame frame{clock, particles, density, nullptr, {}};
+  FrameOptions options;
+  options.directory = folder;
+  options.fields = {"velocity", "density", "rgb", "id"};
+  const auto writer = make_vtkhdf_writer(session.comm(), options);
+  const std::string checkpoint = folder + "/checkpoint_000000.h5";
+  const double first = compare(session, "checkpoint", checkpoint, [&] {
+    write_checkpoint(session.comm(), checkpoint, {"a scene\n", "0", 1, 0}, frame);
+  });
+  const double second =
+      compare(session, "vtkhdf frame", folder + "/particles_000000.hdf", [&] { writer->observe(frame); });
+  return first >= 0.5 && second >= 0.5 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace trevi
+
+int main(int argc, char** argv) {
+  const trevi::Session session(argc, argv);
+  if (argc < 2) return 2;
+  try {
+    return trevi::bench(session, argv[1], argc > 2 ? std::atoll(argv[2]) : 1000000);
+  } catch (const trevi::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(error.code());
+  }
+}
