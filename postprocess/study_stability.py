@@ -128,7 +128,10 @@ def verdict(case, columns, code):
     if at_rest_start and energy_gain(columns, case.spacing) > 0.005:
         return "energy gain"
     volume = columns["particles"][0] * case.spacing**3
-    return "dissipative" if columns["com_z"][-1] < 0.95 * volume / case.floor / 2 else "stable"
+    # Water shallower than two layers, a single particle for one, has no depth to lose.
+    depth = volume / case.floor
+    lost = depth > 2 * case.spacing and columns["com_z"][-1] < 0.95 * depth / 2
+    return "dissipative" if lost else "stable"
 
 
 def row_of(case, preset, columns, code, message):
