@@ -64,7 +64,8 @@ class PhysicsReader {
   Section& root_;
   Scene& scene_;
   Section domain_, fluid_;
-  bool report_ = false;  // preset
+  bool report_ = false;     // preset
+  bool cfl_given_ = false;  // [time] cfl
 };
 
 void PhysicsReader::read_preset(Section& density) {
@@ -179,7 +180,9 @@ void PhysicsReader::read_time() {
   Section time = root_.child("time");
   time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
   time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
-  time.number({"cfl", "the CFL number that splits a step; 0 never splits"}, scene_.cfl, at_least(0));
+  cfl_given_ = time.number(
+      {"cfl", "the CFL number that splits a step; 0 never splits; default 2, and 0 where a method is named"},
+      scene_.cfl, at_least(0));
   if (time.fine("dt")) {
     const Real steps = scene_.end / scene_.dt;
     time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
@@ -192,6 +195,8 @@ void PhysicsReader::read_density(Section& section) {
   section.choice<Method>(
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
+  // Where the method is left to the solver, so is the splitting of steps that are too long for it.
+  if (!section.given("method") && !report_ && !cfl_given_) scene_.cfl = 2;
   // Named in place of the default method, the others are what the literature calls them.
   if (section.given("method") && density.method != Method::chebyshev && !report_) {
     density.coarse_grid = false;

@@ -1,5 +1,7 @@
 #include "trevi/solver/density_method.hpp"
 
+#include <algorithm>
+
 #include "solver/anderson.hpp"
 
 namespace trevi {
@@ -103,7 +105,7 @@ template <class T>
 std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context) {
   if (!settings.coarse_grid) return make_fine<T>(settings, context);
   DensitySettings rest = settings;
-  --rest.iterations;
+  rest.iterations = std::max(1, rest.iterations - 1);  // the coarse grid alone leaves noise that feeds on itself
   return std::make_unique<CoarseFirst<T>>(context, make_fine<T>(rest, context));
 }
 

@@ -31,7 +31,7 @@ struct FluidSettings {
 
 struct DensitySettings {
   Method method = Method::chebyshev;
-  int iterations = 4;             ///< the coarse-grid correction counts as one
+  int iterations = 4;             ///< the coarse-grid correction counts as one; a sweep follows it at least
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
   Real relaxation = 0.7;
   Real spectral_radius = 0.95;  ///< chebyshev: assumed of the relaxed Jacobi iteration

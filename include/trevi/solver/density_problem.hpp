@@ -34,7 +34,8 @@ class DensityProblem {
   Compression compression() const;
   /// delta of all owned particles from the present lambda, m.
   void compute_delta();
-  /// The same array from the coarse grid: displacements that undo the smooth part of the compression.
+  /// The same array from the coarse grid: displacements that undo the smooth part of the compression. Particles in one
+  /// place, which no gradient would ever part, get a small shift of their own, too.
   void compute_coarse_delta(CoarseCorrection& coarse);
   template <class Visit>
   void for_each_delta(Visit&& visit) const {
@@ -57,6 +58,7 @@ class DensityProblem {
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
   void lambda_of(PlaneRun run);
+  void separate_coincident();
 
   MPI_Comm comm_;
   Neighbourhood<T>& near_;
