@@ -3,7 +3,9 @@
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
+#include "trevi/fluid/music.hpp"
 #include "trevi/fluid/wall_density.hpp"
+#include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
 #include "trevi/output/vtkhdf.hpp"
 #include "trevi/output/vtu.hpp"
@@ -22,19 +24,6 @@ Real refinement(const Scene& scene) {
 std::optional<Tensile> tensile_of(const Scene& scene) {
   if (!scene.tensile) return std::nullopt;
   return Tensile{scene.tensile->k * refinement(scene), scene.tensile->n, scene.tensile->dq};
-}
-
-std::vector<std::unique_ptr<Forcing>> build_forcings(const Scene& scene) {
-  std::vector<std::unique_ptr<Forcing>> forcings;
-  if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
-  int index = 0;
-  for (const FountainSettings& fountain : scene.fountains) {
-    if (!fountain.music.empty())
-      throw InputError(scene.path + ": [[fountain]] music: not built in yet; remove the key");
-    const PumpSpeed speed = [constant = fountain.speed](Real) { return constant; };
-    forcings.push_back(std::make_unique<Fountain>(fountain, speed, scene.domain_min.z(), scene.seed, index++));
-  }
-  return forcings;
 }
 
 template <class T>
@@ -60,7 +49,8 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   if (scene.colour) scale.by = static_cast<ColourBy>(*scene.colour);
   scale.bottom = scene.domain_min.z();
   scale.top = scene.domain_max.z();
-  for (const FountainSettings& fountain : scene.fountains) scale.speed_max = std::max(scale.speed_max, fountain.speed);
+  for (const FountainSettings& fountain : scene.fountains)
+    scale.speed_max = std::max(scale.speed_max, fountain.top_speed());
   scale.total = particles;
   return scale;
 }
@@ -80,45 +70,44 @@ CheckpointOptions checkpoint_options(const Scene& scene, const std::string& dire
   return options;
 }
 
-std::vector<std::unique_ptr<Observer>> build_observers(const Session& session, const Scene& scene,
-                                                       const BuildOptions& options, GlobalId particles) {
+std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
+                                                       GlobalId particles) {
   std::vector<std::unique_ptr<Observer>> observers;
   std::optional<std::int64_t> restart_step;
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
+  if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
-        session.comm(),
+        comm,
         SeriesOptions{options.directory, *output.series, static_cast<int>(scene.fountains.size()), restart_step}));
   }
   if (output.vtu) {
-    observers.push_back(make_vtu_writer(session.comm(), {options.directory, output.vtu->schedule, output.vtu->fields,
-                                                         colour_scale(scene, particles), restart_step}));
+    observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
+                                               colour_scale(scene, particles), restart_step}));
   }
   if (output.vtkhdf) {
-    observers.push_back(
-        make_vtkhdf_writer(session.comm(), {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
-                                            colour_scale(scene, particles), restart_step}));
+    observers.push_back(make_vtkhdf_writer(comm, {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
+                                                  colour_scale(scene, particles), restart_step}));
   }
   observers.push_back(
-      std::make_unique<CheckpointWriter>(session.comm(), checkpoint_options(scene, options.directory, restart_step)));
-  observers.push_back(std::make_unique<Progress>(session.comm(), ProgressOptions{.mode = options.progress,
-                                                                                 .first_step = restart_step.value_or(0),
-                                                                                 .last_step = options.last_step}));
+      std::make_unique<CheckpointWriter>(comm, checkpoint_options(scene, options.directory, restart_step)));
+  observers.push_back(std::make_unique<Progress>(
+      comm, ProgressOptions{
+                .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
   return observers;
 }
 
-// Those of a checkpoint are kept when the method starts from them; without any it starts from zero.
-void keep_multipliers(Particles& particles, bool needed) {
-  if (!needed) particles.lambda.clear();
-  if (needed && !particles.has_lambda) particles.lambda.assign(particles.id.size(), 0.0);
-  particles.has_lambda = needed;
-}
+// Water that goes on behind a wall would have multipliers of its own, the mirror images of those in front (share 1); a
+// wall without any has 0. Measured on columns of 40 layers at rest: 0 loses 3.6 % of the height, 0.6 gains energy at
+// dt = 1/240 s, 1 at most time steps, 0.5 loses 2.4 %. With three layers within h of a wall 0.3 is too much already.
+Real mirror_share(const FluidSettings& fluid) { return 0.5 * std::min(1.0, 2 * fluid.spacing / fluid.kernel_radius); }
 
 template <class T>
-std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildOptions options) {
-  const DensityModel model = density_model(scene);
-  const MPI_Comm comm = session.comm();
+std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions options) {
+  DensityModel model = density_model(scene);
+  // A method that is named without the coarse grid keeps what the study of plain methods was made with.
+  if (scene.density.coarse_grid) model.mirror_share = mirror_share(scene.fluid);
   SolverParts<T> parts;
   parts.comm = comm;
   parts.box = {scene.domain_min, scene.domain_max};
@@ -127,23 +116,21 @@ std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildO
                                        : initial_particles(comm, scene, *parts.grid);
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
   parts.particles = std::move(state.particles);
-  keep_multipliers(parts.particles, scene.density.warm_start > 0);
   parts.clock.dt = scene.dt;
   if (options.restart) {
     parts.clock.step = options.restart->step;
     parts.clock.substeps = options.restart->substeps;
-    parts.wall_seconds = options.restart->wall_seconds;
   }
   parts.requests = std::move(options.requests);
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
-  parts.method = make_density_method<T>(scene.density, model.h);
-  parts.forcings = build_forcings(scene);
+  parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});
+  parts.forcings = build_forcings(comm, scene);
   parts.filters = build_filters<T>(scene, model);
   parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h), parts.substeps.gravity);
-  parts.observers = build_observers(session, scene, options, sum_over_ranks(comm, parts.particles.size()));
+  parts.observers = build_observers(comm, scene, options, sum_over_ranks(comm, parts.particles.size()));
   return std::make_unique<PbfSolver<T>>(std::move(parts));
 }
 
@@ -151,14 +138,26 @@ std::unique_ptr<Solver> build(const Session& session, const Scene& scene, BuildO
 
 DensityModel density_model(const Scene& scene) {
   return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
-          scene.density.epsilon / refinement(scene),
-          // Methods that accumulate multipliers clamp the sum, not each contribution.
-          scene.density.method == Method::jacobi ? scene.density.constraint : Constraint::equality};
+          scene.density.epsilon / refinement(scene), scene.density.constraint};
 }
 
-std::unique_ptr<Solver> build_solver(const Session& session, const Scene& scene, BuildOptions options) {
-  if (scene.density.precision == Precision::single) return build<float>(session, scene, std::move(options));
-  return build<double>(session, scene, std::move(options));
+std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {
+  std::vector<std::unique_ptr<Forcing>> forcings;
+  if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
+  std::shared_ptr<LiveSound> live;
+  int index = 0;
+  for (const FountainSettings& fountain : scene.fountains) {
+    std::unique_ptr<Pump> pump =
+        fountain.music ? make_music_pump(comm, *fountain.music, live) : std::make_unique<ConstantPump>(fountain.speed);
+    forcings.push_back(
+        std::make_unique<Fountain>(fountain, std::move(pump), scene.domain_min.z(), scene.seed, index++));
+  }
+  return forcings;
+}
+
+std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {
+  if (scene.density.precision == Precision::single) return build<float>(comm, scene, std::move(options));
+  return build<double>(comm, scene, std::move(options));
 }
 
 }  // namespace trevi

@@ -41,6 +41,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest");
   app.add_option("--steps", line.steps, "stop when the run's total step count is this")->check(CLI::NonNegativeNumber);
   app.add_flag("--dry-run", line.dry_run, "check the scene, print what the run would need, write nothing");
+  app.add_option("--preview", line.preview, "write the curves of the fountains to this .csv file, and do not run");
   app.add_option("--progress", line.progress, "auto, bar, lines or none")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic},
                                                                               {"bar", ProgressMode::bar},
@@ -51,11 +52,11 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::CallForHelp&) {
     line.help = app.help();
   } catch (const CLI::ParseError& error) {
-    throw InputError(
-        std::string(error.what()) +
-        "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
-        "[--restart FILE|latest] [--steps N] [--dry-run] [--progress auto|bar|lines|none] [PETSc options]; "
-        "--help lists all scene keys");
+    throw InputError(std::string(error.what()) +
+                     "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
+                     "[--restart FILE|latest] [--steps N] [--dry-run] [--preview FILE.csv] [--progress "
+                     "auto|bar|lines|none] [PETSc options]; "
+                     "--help lists all scene keys");
   }
   return line;
 }

@@ -39,7 +39,8 @@ BytesEach bytes_each(const Scene& scene) {
 // The fastest a particle may get: pumped, thrown, or fallen from the top of the water.
 Real expected_speed(const Scene& scene) {
   Real speed = 0, top = scene.domain_min.z();
-  for (const FountainSettings& fountain : scene.fountains) speed = std::max(speed, fountain.speed + fountain.jitter);
+  for (const FountainSettings& fountain : scene.fountains)
+    speed = std::max(speed, fountain.top_speed() + fountain.jitter);
   for (const ParticleSource& source : scene.particles) {
     speed = std::max(speed, source.velocity.norm());
     top = std::max(top, source.max.z());
@@ -92,6 +93,7 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 }  // namespace
 
 void print_dry_run(const Session& session, const Scene& scene, const std::string& directory) {
+  build_forcings(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
   const CellGrid grid(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
   const InitialState state = initial_particles(session.comm(), scene, grid);

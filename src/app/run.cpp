@@ -4,6 +4,7 @@
 
 #include "trevi/app/build.hpp"
 #include "trevi/app/dry_run.hpp"
+#include "trevi/app/preview.hpp"
 #include "trevi/app/report.hpp"
 #include "trevi/app/restart.hpp"
 #include "trevi/output/blowup.hpp"
@@ -75,14 +76,14 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   options.last_step = line.steps.value_or(scene.steps());
   std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
   const bool goes_on = restart && restart->state;
-  prepare_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
+  check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart) tell(session, restart->message);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
   options.requests = [&watch] { return watch.poll(); };
   const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on};
   const std::int64_t last_step = options.last_step;
-  const std::unique_ptr<Solver> solver = build_solver(session, scene, std::move(options));
+  const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
   if (outcome.code == ExitCode::stopped) {
@@ -101,6 +102,10 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     return ExitCode::done;
   }
   const Scene scene = parse_scene(line.scene, read_file_everywhere(session.comm(), line.scene), line.overrides);
+  if (!line.preview.empty()) {
+    write_preview(session, scene, {line.preview, line.steps.value_or(scene.steps())});
+    return ExitCode::done;
+  }
   if (line.dry_run) {
     print_dry_run(session, scene, line.output.empty() ? scene.output.directory : line.output);
     return ExitCode::done;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "trevi/fluid/music.hpp"
+
 namespace trevi {
 namespace {
 
@@ -53,6 +55,8 @@ class PhysicsReader {
   void read_filters();
   void read_fountain(Section& section);
   void read_jet(Section& section, FountainSettings& fountain);
+  void read_music(Section& section, FountainSettings& fountain);
+  void check_music(Section& section, const MusicSettings& music);
 
   bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
   void check_kernel_radius();
@@ -60,16 +64,19 @@ class PhysicsReader {
   Section& root_;
   Scene& scene_;
   Section domain_, fluid_;
+  bool report_ = false;     // preset
+  bool cfl_given_ = false;  // [time] cfl
 };
 
 void PhysicsReader::read_preset(Section& density) {
-  bool report = false;
-  density.choice<bool>({"preset", "the values of absent keys"}, report, {{"default", false}, {"report", true}});
-  if (!report) return;
+  density.choice<bool>({"preset", "the values of absent keys"}, report_, {{"default", false}, {"report", true}});
+  if (!report_) return;
   scene_.density = {.method = Method::jacobi,
                     .iterations = 4,
                     .tolerance = std::nullopt,
                     .relaxation = 1,
+                    .coarse_grid = false,
+                    .max_shift = 0,
                     .epsilon = 1,
                     .constraint = Constraint::equality};
   scene_.fluid.mass = Mass::volume;
@@ -173,7 +180,9 @@ void PhysicsReader::read_time() {
   Section time = root_.child("time");
   time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
   time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
-  time.number({"cfl", "the CFL number that splits a step; 0 never splits"}, scene_.cfl, at_least(0));
+  cfl_given_ = time.number(
+      {"cfl", "the CFL number that splits a step; 0 never splits; default 2, and 0 where a method is named"},
+      scene_.cfl, at_least(0));
   if (time.fine("dt")) {
     const Real steps = scene_.end / scene_.dt;
     time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
@@ -186,6 +195,14 @@ void PhysicsReader::read_density(Section& section) {
   section.choice<Method>(
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
+  // Where the method is left to the solver, so is the splitting of steps that are too long for it.
+  if (!section.given("method") && !report_ && !cfl_given_) scene_.cfl = 2;
+  // Named in place of the default method, the others are what the literature calls them.
+  if (section.given("method") && density.method != Method::chebyshev && !report_) {
+    density.coarse_grid = false;
+    density.max_shift = 0;
+    density.relaxation = 0.5;
+  }
   section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
                   density.iterations, 1);
   Real tolerance = 0;
@@ -195,8 +212,7 @@ void PhysicsReader::read_density(Section& section) {
                  {.low = 0, .high = 2, .with_low = false});
   section.number({"spectral_radius", "chebyshev: the spectral radius assumed of the relaxed iteration"},
                  density.spectral_radius, {.low = 0, .high = 1, .with_high = false});
-  section.number({"warm_start", "chebyshev: the share of the last multipliers to begin a step with"},
-                 density.warm_start, {.low = 0, .high = 1});
+  section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, density.coarse_grid);
   section.number({"max_shift", "the longest shift of a particle in one iteration in units of kernel_radius; 0: no cap"},
                  density.max_shift, at_least(0));
   section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
@@ -290,15 +306,65 @@ void PhysicsReader::read_jet(Section& section, FountainSettings& fountain) {
   }
   section.number({"speed", "the speed of the jet in m/s"}, fountain.speed, at_least(0));
   section.number({"jitter", "the largest random addition to speed in m/s"}, fountain.jitter, at_least(0));
-  if (section.text({"music", "the score (.txt .mid .wav), relative to the scene's folder, or -"}, fountain.music) &&
-      fountain.music != "-") {
-    fountain.music = beside_scene(scene_.path, fountain.music);
+  read_music(section, fountain);
+}
+
+void PhysicsReader::read_music(Section& section, FountainSettings& fountain) {
+  MusicSettings music;
+  const bool given =
+      section.text({"music",
+                    "the music: a score (.txt), MIDI (.mid) or sound file (.wav .flac .ogg) relative to the "
+                    "scene's folder, or \"-\" for raw PCM on standard input; the pump is off where it is silent"},
+                   music.source);
+  Real range[2] = {fountain.speed / 2, fountain.speed};
+  if (section.numbers({"speed_range",
+                       "the speeds [low, high] in m/s of the lowest and highest note, or of silence and "
+                       "the loudest sound; default half the speed and the speed"},
+                      range)) {
+    section.check("speed_range", range[0] >= 0 && range[0] < range[1],
+                  "must increase and not be negative; give [low, high]");
   }
-  Real range[2] = {0, 0};
-  if (section.numbers({"speed_range", "the speeds [low, high] of the lowest and highest note in m/s"}, range) &&
-      section.check("speed_range", range[0] >= 0 && range[0] < range[1],
-                    "must increase and not be negative; give [low, high]")) {
-    fountain.speed_range = {range[0], range[1]};
+  music.speed_range = {range[0], range[1]};
+  section.choice<SpeedMapping>({"mapping",
+                                "what grows evenly with the note or the loudness: linear is the speed, energy "
+                                "its square and with it the height of the jet"},
+                               music.mapping, {{"linear", SpeedMapping::linear}, {"energy", SpeedMapping::energy}});
+  if (music_kind(music.source) == MusicKind::sound || music.source == "-") music.follow = Follow::loudness;
+  section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
+                         music.follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}});
+  section.integer({"track", "the track of a MIDI file, from 1; default all"}, music.track, 1);
+  section.integer({"channel", "the channel of a MIDI file, 1 to 16; default all but 10, the drums"}, music.channel, 1);
+  section.integer({"rate", "the rate of raw PCM on standard input in Hz (16 bits, little-endian, mono)"}, music.rate,
+                  1000);
+  if (given && music.source != "-") music.source = beside_scene(scene_.path, music.source);
+  if (given || !section.fine("music")) check_music(section, music);
+  for (const char* key : {"mapping", "follow", "track", "channel", "rate"}) {
+    section.check(key, section.given("music") || !section.given(key), "there is no music to use it for; add music");
+  }
+  if (given) fountain.music = music;
+}
+
+void PhysicsReader::check_music(Section& section, const MusicSettings& music) {
+  if (!section.fine("music")) return;
+  const std::optional<MusicKind> kind = music_kind(music.source);
+  if (!section.check("music", kind.has_value(), "unknown kind of music; give a file ending in " + music_endings()))
+    return;
+  const auto only_for = [&](const char* key, bool right, const std::string& words) {
+    section.check(key, right || !section.given(key), "is for " + words + "; leave it out");
+  };
+  only_for("follow", kind == MusicKind::sound || kind == MusicKind::live, "sound only, as a score has its pitches");
+  only_for("track", kind == MusicKind::midi, "MIDI files only");
+  only_for("channel", kind == MusicKind::midi, "MIDI files only");
+  only_for("rate", kind == MusicKind::live, "raw PCM on standard input only (music = \"-\")");
+  section.check("channel", music.channel <= 16, "must be from 1 to 16");
+  section.check("rate", music.rate <= 1000000, "must be at most 1000000 Hz");
+  section.check("speed", section.given("speed_range") || music.speed_range.second > 0,
+                "must be positive where music sets the speed; give speed_range");
+  for (const FountainSettings& other : scene_.fountains) {
+    section.check(
+        "rate",
+        kind != MusicKind::live || !other.music || other.music->source != "-" || other.music->rate == music.rate,
+        "must be the same for all fountains that follow standard input; there is only one");
   }
 }
 

@@ -250,6 +250,18 @@ bool Section::integer_between(const Key& key, std::int64_t& target, std::pair<st
   return true;
 }
 
+bool Section::flag(const Key& key, bool& target) {
+  const toml::node* node = find(key, "true or false");
+  if (!node) return false;
+  const auto* value = node->as_boolean();
+  if (!value) {
+    refuse(key, "must be true or false, without quotes");
+    return false;
+  }
+  target = value->get();
+  return true;
+}
+
 bool Section::text(const Key& key, std::string& target) {
   const toml::node* node = find(key, "text");
   if (!node) return false;

@@ -79,6 +79,7 @@ class Section {
   /// These return whether the key was given and good; only then is the target written.
   bool number(const Key& key, Real& target, const Range& range = {});
   bool numbers(const Key& key, std::span<Real> target);
+  bool flag(const Key& key, bool& target);
   bool text(const Key& key, std::string& target);
   bool texts(const Key& key, std::vector<std::string>& target);
   template <std::integral T>

@@ -10,8 +10,19 @@ void Gravity::apply(Particles& particles, const StepInfo& info) {
   for (Vec3& v : particles.velocity) v += change;
 }
 
-Fountain::Fountain(const FountainSettings& settings, PumpSpeed speed, Real floor, std::uint64_t seed, int index)
-    : event_("Fountain"), settings_(settings), speed_(std::move(speed)), floor_(floor), seed_(seed), index_(index) {}
+Fountain::Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed,
+                   int index)
+    : event_("Fountain"), settings_(settings), pump_(std::move(pump)), floor_(floor), seed_(seed), index_(index) {}
+
+std::optional<FountainState> Fountain::pumped(Real time) const {
+  if (time < settings_.start || time >= settings_.stop) return std::nullopt;
+  return pump_->at(time);
+}
+
+Real Fountain::fastest(Real time) const {
+  const std::optional<FountainState> now = pumped(time);
+  return now ? now->speed + settings_.jitter : 0;
+}
 
 bool Fountain::contains(const Vec3& p) const {
   const Real x = p.x() - settings_.center[0], y = p.y() - settings_.center[1], r = settings_.diameter / 2;
@@ -20,12 +31,12 @@ bool Fountain::contains(const Vec3& p) const {
 
 void Fountain::apply(Particles& particles, const StepInfo& info) {
   const ScopedEvent timed(event_);
-  if (!running(info.time)) return;
-  const Real speed = speed_(info.time);
+  const std::optional<FountainState> now = pumped(info.time);
+  if (!now) return;
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     if (!contains(particles.position[i])) continue;
     const Real u = uniform(seed_, particles.id[i], info, index_);
-    particles.velocity[i] = settings_.direction * (speed + settings_.jitter * u);
+    particles.velocity[i] = settings_.direction * (now->speed + settings_.jitter * u);
   }
 }
 

@@ -58,27 +58,28 @@ Real half_space_gradient(Real d, Real h) {
 
 AnalyticWallDensity::AnalyticWallDensity(const Box& box, Real spacing, Real h)
     : box_(box), h_(h), spacing_(spacing), layers_(static_cast<int>(std::ceil(h / spacing - 0.5 - 1e-9))) {
-  tabulate(spacing);
+  for (int dimensions = 1; dimensions <= 3; ++dimensions) tabulate(dimensions);
 }
 
-void AnalyticWallDensity::tabulate(Real spacing) {
-  const auto distance = [&](int k) { return (k + 0.5) * spacing; };
-  std::vector<Real> share;
-  for (int i = 0; i < layers_; ++i) {
-    const Missing plane = behind_planes({distance(i), 0, 0}, 1, spacing, h_);
-    share.push_back(plane.share);
-    plane_.push_back(quotient(plane.share, half_space_share(distance(i), h_)));
-    gradient_.push_back(quotient(plane.gradient, half_space_gradient(distance(i), h_)));
-  }
-  for (int i = 0; i < layers_; ++i) {
-    for (int j = 0; j < layers_; ++j) {
-      const Real product = share[static_cast<std::size_t>(i)] * share[static_cast<std::size_t>(j)];
-      edge_.push_back(quotient(behind_planes({distance(i), distance(j), 0}, 2, spacing, h_).share, product));
-      for (int k = 0; k < layers_; ++k) {
-        const Missing corner = behind_planes({distance(i), distance(j), distance(k)}, 3, spacing, h_);
-        corner_.push_back(quotient(corner.share, product * share[static_cast<std::size_t>(k)]));
-      }
+void AnalyticWallDensity::tabulate(int dimensions) {
+  const auto entries = static_cast<int>(std::pow(layers_, dimensions) + 0.5);
+  Table& table = tables_[static_cast<std::size_t>(dimensions) - 1];
+  for (int entry = 0; entry < entries; ++entry) {
+    // The first plane is the most significant digit.
+    Distances d{};
+    for (int a = dimensions - 1, rest = entry; a >= 0; --a, rest /= layers_) {
+      d[static_cast<std::size_t>(a)] = (rest % layers_ + 0.5) * spacing_;
     }
+    const Missing lattice = behind_planes(d, dimensions, spacing_, h_);
+    Real share = 1, gradient = 1;
+    for (int a = 0; a < dimensions; ++a) {
+      const Distances one = {d[static_cast<std::size_t>(a)], 0, 0};
+      const Missing plane = behind_planes(one, 1, spacing_, h_);
+      share *= dimensions == 1 ? half_space_share(one[0], h_) : plane.share;
+      gradient *= a > 0 ? plane.share : dimensions == 1 ? half_space_gradient(one[0], h_) : plane.gradient;
+    }
+    table.share.push_back(quotient(lattice.share, share));
+    table.gradient.push_back(quotient(lattice.gradient, gradient));
   }
 }
 
@@ -100,29 +101,48 @@ Real AnalyticWallDensity::ratio(const std::vector<Real>& table, const Distances&
   return sum;
 }
 
-BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
+// What lies behind any of the planes, by inclusion and exclusion: behind A or B = A + B − (A and B). Along the normal
+// of A the points behind B alone cancel; those behind both do not.
+BoundaryShare AnalyticWallDensity::union_of_planes(const Distances& d, const std::array<int, 3>& axis, int near) const {
+  Distances f{}, g{};
+  for (std::size_t a = 0; a < static_cast<std::size_t>(near); ++a) {
+    f[a] = half_space_share(d[a], h_) * ratio(tables_[0].share, {d[a], 0, 0}, 1);
+    g[a] = half_space_gradient(d[a], h_) * ratio(tables_[0].gradient, {d[a], 0, 0}, 1);
+  }
   BoundaryShare total;
-  Distances d{}, share{};
+  for (std::size_t a = 0; a < static_cast<std::size_t>(near); ++a) {
+    Real share = f[a], along = 1;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(near); ++b) {
+      if (b == a) continue;
+      along -= f[b] * ratio(tables_[1].gradient, {d[a], d[b], 0}, 2);
+      if (b > a) share -= f[a] * f[b] * ratio(tables_[1].share, {d[a], d[b], 0}, 2);
+    }
+    if (near == 3)
+      along += f[(a + 1) % 3] * f[(a + 2) % 3] * ratio(tables_[2].gradient, {d[a], d[(a + 1) % 3], d[(a + 2) % 3]}, 3);
+    total.density += share;
+    total.gradient[axis[a]] = g[a] * along;
+  }
+  if (near == 3) total.density += f[0] * f[1] * f[2] * ratio(tables_[2].share, d, 3);
+  return total;
+}
+
+BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
+  Distances d{};
+  std::array<int, 3> axis{};
+  Vec3 sign = Vec3::Zero();
   int near = 0;
   for (int a = 0; a < 3; ++a) {
     const Real low = p[a] - box_.min[a], high = box_.max[a] - p[a];
     const Real distance = std::max(std::min(low, high), 0.0);
-    if (distance >= h_) continue;
-    const Distances one = {distance, 0, 0};
-    const Real f = half_space_share(distance, h_) * ratio(plane_, one, 1);
-    const Real g = half_space_gradient(distance, h_) * ratio(gradient_, one, 1);
-    total.density += f;
+    if (!(distance < h_)) continue;  // a NaN is nowhere near; the guards report it
     // rho falls as the particle moves away from the plane.
-    total.gradient[a] = low < high ? -g : g;
+    sign[a] = low < high ? -1 : 1;
     d[static_cast<std::size_t>(near)] = distance;
-    share[static_cast<std::size_t>(near++)] = f;
+    axis[static_cast<std::size_t>(near++)] = a;
   }
-  if (near >= 2) total.density -= share[0] * share[1] * ratio(edge_, {d[0], d[1], 0}, 2);
-  if (near == 3) {
-    total.density -= share[0] * share[2] * ratio(edge_, {d[0], d[2], 0}, 2);
-    total.density -= share[1] * share[2] * ratio(edge_, {d[1], d[2], 0}, 2);
-    total.density += share[0] * share[1] * share[2] * ratio(corner_, d, 3);
-  }
+  if (near == 0) return {};
+  BoundaryShare total = union_of_planes(d, axis, near);
+  total.gradient = total.gradient.cwiseProduct(sign);
   return total;
 }
 

@@ -26,13 +26,12 @@ constexpr const char* suffix = ".h5";
 
 constexpr std::int64_t format_version = 1;
 
-void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame, Real wall_seconds) {
+void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
   file.attribute("time", frame.clock.time());
   file.attribute("dt", frame.clock.dt);
   file.attribute("substeps", static_cast<std::int64_t>(frame.clock.substeps));
-  file.attribute("wall_seconds", wall_seconds);
   file.attribute("seed", info.seed);
   file.attribute("program_version", info.program_version);
   if (!frame.fountains.empty()) {
@@ -124,7 +123,6 @@ void check_header(const std::string& path, const CheckpointState& state) {
   if (state.step < 0) refuse("step", state.step);
   if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
   if (state.substeps < 1) refuse("substeps", state.substeps);
-  if (!(state.wall_seconds >= 0) || !std::isfinite(state.wall_seconds)) refuse("wall_seconds", state.wall_seconds);
   const auto& text = state.info.scene_text;
   const auto lines = std::count(text.begin(), text.end(), '\n');
   if (state.info.scene_overrides < 0 || state.info.scene_overrides > lines)
@@ -143,7 +141,6 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
   state.dt = file.real_attribute("dt");
   state.time = file.real_attribute("time");
   state.substeps = static_cast<int>(file.integer_attribute("substeps"));
-  state.wall_seconds = file.real_attribute("wall_seconds");
   state.info.seed = file.integer_attribute("seed");
   state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
@@ -158,11 +155,9 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
 
 void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointInfo& info, const Frame& frame) {
   const std::string temporary = path + ".tmp";
-  Real wall_seconds = frame.wall_seconds;  // one rank's watch for all, as all must write the same
-  MPI_Bcast(&wall_seconds, 1, MPI_DOUBLE, 0, comm);
   try {
     Hdf5Writer file(comm, temporary);
-    write_header(file, info, frame, wall_seconds);
+    write_header(file, info, frame);
     write_particles(comm, file, frame.particles);
     file.close();
   } catch (const Error&) {  // thrown by all ranks alike

@@ -51,22 +51,29 @@ bool is_in(const std::string& file, const std::string& directory) {
   return fs::equivalent(parent.empty() ? fs::path(".") : parent, directory, error);
 }
 
-void prepare(const std::string& directory, const std::optional<std::string>& restart_file) {
-  std::error_code error;
-  fs::create_directories(directory, error);
-  if (error) throw_file_error(directory, "make this folder", error.value());
-  if (::access(directory.c_str(), W_OK | X_OK) != 0) throw_file_error(directory, "write into this folder", errno);
+void check(const std::string& directory, const std::optional<std::string>& restart_file) {
   const std::string trace = trace_of_a_run(directory);
   if (trace.empty() || (restart_file && is_in(*restart_file, directory))) return;
   throw InputError(directory + ": holds another run (" + trace +
                    "), which is not overwritten; choose another --output, or go on with --restart latest");
 }
 
+void make(const std::string& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) throw_file_error(directory, "make this folder", error.value());
+  if (::access(directory.c_str(), W_OK | X_OK) != 0) throw_file_error(directory, "write into this folder", errno);
+}
+
 }  // namespace
 
-void prepare_output_directory(MPI_Comm comm, const std::string& directory,
-                              const std::optional<std::string>& restart_file) {
-  on_root(comm, [&] { prepare(directory, restart_file); });
+void check_output_directory(MPI_Comm comm, const std::string& directory,
+                            const std::optional<std::string>& restart_file) {
+  on_root(comm, [&] { check(directory, restart_file); });
+}
+
+void make_output_directory(MPI_Comm comm, const std::string& directory) {
+  on_root(comm, [&] { make(directory); });
 }
 
 bool is_before_first_checkpoint(MPI_Comm comm, const std::string& directory) {

@@ -33,7 +33,6 @@ ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice) {
   rows.first = slice.first;
   const auto count = static_cast<std::size_t>(slice.count);
   rows.has_hue = file.has("/particles/hue");
-  rows.has_lambda = file.has("/particles/lambda");
   rows.for_each_saved_field([&](const std::string& name, auto& field) {
     using Row = typename std::remove_reference_t<decltype(field)>::value_type;
     if (name == "velocity" && !file.has("/particles/velocity"))

@@ -25,7 +25,7 @@ std::string number(Real value) {
   return std::isnan(value) ? "nan" : fmt::format("{}", value);
 }
 
-std::string row(const Frame& frame) {
+std::string row(const Frame& frame, Real wall_seconds_before) {
   const Clock& clock = frame.clock;
   const Diagnostics& d = *frame.diagnostics;
   std::string text = fmt::format("{},{},{},{},{},{}", clock.step, number(clock.time()), number(clock.dt),
@@ -35,7 +35,7 @@ std::string row(const Frame& frame) {
                            d.momentum.x(),    d.momentum.y(),    d.momentum.z(),     d.com.x(),
                            d.com.y(),         d.com.z(),         d.speed_max,        d.top,
                            d.front,           d.front_q99,       d.drift_max,        d.imbalance,
-                           d.wall_seconds}) {
+                           wall_seconds_before + d.wall_seconds}) {
     text += "," + number(value);
   }
   for (const FountainState& fountain : frame.fountains) {
@@ -47,7 +47,17 @@ std::string row(const Frame& frame) {
 struct KeptRows {
   std::string text;  ///< header and rows
   std::int64_t last_step = -1;
+  Real wall_seconds = 0;  ///< of the last row
 };
+
+/// The last of the fixed columns of a row.
+Real wall_seconds_of(const std::string& row) {
+  std::size_t begin = 0;
+  for (const char c : std::string_view(fixed_columns)) {
+    if (c == ',') begin = row.find(',', begin) + 1;
+  }
+  return std::strtod(row.c_str() + begin, nullptr);
+}
 
 /// The rows up to `last`, without a row that a killed run left unfinished.
 KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::string& header) {
@@ -64,6 +74,7 @@ KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::strin
     if (result.ec != std::errc() || step > last) continue;
     kept.text += line + "\n";
     kept.last_step = step;
+    kept.wall_seconds = wall_seconds_of(line);
   }
   return kept;
 }
@@ -88,12 +99,13 @@ void SeriesWriter::open() {
   if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
   replace_file(path, kept.text);
   last_step_ = kept.last_step;
+  wall_seconds_before_ = kept.wall_seconds;
   file_.emplace(path);
 }
 
 void SeriesWriter::observe(const Frame& frame) {
   require(frame.diagnostics != nullptr, "series.csv: no diagnostics in this frame");
-  on_root(comm_, [&] { file_->write(row(frame)); });
+  on_root(comm_, [&] { file_->write(row(frame, wall_seconds_before_)); });
   last_step_ = frame.clock.step;
 }
 

@@ -5,42 +5,118 @@
 // Highway wants its own headers after foreach_target.
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <array>
 #include <type_traits>
 
+#include "particles/compress-inl.hpp"
 #include "trevi/particles/neighbour_list.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
+// A box around the particles of one cell, in units of the records relative to the first of them.
+template <class T>
+struct Bounds {
+  using Record = Packed<T>;
+  Record anchor;
+  std::array<T, 3> low{}, high{};
 
-// The particles of the 27 cells around one cell, transposed to one array per coordinate and relative to that cell,
-// in storage order. Gathered once for all particles of the cell.
+  Bounds(const Record* records, LocalId begin, LocalId end) : anchor(records[begin]) {
+    for (LocalId j = begin; j < end; ++j) {
+      const std::array<T, 3> p = relative(records[j]);
+      for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], p[a]);
+        high[a] = std::max(high[a], p[a]);
+      }
+    }
+  }
+
+  std::array<T, 3> relative(const Record& r) const {
+    return {static_cast<T>(r.x - anchor.x), static_cast<T>(r.y - anchor.y), static_cast<T>(r.z - anchor.z)};
+  }
+};
+
+// Coordinates minus the anchor's, as T; integers wrap around as they should.
+template <class D, class V>
+HWY_INLINE hn::Vec<D> from_anchor(D d, V v, typename Packed<hn::TFromD<D>>::Coordinate anchor) {
+  if constexpr (sizeof(hn::TFromD<D>) == 4) {
+    return hn::ConvertTo(d, hn::Sub(v, hn::Set(hn::RebindToSigned<D>(), anchor)));
+  } else {
+    return hn::Sub(v, hn::Set(d, anchor));
+  }
+}
+
+// The particles around one cell that may be neighbours of any in it, in storage order: one array per coordinate.
+// Gathered once for all particles of the cell; those farther than h from the box around them, about half, are left out.
 template <class T>
 class Candidates {
  public:
   static constexpr std::size_t padding = 64;
+  using Index = hwy::MakeSigned<T>;
 
   void clear() { size_ = 0; }
 
-  template <class Record>
-  void append(const Record* records, LocalId begin, LocalId end, const Record& anchor) {
+  void append(const std::vector<Packed<T>>& records, LocalId begin, LocalId end, const Bounds<T>& bounds) {
+    const hn::ScalableTag<T> d;
+    const auto lanes = static_cast<LocalId>(hn::Lanes(d));
     reserve(size_ + static_cast<std::size_t>(end - begin) + padding);
-    for (LocalId j = begin; j < end; ++j, ++size_) {
-      x[size_] = static_cast<T>(records[j].x - anchor.x);
-      y[size_] = static_cast<T>(records[j].y - anchor.y);
-      z[size_] = static_cast<T>(records[j].z - anchor.z);
-      index[size_] = j;
+    for (LocalId j = begin; j < end; j += lanes) {
+      const auto left = static_cast<std::size_t>(std::min(lanes, end - j));
+      if (static_cast<std::size_t>(j + lanes) <= records.size()) {
+        append_vector(d, &records[static_cast<std::size_t>(j)], j, left, bounds);
+      } else {  // whole vectors are read, so the last records need something behind them
+        std::array<Packed<T>, hn::MaxLanes(d)> last{};
+        std::copy_n(records.begin() + j, left, last.begin());
+        append_vector(d, last.data(), j, left, bounds);
+      }
     }
+  }
+
+  // Particles far away behind the last, so that whole vectors can be compared.
+  void close() {
+    const hn::ScalableTag<T> d;
+    hn::StoreU(hn::Set(d, static_cast<T>(1e15)), d, &x[size_]);
   }
 
   std::size_t size() const { return size_; }
 
   std::vector<T> x, y, z;
-  std::vector<hwy::MakeSigned<T>> index;
+  std::vector<Index> index;
 
  private:
+  template <class D>
+  HWY_INLINE void append_vector(D d, const Packed<T>* records, LocalId first, std::size_t left,
+                                const Bounds<T>& bounds) {
+    using Coordinate = typename Packed<T>::Coordinate;
+    const hn::Rebind<Coordinate, D> dc;
+    const hn::RebindToSigned<D> di;
+    hn::Vec<decltype(dc)> cx, cy, cz, w;
+    hn::LoadInterleaved4(dc, &records->x, cx, cy, cz, w);
+    const auto px = from_anchor(d, cx, bounds.anchor.x), py = from_anchor(d, cy, bounds.anchor.y);
+    const auto pz = from_anchor(d, cz, bounds.anchor.z);
+    const auto dx = outside(d, px, bounds, 0), dy = outside(d, py, bounds, 1), dz = outside(d, pz, bounds, 2);
+    const auto r2 = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
+    // A hair more than h, so that no rounding drops a neighbour.
+    const auto limit = hn::Set(d, static_cast<T>(1.0001 * Packed<T>::units_per_h * Packed<T>::units_per_h));
+    const Chosen<D> near(d, hn::And(hn::FirstN(d, left), hn::Lt(r2, limit)));
+    hn::StoreU(near.first(px), d, &x[size_]);
+    hn::StoreU(near.first(py), d, &y[size_]);
+    hn::StoreU(near.first(pz), d, &z[size_]);
+    // Iota of anything but a constant is put together in memory.
+    const auto self = hn::Add(hn::Iota(di, 0), hn::Set(di, first));
+    hn::StoreU(hn::BitCast(di, near.first(hn::BitCast(d, self))), di, &index[size_]);
+    size_ += near.count();
+  }
+
+  // How far p is outside the bounds along axis a.
+  template <class D>
+  static HWY_INLINE hn::Vec<D> outside(D d, hn::Vec<D> p, const Bounds<T>& bounds, std::size_t a) {
+    const auto below = hn::Sub(hn::Set(d, bounds.low[a]), p), above = hn::Sub(p, hn::Set(d, bounds.high[a]));
+    return hn::Max(hn::Max(below, above), hn::Zero(d));
+  }
+
   void reserve(std::size_t n) {
     if (n <= x.size()) return;
     for (auto* field : {&x, &y, &z}) field->resize(2 * n);
@@ -62,26 +138,29 @@ void store_indices(D, V index, LocalId* HWY_RESTRICT out) {
   }
 }
 
-// Writes the candidates nearer than one h to particle `self` (its place among all) and returns how many there are.
+// Writes the candidates nearer than one h to particle `self` at p and returns how many there are.
 template <class T>
-std::size_t near(const Candidates<T>& candidates, std::size_t self, LocalId* HWY_RESTRICT out) {
+std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, LocalId* HWY_RESTRICT out) {
   const hn::ScalableTag<T> d;
   const hn::RebindToSigned<decltype(d)> di;
-  const auto x = hn::Set(d, candidates.x[self]), y = hn::Set(d, candidates.y[self]), z = hn::Set(d, candidates.z[self]);
-  const auto self_index = hn::Set(di, candidates.index[self]);
+  const auto x = hn::Set(d, p[0]), y = hn::Set(d, p[1]), z = hn::Set(d, p[2]);
+  const auto self_index = hn::Set(di, self);
   const auto limit = hn::Set(d, static_cast<T>(Packed<T>::units_per_h * Packed<T>::units_per_h));
+  const T *all_x = candidates.x.data(), *all_y = candidates.y.data(), *all_z = candidates.z.data();
+  const auto* all_index = candidates.index.data();
+  const std::size_t size = candidates.size();
   std::size_t found = 0;
-  for (std::size_t k = 0; k < candidates.size(); k += hn::Lanes(d)) {
-    const auto dx = hn::Sub(hn::LoadU(d, &candidates.x[k]), x);
-    const auto dy = hn::Sub(hn::LoadU(d, &candidates.y[k]), y);
-    const auto dz = hn::Sub(hn::LoadU(d, &candidates.z[k]), z);
+  for (std::size_t k = 0; k < size; k += hn::Lanes(d)) {
+    const auto dx = hn::Sub(hn::LoadU(d, all_x + k), x);
+    const auto dy = hn::Sub(hn::LoadU(d, all_y + k), y);
+    const auto dz = hn::Sub(hn::LoadU(d, all_z + k), z);
     const auto r2 = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
-    const auto index = hn::LoadU(di, &candidates.index[k]);
-    const auto valid = hn::AndNot(hn::Eq(index, self_index), hn::FirstN(di, candidates.size() - k));
-    const auto mask = hn::And(valid, hn::RebindMask(di, hn::Lt(r2, limit)));
+    const auto index = hn::LoadU(di, all_index + k);
+    const auto other = hn::RebindMask(d, hn::Ne(index, self_index));
     // Compress in a register and store whole: a compressing store to memory is slow on some processors.
-    store_indices(d, hn::Compress(index, mask), out + found);
-    found += hn::CountTrue(di, mask);
+    const Chosen<decltype(d)> chosen(d, hn::And(other, hn::Lt(r2, limit)));
+    store_indices(d, hn::BitCast(di, chosen.first(hn::BitCast(d, index))), out + found);
+    found += chosen.count();
   }
   return found;
 }
@@ -108,17 +187,17 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
     for (LocalId c = 0; c < order.grid().cells_per_plane(); ++c) {
       const LocalId begin = order.start(k, c), count = order.start(k, c + 1) - begin;
       if (count == 0) continue;
+      const Bounds<T> bounds(records.data(), begin, begin + count);
       candidates.clear();
-      std::size_t self = 0;
-      const auto anchor = records[static_cast<std::size_t>(begin)];
       for_each_row_around(order, k, c, [&](LocalId row_begin, LocalId row_end) {
-        if (row_begin <= begin && begin < row_end)
-          self = candidates.size() + static_cast<std::size_t>(begin - row_begin);
-        candidates.append(records.data(), row_begin, row_end, anchor);
+        candidates.append(records, row_begin, row_end, bounds);
       });
+      candidates.close();
       rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding) * count);
       for (LocalId n = 0; n < count; ++n, ++i) {
-        const std::size_t found = near(candidates, self + static_cast<std::size_t>(n), rows.index.data() + end);
+        const LocalId self = begin + n;
+        const auto place = bounds.relative(records[static_cast<std::size_t>(self)]);
+        const std::size_t found = near(candidates, self, place, rows.index.data() + end);
         if (found > static_cast<std::size_t>(NeighbourList::most_neighbours)) {
           rows.crowded = i;
           return;
@@ -128,6 +207,9 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
       }
     }
   }
+  // Whole vectors are read past the last row. What an earlier, longer list left there may name records that are gone.
+  rows.reserve(end);
+  std::fill_n(rows.index.begin() + end, NeighbourRows::slack, 0);
 }
 
 void search_single(const CellOrder& order, const std::vector<Packed<float>>& records, NeighbourRows& rows) {

@@ -1,31 +1,25 @@
 #include "trevi/solver/density_method.hpp"
 
-#include "trevi/base/error.hpp"
+#include <algorithm>
+
+#include "solver/anderson.hpp"
 
 namespace trevi {
 
 namespace {
 
-// Mean compression below the tolerance and the largest below ten times it; never met without a tolerance.
-template <class T>
-bool converged(const DensitySettings& settings, const DensityProblem<T>& problem) {
-  if (!settings.tolerance) return false;
-  const Compression c = problem.compression();
-  return c.mean <= *settings.tolerance && c.max <= 10 * *settings.tolerance;
-}
-
 template <class T>
 class Jacobi : public DensityMethod<T> {
  public:
-  explicit Jacobi(const DensitySettings& settings) : settings_(settings) {}
+  Jacobi(const DensitySettings& settings, Real h) : settings_(settings), longest_(settings.max_shift * h) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     for (int k = 0; k < settings_.iterations; ++k) {
       problem.compute_lambda();
-      if (converged(settings_, problem)) return {k, true};
+      if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();
       problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) {
-        return problem.walls().collide(p, settings_.relaxation * delta);
+        return problem.walls().collide(p, capped(settings_.relaxation * delta, longest_));
       });
     }
     return {settings_.iterations, !settings_.tolerance};
@@ -33,68 +27,89 @@ class Jacobi : public DensityMethod<T> {
 
  private:
   DensitySettings settings_;
+  Real longest_;
 };
 
-// Chebyshev semi-iteration on the multipliers (after Wang 2015, who iterates on positions).
+// Chebyshev semi-iteration. Wang combines positions; here the multipliers are combined,
+//   step_{k+1} = w_{k+1} relaxation lambda_k + (w_{k+1} − 1) step_k,
+// so that each shift is a sum over pairs of equal and opposite parts and keeps the momentum. The safeguard is a restart
+// of each particle on its own (O'Donoghue & Candès 2015): where the new multiplier opposes the last step, or the
+// particle is no longer compressed, its memory is dropped. It needs no reduction, and it is what makes deep water safe.
 template <class T>
 class Chebyshev : public DensityMethod<T> {
  public:
-  Chebyshev(const DensitySettings& settings, Real h) : settings_(settings), cap_(settings.max_shift * h) {}
+  Chebyshev(const DensitySettings& settings, Real h) : settings_(settings), longest_(settings.max_shift * h) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
-    Particles& particles = problem.particles();
-    const bool warm = settings_.warm_start > 0;
-    total_.assign(particles.id.size(), 0.0);
-    if (warm) {
-      for (std::size_t i = 0; i < total_.size(); ++i) total_[i] = settings_.warm_start * particles.lambda[i];
-      problem.set_lambda([&](std::size_t i) { return total_[i]; });
-      apply(problem);
-    }
-    previous_ = total_;
-    Real omega = 1;
+    step_.assign(problem.density().size(), T{0});
     const Real r2 = settings_.spectral_radius * settings_.spectral_radius;
-    const bool clamp = settings_.constraint == Constraint::inequality;
+    Real weight = 1;
     for (int k = 0; k < settings_.iterations; ++k) {
-      omega = k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * omega);
+      weight = k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
       problem.compute_lambda([&](std::size_t i, Real lambda) {
-        const Real now = total_[i];
-        Real next = omega * (now + settings_.relaxation * lambda - previous_[i]) + previous_[i];
-        if (clamp) next = std::min(next, 0.0);
-        previous_[i] = now;
-        total_[i] = next;
-        return next - now;
+        const Real memory = lambda * static_cast<Real>(step_[i]) > 0 ? (weight - 1) * static_cast<Real>(step_[i]) : 0;
+        step_[i] = static_cast<T>(weight * settings_.relaxation * lambda + memory);
+        return static_cast<Real>(step_[i]);
       });
-      apply(problem);
+      if (within_tolerance(settings_, problem)) return {k, true};
+      problem.compute_delta();
+      problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) {
+        return problem.walls().collide(p, capped(delta, longest_));
+      });
     }
-    if (warm) particles.lambda = total_;
     return {settings_.iterations, !settings_.tolerance};
   }
+  std::size_t bytes() const override { return step_.capacity() * sizeof(T); }
 
  private:
-  void apply(DensityProblem<T>& problem) {
-    problem.compute_delta();
-    problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) {
-      Vec3 shift = delta;
-      const Real length = shift.norm();
-      if (cap_ > 0 && length > cap_) shift *= cap_ / length;
-      return problem.walls().collide(p, shift);
-    });
-  }
   DensitySettings settings_;
-  Real cap_;
-  std::vector<Real> total_, previous_;
+  Real longest_;
+  std::vector<T> step_;  // m², of the owned particles
 };
+
+// The coarse-grid correction as the first iteration, then another method for what it leaves.
+template <class T>
+class CoarseFirst : public DensityMethod<T> {
+ public:
+  CoarseFirst(const MethodContext& context, std::unique_ptr<DensityMethod<T>> fine)
+      : coarse_(context.comm, context.model, context.spacing, context.grid, context.box), fine_(std::move(fine)) {}
+
+  SolveResult solve(DensityProblem<T>& problem) override {
+    problem.compute_coarse_delta(coarse_);
+    problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) { return problem.walls().collide(p, delta); });
+    const SolveResult rest = fine_->solve(problem);
+    return {rest.iterations + 1, rest.converged};
+  }
+  std::size_t bytes() const override { return coarse_.bytes() + fine_->bytes(); }
+
+ private:
+  CoarseCorrection coarse_;
+  std::unique_ptr<DensityMethod<T>> fine_;
+};
+
+template <class T>
+std::unique_ptr<DensityMethod<T>> make_fine(const DensitySettings& settings, const MethodContext& context) {
+  switch (settings.method) {
+    case Method::chebyshev:
+      return std::make_unique<Chebyshev<T>>(settings, context.model.h);
+    case Method::anderson:
+      return std::make_unique<Anderson<T>>(context.comm, settings, context.model.h);
+    default:
+      return std::make_unique<Jacobi<T>>(settings, context.model.h);
+  }
+}
 
 }  // namespace
 
 template <class T>
-std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, Real h) {
-  if (settings.method == Method::jacobi) return std::make_unique<Jacobi<T>>(settings);
-  if (settings.method == Method::chebyshev) return std::make_unique<Chebyshev<T>>(settings, h);
-  throw InputError("[density] method: only jacobi and chebyshev are built in");
+std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context) {
+  if (!settings.coarse_grid) return make_fine<T>(settings, context);
+  DensitySettings rest = settings;
+  rest.iterations = std::max(1, rest.iterations - 1);  // the coarse grid alone leaves noise that feeds on itself
+  return std::make_unique<CoarseFirst<T>>(context, make_fine<T>(rest, context));
 }
 
-template std::unique_ptr<DensityMethod<float>> make_density_method(const DensitySettings&, Real);
-template std::unique_ptr<DensityMethod<double>> make_density_method(const DensitySettings&, Real);
+template std::unique_ptr<DensityMethod<float>> make_density_method(const DensitySettings&, const MethodContext&);
+template std::unique_ptr<DensityMethod<double>> make_density_method(const DensitySettings&, const MethodContext&);
 
 }  // namespace trevi

@@ -1,10 +1,30 @@
 #include "trevi/solver/density_problem.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
 
 #include "trevi/parallel/reductions.hpp"
 
 namespace trevi {
+
+namespace {
+
+// Unit vector of a pair of ids, evenly spread over the sphere (splitmix64): the same on any rank count.
+Vec3 direction_of(GlobalId a, GlobalId b) {
+  std::uint64_t x = static_cast<std::uint64_t>(a) * 0x9E3779B97F4A7C15ull + static_cast<std::uint64_t>(b);
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
+  x ^= x >> 31;
+  constexpr Real per_word = 1.0 / 4294967296.0;
+  const Real z = 2 * per_word * static_cast<Real>(x >> 32) - 1, r = std::sqrt(1 - z * z);
+  const Real angle = 2 * std::numbers::pi * per_word * static_cast<Real>(x & 0xFFFFFFFFu);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+}  // namespace
 
 template <class T>
 DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
@@ -30,6 +50,41 @@ void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   constraint_.deltas(pairs(), {0, near_.order().owned()}, particles_->predicted, delta_);
   log_flops(static_cast<double>(near_.list().pairs()) * DensityConstraint<T>::delta_flops);
+}
+
+template <class T>
+void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
+  compute_density();
+  coarse.displacements<T>(near_.order(), rho_, particles_->predicted, delta_);
+  separate_coincident();
+}
+
+// Opposite shifts for the two, so that the momentum stays. Coincident particles share a cell, but for rounding; the
+// sweeps that follow push them apart as soon as they have a direction.
+template <class T>
+void DensityProblem<T>::separate_coincident() {
+  const std::vector<Vec3>& p = particles_->predicted;
+  const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
+  const auto part = [&](std::size_t i, std::size_t j) {
+    const Vec3 away = shift * direction_of(particles_->id[i], particles_->id[j]);
+    for (const auto& [k, u] : {std::pair(i, away), std::pair(j, Vec3(-away))}) {
+      delta_[k].x += static_cast<T>(u.x());
+      delta_[k].y += static_cast<T>(u.y());
+      delta_[k].z += static_cast<T>(u.z());
+    }
+  };
+  const CellOrder& order = near_.order();
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    for (LocalId c = 0; c < order.grid().cells_per_plane(); ++c) {
+      const auto begin = static_cast<std::size_t>(order.start(k, c) - order.low_ghosts());
+      const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());
+      for (std::size_t i = begin; i < end; ++i) {
+        for (std::size_t j = begin; j < i; ++j) {
+          if ((p[i] - p[j]).squaredNorm() < coincident) part(i, j);
+        }
+      }
+    }
+  }
 }
 
 template <class T>

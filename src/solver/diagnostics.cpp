@@ -98,27 +98,30 @@ Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
 }
 
 Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fraction, const Box& box) {
-  constexpr int bins = 4096, rounds = 3;
+  constexpr int digit = 12, rounds = 3;  // 4096 intervals in each round
+  constexpr GlobalId bins = GlobalId{1} << digit, cells = GlobalId{1} << (digit * rounds);
   const GlobalId all = sum_over_ranks(comm, static_cast<GlobalId>(places.size()));
   if (all == 0) return std::numeric_limits<Real>::quiet_NaN();
   auto wanted =
       static_cast<GlobalId>(std::ceil(fraction * static_cast<Real>(all)));  // the how manieth in this interval
-  Real low = box.min[axis], width = (box.max[axis] - box.min[axis]) / bins;
-  for (int round = 0; round < rounds; ++round) {
+  // Places as whole numbers, so that each round sees a particle in the part of the interval it was counted in before.
+  const Real per_metre = static_cast<Real>(cells) / (box.max[axis] - box.min[axis]);
+  const auto cell = [&](const Vec3& p) {
+    return std::clamp<GlobalId>(static_cast<GlobalId>((p[axis] - box.min[axis]) * per_metre), 0, cells - 1);
+  };
+  GlobalId interval = 0;
+  for (int round = 1; round <= rounds; ++round) {
     std::vector<GlobalId> count(bins, 0);
     for (const Vec3& p : places) {
-      const Real bin = std::floor((p[axis] - low) / width);
-      // Outside the interval only after the first round; the last bin is closed, for particles on the wall.
-      if (bin < 0 || (bin >= bins && round > 0)) continue;
-      ++count[static_cast<std::size_t>(std::min(bin, bins - 1.0))];
+      const GlobalId part = cell(p) >> (digit * (rounds - round));
+      if (part >> digit == interval) ++count[static_cast<std::size_t>(part & (bins - 1))];
     }
-    MPI_Allreduce(MPI_IN_PLACE, count.data(), bins, MPI_INT64_T, MPI_SUM, comm);
+    MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, comm);
     std::size_t bin = 0;
-    while (bin + 1 < bins && wanted > count[bin]) wanted -= count[bin++];
-    low += static_cast<Real>(bin) * width;
-    width /= bins;
+    while (bin + 1 < static_cast<std::size_t>(bins) && wanted > count[bin]) wanted -= count[bin++];
+    interval = interval * bins + static_cast<GlobalId>(bin);
   }
-  return low + width * bins / 2;
+  return box.min[axis] + (static_cast<Real>(interval) + 0.5) / per_metre;
 }
 
 }  // namespace trevi

@@ -14,8 +14,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
-      problem_(parts_.comm, near_, *parts_.constraint, *parts_.walls),
-      stopwatch_(parts_.wall_seconds) {}
+      problem_(parts_.comm, near_, *parts_.constraint, *parts_.walls) {}
 
 template <class T>
 void PbfSolver<T>::start() {
@@ -32,6 +31,7 @@ void PbfSolver<T>::step() {
   Clock& clock = parts_.clock;
   {
     const Stopwatch::Lap lap(stopwatch_);
+    for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
     clock.substeps = choose_substeps();
     const Real dt = clock.dt / clock.substeps;
     for (int k = 0; k < clock.substeps; ++k) {
@@ -106,7 +106,7 @@ int PbfSolver<T>::choose_substeps() const {
   const Real dt = parts_.clock.dt, h = parts_.constraint->model().h, g = parts_.substeps.gravity.norm();
   Real v2 = 0;
   for (const Vec3& v : parts_.particles.velocity) v2 = std::max(v2, v.squaredNorm());
-  Real v = std::sqrt(max_over_ranks(parts_.comm, v2)) + g * dt;
+  Real v = std::sqrt(max_over_ranks(parts_.comm, v2));
   for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest(parts_.clock.time()));
   const Real by_speed = dt * v / (parts_.substeps.cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
@@ -138,16 +138,18 @@ void PbfSolver<T>::observe() {
     row.iterations = last_solve_.iterations;
     row.wall_seconds = stopwatch_.seconds();
   }
-  const Frame frame{clock,       parts_.particles,    problem_.density(), diagnose ? &row : nullptr,
-                    fountains(), stopwatch_.seconds()};
+  fountain_states_ = fountains();
+  const Frame frame{
+      clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_};
   for (const auto& observer : parts_.observers) {
     if (observer->due(clock)) observer->observe(frame);
   }
 }
 
 template <class T>
-Frame PbfSolver<T>::plain_frame() const {
-  return {parts_.clock, parts_.particles, {}, nullptr, fountains(), stopwatch_.seconds()};
+Frame PbfSolver<T>::plain_frame() {
+  fountain_states_ = fountains();
+  return {parts_.clock, parts_.particles, {}, nullptr, fountain_states_};
 }
 
 template <class T>
@@ -158,6 +160,15 @@ void PbfSolver<T>::save() {
 template <class T>
 void PbfSolver<T>::finish() {
   for (const auto& observer : parts_.observers) observer->finish(plain_frame());
+}
+
+template <class T>
+std::vector<FountainState> PbfSolver<T>::fountains() const {
+  std::vector<FountainState> states;
+  for (const auto& forcing : parts_.forcings) {
+    if (const auto state = forcing->state(parts_.clock.time())) states.push_back(*state);
+  }
+  return states;
 }
 
 template <class T>
@@ -173,7 +184,7 @@ Solver::Counters PbfSolver<T>::counters() const {
   Counters counters = counters_;
   counters.halo_bytes = near_.halo().bytes();
   counters.halo_messages = near_.halo().messages();
-  counters.seconds = stopwatch_.seconds() - parts_.wall_seconds;
+  counters.seconds = stopwatch_.seconds();
   counters.bytes = near_.bytes() + problem_.bytes() + parts_.method->bytes() + listed_.capacity() * sizeof(Vec3);
   for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();
   parts_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });

@@ -54,7 +54,8 @@ SolverParts<double> parts_with(Sabotage sabotage) {
                                                                  std::vector<std::unique_ptr<const BoundaryDensity>>());
   DensitySettings settings;
   settings.method = Method::jacobi;
-  parts.method = make_density_method<double>(settings, h);
+  settings.coarse_grid = false;
+  parts.method = make_density_method<double>(settings, {world, *parts.grid, parts.box, model, h / 2});
   parts.forcings.push_back(std::make_unique<Saboteur>(std::move(sabotage)));
   parts.clock.dt = 0.01;
   parts.particles = block(*parts.grid, *parts.slabs);

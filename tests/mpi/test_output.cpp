@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "output_fixture.hpp"
-#include "trevi/parallel/collective.hpp"
 #include "trevi/output/colour.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/id_order.hpp"
@@ -15,6 +14,7 @@
 #include "trevi/output/pvd.hpp"
 #include "trevi/output/run_report.hpp"
 #include "trevi/output/series.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 namespace {
@@ -242,16 +242,19 @@ TEST_F(Output, RunReportIsOrderedJsonWithNulls) {
 
 TEST_F(Output, DirectoryOfAnotherRunIsRefused) {
   const std::string run = path("new/run");
-  EXPECT_NO_THROW(prepare_output_directory(world, run, std::nullopt));
-  EXPECT_NO_THROW(prepare_output_directory(world, run, std::nullopt));  // made, but nothing ran
+  EXPECT_NO_THROW(check_output_directory(world, run, std::nullopt));
+  EXPECT_FALSE(fs::exists(run));
+  barrier();
+  EXPECT_NO_THROW(make_output_directory(world, run));
+  EXPECT_NO_THROW(check_output_directory(world, run, std::nullopt));  // made, but nothing ran
   barrier();
   on_root(world, [&] { replace_file(run + "/checkpoint_000003.h5", "of an earlier run"); });
-  const std::string message = input_error_of([&] { prepare_output_directory(world, run, std::nullopt); });
+  const std::string message = input_error_of([&] { check_output_directory(world, run, std::nullopt); });
   expect_mentions(message, {run, "checkpoint_000003.h5", "--output", "--restart"});
-  EXPECT_NO_THROW(prepare_output_directory(world, run, run + "/checkpoint_000003.h5"));
-  EXPECT_NO_THROW(prepare_output_directory(world, path("other"), run + "/checkpoint_000003.h5"));
-  EXPECT_THROW(prepare_output_directory(world, run, path("checkpoint_000003.h5")), InputError);
-  EXPECT_THROW(prepare_output_directory(world, "/dev/null/run", std::nullopt), RunError);
+  EXPECT_NO_THROW(check_output_directory(world, run, run + "/checkpoint_000003.h5"));
+  EXPECT_NO_THROW(check_output_directory(world, path("other"), run + "/checkpoint_000003.h5"));
+  EXPECT_THROW(check_output_directory(world, run, path("checkpoint_000003.h5")), InputError);
+  EXPECT_THROW(make_output_directory(world, "/dev/null/run"), RunError);
 }
 
 }  // namespace

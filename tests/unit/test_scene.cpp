@@ -94,8 +94,24 @@ TEST(Scene, EveryKeyArrives) {
   EXPECT_EQ(scene.particles.at(1).path, "in/a.h5");
   EXPECT_EQ(scene.particles.at(2).path, "/a.h5");
   EXPECT_LT((scene.fountains.at(0).direction - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
-  EXPECT_EQ(scene.fountains[0].music, "in/m.mid");
-  EXPECT_EQ(scene.fountains[0].speed_range->second, 20);
+  EXPECT_EQ(scene.fountains[0].music->source, "in/m.mid");
+  EXPECT_EQ(scene.fountains[0].music->speed_range.second, 20);
+}
+
+TEST(Scene, MusicHasDefaultsByItsKind) {
+  const Scene scene = parse(scene_plus(
+      "[[fountain]]\ncenter = [1, 0.5]\nspeed = 8\nmusic = 'm.txt'\n[[fountain]]\ncenter = [1, 0.5]\nmusic = 'v.WAV'\n"
+      "mapping = 'energy'\n[[fountain]]\ncenter = [1, 0.5]\nmusic = '-'\nfollow = 'pitch'\nrate = 8000\n"
+      "[[fountain]]\ncenter = [1, 0.5]\nmusic = '/m.mid'\ntrack = 2\nchannel = 3\nspeed_range = [1, 2]\n"));
+  const MusicSettings &text = *scene.fountains.at(0).music, &sound = *scene.fountains.at(1).music,
+                      &live = *scene.fountains.at(2).music, &midi = *scene.fountains.at(3).music;
+  EXPECT_EQ(text.speed_range, (std::pair<Real, Real>{4, 8}));
+  EXPECT_TRUE(text.follow == Follow::pitch && text.mapping == SpeedMapping::linear);
+  EXPECT_TRUE(sound.follow == Follow::loudness && sound.mapping == SpeedMapping::energy);
+  EXPECT_TRUE(live.follow == Follow::pitch && live.source == "-" && live.rate == 8000);
+  EXPECT_TRUE(midi.source == "/m.mid" && midi.track == 2 && midi.channel == 3);
+  EXPECT_EQ(scene.fountains[3].top_speed(), 2);
+  EXPECT_FALSE(parse(scene_plus("[[fountain]]\ncenter = [1, 0.5]\n")).fountains[0].music);
 }
 
 TEST(Scene, ReportPresetCreatesItsTablesAndYieldsToExplicitKeys) {

@@ -158,6 +158,20 @@ INSTANTIATE_TEST_SUITE_P(
                     bad_fountain("speed_range = [8, 8]", "speed_range", "must increase"),
                     bad_fountain("speed_range = [8]", "speed_range", "list of 2 finite numbers"),
                     bad_fountain("music = ''", "music", "not empty"),
+                    bad_fountain("music = 'a.pdf'", "music", "unknown kind of music; give a file ending in .txt"),
+                    bad_fountain("follow = 'pitch'", "follow", "there is no music"),
+                    bad_fountain("follow = 'pitch'\nmusic = 'a.mid'", "follow", "sound only"),
+                    bad_fountain("track = 0\nmusic = 'a.mid'", "track", "must be at least 1"),
+                    bad_fountain("track = 1\nmusic = 'a.txt'", "track", "MIDI files only"),
+                    bad_fountain("channel = 17\nmusic = 'a.mid'", "channel", "from 1 to 16"),
+                    bad_fountain("rate = 8000\nmusic = 'a.wav'", "rate", "raw PCM"),
+                    bad_fountain("rate = 999\nmusic = '-'", "rate", "must be at least 1000"),
+                    bad_fountain("mapping = 'log'\nmusic = '-'", "mapping", "linear"),
+                    bad_fountain("speed = 0\nmusic = '-'", "speed", "give speed_range"),
+                    BadScene{appended,
+                             "[[fountain]]\ncenter = [1, 0]\nmusic = '-'\n[[fountain]]\ncenter = [0, 0]\n"
+                             "music = '-'\nrate = 8000",
+                             "18: [[fountain]] rate", "must be the same"},
                     bad_fountain("colour = 'red'", "colour", "unknown key")));
 
 INSTANTIATE_TEST_SUITE_P(

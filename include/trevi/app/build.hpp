@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "trevi/app/command_line.hpp"
 #include "trevi/app/scene.hpp"
@@ -16,7 +17,7 @@
 namespace trevi {
 
 struct BuildOptions {
-  std::string directory;  ///< of the output
+  std::string directory;  ///< of the output; empty where no observer writes
   ProgressMode progress = ProgressMode::automatic;
   std::int64_t last_step = 0;
   std::optional<CheckpointState> restart;
@@ -26,7 +27,11 @@ struct BuildOptions {
 /// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
 DensityModel density_model(const Scene& scene);
 
-/// Writes nothing but what the observers open.
-std::unique_ptr<Solver> build_solver(const Session& session, const Scene& scene, BuildOptions options);
+/// Gravity and the fountains with their music, in the order of the scene.
+std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene);
+
+/// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any
+/// communicator will do, so that a test can set one rank beside many.
+std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options);
 
 }  // namespace trevi

@@ -18,6 +18,7 @@ struct CommandLine {
   std::string restart;                 ///< a file, or "latest"; empty: none
   std::optional<std::int64_t> steps;   ///< total step count to stop at
   bool dry_run = false;
+  std::string preview;  ///< file for the curves of the fountains, instead of a run; empty: none
   ProgressMode progress = ProgressMode::automatic;
   std::string help;  ///< not empty: print this and exit 0
 };

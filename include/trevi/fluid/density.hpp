@@ -24,6 +24,7 @@ struct DensityModel {
   Real h = 0.2;              ///< m
   Real epsilon = 1;          ///< 1/m²
   Constraint constraint = Constraint::equality;
+  Real mirror_share = 0.6;  ///< of a particle's multiplier, given to its mirror image behind a wall
 };
 
 /// What fills the missing half of a particle's neighbourhood: a share of rest density and its gradient, in 1 and 1/m.

@@ -1,10 +1,12 @@
 // What changes velocities before the prediction: gravity and fountains, each called once per particle set.
 // Only the forcings a scene names are built. A forcing is the same on any rank count: it looks at one particle at a
 // time and draws its random numbers from (seed, id, step, substep) with a counter-based generator (Random123's Philox).
-// Not collective.
+// Collective: prepare() only, which a source that one rank alone can hear (live sound) shares with all ranks.
 #pragma once
 
-#include <functional>
+#include <cmath>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "trevi/fluid/settings.hpp"
@@ -21,12 +23,22 @@ struct StepInfo {
   Real dt = 0;    ///< of the substep, s
 };
 
+/// State of a fountain at a time, as series.csv reports it.
+struct FountainState {
+  Real note = NAN;  ///< MIDI number of the note that sounds, fractional for a voice; nan when none
+  Real speed = 0;   ///< pump speed without jitter, m/s; 0 when off
+};
+
 class Forcing {
  public:
   virtual ~Forcing() = default;
+  /// Once before each step, all its substeps in one. Collective.
+  virtual void prepare(const StepInfo&) {}
   virtual void apply(Particles& particles, const StepInfo& info) = 0;
   /// Speed it may give a particle at a time, m/s; for the choice of substeps.
   virtual Real fastest(Real) const { return 0; }
+  /// What a fountain does at a time; nothing for a forcing that is no fountain.
+  virtual std::optional<FountainState> state(Real) const { return std::nullopt; }
 };
 
 /// v += a dt.
@@ -40,24 +52,43 @@ class Gravity : public Forcing {
   Vec3 acceleration_;
 };
 
-/// Pump speed without jitter at a time, m/s.
-using PumpSpeed = std::function<Real(Real time)>;
+/// What sets the speed of a fountain: a constant, or music (fluid/music.hpp).
+class Pump {
+ public:
+  virtual ~Pump() = default;
+  /// As Forcing::prepare. Collective.
+  virtual void prepare(const StepInfo&) {}
+  /// Note and speed at a time; nothing while the pump is off.
+  virtual std::optional<FountainState> at(Real time) const = 0;
+};
+
+class ConstantPump : public Pump {
+ public:
+  explicit ConstantPump(Real speed) : speed_(speed) {}
+  std::optional<FountainState> at(Real) const override { return FountainState{NAN, speed_}; }
+
+ private:
+  Real speed_;
+};
 
 /// Pumps the particles inside an upright cylinder on the floor: v = direction (speed + jitter u) in place of gravity.
+/// While the pump is off it leaves them alone.
 class Fountain : public Forcing {
  public:
   /// `index` tells fountains apart in the random numbers; `floor` is the height of the floor, m.
-  Fountain(const FountainSettings& settings, PumpSpeed speed, Real floor, std::uint64_t seed, int index);
+  Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
+  void prepare(const StepInfo& step) override { pump_->prepare(step); }
   void apply(Particles& particles, const StepInfo& info) override;
-  Real fastest(Real time) const override { return running(time) ? speed_(time) + settings_.jitter : 0; }
-  bool running(Real time) const { return time >= settings_.start && time < settings_.stop; }
+  Real fastest(Real time) const override;
+  std::optional<FountainState> state(Real time) const override { return pumped(time).value_or(FountainState{}); }
 
  private:
   bool contains(const Vec3& p) const;
+  std::optional<FountainState> pumped(Real time) const;
 
   Event event_;
   FountainSettings settings_;
-  PumpSpeed speed_;
+  std::unique_ptr<Pump> pump_;
   Real floor_;
   std::uint64_t seed_;
   int index_;

@@ -19,6 +19,8 @@ enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
 enum class WallDensity { none, analytic };
 enum class Reflection { normal, report };
+enum class Follow { pitch, loudness };
+enum class SpeedMapping { linear, energy };
 
 struct FluidSettings {
   Real spacing = 0.1;        ///< of the start lattice, m
@@ -28,21 +30,21 @@ struct FluidSettings {
 };
 
 struct DensitySettings {
-  Method method = Method::jacobi;
-  int iterations = 4;
+  Method method = Method::chebyshev;
+  int iterations = 4;             ///< the coarse-grid correction counts as one; a sweep follows it at least
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
-  Real relaxation = 0.5;
-  Real epsilon = 1;            ///< 1/m² at spacing 0.1
-  Real spectral_radius = 0.9;  ///< chebyshev: of the relaxed Jacobi iteration
-  Real warm_start = 0;         ///< chebyshev: share of the last step's multipliers to begin with
-  Real max_shift = 0;          ///< cap on a particle's shift in one iteration, in units of h; 0: none
+  Real relaxation = 0.7;
+  Real spectral_radius = 0.95;  ///< chebyshev: assumed of the relaxed Jacobi iteration
+  bool coarse_grid = true;      ///< the smooth part of the correction from the cell grid
+  Real max_shift = 0.2;         ///< cap on a particle's shift in a sweep, in units of h; 0: none
+  Real epsilon = 1;             ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
 };
 
 struct WallSettings {
   Real restitution = 0.5;
-  WallDensity density = WallDensity::none;
+  WallDensity density = WallDensity::analytic;
   Reflection reflection = Reflection::normal;
 };
 
@@ -52,14 +54,25 @@ struct TensileSettings {
   Real dq = 0.2;  ///< in units of h
 };
 
+struct MusicSettings {
+  std::string source;                        ///< a file, or "-" for raw PCM on standard input
+  Follow follow = Follow::pitch;             ///< what of it sets the speed; scores have a pitch only
+  int track = 0, channel = 0;                ///< of a MIDI file, from 1; 0: all (but channel 10, the drums)
+  int rate = 44100;                          ///< of raw PCM, Hz
+  std::pair<Real, Real> speed_range{5, 10};  ///< m/s, for the lowest and highest note, or silence and the loudest
+  SpeedMapping mapping = SpeedMapping::linear;
+};
+
 struct FountainSettings {
-  Real center[2] = {0, 0};                           ///< m, on the floor
-  Real diameter = 0.15, height = 0.2;                ///< m, upright cylinder on the floor
-  Vec3 direction = Vec3::UnitZ();                    ///< normalised
-  Real speed = 10, jitter = 0;                       ///< m/s
-  Real start = 0, stop = 1e300;                      ///< s
-  std::string music;                                 ///< path beside the scene, or "-"; empty: none
-  std::optional<std::pair<Real, Real>> speed_range;  ///< m/s, for the lowest and highest note
+  Real center[2] = {0, 0};             ///< m, on the floor
+  Real diameter = 0.15, height = 0.2;  ///< m, upright cylinder on the floor
+  Vec3 direction = Vec3::UnitZ();      ///< normalised
+  Real speed = 10, jitter = 0;         ///< m/s; speed counts where there is no music
+  Real start = 0, stop = 1e300;        ///< s
+  std::optional<MusicSettings> music;
+
+  /// The highest speed without jitter, m/s.
+  Real top_speed() const { return music ? music->speed_range.second : speed; }
 };
 
 }  // namespace trevi

@@ -25,16 +25,20 @@ class AnalyticWallDensity : public BoundaryDensity {
   BoundaryShare at(const Vec3& p) const override;
 
  private:
-  // A table over the distances (k + ½) spacing of `dimensions` planes, all pairs of them with d < h, linear in between.
+  // Tables over the distances (k + ½) spacing of one, two or three planes, all with d < h, multilinear in between: sums
+  // over the lattice points behind all of these planes, divided by the closed form or the product of the planes' own.
   using Distances = std::array<Real, 3>;
+  struct Table {
+    std::vector<Real> share, gradient;  // the gradient is along the first plane's normal
+  };
   Real ratio(const std::vector<Real>& table, const Distances& d, int dimensions) const;
-  void tabulate(Real spacing);
+  void tabulate(int dimensions);
+  BoundaryShare union_of_planes(const Distances& d, const std::array<int, 3>& axis, int near) const;
 
   Box box_;
   Real h_, spacing_;
-  int layers_;                               // lattice layers with distance below h
-  std::vector<Real> plane_, edge_, corner_;  // lattice sum over closed form, or over the product of plane shares
-  std::vector<Real> gradient_;
+  int layers_;                   // lattice layers with distance below h
+  std::array<Table, 3> tables_;  // plane, edge, corner
 };
 
 }  // namespace trevi

@@ -1,7 +1,7 @@
 // Checkpoints: DIR/checkpoint_<step>.h5 holds all that a restart needs, rows sorted by id, the same on any rank count.
-// /particles/{id,position,velocity[,hue,lambda]}, /checksums/ of the same names (checksums.hpp), /scene (text), and at
-// the root format, step, time, dt, substeps, wall_seconds, seed, program_version, scene_overrides, fountain_note,
-// fountain_speed. But for wall_seconds it is the same on any rank count. Random numbers and fountains are
+// /particles/{id,position,velocity[,hue]}, /checksums/ of the same names (checksums.hpp), /scene (text), and at
+// the root format, step, time, dt, substeps, seed, program_version, scene_overrides, fountain_note,
+// fountain_speed. Random numbers and fountains are
 // functions of (seed, id, step), so these are their state. Written under a temporary name, synced, renamed; only then
 // are older ones removed, down to `keep`. Collective: all but the struct definitions.
 #pragma once
@@ -31,7 +31,6 @@ struct CheckpointState {
   std::int64_t step = 0;
   Real dt = 0, time = 0;
   int substeps = 1;
-  Real wall_seconds = 0;  ///< used by the run so far
   CheckpointInfo info;
 };
 

@@ -10,9 +10,12 @@
 
 namespace trevi {
 
-/// InputError when the folder holds a run that `restart_file` is not part of; RunError when it cannot be made.
-void prepare_output_directory(MPI_Comm comm, const std::string& directory,
-                              const std::optional<std::string>& restart_file);
+/// Writes nothing. InputError when the folder holds a run that `restart_file` is not part of.
+void check_output_directory(MPI_Comm comm, const std::string& directory,
+                            const std::optional<std::string>& restart_file);
+
+/// To be called once all input has been found good. RunError when it cannot be made.
+void make_output_directory(MPI_Comm comm, const std::string& directory);
 
 /// Whether a run in this folder would lose nothing by beginning again: there is none, or it died before its first
 /// checkpoint and has written nothing past step 0.

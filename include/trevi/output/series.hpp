@@ -38,6 +38,7 @@ class SeriesWriter : public Observer {
   SeriesOptions options_;
   std::optional<AppendFile> file_;  ///< rank 0 only
   std::int64_t last_step_ = -1;     ///< of the last row in the file
+  Real wall_seconds_before_ = 0;    ///< of that row: what the run took before a restart
 };
 
 }  // namespace trevi

@@ -53,7 +53,7 @@ class CellOrder {
   std::vector<LocalId> start_;   // cells of planes_ + 2 planes, and the end
   std::vector<LocalId> cell_;    // of each particle, before sorting
   std::vector<LocalId> order_;   // sorted place -> old place
-  std::tuple<std::vector<GlobalId>, std::vector<Vec3>, std::vector<float>, std::vector<Real>> scratch_;
+  std::tuple<std::vector<GlobalId>, std::vector<Vec3>, std::vector<float>> scratch_;
 };
 
 }  // namespace trevi

@@ -19,10 +19,14 @@ struct NeighbourRows {
   std::vector<LocalId> index;  ///< longer than the last row, so that whole vectors can be read and written past any end
   LocalId crowded = -1;        ///< a particle with too many neighbours; the search stopped there
 
+  static constexpr std::size_t slack = 64;
+
   void reserve(std::int64_t n) {
-    constexpr std::size_t slack = 64;
     const auto wanted = static_cast<std::size_t>(n) + slack;
-    if (wanted > index.size()) index.resize(wanted + wanted / 8);
+    if (wanted <= index.size()) return;
+    // Reserved first: resize alone would double the memory of the largest array there is.
+    index.reserve(wanted + wanted / 8);
+    index.resize(wanted + wanted / 8);
   }
 };
 

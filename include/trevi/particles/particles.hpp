@@ -18,8 +18,7 @@ struct Particles {
   std::vector<Vec3> predicted;  ///< p*, m
   std::vector<Vec3> velocity;   ///< v, m/s
   std::vector<float> hue;       ///< start position on the rainbow, 0 to 1; empty unless the scene's colour asks for it
-  std::vector<Real> lambda;     ///< multipliers of the last step, m²; empty unless the density method starts from them
-  bool has_hue = false, has_lambda = false;
+  bool has_hue = false;
 
   LocalId size() const { return static_cast<LocalId>(id.size()); }
 
@@ -33,8 +32,8 @@ struct Particles {
     for_each_field_of(*this, visit);
   }
 
-  /// Calls visit(name, array) for each field, but for the id, that a checkpoint must hold: predicted positions are those
-  /// of the particles between two steps.
+  /// Calls visit(name, array) for each field, but for the id, that a checkpoint must hold: predicted positions are
+  /// those of the particles between two steps.
   template <class Visit>
   void for_each_saved_field(Visit&& visit) {
     for_each_saved_field_of(*this, visit);
@@ -56,14 +55,12 @@ struct Particles {
     visit(self.predicted);
     visit(self.velocity);
     if (self.has_hue) visit(self.hue);
-    if (self.has_lambda) visit(self.lambda);
   }
   template <class Self, class Visit>
   static void for_each_saved_field_of(Self& self, Visit&& visit) {
     visit("position", self.position);
     visit("velocity", self.velocity);
     if (self.has_hue) visit("hue", self.hue);
-    if (self.has_lambda) visit("lambda", self.lambda);
   }
 };
 

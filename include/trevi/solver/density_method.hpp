@@ -1,6 +1,10 @@
 // How the density constraints of all particles are solved together. Each method is an iteration over DensityProblem's
-// sweeps and leaves p* corrected, inside the walls, with fresh ghosts. Collective; the same bits on any rank count.
+// sweeps and leaves p* corrected, inside the walls, with fresh ghosts. Collective; the same bits on any rank count, but
+// for anderson, whose dot products are PETSc's.
 //   jacobi     p* += relaxation · delta (report, Algorithm 1; relaxation 1 there)
+//   chebyshev  the same accelerated by Chebyshev weights (Wang 2015), kept on the multipliers
+//   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options reach it)
+// With `coarse_grid` the first iteration of any of them is the coarse-grid correction.
 #pragma once
 
 #include <memory>
@@ -23,11 +27,31 @@ class DensityMethod {
   virtual std::size_t bytes() const { return 0; }
 };
 
-/// Builds the method a scene asks for. Throws InputError for one that is not built in.
-template <class T>
-std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, Real h);
+/// What the methods need to know of the scene and the machine.
+struct MethodContext {
+  MPI_Comm comm;
+  const CellGrid& grid;
+  const Box& box;
+  const DensityModel& model;
+  Real spacing;
+};
 
-extern template std::unique_ptr<DensityMethod<float>> make_density_method(const DensitySettings&, Real);
-extern template std::unique_ptr<DensityMethod<double>> make_density_method(const DensitySettings&, Real);
+template <class T>
+std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context);
+
+/// Whether the compression at the last multipliers meets the tolerance (mean; ten times it for the largest); never
+/// without one.
+template <class T>
+bool within_tolerance(const DensitySettings& settings, const DensityProblem<T>& problem) {
+  if (!settings.tolerance) return false;
+  const Compression c = problem.compression();
+  return c.mean <= *settings.tolerance && c.max <= 10 * *settings.tolerance;
+}
+
+/// A shift shortened to `longest`, m; 0: as it is.
+inline Vec3 capped(const Vec3& shift, Real longest) {
+  const Real length = shift.norm();
+  return longest > 0 && length > longest ? Vec3(shift * (longest / length)) : shift;
+}
 
 }  // namespace trevi

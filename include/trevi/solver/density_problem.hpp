@@ -6,6 +6,7 @@
 #include "trevi/domain/neighbourhood.hpp"
 #include "trevi/fluid/density.hpp"
 #include "trevi/fluid/walls.hpp"
+#include "trevi/solver/coarse_correction.hpp"
 
 namespace trevi {
 
@@ -29,13 +30,17 @@ class DensityProblem {
   /// The same with lambda_i replaced by use(i, lambda_i).
   template <class Use>
   void compute_lambda(Use&& use);
-  /// Gives particle i the multiplier value(i), without looking at densities; ghosts receive it.
-  template <class Value>
-  void set_lambda(Value&& value);
   /// Compression at the last compute_lambda(), the same bits on any rank count.
   Compression compression() const;
   /// delta of all owned particles from the present lambda, m.
   void compute_delta();
+  /// The same array from the coarse grid: displacements that undo the smooth part of the compression. Particles in one
+  /// place, which no gradient would ever part, get a small shift of their own, too.
+  void compute_coarse_delta(CoarseCorrection& coarse);
+  template <class Visit>
+  void for_each_delta(Visit&& visit) const {
+    for (std::size_t i = 0; i < delta_.size(); ++i) visit(i, vector_of(delta_[i]));
+  }
   /// p*_i = place(i, p*_i, delta_i) for all owned particles; ghosts receive the new positions.
   template <class Place>
   void move(Place&& place);
@@ -43,6 +48,8 @@ class DensityProblem {
   /// rho at the present p*, without touching lambda; for observers.
   void compute_density();
 
+  const CellOrder& order() const { return near_.order(); }
+  const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return walls_; }
   Particles& particles() { return *particles_; }
   std::span<const Real> density() const { return rho_; }
@@ -51,6 +58,7 @@ class DensityProblem {
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
   void lambda_of(PlaneRun run);
+  void separate_coincident();
 
   MPI_Comm comm_;
   Neighbourhood<T>& near_;
@@ -97,15 +105,6 @@ void DensityProblem<T>::compute_lambda(Use&& use) {
   update(near_.interior());
   const ScopedEvent waited(wait_event_);
   near_.halo().finish();
-}
-
-template <class T>
-template <class Value>
-void DensityProblem<T>::set_lambda(Value&& value) {
-  for (LocalId i = 0; i < near_.order().owned(); ++i) {
-    near_.record(i).w = static_cast<T>(value(static_cast<std::size_t>(i)));
-  }
-  near_.halo().exchange(near_.records());
 }
 
 extern template class DensityProblem<float>;

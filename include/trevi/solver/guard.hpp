@@ -8,8 +8,8 @@
 #include <string>
 
 #include "trevi/fluid/walls.hpp"
-#include "trevi/particles/particles.hpp"
 #include "trevi/parallel/vote.hpp"
+#include "trevi/particles/particles.hpp"
 
 namespace trevi {
 

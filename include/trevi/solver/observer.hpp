@@ -5,6 +5,7 @@
 #include <span>
 
 #include "trevi/base/clock.hpp"
+#include "trevi/fluid/forcing.hpp"
 #include "trevi/particles/particles.hpp"
 
 namespace trevi {
@@ -22,20 +23,13 @@ struct Diagnostics {
   Real imbalance = 1, wall_seconds = 0;
 };
 
-/// State of a fountain at this step, as series.csv reports it.
-struct FountainState {
-  Real note = 0;   ///< MIDI number of the note that sounds; nan when none
-  Real speed = 0;  ///< pump speed without jitter, m/s; 0 when off
-};
-
 /// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
 struct Frame {
   const Clock& clock;
   const Particles& particles;
-  std::span<const Real> density;   ///< kg/m³ at the final positions; empty unless an observer wanted it
-  const Diagnostics* diagnostics;  ///< null unless an observer wanted it
-  std::span<const FountainState> fountains;
-  Real wall_seconds = 0;  ///< since step 1 on this rank, restarts included, observers not counted
+  std::span<const Real> density;             ///< kg/m³ at the final positions; empty unless an observer wanted it
+  const Diagnostics* diagnostics;            ///< null unless an observer wanted it
+  std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene
 };
 
 class Observer {

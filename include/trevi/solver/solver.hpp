@@ -54,7 +54,8 @@ class Solver {
     double seconds = 0;     ///< in step(), observers not counted
   };
   virtual Counters counters() const = 0;
-  virtual std::span<const FountainState> fountains() const = 0;
+  /// What the fountains do at the clock's time, in the order of the scene.
+  virtual std::vector<FountainState> fountains() const = 0;
 };
 
 /// Everything a solver is made of; filled by the scene builder.
@@ -73,7 +74,6 @@ struct SolverParts {
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substeps;
   Clock clock;
-  Real wall_seconds = 0;                    ///< used before this process started
   std::function<RequestCounts()> requests;  ///< of this rank, from outside; may be empty
   Particles particles;                      ///< those in this rank's slab by position
 };
@@ -93,7 +93,7 @@ class PbfSolver : public Solver {
   const Particles& particles() const override { return parts_.particles; }
   const Slabs& slabs() const override { return *parts_.slabs; }
   Counters counters() const override;
-  std::span<const FountainState> fountains() const override { return {}; }
+  std::vector<FountainState> fountains() const override;
 
  private:
   void advance(const StepInfo& info);
@@ -105,7 +105,7 @@ class PbfSolver : public Solver {
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   void observe();
   void count_work();
-  Frame plain_frame() const;
+  Frame plain_frame();
 
   SolverParts<T> parts_;
   Guard guard_;
@@ -116,6 +116,7 @@ class PbfSolver : public Solver {
   Counters counters_;
   Stopwatch stopwatch_;
   SolveResult last_solve_;
+  std::vector<FountainState> fountain_states_;  // what the frames of observers point to
   Event predict_event_{"Predict"}, migrate_event_{"Migrate"}, update_event_{"UpdateVelocity"};
   Event diagnostics_event_{"Diagnostics"};
 };

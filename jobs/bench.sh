@@ -1,0 +1,132 @@
+#!/usr/bin/env bash
+# usage: jobs/bench.sh [--quick] [--repeats N]
+#
+# Measures how fast Trevi is on this machine, and prints tables:
+#   pair loops    ns per pair of each loop and of the search, memory roofline beside (build/bench/.../bench_pairs)
+#   falling cube  inputs/falling_cube.toml, 100 steps in single precision, on 1 and 2 ranks
+#   real time     inputs/bench_rest.toml: 96,000 particles, dt = 1/30 s, on 2 ranks; and with vorticity and XSPH
+#   two ranks     against one, 96,000 and 1 million particles, on a cloud that cuts evenly
+# Builds with benchmarks in build/bench; runs go to out/bench. Each run is done N times (default 3) and the fastest is
+# shown, as other work on the machine only ever slows one down. --quick leaves out the pair loops and the million.
+set -euo pipefail
+# shellcheck source=jobs/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+parse_arguments() {
+  quick=no
+  repeats=3
+  while [[ $# -gt 0 ]]; do
+    case "$1" in
+      -h | --help) print_help && exit 0 ;;
+      --quick) quick=yes && shift ;;
+      --repeats) repeats="${2:?--repeats needs a number}" && shift 2 ;;
+      --repeats=*) repeats="${1#*=}" && shift ;;
+      *) fail "unknown argument $1; see --help" 2 ;;
+    esac
+  done
+  [[ $repeats =~ ^[1-9][0-9]*$ ]] || fail "--repeats must be a positive number, not '$repeats'" 2
+}
+
+build_benchmarks() {
+  cmake --preset release -B build/bench -DTREVI_BENCHMARKS=ON -DTREVI_TESTS=OFF >/dev/null
+  cmake --build build/bench -j "$(build_jobs)"
+}
+
+# run NAME RANKS SCENE STEPS [KEY=VALUE ...]: the fastest of several runs; its report becomes out/bench/NAME.json.
+run() {
+  local name=$1 ranks=$2 scene=$3 steps=$4 k settings=()
+  shift 4
+  for k in "$@"; do settings+=(--set "$k"); done
+  for ((k = 1; k <= repeats; k++)); do
+    rm -rf "out/bench/$name-$k"
+    mpirun -np "$ranks" build/bench/trevi "$scene" --steps "$steps" --output "out/bench/$name-$k" --progress none \
+      "${settings[@]}" >"out/bench/$name-$k.log" 2>&1 || fail "$name failed; see out/bench/$name-$k.log"
+  done
+  python3 - "$name" "$repeats" <<'PYTHON'
+import json, sys
+name, repeats = sys.argv[1], int(sys.argv[2])
+reports = [json.load(open(f"out/bench/{name}-{k + 1}/run.json")) for k in range(repeats)]
+json.dump(min(reports, key=lambda report: report["wall_seconds"]), open(f"out/bench/{name}.json", "w"))
+PYTHON
+}
+
+# table TITLE NAME ...: one column per run, the phases below.
+table() {
+  python3 - "$@" <<'PYTHON'
+import json, sys
+title, names = sys.argv[1], sys.argv[2:]
+runs = [json.load(open(f"out/bench/{name}.json")) for name in names]
+def row(label, values, form="{:.1f}"):
+    print(f"{label:<36}" + "".join(f"{form.format(v) if v is not None else '-':>20}" for v in values))
+print(f"\n{title}")
+row("", names, "{}")
+row("ns per particle and step", [1e9 / r["particle_steps_per_second"] for r in runs])
+row("ms per step", [1e3 / r["steps_per_second"] for r in runs])
+row("simulated s per wall s", [r["simulated_seconds"] / r["wall_seconds"] for r in runs], "{:.2f}")
+row("ns per pair and pass", [r["nanoseconds_per_pair"] for r in runs], "{:.2f}")
+row("bytes per particle", [r["bytes_per_particle"] for r in runs], "{:.0f}")
+order = list(dict.fromkeys(p["name"] for r in runs for p in r["phases"]))
+for phase in order:
+    seconds = [{p["name"]: p["seconds"]["mean"] for p in r["phases"]}.get(phase) for r in runs]
+    row(f"  {phase}, ms a step", [s and 1e3 * s / r["steps"] for s, r in zip(seconds, runs)], "{:.2f}")
+PYTHON
+}
+
+# ratio NAME1 NAME2: what two ranks gain.
+ratio() {
+  python3 - "$@" <<'PYTHON'
+import json, sys
+one, two = (json.load(open(f"out/bench/{name}.json"))["wall_seconds"] for name in sys.argv[1:])
+print(f"{sys.argv[2]} against {sys.argv[1]}: {one / two:.2f} times as fast")
+PYTHON
+}
+
+falling_cube() {
+  local ranks
+  # Writing is not counted, and kept rare.
+  for ranks in 1 2; do
+    run "cube_np$ranks" "$ranks" inputs/falling_cube.toml 100 'density.precision="single"' output.vtu.every=1000.0 \
+      output.checkpoint.every=1000.0 output.series.every_steps=1000000
+  done
+  table "Falling cube, 100 steps, single precision" cube_np1 cube_np2
+}
+
+real_time() {
+  local scene=inputs/bench_rest.toml
+  run rest_np1 1 $scene 60
+  run rest_np2 2 $scene 60
+  run filters_np1 1 $scene 60 vorticity.epsilon=0.002 viscosity.c=0.001
+  run filters_np2 2 $scene 60 vorticity.epsilon=0.002 viscosity.c=0.001
+  table "Real time: 96,000 particles at rest, dt = 1/30 s; filters: with vorticity and XSPH" rest_np1 rest_np2 \
+    filters_np1 filters_np2
+  ratio rest_np1 rest_np2
+}
+
+million() {
+  local ranks
+  for ranks in 1 2; do
+    run "million_np$ranks" "$ranks" inputs/bench_rest.toml 10 'domain.max=[10.0, 10.0, 12.0]' \
+      'particles.0.max=[10.0, 10.0, 10.0]'
+  done
+  table "1 million particles at rest" million_np1 million_np2
+  ratio million_np1 million_np2
+}
+
+main() {
+  local quick repeats
+  parse_arguments "$@"
+  cd "$trevi_root"
+  install_packages
+  mpi_environment
+  # Ranks that are bound to one core each would share it with whatever else runs there.
+  export OMPI_MCA_hwloc_base_binding_policy=none
+  build_benchmarks
+  mkdir -p out/bench
+  lscpu | grep -E '^(Model name|CPU\(s\)|CPU max MHz|L[123]d? cache)'
+  [[ $quick == yes ]] || build/bench/tests/benchmarks/bench_pairs
+  falling_cube
+  real_time
+  [[ $quick == yes ]] || million
+}
+
+main "$@"

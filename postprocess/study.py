@@ -1,0 +1,66 @@
+"""What the studies share: a scene run with some keys set, and the figures of its series.csv. No program of its own."""
+
+import csv
+import os
+import shlex
+import subprocess
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+STRESS = ROOT / "inputs" / "stress"
+REPORT = ["density.preset=report"]
+PLAIN_JACOBI = ["density.method=jacobi", "density.relaxation=1.0", "density.constraint=equality", "walls.density=none"]
+MPI_SETTINGS = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+
+
+def simulate(trevi, scene, settings=(), time_limit=120):
+    """Columns of series.csv by name, as lists of float, exit code and message; exit code None: the limit was met."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(trevi), str(scene), "--output", folder + "/run", "--progress", "none"]
+        for setting in settings:
+            command += ["--set", setting]
+        try:
+            result = subprocess.run(command, capture_output=True, text=True, timeout=time_limit, check=False,
+                                    env={**os.environ, **MPI_SETTINGS})
+            code, message = result.returncode, result.stderr.strip()
+        except subprocess.TimeoutExpired:
+            code, message = None, f"stopped after {time_limit} s: {shlex.join(command)}"
+        return columns_of(Path(folder) / "run" / "series.csv"), code, message
+
+
+def columns_of(file):
+    if not file.exists():
+        return {}
+    with open(file, newline="", encoding="utf-8") as stream:
+        header, *rows = list(csv.reader(stream)) or [[]]
+    rows = [row for row in rows if len(row) == len(header)]
+    return {name: [float(row[k]) for row in rows] for k, name in enumerate(header)}
+
+
+def mean(values):
+    return sum(values) / len(values) if values else float("nan")
+
+
+def energies(columns):
+    return [k + p for k, p in zip(columns["kinetic_energy"], columns["potential_energy"])]
+
+
+def mass_of(columns, spacing=0.1, rest_density=1000.0):
+    """kg in all, by the volume of the lattice; a calibrated mass differs by the few per cent the kernel's sum does."""
+    return columns["particles"][0] * rest_density * spacing**3
+
+
+def energy_gain(columns, spacing=0.1):
+    """The highest rise of the total energy above its start, as a share of max(E0, m g h N), h twice the spacing."""
+    energy = energies(columns)
+    scale = max(abs(energy[0]), mass_of(columns, spacing) * 9.8 * 2 * spacing)
+    return (max(energy) - energy[0]) / scale
+
+
+def write_table(path, rows):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w", newline="", encoding="utf-8") as stream:
+        table = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)

@@ -1,0 +1,174 @@
+#!/usr/bin/python3
+"""Runs the stress cases with the report's preset and with the default, and says of each how it ended.
+
+stable       nothing of what follows
+dissipative  the centre of mass ends more than 5 % below that of the same volume of water at rest on the floor
+energy gain  passive scene that starts with C <= 0.01: total energy above its start by > 0.5 % of max(E0, m g h N)
+blow-up      stopped by its own guards, or did not end, or a speed five times what the scene can give
+refused      the program says beforehand what it cannot do
+The rows go to a CSV file; stability_matrix.py draws them.
+"""
+
+import argparse
+import math
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+from study import REPORT, ROOT, STRESS, energy_gain, mean, simulate, write_table
+
+GRAVITY = 9.8
+PRESETS = {"report": REPORT, "default": []}
+
+
+class Case(NamedTuple):
+    group: str
+    name: str
+    scene: str
+    settings: list
+    floor: float  # m², to tell the depth of the water at rest
+    spacing: float = 0.1
+    passive: bool = True
+    speed: float = 10.0  # m/s, what gravity or a pump can give
+
+
+def column(group, name, layers=40, spacing=0.1, settings=(), steps_per_second=60.0):
+    side, depth = 10 * spacing, layers * spacing
+    room = [f"domain.max=[{side:g},{side:g},{depth + 20 * spacing:g}]", f"particles.0.max=[{side:g},{side:g},{depth:g}]"]
+    own = [f"fluid.spacing={spacing:g}", f"time.dt={1 / steps_per_second!r}", *room, *settings]
+    return Case(group, name, "column", own, side * side, spacing, True, math.sqrt(2 * GRAVITY * depth))
+
+
+def cube(group, name, height=2.0, settings=(), steps_per_second=60.0):
+    end = math.sqrt(2 * height / GRAVITY) + 1.2
+    own = [f"particles.0.min=[1.0,0.5,{height:g}]", f"particles.0.max=[2.0,1.5,{height + 1:g}]",
+           f"domain.max=[3.0,2.0,{height + 3:g}]", f"time.end={end!r}", f"time.dt={1 / steps_per_second!r}"]
+    return Case(group, name, "cube", [*own, *settings], 6.0, 0.1, True, math.sqrt(2 * GRAVITY * (height + 1)))
+
+
+def dam(group, name, settings=()):
+    return Case(group, name, "dam_break", list(settings), 1.0, 0.05, True, math.sqrt(2 * GRAVITY * 2))
+
+
+def tank(length):
+    own = [f"domain.max=[{length},0.2,2.0]", "particles.0.max=[0.4,0.2,0.8]"]
+    return Case("tank length", f"{length} m", "dam_break", own, 0.2 * length, 0.05, True, 4.0)
+
+
+def pump(speed):
+    jet = [f"fountain.0.speed={speed}", "fountain.0.jitter=0.0", "time.end=1.0"]
+    return Case("pump", f"{speed} m/s", "fountain", jet, 3.84, 0.1, False, speed + 5)
+
+
+def overlap(name, shift):
+    place = [f"particles.1.min=[{1 + shift},{1 + shift},{shift}]", f"particles.1.max=[{2 + shift},{2 + shift},{1 + shift}]"]
+    return Case("overlap", name, "overlap", place, 9.0, 0.1, False, 10.0)
+
+
+def few(name, low, high, settings=()):
+    return Case("few", name, "few", [f"particles.0.min={low}", f"particles.0.max={high}", *settings], 1.0, 0.1, True, 5.0)
+
+
+def time_steps():
+    for rate in (240, 120, 60, 30, 20, 10):
+        yield column("dt, column", f"1/{rate} s", steps_per_second=rate)
+    for rate in (240, 120, 60, 30, 20, 10):
+        yield cube("dt, cube", f"1/{rate} s", steps_per_second=rate)
+    for rate in (240, 120, 60, 30, 20, 10):
+        yield dam("dt, dam break", f"1/{rate} s", [f"time.dt={1 / rate!r}"])
+
+
+def sizes():
+    for layers in (10, 20, 40, 80, 200):
+        yield column("layers", f"{layers}", layers)
+    for height in (0.5, 2.0, 5.0, 10.0, 20.0):
+        yield cube("drop", f"{height:g} m", height)
+    for spacing in (0.2, 0.1, 0.05, 0.025, 0.0125):
+        yield column("spacing", f"{spacing} m", 20, spacing)
+    for length in (0.84, 3.6, 4.0):
+        yield tank(length)
+
+
+def numbers():
+    for iterations in (1, 2, 4, 8, 16, 32, 64):
+        yield column("iterations, column", f"{iterations}", settings=[f"density.iterations={iterations}"])
+    for iterations in (1, 2, 4, 8, 16, 32, 64):
+        yield cube("iterations, cube", f"{iterations}", settings=[f"density.iterations={iterations}"])
+    yield column("epsilon 0", "column", settings=["density.epsilon=0.0"])
+    yield cube("epsilon 0", "cube", settings=["density.epsilon=0.0"])
+    yield few("ε = 0, one", "[0.4,0.4,1.0]", "[0.5,0.5,1.1]", ["density.epsilon=0.0"])._replace(group="epsilon 0", name="one")
+    for ratio in (1.5, 1.8, 2.0, 2.5, 3.0):
+        yield column("h/s", f"{ratio}", settings=[f"fluid.kernel_radius={ratio * 0.1:g}"])
+
+
+def oddities():
+    for speed in (5.0, 10.0, 20.0, 50.0, 100.0):
+        yield pump(speed)
+    yield overlap("tenth of s", 0.01)
+    yield overlap("half of s", 0.05)
+    yield overlap("coincident", 0.0)
+    yield few("one", "[0.4,0.4,1.0]", "[0.5,0.5,1.1]")
+    yield few("two", "[0.4,0.4,1.0]", "[0.6,0.5,1.1]")
+    yield few("in a corner", "[0.0,0.0,0.0]", "[0.1,0.1,0.1]")
+
+
+def all_cases():
+    return [*time_steps(), *sizes(), *numbers(), *oddities()]
+
+
+def verdict(case, columns, code):
+    """The word for a run, as this file's head defines it."""
+    if code == 2:
+        return "refused"
+    if code != 0 or not columns or not all(map(math.isfinite, columns["kinetic_energy"])):
+        return "blow-up"
+    if max(columns["speed_max"][1:]) > 5 * case.speed:
+        return "blow-up"
+    at_rest_start = case.passive and columns["compression_max"][0] <= 0.01
+    if at_rest_start and energy_gain(columns, case.spacing) > 0.005:
+        return "energy gain"
+    volume = columns["particles"][0] * case.spacing**3
+    # Water shallower than two layers, a single particle for one, has no depth to lose.
+    depth = volume / case.floor
+    lost = depth > 2 * case.spacing and columns["com_z"][-1] < 0.95 * depth / 2
+    return "dissipative" if lost else "stable"
+
+
+def row_of(case, preset, columns, code, message):
+    row = {"group": case.group, "case": case.name, "preset": preset, "verdict": verdict(case, columns, code)}
+    steps = len(columns.get("step", ()))
+    whole = steps > 1
+    row["steps"] = steps - 1
+    row["compression_mean"] = f"{mean(columns['compression_mean'][1:]):.3e}" if whole else ""
+    row["compression_max"] = f"{max(columns['compression_max']):.3e}" if whole else ""
+    row["energy_gain"] = f"{energy_gain(columns, case.spacing):.2e}" if whole else ""
+    row["speed_max"] = f"{max(columns['speed_max']):.3g}" if whole else ""
+    row["substeps"] = f"{mean(columns['substeps'][1:]):.2f}" if whole else ""
+    row["message"] = message.splitlines()[-1][:200] if code != 0 and message else ""
+    return row
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output", type=Path, help="CSV file to write")
+    parser.add_argument("--trevi", type=Path, default=ROOT / "build/release/trevi")
+    parser.add_argument("--only", default="", metavar="TEXT", help="cases whose group holds TEXT")
+    parser.add_argument("--preset", choices=PRESETS, action="append", help="default: both")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="in all runs, to try a remedy")
+    parser.add_argument("--time-limit", type=float, default=60, metavar="S", help="of one run (default: %(default)s)")
+    arguments = parser.parse_args()
+    rows = []
+    for case in all_cases():
+        if arguments.only not in case.group:
+            continue
+        for preset in arguments.preset or PRESETS:
+            settings = [*case.settings, *PRESETS[preset], *arguments.set]
+            rows.append(row_of(case, preset, *simulate(arguments.trevi, STRESS / f"{case.scene}.toml", settings,
+                                                       arguments.time_limit)))
+            print(*rows[-1].values(), sep="  ", flush=True)
+    write_table(arguments.output, rows)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

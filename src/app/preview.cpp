@@ -1,0 +1,36 @@
+#include "trevi/app/preview.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "trevi/app/build.hpp"
+#include "trevi/base/error.hpp"
+#include "trevi/output/files.hpp"
+#include "trevi/parallel/collective.hpp"
+
+namespace trevi {
+
+namespace {
+
+std::string number(Real value) { return std::isnan(value) ? "nan" : fmt::format("{}", value); }
+
+}  // namespace
+
+void write_preview(const Session& session, const Scene& scene, const PreviewOptions& options) {
+  if (scene.fountains.empty()) throw InputError(scene.path + ": no [[fountain]] to preview; add one");
+  const std::vector<std::unique_ptr<Forcing>> forcings = build_forcings(session.comm(), scene);
+  std::string text = "time";
+  for (std::size_t k = 0; k < scene.fountains.size(); ++k) text += fmt::format(",note_{0},speed_{0}", k);
+  for (Clock clock{0, scene.dt, 1}; clock.step <= options.last_step; ++clock.step) {
+    text += "\n" + number(clock.time());
+    for (const auto& forcing : forcings) {
+      if (const auto state = forcing->state(clock.time()))
+        text += "," + number(state->note) + "," + number(state->speed);
+    }
+    for (const auto& forcing : forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
+  }
+  on_root(session.comm(), [&] { replace_file(options.file, text + "\n"); });
+}
+
+}  // namespace trevi

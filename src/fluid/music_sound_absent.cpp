@@ -1,0 +1,13 @@
+// Stands in for music_sound.cpp in a build without libsndfile.
+#include "trevi/base/error.hpp"
+#include "trevi/fluid/music.hpp"
+
+namespace trevi {
+
+Melody read_sound(const std::string& name, const std::string&, Follow) {
+  throw InputError("[[fountain]] music: " + name +
+                   ": this build reads no sound files; configure with -DTREVI_WITH_SOUND=ON (it needs libsndfile), or "
+                   "give a text score (.txt)");
+}
+
+}  // namespace trevi

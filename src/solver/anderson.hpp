@@ -1,0 +1,26 @@
+// Anderson mixing of the Jacobi sweep by PETSc: SNES of type anderson on a Vec that wraps the solver's own positions
+// p*. The sweep G is the fixed-point map, F(p) = p − G(p) = −relaxation · delta(p). All -snes_* options reach it.
+// Collective.
+#pragma once
+
+#include "trevi/solver/density_method.hpp"
+
+namespace trevi {
+
+template <class T>
+class Anderson : public DensityMethod<T> {
+ public:
+  Anderson(MPI_Comm comm, const DensitySettings& settings, Real h)
+      : comm_(comm), settings_(settings), longest_(settings.max_shift * h) {}
+  SolveResult solve(DensityProblem<T>& problem) override;
+
+ private:
+  MPI_Comm comm_;
+  DensitySettings settings_;
+  Real longest_;
+};
+
+extern template class Anderson<float>;
+extern template class Anderson<double>;
+
+}  // namespace trevi

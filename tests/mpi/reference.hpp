@@ -1,0 +1,200 @@
+// The method by brute force in double precision, O(n²), one rank, no cells: Algorithm 1 of the report with the exact
+// definitions of the user's contract. Written from those texts alone and shares no numerical code with the solver,
+// except for the uniform random numbers of the fountain. Not collective.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "cloud.hpp"
+#include "trevi/fluid/forcing.hpp"
+
+namespace trevi::test {
+
+class Reference {
+ public:
+  Reference(const Scene& scene, const Cloud& cloud) : s_(scene), cloud_(sorted_by_id(cloud)) {
+    const Real ratio = scene.fluid.spacing / 0.1;
+    epsilon_ = scene.density.epsilon / (ratio * ratio);
+    if (scene.tensile) k_ = scene.tensile->k * ratio * ratio;
+    mass_ = scene.fluid.rest_density * std::pow(scene.fluid.spacing, 3);
+    if (scene.fluid.mass == Mass::calibrated) mass_ *= scene.fluid.rest_density / lattice_density();
+  }
+
+  const Cloud& cloud() const { return cloud_; }
+  const std::vector<Real>& densities() const { return rho_; }  ///< at the last evaluation
+
+  void step(int substeps = 1) {
+    dt_ = s_.dt / substeps;
+    for (int k = 0; k < substeps; ++k) substep({steps_, k, static_cast<Real>(steps_) * s_.dt + k * dt_, dt_});
+    ++steps_;
+    find_densities();
+  }
+
+ private:
+  using Vectors = std::vector<Vec3>;
+
+  std::size_t size() const { return cloud_.id.size(); }
+  Real h() const { return s_.fluid.kernel_radius; }
+  Real poly6(Real r) const {
+    return r < h() ? 315 / (64 * std::numbers::pi * std::pow(h(), 9)) * std::pow(h() * h() - r * r, 3) : 0;
+  }
+  /// ∇W of Spiky with respect to the first particle of the pair.
+  Vec3 spiky(const Vec3& r) const {
+    const Real d = r.norm();
+    if (d == 0 || d >= h()) return Vec3::Zero();
+    return -45 / (std::numbers::pi * std::pow(h(), 6)) * (h() - d) * (h() - d) * (r / d);
+  }
+
+  /// Density of the interior of the start lattice with the mass of "volume".
+  Real lattice_density() const {
+    const int reach = static_cast<int>(std::ceil(h() / s_.fluid.spacing));
+    Real sum = 0;
+    for (int x = -reach; x <= reach; ++x)
+      for (int y = -reach; y <= reach; ++y)
+        for (int z = -reach; z <= reach; ++z) sum += poly6(s_.fluid.spacing * std::sqrt(x * x + y * y + z * z));
+    return mass_ * sum;
+  }
+
+  void substep(const StepInfo& info) {
+    apply_forces(info);
+    p_.resize(size());
+    for (std::size_t i = 0; i < size(); ++i) p_[i] = fly(cloud_.position[i], cloud_.velocity[i], dt_);
+    find_neighbours();
+    for (int k = 0; k < s_.density.iterations; ++k) iterate();
+    for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] = (p_[i] - cloud_.position[i]) / dt_;
+    if (s_.vorticity) confine_vorticity();
+    if (s_.viscosity) smooth();
+    cloud_.position = p_;
+  }
+
+  void apply_forces(const StepInfo& info) {
+    for (std::size_t i = 0; i < size(); ++i) {
+      Vec3& v = cloud_.velocity[i];
+      if (s_.gravity) v += dt_ * *s_.gravity;
+      for (std::size_t f = 0; f < s_.fountains.size(); ++f) {
+        const FountainSettings& fountain = s_.fountains[f];
+        const Vec3 r = cloud_.position[i] - Vec3(fountain.center[0], fountain.center[1], s_.domain_min.z());
+        const bool inside = std::hypot(r.x(), r.y()) <= fountain.diameter / 2 && r.z() <= fountain.height;
+        if (!inside || info.time < fountain.start || info.time >= fountain.stop) continue;
+        const Real u = uniform(s_.seed, cloud_.id[i], info, static_cast<int>(f));
+        v = fountain.direction.normalized() * (fountain.speed + fountain.jitter * u);
+      }
+    }
+  }
+
+  /// Time until p + t v leaves the box and the axis along which it does; −1 if not before `t`.
+  std::pair<Real, int> exit_time(const Vec3& p, const Vec3& v, Real t) const {
+    int axis = -1;
+    for (int a = 0; a < 3; ++a) {
+      if (v[a] == 0) continue;
+      const Real plane = v[a] > 0 ? s_.domain_max[a] : s_.domain_min[a];
+      if ((plane - p[a]) / v[a] < t) {
+        t = (plane - p[a]) / v[a];
+        axis = a;
+      }
+    }
+    return {t, axis};
+  }
+
+  /// Algorithm 3, velocity part.
+  Vec3 fly(const Vec3& p, Vec3 v, Real t) const {
+    const auto [t1, axis] = exit_time(p, v, t);
+    if (axis < 0) return p + t * v;
+    Vec3 at = p + t1 * v;
+    at[axis] = v[axis] > 0 ? s_.domain_max[axis] : s_.domain_min[axis];
+    v[axis] = -v[axis];
+    if (s_.walls.reflection == Reflection::report) {
+      v *= s_.walls.restitution;
+    } else {
+      v[axis] *= s_.walls.restitution;
+    }
+    return fly(at, v, t - t1);
+  }
+
+  /// Algorithm 3, Δp part.
+  Vec3 shifted(const Vec3& p, const Vec3& d) const {
+    if (s_.walls.reflection == Reflection::normal) return (p + d).cwiseMax(s_.domain_min).cwiseMin(s_.domain_max);
+    const auto [t1, axis] = exit_time(p, d, 1);
+    Vec3 at = p + t1 * d;
+    if (axis >= 0) at[axis] = d[axis] > 0 ? s_.domain_max[axis] - 1e-6 * h() : s_.domain_min[axis] + 1e-6 * h();
+    return at;
+  }
+
+  void find_neighbours() {
+    near_.assign(size(), {});
+    for (std::size_t i = 0; i < size(); ++i)
+      for (std::size_t j = 0; j < size(); ++j)
+        if (j != i && (p_[i] - p_[j]).norm() < h()) near_[i].push_back(j);
+  }
+
+  void find_densities() {
+    rho_.assign(size(), 0);
+    for (std::size_t i = 0; i < size(); ++i) {
+      rho_[i] = mass_ * poly6(0);
+      for (const std::size_t j : near_[i]) rho_[i] += mass_ * poly6((p_[i] - p_[j]).norm());
+    }
+  }
+
+  Real lambda_of(std::size_t i) const {
+    Real c = rho_[i] / s_.fluid.rest_density - 1;
+    if (s_.density.constraint == Constraint::inequality) c = std::max(c, 0.0);
+    Vec3 own = Vec3::Zero();
+    Real sum = 0;
+    for (const std::size_t j : near_[i]) {
+      const Vec3 gradient = mass_ / s_.fluid.rest_density * spiky(p_[i] - p_[j]);
+      own += gradient;
+      sum += gradient.squaredNorm();
+    }
+    return -c / (own.squaredNorm() + sum + epsilon_);
+  }
+
+  /// One Jacobi iteration: all from the old p*.
+  void iterate() {
+    find_densities();
+    std::vector<Real> lambda(size());
+    for (std::size_t i = 0; i < size(); ++i) lambda[i] = lambda_of(i);
+    Vectors moved(size());
+    for (std::size_t i = 0; i < size(); ++i) {
+      Vec3 delta = Vec3::Zero();
+      for (const std::size_t j : near_[i]) {
+        const Vec3 r = p_[i] - p_[j];
+        const Real s_corr =
+            s_.tensile ? -k_ * std::pow(poly6(r.norm()) / poly6(s_.tensile->dq * h()), s_.tensile->n) : 0;
+        delta += (lambda[i] + lambda[j] + s_corr) * spiky(r);
+      }
+      moved[i] = shifted(p_[i], s_.density.relaxation * mass_ / s_.fluid.rest_density * delta);
+    }
+    p_ = moved;
+  }
+
+  void confine_vorticity() {
+    Vectors omega(size(), Vec3::Zero()), v = cloud_.velocity;
+    for (std::size_t i = 0; i < size(); ++i)
+      for (const std::size_t j : near_[i]) omega[i] += mass_ * (v[j] - v[i]).cross(-spiky(p_[i] - p_[j]));
+    for (std::size_t i = 0; i < size(); ++i) {
+      Vec3 eta = Vec3::Zero();
+      for (const std::size_t j : near_[i])
+        eta += mass_ / s_.fluid.rest_density * (omega[j].norm() - omega[i].norm()) * spiky(p_[i] - p_[j]);
+      if (eta.norm() > 0) cloud_.velocity[i] += dt_ * *s_.vorticity * (eta / eta.norm()).cross(omega[i]);
+    }
+  }
+
+  void smooth() {
+    const Vectors v = cloud_.velocity;
+    for (std::size_t i = 0; i < size(); ++i)
+      for (const std::size_t j : near_[i])
+        cloud_.velocity[i] += *s_.viscosity * mass_ * (v[j] - v[i]) * poly6((p_[i] - p_[j]).norm());
+  }
+
+  Scene s_;
+  Cloud cloud_;
+  Real mass_ = 0, epsilon_ = 0, k_ = 0, dt_ = 0;
+  std::int64_t steps_ = 0;
+  Vectors p_;
+  std::vector<std::vector<std::size_t>> near_;
+  std::vector<Real> rho_;
+};
+
+}  // namespace trevi::test

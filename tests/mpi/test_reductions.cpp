@@ -1,0 +1,83 @@
+// Sums with the same bits on any number of ranks, and the quantile without sorting against sorting.
+#include <cmath>
+
+#include "distributed.hpp"
+#include "trevi/parallel/reductions.hpp"
+#include "trevi/solver/diagnostics.hpp"
+
+namespace trevi::test {
+namespace {
+
+// Terms of very different size and sign, so that another order of summation shows.
+TEST(Reductions, SumOverPlanesIsThatOfOneLoop) {
+  constexpr std::size_t planes = 23, columns = 3;
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<Real> number(-1, 1);
+  std::vector<Real> rows(planes * columns);
+  for (Real& value : rows) value = number(random) * std::pow(10, 12 * number(random));
+  std::vector<Real> expected(columns, 0.0), reversed(columns, 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    expected[k % columns] += rows[k];
+    reversed[2 - k % columns] += rows[rows.size() - 1 - k];
+  }
+  EXPECT_NE(expected, reversed) << "the order does not show in this data";
+  const Slabs slabs(std::vector<Real>(planes, 1.0), size_of(world));
+  const auto begin = static_cast<std::size_t>(slabs.first_plane(rank_of(world))) * columns;
+  const auto end = static_cast<std::size_t>(slabs.last_plane(rank_of(world))) * columns;
+  EXPECT_EQ(sum_over_planes(world, std::span(rows).subspan(begin, end - begin), columns), expected);
+}
+
+TEST(Reductions, ExtremaAndCounts) {
+  const int rank = rank_of(world), size = size_of(world);
+  EXPECT_EQ(max_over_ranks(world, -3.5 - rank), -3.5);
+  EXPECT_EQ(min_over_ranks(world, 2.5 - rank), 2.5 - (size - 1));
+  EXPECT_EQ(sum_over_ranks(world, (GlobalId{1} << 40) + rank), (GlobalId{1} << 40) * size + size * (size - 1) / 2);
+}
+
+/// The k-th smallest, with k = ceil(fraction n).
+Real by_sorting(std::vector<Real> values, Real fraction) {
+  std::sort(values.begin(), values.end());
+  const auto k = static_cast<std::size_t>(std::ceil(fraction * static_cast<Real>(values.size()) - 1e-9));
+  return values[std::max<std::size_t>(k, 1) - 1];
+}
+
+const Box quantile_box{Vec3(0.6778396292912645, 0, 0), Vec3(5.887519352086528, 1, 1)};
+const Real left = quantile_box.min.x(), width = quantile_box.max.x() - left;
+
+void expect_quantiles(const std::vector<Real>& x) {
+  std::vector<Vec3> mine;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    if (static_cast<int>(k * k % 7) % size_of(world) == rank_of(world)) mine.emplace_back(x[k], 0.5, 0.5);
+  for (const Real fraction : {0.01, 0.5, 0.99, 1.0})
+    EXPECT_NEAR(quantile(world, mine, 0, fraction, quantile_box), by_sorting(x, fraction), 1e-10 * width) << fraction;
+}
+
+TEST(Quantile, RandomPlaces) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<Real> number(left, left + width);
+  for (const int n : {1, 2, 100, 1000}) {
+    std::vector<Real> x(static_cast<std::size_t>(n));
+    for (Real& value : x) value = number(random);
+    expect_quantiles(x);
+  }
+}
+
+// Places within a rounding of the borders of its intervals, where a particle can be lost between two of them.
+TEST(Quantile, PlacesOnBorders) {
+  for (const int parts : {10, 4096}) {
+    std::vector<Real> x;
+    for (int k = 0; k <= parts; ++k) x.push_back(std::min(left + width / parts * k, left + width));
+    expect_quantiles(x);
+  }
+  for (int k = 0; k < 4096; k += 457) {
+    const Real border = left + width / 4096 * k;
+    expect_quantiles({border, border, border});
+    expect_quantiles({std::nextafter(border, left), std::nextafter(border, left + width)});
+  }
+  expect_quantiles({left + width, left + width});
+}
+
+TEST(Quantile, OfNothingIsNan) { EXPECT_TRUE(std::isnan(quantile(world, {}, 0, 0.99, {Vec3::Zero(), Vec3::Ones()}))); }
+
+}  // namespace
+}  // namespace trevi::test

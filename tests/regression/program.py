@@ -1,0 +1,47 @@
+"""What the tests of the whole program share: running it on some ranks, with a time limit, in a folder of its own."""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+INPUTS = Path(__file__).resolve().parents[2] / "inputs"
+TIME_LIMIT = 100  # s, for one run: a rank that waits for ever is a failure
+MPI_SETTINGS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+
+
+class ProgramTest(unittest.TestCase):
+    trevi = mpirun = None  # set by main()
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def run_trevi(self, ranks, *arguments, folder=None):
+        command = [self.mpirun, "-np", ranks] if ranks > 1 else []
+        return subprocess.run([str(word) for word in [*command, self.trevi, *arguments]], cwd=folder or self.folder,
+                              env={**os.environ, **MPI_SETTINGS}, capture_output=True, text=True, timeout=TIME_LIMIT,
+                              check=False)
+
+    def run_well(self, ranks, *arguments):
+        result = self.run_trevi(ranks, *arguments, "--progress", "none")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def contents(self, folder=None):
+        """Every file and folder below one, the test's own for instance, with its bytes."""
+        return {path: path.read_bytes() if path.is_file() else None for path in (folder or self.folder).rglob("*")}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("trevi", type=Path)
+    parser.add_argument("mpirun")
+    paths, rest = parser.parse_known_args()
+    ProgramTest.trevi, ProgramTest.mpirun = paths.trevi.resolve(), paths.mpirun
+    unittest.main(module="__main__", argv=[sys.argv[0], *rest])

@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""Bad input through the whole program, on one and on two ranks: exit code 2, the message names file, line and key and
+is printed once, nothing is written, and no rank is left waiting."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import h5py
+import numpy
+
+from program import ProgramTest, main
+
+# The good scene, by line: each case replaces one line, so the number of the bad line is known.
+GOOD = ["[domain]", "min = [0, 0, 0]", "max = [2, 1, 1]", "[fluid]", "spacing = 0.1", "kernel_radius = 0.2",
+        "[[particles]]", "type = 'block'", "min = [0, 0, 0]", "max = [1, 1, 0.5]", "[time]", "dt = 0.01", "end = 0.02",
+        "[output.series]", "every_steps = 1"]
+
+# name -> (line, its replacement, where and what the message must say)
+BAD_LINES = {
+    "unknown key": (5, "spacing = 0.1\nspacin = 0.1", ["scene.toml:6:", "spacin"]),
+    "unknown table": (14, "[output.series]\nevery_steps = 1\n[swirl]", ["scene.toml:16:", "swirl"]),
+    "wrong type": (5, "spacing = 'wide'", ["scene.toml:5:", "spacing"]),
+    "negative spacing": (5, "spacing = -0.1", ["scene.toml:5:", "spacing"]),
+    "h > box": (6, "kernel_radius = 1.5", ["scene.toml:6:", "kernel_radius"]),
+    "particles outside": (10, "max = [1, 1.4, 0.5]", ["scene.toml:10:", "particles", "max"]),
+    "dt = 0": (12, "dt = 0", ["scene.toml:12:", "dt"]),
+    "zero particles": (10, "max = [1, 0.01, 0.5]", ["scene.toml:", "particles"]),
+    "nan": (12, "dt = nan", ["scene.toml:12:", "dt"]),
+    "infinite velocity": (9, "min = [0, 0, 0]\nvelocity = [inf, 0, 0]", ["scene.toml:10:", "velocity"]),
+    "not toml": (12, "dt = = 3", ["scene.toml:12"]),
+}
+
+
+def scene_with(line, text):
+    return "\n".join([*GOOD[:line - 1], text, *GOOD[line:]]) + "\n"
+
+
+def scene_of_file():
+    return "\n".join([*GOOD[:7], "type = 'file'", "path = 'cloud.h5'", *GOOD[10:]]) + "\n"
+
+
+class BadInput(ProgramTest):
+    def refuse(self, name, text, arguments, words, ranks, prepare=None):
+        """Runs the program on one bad case in a folder of its own and returns what it did wrong, if anything."""
+        folder = self.folder / f"{name} on {ranks}"
+        folder.mkdir()
+        (folder / "scene.toml").write_text(text)
+        if prepare:
+            prepare(folder)
+        before = self.contents(folder)
+        result = self.run_trevi(ranks, *arguments, folder=folder)
+        wrong = [f"'{word}' is not in the message" for word in words if word not in result.stderr]
+        if result.returncode != 2:
+            wrong.append(f"exit code {result.returncode}")
+        if result.stderr.count(words[0]) > 1:
+            wrong.append("printed more than once")
+        if self.contents(folder) != before:
+            wrong.append("something was written")
+        return f"{folder.name}: {', '.join(wrong)}\n{result.stderr}" if wrong else None
+
+    def assert_all_refused(self, cases, rank_counts=(1, 2)):
+        """Several at a time, as most of a refusal is mpirun's waiting."""
+        with ThreadPoolExecutor(4) as pool:
+            runs = [pool.submit(self.refuse, *case[:4], ranks, *case[4:]) for case in cases for ranks in rank_counts]
+        failures = [run.result() for run in runs if run.result()]
+        self.assertFalse(failures, "\n".join(failures))
+
+    def test_good_scene_runs(self):
+        (self.folder / "scene.toml").write_text("\n".join(GOOD))
+        self.run_well(2, "scene.toml")
+        self.assertEqual(len((self.folder / "out/scene/series.csv").read_text().splitlines()), 4)
+
+    def test_each_bad_line(self):
+        self.assert_all_refused([(name, scene_with(line, text), ["scene.toml"], words)
+                                 for name, (line, text, words) in BAD_LINES.items()])
+
+    def test_all_problems_at_once(self):
+        text = scene_with(12, "dt = -1").replace("spacing = 0.1", "spacing = 'x'") + "[walls]\nbounce = 2\n"
+        self.assert_all_refused([("all", text, ["scene.toml", "--set", "time.end=-3"],
+                                  ["scene.toml:5:", "scene.toml:12:", "scene.toml:17:", "bounce", "time.end"])])
+
+    def test_command_line(self):
+        good = "\n".join(GOOD)
+        self.assert_all_refused([(f"{k}", good, arguments, words) for k, (arguments, words) in enumerate((
+            (["none.toml"], ["none.toml"]),
+            ([], ["usage"]),
+            (["scene.toml", "--set", "time.dt"], ["time.dt"]),
+            (["scene.toml", "--set", "fluid.colour=3"], ["fluid.colour"]),
+            (["scene.toml", "--fast"], ["--fast"]),
+            (["scene.toml", "--steps", "-3"], ["--steps:"]),
+            (["scene.toml", "--restart", "none.h5"], ["none.h5"]),
+            (["scene.toml", "--restart", "scene.toml"], ["scene.toml"]),
+        ))])
+
+    def test_more_ranks_than_planes(self):
+        text = "\n".join(GOOD).replace("max = [2, 1, 1]", "max = [1, 1, 1]")
+        self.assert_all_refused([("planes", text, ["scene.toml"], ["planes", "5", "ranks", "6"])], rank_counts=(6,))
+
+    def test_particle_files(self):
+        inside = numpy.full((40, 3), 0.5)
+        outside, broken = inside.copy(), inside.copy()
+        outside[7, 1] = 1.5
+        broken[39, 2] = numpy.nan
+
+        def file_of(position, ids):
+            def write(folder):
+                with h5py.File(folder / "cloud.h5", "w") as file:
+                    file["particles/position"], file["particles/id"] = position, numpy.array(ids)
+            return write
+
+        self.assert_all_refused([(name, scene_of_file(), ["scene.toml"], words, prepare) for name, words, prepare in (
+            ("outside", ["outside the box"], file_of(outside, range(40))),
+            ("broken", ["cloud.h5"], file_of(broken, range(40))),
+            ("twins", ["cloud.h5", "3"], file_of(inside, [*range(39), 3])),
+            ("flat", ["cloud.h5"], file_of(inside[:, :2], range(40))),
+            ("missing", ["cloud.h5"], None),
+        )])
+
+
+if __name__ == "__main__":
+    main()

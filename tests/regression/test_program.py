@@ -1,0 +1,110 @@
+#!/usr/bin/python3
+"""The program as a user runs it: the same results on any rank count and across a restart, nothing overwritten, nothing
+touched by a dry run, and a profile that names the phases of the method."""
+
+import csv
+import json
+import re
+
+from program import INPUTS, ProgramTest, main
+
+CUBE, FOUNTAIN = INPUTS / "falling_cube_small.toml", INPUTS / "fountain_small.toml"
+
+
+def rows(run):
+    """The rows of series.csv without what may depend on ranks and machine."""
+    with open(run / "series.csv", newline="") as file:
+        return [{key: value for key, value in row.items() if key not in ("imbalance", "wall_seconds")}
+                for row in csv.DictReader(file)]
+
+
+class SameResults(ProgramTest):
+    def run_to(self, name, ranks, scene, steps, *more):
+        self.run_well(ranks, scene, "--output", name, "--steps", steps, *more)
+        return self.folder / name
+
+    def assert_same(self, run, reference, step):
+        name = f"checkpoint_{step:06d}.h5"
+        self.assertTrue((run / name).read_bytes() == (reference / name).read_bytes(), f"{run.name}: {name} differs")
+        self.assertEqual(rows(run), rows(reference))
+        self.assertEqual([int(row["step"]) for row in rows(run)], list(range(step + 1)))
+
+    def on_any_rank_count(self, scene, steps, *more, rank_counts=(2, 3, 5)):
+        alone = self.run_to("alone", 1, scene, steps, *more)
+        for ranks in rank_counts:
+            with self.subTest(ranks=ranks):
+                self.assert_same(self.run_to(f"on_{ranks}", ranks, scene, steps, *more), alone, steps)
+
+    def test_falling_cube(self):
+        self.on_any_rank_count(CUBE, 24)  # it lands in frame 20
+
+    def test_fountain(self):
+        self.on_any_rank_count(FOUNTAIN, 12)
+
+    def test_single_precision(self):
+        self.on_any_rank_count(CUBE, 22, "--set", "density.precision='single'", rank_counts=[3])
+
+    def test_report_preset(self):
+        self.on_any_rank_count(CUBE, 22, "--set", "density.preset='report'", rank_counts=[2])
+
+    def test_restart_on_another_rank_count(self):
+        for scene, first, last in ((CUBE, 18, 26), (FOUNTAIN, 5, 12)):
+            with self.subTest(scene.stem):
+                whole = self.run_to(f"whole_{scene.stem}", 1, scene, last)
+                parts = self.run_to(f"parts_{scene.stem}", 2, scene, first)
+                self.run_to(parts.name, 3, scene, last, "--restart", "latest")
+                self.assert_same(parts, whole, last)
+
+
+class Outputs(ProgramTest):
+    def test_run_json_tells_how_it_ended(self):
+        self.run_well(2, CUBE, "--output", "run", "--steps", 2)
+        report = json.loads((self.folder / "run" / "run.json").read_text())
+        self.assertIn("done", json.dumps(report))
+
+    def test_second_run_into_the_same_folder_is_refused(self):
+        self.run_well(1, CUBE, "--output", "run", "--steps", 1)
+        before = self.contents()
+        for ranks in (1, 2):
+            result = self.run_trevi(ranks, CUBE, "--output", "run", "--steps", 1)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("run", result.stderr)
+            self.assertEqual(self.contents(), before)
+
+    def test_dry_run_touches_nothing(self):
+        for ranks in (1, 3):
+            result = self.run_well(ranks, CUBE, "--dry-run")
+            self.assertIn("3072", result.stdout.replace(",", ""))
+            self.assertEqual(self.contents(), {})
+
+
+class Profile(ProgramTest):
+    def events(self, *overrides):
+        """Name -> (calls, flops) of the lines of -log_view, largest over ranks; and the whole text."""
+        settings = [word for override in overrides for word in ("--set", override)]
+        text = self.run_well(2, CUBE, "--output", f"run_{len(overrides)}", "--steps", 3, *settings, "-log_view").stdout
+        lines = re.findall(r"^(\w+) +(\d+) [\d.]+ [\d.e+-]+ +[\d.]+ ([\d.e+-]+) ", text, re.MULTILINE)
+        return {name: (int(calls), float(flops)) for name, calls, flops in lines}, text
+
+    def test_log_view_reads_as_a_profile_of_the_method(self):
+        events, text = self.events("density.iterations=5", "density.method='jacobi'", "density.coarse_grid=false")
+        self.assertRegex(text, r"\d: +Solve:")
+        for name in ("Lambda", "Delta", "Vorticity", "XsphViscosity", "NeighbourSearch"):
+            self.assertIn(name, events)
+        self.assertGreaterEqual(events["Delta"][0], 12)  # the coarse grid and four sweeps in each of three steps
+        for name in ("Lambda", "Delta", "Vorticity", "XsphViscosity"):
+            self.assertGreater(events[name][1], 1e5, f"no flops are logged for {name}")
+
+    def test_what_a_scene_does_not_name_has_no_line(self):
+        text = CUBE.read_text()
+        for table in ("vorticity", "viscosity"):
+            text = re.sub(rf"\[{table}\][^\[]*", "", text)
+        (self.folder / "plain.toml").write_text(text)
+        result = self.run_well(2, "plain.toml", "--output", "run", "--steps", 2, "-log_view")
+        self.assertIn("Lambda", result.stdout)
+        for name in ("Vorticity", "Xsph", "Fountain"):
+            self.assertNotIn(name, result.stdout)
+
+
+if __name__ == "__main__":
+    main()
