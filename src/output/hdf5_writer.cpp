@@ -31,8 +31,11 @@ Hdf5Handle timeless(hid_t kind) {
 
 Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
   silence_hdf5();
-  on_root(comm_, [&] { create_file(); });
-  all_or_none(comm_, [&] { disk_.emplace(path_); });
+  on_root(comm_, [&] { create_empty_file(path_); });
+  all_or_none(comm_, [&] {
+    disk_.emplace(path_);
+    create_layout();
+  });
 }
 
 Hdf5Writer::~Hdf5Writer() = default;
@@ -46,12 +49,7 @@ void Hdf5Writer::attempt(const std::function<void()>& work) {
   }
 }
 
-void Hdf5Writer::attempt_on_root(const std::function<void()>& work) {
-  if (rank_of(comm_) == 0) attempt(work);
-}
-
-void Hdf5Writer::create_file() {
-  create_empty_file(path_);
+void Hdf5Writer::create_layout() {
   layout_.emplace();
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.id(), false, true);
@@ -104,11 +102,11 @@ std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat forma
 }
 
 void Hdf5Writer::write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes) {
-  std::int64_t place = 0;
-  attempt_on_root([&] { place = create_dataset(name, format, slice.total); });
-  MPI_Bcast(&place, 1, MPI_INT64_T, 0, comm_);
-  const std::int64_t row = slice.count == 0 ? 0 : static_cast<std::int64_t>(bytes.size()) / slice.count;
-  attempt([&] { disk_->write(place + slice.first * row, bytes); });
+  attempt([&] {
+    const std::int64_t place = create_dataset(name, format, slice.total);
+    const std::int64_t row = slice.count == 0 ? 0 : static_cast<std::int64_t>(bytes.size()) / slice.count;
+    disk_->write(place + slice.first * row, bytes);
+  });
 }
 
 void Hdf5Writer::create_text(const std::string& name, const std::string& value) const {
@@ -123,12 +121,12 @@ void Hdf5Writer::create_text(const std::string& name, const std::string& value) 
 }
 
 void Hdf5Writer::text(const std::string& name, const std::string& value) {
-  attempt_on_root([&] { create_text(name, value); });
+  attempt([&] { create_text(name, value); });
 }
 
 void Hdf5Writer::write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space,
                                  const void* value) {
-  attempt_on_root([&] {
+  attempt([&] {
     create_groups(name);
     const std::size_t slash = name.rfind('/');
     const std::string group = slash == std::string::npos ? "/" : name.substr(0, slash + 1);
@@ -167,7 +165,7 @@ void Hdf5Writer::attribute(const std::string& name, const std::string& value) {
 }
 
 void Hdf5Writer::link(const std::string& name, const std::string& second_name) {
-  attempt_on_root([&] {
+  attempt([&] {
     create_groups(second_name);
     check(H5Lcreate_hard(file_.id(), name.c_str(), file_.id(), second_name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0,
           second_name);
@@ -187,11 +185,11 @@ void Hdf5Writer::copy_layout() {
 }
 
 void Hdf5Writer::close() {
-  attempt_on_root([&] {
+  attempt([&] {
     check(file_.close(), "to the end");
-    copy_layout();
+    if (rank_of(comm_) == 0) copy_layout();
+    disk_->sync();
   });
-  attempt([&] { disk_->sync(); });
   all_or_none(comm_, [&] {
     if (failure_) std::rethrow_exception(failure_);
   });

@@ -1,13 +1,16 @@
-// usage: mpirun -np P bench_output FOLDER [PARTICLES, default 1000000]
+// usage: mpirun -np P bench_output FOLDER [PARTICLES, default 1000000 [mixed]]
 // Checkpoint and VTKHDF frame of a cloud against plain writes of the same bytes to the same disk, all synced, in turns
 // in one run so that the disk's moods strike all alike. Medians of nine; exits 1 when a ratio is below one half.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <random>
+#include <string>
 
 #include "trevi/base/error.hpp"
 #include "trevi/output/checkpoint.hpp"
@@ -20,14 +23,28 @@ namespace {
 
 constexpr int rounds = 9;
 
-/// This rank's share of a cloud, in an order of space as the solver has it: slabs by rank, ids in no order.
-Particles cloud(const Session& session, GlobalId total) {
+/// This rank's slab of a cubic lattice of total particles or a few less, ids with x fastest: in cell order, as the
+/// solver keeps them, or "mixed", any particle anywhere, the worst that a long run can come to.
+Particles cloud(const Session& session, GlobalId total, bool mixed) {
   Particles particles;
-  std::mt19937_64 random(static_cast<std::uint64_t>(session.rank()));
-  std::uniform_real_distribution<Real> number(0, 1);
-  for (GlobalId id = session.rank(); id < total; id += session.size()) particles.id.push_back(id);
-  std::shuffle(particles.id.begin(), particles.id.end(), random);
+  const auto side = static_cast<GlobalId>(std::cbrt(static_cast<double>(total)) + 1e-9);
+  const GlobalId planes = side / 2;
+  const GlobalId first = planes * session.rank() / session.size(),
+                 last = planes * (session.rank() + 1) / session.size();
+  for (GlobalId cell = first * planes * planes; cell < last * planes * planes; ++cell) {
+    const GlobalId x = 2 * (cell / planes / planes), y = 2 * (cell / planes % planes), z = 2 * (cell % planes);
+    for (const GlobalId k : {0, 1, 2, 3, 4, 5, 6, 7}) {
+      particles.id.push_back(((z + k / 4) * side + y + k / 2 % 2) * side + x + k % 2);
+    }
+  }
+  std::mt19937_64 random(1);
+  if (mixed) {
+    particles.id.clear();
+    for (GlobalId id = session.rank(); id < side * side * side; id += session.size()) particles.id.push_back(id);
+    std::shuffle(particles.id.begin(), particles.id.end(), random);
+  }
   particles.resize(particles.id.size());
+  std::uniform_real_distribution<Real> number(0, 1);
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     particles.position[i] = Vec3(number(random), number(random), number(random));
     particles.velocity[i] = Vec3(number(random), number(random), number(random));
@@ -78,8 +95,7 @@ double compare(const Session& session, const std::string& name, const std::strin
   return ratio;
 }
 
-int bench(const Session& session, const std::string& folder, GlobalId total) {
-  const Particles particles = cloud(session, total);
+int bench(const Session& session, const std::string& folder, const Particles& particles) {
   const std::vector<Real> density(particles.id.size(), 1000);
   const Clock clock{0, 0.01, 1};
   const Frame frame{clock, particles, density, nullptr, {}};
@@ -103,7 +119,8 @@ int main(int argc, char** argv) {
   const trevi::Session session(argc, argv);
   if (argc < 2) return 2;
   try {
-    return trevi::bench(session, argv[1], argc > 2 ? std::atoll(argv[2]) : 1000000);
+    const bool mixed = argc > 3 && std::string(argv[3]) == "mixed";
+    return trevi::bench(session, argv[1], trevi::cloud(session, argc > 2 ? std::atoll(argv[2]) : 1000000, mixed));
   } catch (const trevi::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return static_cast<int>(error.code());

@@ -1,6 +1,7 @@
 // Checksums of tables, one for each block of rows, so that a damaged checkpoint is refused and the place is named.
 // HDF5's own Fletcher-32 filter is not used, as it needs chunks and HDF5's own hands on the rows (hdf5_writer.hpp says
-// why not). FNV-1a, 64 bits, over 8-byte words: any change confined to one word changes the sum. Rank-local.
+// why not). FNV-1a, 64 bits, over 8-byte words in four interleaved sums: any change confined to one word changes the
+// sum. Rank-local.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
-// Writes tables of particles to one HDF5 file, all ranks together: HDF5 lays the file out in the memory of rank 0 (a
-// few kilobytes, the rows are holes), and every rank writes its own rows to where the tables lie, with plain writes.
+// Writes tables of particles to one HDF5 file, all ranks together: HDF5 lays the same file out in the memory of every
+// rank (a few kilobytes, the rows are holes), so that each knows without a message where the tables lie and writes its
+// own rows there, with plain writes; rank 0 writes what is not rows.
 // HDF5 never sees the disk, because it cannot bear a full one: the ranks of its parallel driver lose step with each
 // other and hang, and its serial driver crashes at the end of the program. The file is the same.
 // Collective: every member, with the same arguments on all ranks but for the rows. What goes wrong on a rank before
@@ -59,10 +60,9 @@ class Hdf5Writer {
  private:
   /// Does the work, unless something has gone wrong on this rank before.
   void attempt(const std::function<void()>& work);
-  void attempt_on_root(const std::function<void()>& work);
 
-  // Of rank 0 alone; these throw there.
-  void create_file();
+  // Rank-local; these throw.
+  void create_layout();
   void copy_layout();
   void check(bool good, const std::string& object) const;
   void create_groups(const std::string& name) const;
@@ -74,9 +74,9 @@ class Hdf5Writer {
 
   MPI_Comm comm_;
   std::string path_;
-  std::optional<MemoryFile> layout_;  ///< rank 0 only, like the two below
-  Hdf5Handle file_;                   ///< in `layout_`
-  std::vector<Extent> tables_;        ///< where the rows lie
+  std::optional<MemoryFile> layout_;
+  Hdf5Handle file_;             ///< in `layout_`
+  std::vector<Extent> tables_;  ///< where the rows lie
   std::optional<PlacedFile> disk_;
   std::exception_ptr failure_;
 };
