@@ -45,7 +45,8 @@ def main():
         draw(panel, [row for row in rows if row["preset"] == preset], groups)
         panel.set_title({"report": "the report's preset", "default": "default"}[preset])
     figure.legend(handles=[Patch(color=colour, label=name) for name, colour in COLOURS.items()],
-                  loc="outside lower center", ncol=5, frameon=False)
+                  loc="lower center", ncol=5, frameon=False)
+    figure.get_layout_engine().set(rect=(0, 0.06, 1, 1 - 0.06))
     figure.savefig(arguments.output, dpi=110)
     print(arguments.output)
     return 0

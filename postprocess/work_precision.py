@@ -65,9 +65,11 @@ def main():
         draw(panel, [row for row in rows if row["scene"] == scene])
     for panel in panels.flat[len(scenes):]:
         panel.set_axis_off()
-    figure.supxlabel("run time (s)")
+    for panel in panels[-1]:
+        panel.set_xlabel("run time (s)")
     figure.supylabel("mean compression")
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncol=4, frameon=False)
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="lower center", ncol=4, frameon=False)
+    figure.get_layout_engine().set(rect=(0, 0.09, 1, 1 - 0.09))
     figure.savefig(arguments.output, dpi=110)
     print(arguments.output)
     return 0
