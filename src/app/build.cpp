@@ -29,8 +29,9 @@ std::optional<Tensile> tensile_of(const Scene& scene) {
 template <class T>
 std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene, const DensityModel& model) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
-  if (scene.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *scene.vorticity));
-  if (scene.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(model, *scene.viscosity));
+  const auto velocity = std::make_shared<VelocityField<T>>();
+  if (scene.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *scene.vorticity, velocity));
+  if (scene.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(model, *scene.viscosity, velocity));
   return filters;
 }
 
