@@ -106,13 +106,15 @@ std::vector<GlobalId> IdOrder::find_splitters(std::span<const GlobalId> sorted, 
 
   const auto n = static_cast<std::size_t>(ranks - 1);
   if (total_ == 0) return std::vector<GlobalId>(n, 0);
+  const bool without_gaps =
+      static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) == static_cast<std::uint64_t>(total_ - 1);
   std::vector<GlobalId> lows(n, low), highs(n, high), tried(n), counts(n);
   for (int round = 0; lows != highs; ++round) {
     for (std::size_t k = 0; k < n; ++k) {
       const GlobalId wanted = std::min(total_, rows * static_cast<GlobalId>(k + 1));
       // Ids without gaps, the usual case, are found in two rounds: by the last id that is wanted, and by the one
       // before.
-      const bool inside = round < 2 && high - low == total_ - 1;
+      const bool inside = round < 2 && without_gaps;
       tried[k] = inside ? std::clamp(low + wanted - 1 - round, lows[k], highs[k]) : midpoint(lows[k], highs[k]);
       counts[k] = count_up_to(sorted, tried[k]);
     }
