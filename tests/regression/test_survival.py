@@ -16,7 +16,7 @@ import unittest
 
 import h5py
 import runs
-from runs import CHECKPOINTS, CUBE, FOUNTAIN, FRAMES, Folder
+from runs import CHECKPOINTS, CUBE, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
 
 
 def reason(output):
@@ -27,6 +27,7 @@ class Restart(unittest.TestCase):
     def same_bits(self, text, *settings):
         folder = Folder()
         self.addCleanup(folder.cleanup)
+        folder.scene(SCORE, "score.txt")
         scene = folder.scene(text + FRAMES + CHECKPOINTS.format(30, 2))
         straight, parted = folder.path("straight"), folder.path("parted")
         runs.run_well(2, scene, straight, "--steps", 60, *settings)
@@ -41,8 +42,9 @@ class Restart(unittest.TestCase):
     def test_cube(self):
         self.same_bits(CUBE)
 
-    def test_fountain(self):
-        self.same_bits(FOUNTAIN)
+    def test_musical_fountain(self):
+        parted = self.same_bits(FOUNTAIN + MUSIC)
+        self.assertGreater(len(set(runs.column(parted, "speed_0"))), 3)
 
     def test_single_precision_with_substeps(self):
         self.same_bits(CUBE, "--set", "density.precision=single", "--set", "time.cfl=0.1")
