@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "trevi/base/error.hpp"
+#include "trevi/base/growth.hpp"
 #include "trevi/parallel/session.hpp"
 
 namespace trevi {
@@ -67,7 +68,7 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
   const std::byte* in = buffer.data();
   particles.for_each_field([&](auto& field) {
     const std::size_t before = field.size();
-    field.resize(before + arrived);
+    resize_tightly(field, before + arrived);
     if (arrived > 0) std::memcpy(static_cast<void*>(field.data() + before), in, arrived * sizeof(field[0]));
     in += arrived * sizeof(field[0]);
   });

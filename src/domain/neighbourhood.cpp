@@ -1,6 +1,7 @@
 #include "trevi/domain/neighbourhood.hpp"
 
 #include "trevi/base/error.hpp"
+#include "trevi/base/growth.hpp"
 
 namespace trevi {
 
@@ -17,7 +18,7 @@ void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last
   {
     const ScopedEvent timed(halo_event_);
     halo_.rebuild(order_);
-    records_.resize(static_cast<std::size_t>(order_.size()));
+    resize_tightly(records_, static_cast<std::size_t>(order_.size()));
     encode(particles.predicted, all());
     halo_.exchange(records_);
   }

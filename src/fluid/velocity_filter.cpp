@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "trevi/base/growth.hpp"
 #include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
@@ -33,7 +34,7 @@ Pairs<T> pairs_of(const Neighbourhood<T>& near) {
 
 template <class T>
 const Quad<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
-  quads_.resize(near.records().size());
+  resize_tightly(quads_, near.records().size());
   Quad<T>* owned = quads_.data() + near.order().low_ghosts();
   for (std::size_t i = 0; i < velocity.size(); ++i) {
     const Vec3& v = velocity[i];
@@ -45,14 +46,18 @@ const Quad<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vect
 
 // ∇_{p_j} W = +45/(π h⁶) (h − r)² r̂ with r̂ from j to i, the sign of the sum in the loop.
 template <class T>
-VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon)
-    : loops_(pair_loops<T>()), omega_factor_(model.mass * spiky_gradient_factor(model.h)), epsilon_(epsilon) {}
+VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon,
+                                              std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(pair_loops<T>()),
+      omega_factor_(model.mass * spiky_gradient_factor(model.h)),
+      epsilon_(epsilon),
+      velocity_(std::move(velocity)) {}
 
 template <class T>
 void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
-  const Quad<T>* velocities = velocity_.refresh(near, velocity);
+  const Quad<T>* velocities = velocity_->refresh(near, velocity);
   const LocalId owned = near.order().owned();
-  omega_.resize(static_cast<std::size_t>(owned));
+  resize_tightly(omega_, static_cast<std::size_t>(owned));
   loops_.curl(pairs_of(near), {0, owned}, velocities, omega_.data());
   const auto factor = static_cast<T>(omega_factor_);
   for (LocalId i = 0; i < owned; ++i) {
@@ -79,13 +84,13 @@ void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles
 }
 
 template <class T>
-XsphViscosity<T>::XsphViscosity(const DensityModel& model, Real c)
-    : loops_(pair_loops<T>()), factor_(c * model.mass * poly6_factor(model.h)) {}
+XsphViscosity<T>::XsphViscosity(const DensityModel& model, Real c, std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(pair_loops<T>()), factor_(c * model.mass * poly6_factor(model.h)), velocity_(std::move(velocity)) {}
 
 template <class T>
 void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
   const ScopedEvent timed(event_);
-  const Quad<T>* velocities = velocity_.refresh(near, particles.velocity);
+  const Quad<T>* velocities = velocity_->refresh(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
   const auto smoothing = [&](Range part, Quad<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
   for_each_sum<T>(near.order().owned(), smoothing,

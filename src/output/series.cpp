@@ -30,11 +30,26 @@ std::string row(const Frame& frame, Real wall_seconds_before) {
   const Diagnostics& d = *frame.diagnostics;
   std::string text = fmt::format("{},{},{},{},{},{}", clock.step, number(clock.time()), number(clock.dt),
                                  clock.substeps, d.particles, d.iterations);
-  for (const Real value : {d.density_mean,    d.density_max,     d.density_interior, d.compression_mean,
-                           d.compression_max, d.compression_rms, d.kinetic_energy,   d.potential_energy,
-                           d.momentum.x(),    d.momentum.y(),    d.momentum.z(),     d.com.x(),
-                           d.com.y(),         d.com.z(),         d.speed_max,        d.top,
-                           d.front,           d.front_q99,       d.drift_max,        d.imbalance,
+  for (const Real value : {d.density_mean,
+                           d.density_max,
+                           d.density_interior,
+                           d.compression_mean,
+                           d.compression_max,
+                           d.compression_rms,
+                           d.kinetic_energy,
+                           d.potential_energy,
+                           d.momentum.x(),
+                           d.momentum.y(),
+                           d.momentum.z(),
+                           d.com.x(),
+                           d.com.y(),
+                           d.com.z(),
+                           d.speed_max,
+                           d.top,
+                           d.front,
+                           d.front_q99,
+                           d.drift_max,
+                           d.imbalance,
                            wall_seconds_before + d.wall_seconds}) {
     text += "," + number(value);
   }

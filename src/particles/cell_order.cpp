@@ -3,11 +3,13 @@
 #include <cassert>
 #include <numeric>
 
+#include "trevi/base/growth.hpp"
+
 namespace trevi {
 
 void CellOrder::count(const Particles& particles, LocalId first) {
   counts_.assign(static_cast<std::size_t>(planes_) * cells(), 0);
-  cell_.resize(particles.id.size());
+  resize_tightly(cell_, particles.id.size());
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     const Vec3& p = particles.predicted[i];
     const LocalId plane = grid_.plane_of(p) - first;
@@ -22,7 +24,7 @@ void CellOrder::place(const Particles& particles) {
   std::vector<LocalId>& next = start_;  // filled for real in add_ghosts
   next.resize(counts_.size() + 1);
   std::exclusive_scan(counts_.begin(), counts_.end(), next.begin(), 0);
-  order_.resize(cell_.size());
+  resize_tightly(order_, cell_.size());
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     order_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell_[i])]++)] = static_cast<LocalId>(i);
   }
@@ -40,7 +42,7 @@ void CellOrder::place(const Particles& particles) {
 void CellOrder::apply(Particles& particles) {
   particles.for_each_field([this]<class T>(std::vector<T>& field) {
     std::vector<T>& sorted = std::get<std::vector<T>>(scratch_);
-    sorted.resize(field.size());
+    resize_tightly(sorted, field.size());
     for (std::size_t i = 0; i < field.size(); ++i) sorted[i] = field[static_cast<std::size_t>(order_[i])];
     std::swap(sorted, field);
   });

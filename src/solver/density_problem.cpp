@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "trevi/base/growth.hpp"
 #include "trevi/parallel/reductions.hpp"
 
 namespace trevi {
@@ -34,8 +35,8 @@ DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const D
 template <class T>
 void DensityProblem<T>::start(Particles& particles) {
   particles_ = &particles;
-  rho_.resize(particles.id.size());
-  delta_.resize(particles.id.size());
+  resize_tightly(rho_, particles.id.size());
+  resize_tightly(delta_, particles.id.size());
 }
 
 template <class T>

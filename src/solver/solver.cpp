@@ -139,8 +139,7 @@ void PbfSolver<T>::observe() {
     row.wall_seconds = stopwatch_.seconds();
   }
   fountain_states_ = fountains();
-  const Frame frame{
-      clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_};
+  const Frame frame{clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_};
   for (const auto& observer : parts_.observers) {
     if (observer->due(clock)) observer->observe(frame);
   }

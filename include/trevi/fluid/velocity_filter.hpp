@@ -7,6 +7,8 @@
 // uses the scalar of the records as it likes. Collective.
 #pragma once
 
+#include <memory>
+
 #include "trevi/domain/neighbourhood.hpp"
 #include "trevi/fluid/density.hpp"
 
@@ -20,7 +22,7 @@ class VelocityFilter {
   virtual std::size_t bytes() const = 0;
 };
 
-/// Velocities of all particles, ghosts included, as the pair loops read them.
+/// Velocities of all particles, ghosts included, as the pair loops read them. Filters share one: each refreshes it.
 template <class T>
 class VelocityField {
  public:
@@ -32,12 +34,18 @@ class VelocityField {
   std::vector<Quad<T>> quads_;
 };
 
+/// What one of the filters that share a field answers for.
+template <class T>
+std::size_t share_of(const std::shared_ptr<VelocityField<T>>& field) {
+  return field->bytes() / static_cast<std::size_t>(field.use_count());
+}
+
 template <class T>
 class VorticityConfinement : public VelocityFilter<T> {
  public:
-  VorticityConfinement(const DensityModel& model, Real epsilon);
+  VorticityConfinement(const DensityModel& model, Real epsilon, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return velocity_.bytes() + omega_.capacity() * sizeof(Quad<T>); }
+  std::size_t bytes() const override { return omega_.capacity() * sizeof(Quad<T>) + share_of(velocity_); }
 
  private:
   void compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
@@ -46,22 +54,22 @@ class VorticityConfinement : public VelocityFilter<T> {
   PairLoops<T> loops_;
   Real omega_factor_;  // kg/m⁴ from the dimensionless sum
   Real epsilon_;
-  VelocityField<T> velocity_;
+  std::shared_ptr<VelocityField<T>> velocity_;
   std::vector<Quad<T>> omega_;
 };
 
 template <class T>
 class XsphViscosity : public VelocityFilter<T> {
  public:
-  XsphViscosity(const DensityModel& model, Real c);
+  XsphViscosity(const DensityModel& model, Real c, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return velocity_.bytes(); }
+  std::size_t bytes() const override { return share_of(velocity_); }
 
  private:
   Event event_{"XsphViscosity"};
   PairLoops<T> loops_;
   Real factor_;  // c m W6(0)
-  VelocityField<T> velocity_;
+  std::shared_ptr<VelocityField<T>> velocity_;
 };
 
 extern template class VorticityConfinement<float>;

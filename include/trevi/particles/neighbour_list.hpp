@@ -25,8 +25,8 @@ struct NeighbourRows {
     const auto wanted = static_cast<std::size_t>(n) + slack;
     if (wanted <= index.size()) return;
     // Reserved first: resize alone would double the memory of the largest array there is.
-    index.reserve(wanted + wanted / 8);
-    index.resize(wanted + wanted / 8);
+    index.reserve(wanted + wanted / 16);
+    index.resize(index.capacity());
   }
 };
 

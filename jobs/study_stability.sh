@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# usage: jobs/study_stability.sh [more arguments of postprocess/study_stability.py]
+#
+# The stress cases of inputs/stress with the report's preset and with the default: some 5 minutes on one core.
+# Writes postprocess/results/stability.csv and its drawing.
+set -euo pipefail
+# shellcheck source=jobs/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+main() {
+  case "${1:-}" in -h | --help) print_help && exit 0 ;; esac
+  setup release
+  local results="$trevi_root/postprocess/results/stability"
+  "$trevi_root/postprocess/study_stability.py" "$results.csv" "$@"
+  "$trevi_root/postprocess/stability_matrix.py" "$results.csv" "$results.png"
+}
+
+main "$@"
