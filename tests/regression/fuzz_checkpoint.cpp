@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::array attributes = {"format",   "step",         "time", "dt",
                                    "substeps", "wall_seconds", "seed", "scene_overrides"};
-constexpr std::array tables = {"/particles/id",     "/particles/position", "/particles/velocity",
-                               "/particles/lambda", "/checksums/id",       "/checksums/position"};
+constexpr std::array tables = {"/particles/id",  "/particles/position", "/particles/velocity",
+                               "/particles/hue", "/checksums/id",       "/checksums/position"};
 
 std::string as_file(const trevi::MemoryFile& file, const unsigned char* data, std::size_t size) {
   std::ofstream(file.path(), std::ios::binary | std::ios::trunc)
