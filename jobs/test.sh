@@ -28,8 +28,8 @@ main() {
   # MPI keeps memory until the process ends; that is not a leak of ours. The names in the list are found on whole stacks.
   export ASAN_OPTIONS="${ASAN_OPTIONS:-fast_unwind_on_malloc=0}"
   export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$trevi_root/tests/lsan.supp:print_suppressions=0}"
-  # Each test sets PROCESSORS, so that ctest does not start more ranks than -j at a time.
-  ctest --test-dir "$trevi_root/build/$preset" --output-on-failure --no-tests=error -j "$(nproc)" "${arguments[@]}"
+  # Each test sets PROCESSORS, so that ctest does not start more ranks than -j at a time; two a core, as many tests wait.
+  ctest --test-dir "$trevi_root/build/$preset" --output-on-failure --no-tests=error -j "$(($(nproc) * 2))" "${arguments[@]}"
 }
 
 main "$@"
