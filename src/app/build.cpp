@@ -4,7 +4,6 @@
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/music.hpp"
-#include "trevi/fluid/wall_density.hpp"
 #include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
 #include "trevi/output/vtkhdf.hpp"
@@ -35,13 +34,9 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
   return filters;
 }
 
-std::vector<std::unique_ptr<const BoundaryDensity>> build_boundaries(const Scene& scene) {
-  std::vector<std::unique_ptr<const BoundaryDensity>> boundaries;
-  if (scene.walls.density == WallDensity::analytic) {
-    boundaries.push_back(std::make_unique<AnalyticWallDensity>(Box{scene.domain_min, scene.domain_max},
-                                                               scene.fluid.spacing, scene.fluid.kernel_radius));
-  }
-  return boundaries;
+std::optional<AnalyticWallDensity> build_wall_density(const Scene& scene) {
+  if (scene.walls.density != WallDensity::analytic) return std::nullopt;
+  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.spacing, scene.fluid.kernel_radius);
 }
 
 ColourScale colour_scale(const Scene& scene, GlobalId particles) {
@@ -127,7 +122,7 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   }
   parts.requests = std::move(options.requests);
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
-  parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_boundaries(scene));
+  parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_wall_density(scene));
   parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});
   parts.forcings = build_forcings(comm, scene);
   parts.filters = build_filters<T>(scene, model);

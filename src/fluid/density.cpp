@@ -29,12 +29,12 @@ Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neig
 
 template <class T>
 DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
-                                        std::vector<std::unique_ptr<const BoundaryDensity>> boundaries)
+                                        std::optional<AnalyticWallDensity> walls)
     : model_(model),
       gradient_factor_(model.mass / model.rest_density * spiky_gradient_factor(model.h)),
       loops_(pair_loops<T>()),
       delta_loop_(loops_.delta),
-      boundaries_(std::move(boundaries)) {
+      walls_(std::move(walls)) {
   if (tensile) {
     delta_loop_ = [loop = loops_.tensile_delta, t = *tensile](const Pairs<T>& pairs, Range range, Quad<T>* out) {
       loop(pairs, range, t, out);
@@ -61,7 +61,7 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
   for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T) {
     const auto k = static_cast<std::size_t>(i);
     rho[k] = density(model_, sum.w);
-    for (const auto& boundary : boundaries_) rho[k] += model_.rest_density * boundary->at(p[k]).density;
+    if (walls_) rho[k] += model_.rest_density * walls_->at(p[k]).density;
   });
 }
 
@@ -72,8 +72,8 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     const auto k = static_cast<std::size_t>(i);
     rho[k] = density(model_, sum.w);
     Vec3 gradient = -gradient_factor_ * vector_of(sum);
-    for (const auto& boundary : boundaries_) {
-      const BoundaryShare share = boundary->at(p[k]);
+    if (walls_) {
+      const BoundaryShare share = walls_->at(p[k]);
       rho[k] += model_.rest_density * share.density;
       gradient += share.gradient;
     }
@@ -90,16 +90,15 @@ void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<
   delta_loop_(pairs, range, out);
   const auto factor = static_cast<T>(-gradient_factor_);
   for (LocalId k = 0; k < range.size(); ++k) out[k] = {out[k].x * factor, out[k].y * factor, out[k].z * factor, 0};
-  for (const auto& boundary : boundaries_) {
-    for (LocalId k = 0; k < range.size(); ++k) {
-      const LocalId i = range.begin + k;
-      const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts + i)].w;
-      if (lambda_i == 0) continue;  // most of them, where there is no pressure
-      const Vec3 shift = (1 + model_.mirror_share) * lambda_i * boundary->at(p[static_cast<std::size_t>(i)]).gradient;
-      out[k].x += static_cast<T>(shift.x());
-      out[k].y += static_cast<T>(shift.y());
-      out[k].z += static_cast<T>(shift.z());
-    }
+  if (!walls_) return;
+  for (LocalId k = 0; k < range.size(); ++k) {
+    const LocalId i = range.begin + k;
+    const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts + i)].w;
+    if (lambda_i == 0) continue;  // most of them, where there is no pressure
+    const Vec3 shift = (1 + model_.mirror_share) * lambda_i * walls_->at(p[static_cast<std::size_t>(i)]).gradient;
+    out[k].x += static_cast<T>(shift.x());
+    out[k].y += static_cast<T>(shift.y());
+    out[k].z += static_cast<T>(shift.z());
   }
 }
 

@@ -57,23 +57,29 @@ Real half_space_gradient(Real d, Real h) {
 }
 
 AnalyticWallDensity::AnalyticWallDensity(const Box& box, Real spacing, Real h)
-    : box_(box), h_(h), spacing_(spacing), layers_(static_cast<int>(std::ceil(h / spacing - 0.5 - 1e-9))) {
-  for (int dimensions = 1; dimensions <= 3; ++dimensions) tabulate(dimensions);
+    : box_(box),
+      interior_{box.min.array() + h, box.max.array() - h},
+      h_(h),
+      spacing_(spacing),
+      per_spacing_(1 / spacing),
+      layers_(static_cast<int>(std::ceil(h / spacing - 0.5 - 1e-9))) {
+  for (int dimensions = 1; dimensions <= most_planes; ++dimensions) tabulate(dimensions);
 }
 
 void AnalyticWallDensity::tabulate(int dimensions) {
-  const auto entries = static_cast<int>(std::pow(layers_, dimensions) + 0.5);
+  const int side = layers_ + 1;
+  const auto entries = static_cast<int>(std::pow(side, dimensions) + 0.5);
   Table& table = tables_[static_cast<std::size_t>(dimensions) - 1];
   for (int entry = 0; entry < entries; ++entry) {
     // The first plane is the most significant digit.
-    Distances d{};
-    for (int a = dimensions - 1, rest = entry; a >= 0; --a, rest /= layers_) {
-      d[static_cast<std::size_t>(a)] = (rest % layers_ + 0.5) * spacing_;
+    std::array<Real, most_planes> d{};
+    for (int a = dimensions - 1, rest = entry; a >= 0; --a, rest /= side) {
+      d[static_cast<std::size_t>(a)] = (std::min(rest % side, layers_ - 1) + 0.5) * spacing_;
     }
     const Missing lattice = behind_planes(d, dimensions, spacing_, h_);
     Real share = 1, gradient = 1;
     for (int a = 0; a < dimensions; ++a) {
-      const Distances one = {d[static_cast<std::size_t>(a)], 0, 0};
+      const std::array<Real, most_planes> one = {d[static_cast<std::size_t>(a)], 0, 0};
       const Missing plane = behind_planes(one, 1, spacing_, h_);
       share *= dimensions == 1 ? half_space_share(one[0], h_) : plane.share;
       gradient *= a > 0 ? plane.share : dimensions == 1 ? half_space_gradient(one[0], h_) : plane.gradient;
@@ -84,66 +90,73 @@ void AnalyticWallDensity::tabulate(int dimensions) {
 }
 
 // Multilinear in the distances; below the first lattice distance and beyond the last the end value holds.
-Real AnalyticWallDensity::ratio(const std::vector<Real>& table, const Distances& d, int dimensions) const {
-  Real sum = 0;
-  for (int vertex = 0; vertex < 1 << dimensions; ++vertex) {
-    Real weight = 1;
-    int place = 0;
-    for (int a = 0; a < dimensions; ++a) {
-      const Real x = std::clamp(d[static_cast<std::size_t>(a)] / spacing_ - 0.5, 0.0, static_cast<Real>(layers_ - 1));
-      const int low = std::min(static_cast<int>(x), layers_ - 1), high = std::min(low + 1, layers_ - 1);
-      const bool upper = (vertex >> a & 1) != 0;
-      weight *= upper ? x - low : 1 - (x - low);
-      place = place * layers_ + (upper ? high : low);
+template <std::size_t Dimensions>
+Real AnalyticWallDensity::ratio(const std::vector<Real>& table,
+                                const std::array<const Plane*, Dimensions>& planes) const {
+  const auto side = static_cast<std::size_t>(layers_) + 1;
+  std::array<Real, std::size_t{1} << Dimensions> value;  // at the corners of the interval, the last plane fastest
+  for (std::size_t corner = 0; corner < value.size(); ++corner) {
+    std::size_t place = 0;
+    for (std::size_t a = 0; a < Dimensions; ++a) {
+      const std::size_t upper = corner >> (Dimensions - 1 - a) & 1U;
+      place = place * side + static_cast<std::size_t>(planes[a]->layer) + upper;
     }
-    sum += weight * table[static_cast<std::size_t>(place)];
+    value[corner] = table[place];
   }
-  return sum;
+  for (std::size_t a = 0; a < Dimensions; ++a) {
+    const std::size_t half = value.size() >> (a + 1);
+    for (std::size_t k = 0; k < half; ++k) value[k] += planes[a]->fraction * (value[k + half] - value[k]);
+  }
+  return value[0];
+}
+
+AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis, Real side) const {
+  Plane plane{distance, axis, side};
+  const Real x = std::clamp(distance * per_spacing_ - 0.5, 0.0, static_cast<Real>(layers_ - 1));
+  plane.layer = static_cast<int>(x);
+  plane.fraction = x - plane.layer;
+  plane.share = half_space_share(distance, h_) * ratio<1>(tables_[0].share, {&plane});
+  plane.gradient = half_space_gradient(distance, h_) * ratio<1>(tables_[0].gradient, {&plane});
+  return plane;
 }
 
 // What lies behind any of the planes, by inclusion and exclusion: behind A or B = A + B − (A and B). Along the normal
 // of A the points behind B alone cancel; those behind both do not.
-BoundaryShare AnalyticWallDensity::union_of_planes(const Distances& d, const std::array<int, 3>& axis, int near) const {
-  Distances f{}, g{};
-  for (std::size_t a = 0; a < static_cast<std::size_t>(near); ++a) {
-    f[a] = half_space_share(d[a], h_) * ratio(tables_[0].share, {d[a], 0, 0}, 1);
-    g[a] = half_space_gradient(d[a], h_) * ratio(tables_[0].gradient, {d[a], 0, 0}, 1);
-  }
+BoundaryShare AnalyticWallDensity::union_of(const std::array<Plane, most_planes>& planes, std::size_t count) const {
   BoundaryShare total;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(near); ++a) {
-    Real share = f[a], along = 1;
-    for (std::size_t b = 0; b < static_cast<std::size_t>(near); ++b) {
-      if (b == a) continue;
-      along -= f[b] * ratio(tables_[1].gradient, {d[a], d[b], 0}, 2);
-      if (b > a) share -= f[a] * f[b] * ratio(tables_[1].share, {d[a], d[b], 0}, 2);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Plane& a = planes[k];
+    Real share = a.share, along = 1;
+    for (std::size_t l = 0; l < count; ++l) {
+      if (l == k) continue;
+      const Plane& b = planes[l];
+      along -= b.share * ratio<2>(tables_[1].gradient, {&a, &b});
+      if (l > k) share -= a.share * b.share * ratio<2>(tables_[1].share, {&a, &b});
     }
-    if (near == 3)
-      along += f[(a + 1) % 3] * f[(a + 2) % 3] * ratio(tables_[2].gradient, {d[a], d[(a + 1) % 3], d[(a + 2) % 3]}, 3);
+    if (count == 3) {
+      const Plane &b = planes[(k + 1) % 3], &c = planes[(k + 2) % 3];
+      along += b.share * c.share * ratio<3>(tables_[2].gradient, {&a, &b, &c});
+    }
     total.density += share;
-    total.gradient[axis[a]] = g[a] * along;
+    total.gradient[a.axis] = a.side * a.gradient * along;
   }
-  if (near == 3) total.density += f[0] * f[1] * f[2] * ratio(tables_[2].share, d, 3);
+  if (count == 3) {
+    const auto& [a, b, c] = planes;
+    total.density += a.share * b.share * c.share * ratio<3>(tables_[2].share, {&a, &b, &c});
+  }
   return total;
 }
 
-BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
-  Distances d{};
-  std::array<int, 3> axis{};
-  Vec3 sign = Vec3::Zero();
-  int near = 0;
-  for (int a = 0; a < 3; ++a) {
-    const Real low = p[a] - box_.min[a], high = box_.max[a] - p[a];
+BoundaryShare AnalyticWallDensity::near_walls(const Vec3& p) const {
+  std::array<Plane, most_planes> planes;
+  std::size_t count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Real low = p[axis] - box_.min[axis], high = box_.max[axis] - p[axis];
     const Real distance = std::max(std::min(low, high), 0.0);
-    if (!(distance < h_)) continue;  // a NaN is nowhere near; the guards report it
-    // rho falls as the particle moves away from the plane.
-    sign[a] = low < high ? -1 : 1;
-    d[static_cast<std::size_t>(near)] = distance;
-    axis[static_cast<std::size_t>(near++)] = a;
+    // A NaN is nowhere near; the guards report it.
+    if (distance < h_) planes[count++] = plane_at(distance, axis, low < high ? -1 : 1);
   }
-  if (near == 0) return {};
-  BoundaryShare total = union_of_planes(d, axis, near);
-  total.gradient = total.gradient.cwiseProduct(sign);
-  return total;
+  return union_of(planes, count);
 }
 
 }  // namespace trevi

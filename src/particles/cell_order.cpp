@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <numeric>
+#include <type_traits>
 
 #include "trevi/base/growth.hpp"
 
@@ -39,13 +40,11 @@ void CellOrder::place(const Particles& particles) {
   }
 }
 
-void CellOrder::apply(Particles& particles) {
-  particles.for_each_field([this]<class T>(std::vector<T>& field) {
-    std::vector<T>& sorted = std::get<std::vector<T>>(scratch_);
-    resize_tightly(sorted, field.size());
-    for (std::size_t i = 0; i < field.size(); ++i) sorted[i] = field[static_cast<std::size_t>(order_[i])];
-    std::swap(sorted, field);
-  });
+template <class T>
+void CellOrder::apply(std::vector<T>& field, std::vector<T>& scratch) const {
+  resize_tightly(scratch, field.size());
+  for (std::size_t i = 0; i < field.size(); ++i) scratch[i] = field[static_cast<std::size_t>(order_[i])];
+  std::swap(scratch, field);
 }
 
 void CellOrder::sort(Particles& particles, LocalId first, LocalId last) {
@@ -53,7 +52,13 @@ void CellOrder::sort(Particles& particles, LocalId first, LocalId last) {
   owned_ = particles.size();
   count(particles, first);
   place(particles);
-  apply(particles);
+  particles.for_each_kept_field([&]<class T>(std::vector<T>& field) {
+    if constexpr (std::is_same_v<T, Vec3>) {
+      apply(field, particles.velocity);
+    } else {
+      apply(field, std::get<std::vector<T>>(scratch_));
+    }
+  });
 }
 
 std::span<const LocalId> CellOrder::first_plane_counts() const { return {counts_.data(), cells()}; }

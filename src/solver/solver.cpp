@@ -21,7 +21,11 @@ void PbfSolver<T>::start() {
   Particles& particles = parts_.particles;
   particles.predicted = particles.position;
   keep_listed_ = false;
+  // Sorting costs the velocities, which nothing has used up yet: they take the place of the positions meanwhile.
+  std::swap(particles.position, particles.velocity);
   find_neighbours();
+  std::swap(particles.position, particles.velocity);
+  particles.position = particles.predicted;
   guard_.agree(particles, 0);
   observe();
 }

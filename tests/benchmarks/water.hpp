@@ -47,9 +47,10 @@ struct Water {
         grid(Vec3::Zero(), Vec3::Constant(edge), size.h, 0),
         particles(jittered_lattice(edge)),
         near(MPI_COMM_SELF, grid, Vec3::Zero(), size.h) {
+    const std::vector<Vec3> velocities = particles.velocity;  // any will do; sorting costs those of the particles
     rebuild();
     for (LocalId i = 0; i < near.order().owned(); ++i) {
-      const Vec3& v = particles.velocity[static_cast<std::size_t>(i)];
+      const Vec3& v = velocities[static_cast<std::size_t>(i)];
       near.record(i).w = static_cast<T>(v.x());
       velocity.push_back({static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), T{0}});
     }

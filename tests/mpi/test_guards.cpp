@@ -50,8 +50,7 @@ SolverParts<double> parts_with(Sabotage sabotage) {
       std::make_unique<Slabs>(std::vector<Real>(static_cast<std::size_t>(parts.grid->planes()), 1.0), size_of(world));
   parts.walls = std::make_unique<Walls>(parts.box, WallSettings{}, 1e-6 * h);
   const DensityModel model{1.0, 1000, h, 1, Constraint::equality};
-  parts.constraint = std::make_unique<DensityConstraint<double>>(model, std::nullopt,
-                                                                 std::vector<std::unique_ptr<const BoundaryDensity>>());
+  parts.constraint = std::make_unique<DensityConstraint<double>>(model, std::nullopt, std::nullopt);
   DensitySettings settings;
   settings.method = Method::jacobi;
   settings.coarse_grid = false;

@@ -8,12 +8,12 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 
 #include "trevi/fluid/pair_sums.hpp"
 #include "trevi/fluid/settings.hpp"
+#include "trevi/fluid/wall_density.hpp"
 
 namespace trevi {
 
@@ -25,18 +25,6 @@ struct DensityModel {
   Real epsilon = 1;          ///< 1/m²
   Constraint constraint = Constraint::equality;
   Real mirror_share = 0.6;  ///< of a particle's multiplier, given to its mirror image behind a wall
-};
-
-/// What fills the missing half of a particle's neighbourhood: a share of rest density and its gradient, in 1 and 1/m.
-struct BoundaryShare {
-  Real density = 0;
-  Vec3 gradient = Vec3::Zero();
-};
-
-class BoundaryDensity {
- public:
-  virtual ~BoundaryDensity() = default;
-  virtual BoundaryShare at(const Vec3& p) const = 0;
 };
 
 /// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest
@@ -52,8 +40,9 @@ Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neig
 template <class T>
 class DensityConstraint {
  public:
+  /// Without `walls` a particle at a wall misses neighbours, as in the report.
   DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
-                    std::vector<std::unique_ptr<const BoundaryDensity>> boundaries);
+                    std::optional<AnalyticWallDensity> walls);
 
   const DensityModel& model() const { return model_; }
 
@@ -78,7 +67,7 @@ class DensityConstraint {
   Real gradient_factor_;  // m/rho0 times that of Spiky, 1/m
   PairLoops<T> loops_;
   std::function<void(const Pairs<T>&, Range, Quad<T>*)> delta_loop_;
-  std::vector<std::unique_ptr<const BoundaryDensity>> boundaries_;
+  std::optional<AnalyticWallDensity> walls_;
 };
 
 extern template class DensityConstraint<float>;

@@ -9,36 +9,59 @@
 #include <array>
 #include <vector>
 
-#include "trevi/fluid/density.hpp"
 #include "trevi/fluid/walls.hpp"
 
 namespace trevi {
+
+/// What fills the missing half of a particle's neighbourhood: a share of rest density and its gradient, in 1 and 1/m.
+struct BoundaryShare {
+  Real density = 0;
+  Vec3 gradient = Vec3::Zero();
+};
 
 /// Closed forms of one plane, d in [0, h].
 Real half_space_share(Real d, Real h);
 Real half_space_gradient(Real d, Real h);  ///< 1/m
 
-class AnalyticWallDensity : public BoundaryDensity {
+class AnalyticWallDensity {
  public:
   /// `spacing` and h define the lattice that shall be at rest; metres.
   AnalyticWallDensity(const Box& box, Real spacing, Real h);
-  BoundaryShare at(const Vec3& p) const override;
+
+  /// Nearly all particles are more than h away from every wall: that test is made here, the rest behind a call.
+  BoundaryShare at(const Vec3& p) const {
+    const bool far = (p.array() >= interior_.min.array()).all() && (p.array() <= interior_.max.array()).all();
+    return far ? BoundaryShare{} : near_walls(p);
+  }
 
  private:
+  static constexpr int most_planes = 3;
   // Tables over the distances (k + ½) spacing of one, two or three planes, all with d < h, multilinear in between: sums
   // over the lattice points behind all of these planes, divided by the closed form or the product of the planes' own.
-  using Distances = std::array<Real, 3>;
+  // The last layer is there twice, so that the upper end of every interval exists.
   struct Table {
     std::vector<Real> share, gradient;  // the gradient is along the first plane's normal
   };
-  Real ratio(const std::vector<Real>& table, const Distances& d, int dimensions) const;
+  // A wall within h: the closed forms, and where its distance lies between the layers of the tables.
+  struct Plane {
+    Real distance = 0;
+    int axis = 0;
+    Real side = 0;  // −1 low, +1 high: rho falls as the particle moves away from the plane
+    int layer = 0;
+    Real fraction = 0;
+    Real share = 0, gradient = 0;
+  };
+  template <std::size_t Dimensions>
+  Real ratio(const std::vector<Real>& table, const std::array<const Plane*, Dimensions>& planes) const;
   void tabulate(int dimensions);
-  BoundaryShare union_of_planes(const Distances& d, const std::array<int, 3>& axis, int near) const;
+  Plane plane_at(Real distance, int axis, Real side) const;
+  BoundaryShare near_walls(const Vec3& p) const;
+  BoundaryShare union_of(const std::array<Plane, most_planes>& planes, std::size_t count) const;
 
-  Box box_;
-  Real h_, spacing_;
-  int layers_;                   // lattice layers with distance below h
-  std::array<Table, 3> tables_;  // plane, edge, corner
+  Box box_, interior_;
+  Real h_, spacing_, per_spacing_;
+  int layers_;                             // lattice layers with distance below h
+  std::array<Table, most_planes> tables_;  // plane, edge, corner
 };
 
 }  // namespace trevi

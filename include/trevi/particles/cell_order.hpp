@@ -17,7 +17,8 @@ class CellOrder {
  public:
   explicit CellOrder(const CellGrid& grid) : grid_(grid) {}
 
-  /// Sorts the owned particles, all of which must be in the planes [first, last).
+  /// Sorts the owned particles, all of which must be in the planes [first, last). The velocities are lost: between the
+  /// prediction and the update they have no value, and their array is what the other fields are sorted into.
   void sort(Particles& particles, LocalId first, LocalId last);
 
   /// Particles in each cell of the first and the last owned plane, for the neighbour ranks.
@@ -45,7 +46,8 @@ class CellOrder {
   std::size_t cells() const { return static_cast<std::size_t>(grid_.cells_per_plane()); }
   void count(const Particles& particles, LocalId first);
   void place(const Particles& particles);
-  void apply(Particles& particles);
+  template <class T>
+  void apply(std::vector<T>& field, std::vector<T>& scratch) const;
 
   CellGrid grid_;
   LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
@@ -53,7 +55,7 @@ class CellOrder {
   std::vector<LocalId> start_;   // cells of planes_ + 2 planes, and the end
   std::vector<LocalId> cell_;    // of each particle, before sorting
   std::vector<LocalId> order_;   // sorted place -> old place
-  std::tuple<std::vector<GlobalId>, std::vector<Vec3>, std::vector<float>> scratch_;
+  std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
 };
 
 }  // namespace trevi

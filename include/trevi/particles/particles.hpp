@@ -32,6 +32,12 @@ struct Particles {
     for_each_field_of(*this, visit);
   }
 
+  /// The same for those that live on between the prediction and the update of the velocities: all but these.
+  template <class Visit>
+  void for_each_kept_field(Visit&& visit) {
+    for_each_kept_field_of(*this, visit);
+  }
+
   /// Calls visit(name, array) for each field, but for the id, that a checkpoint must hold: predicted positions are
   /// those of the particles between two steps.
   template <class Visit>
@@ -49,12 +55,16 @@ struct Particles {
 
  private:
   template <class Self, class Visit>
-  static void for_each_field_of(Self& self, Visit&& visit) {
+  static void for_each_kept_field_of(Self& self, Visit&& visit) {
     visit(self.id);
     visit(self.position);
     visit(self.predicted);
-    visit(self.velocity);
     if (self.has_hue) visit(self.hue);
+  }
+  template <class Self, class Visit>
+  static void for_each_field_of(Self& self, Visit&& visit) {
+    for_each_kept_field_of(self, visit);
+    visit(self.velocity);
   }
   template <class Self, class Visit>
   static void for_each_saved_field_of(Self& self, Visit&& visit) {
