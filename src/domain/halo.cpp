@@ -50,7 +50,13 @@ void Halo::start_bytes(std::byte* field, std::size_t size) {
                at(owned_.end_high - owned_.end), high);
 }
 
+void Halo::start_plane_bytes(std::byte* grid, std::size_t plane, std::size_t planes) {
+  send_receive(grid + plane, plane, grid, plane, low);
+  send_receive(grid + (planes - 2) * plane, plane, grid + (planes - 1) * plane, plane, high);
+}
+
 void Halo::finish() {
+  const ScopedEvent waited(wait_event_);
   MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   requests_.clear();
 }

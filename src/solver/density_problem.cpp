@@ -56,7 +56,7 @@ void DensityProblem<T>::compute_delta() {
 template <class T>
 void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
   compute_density();
-  coarse.displacements<T>(near_.order(), rho_, particles_->predicted, delta_);
+  coarse.displacements<T>(near_.order(), near_.halo(), rho_, particles_->predicted, delta_);
   separate_coincident();
 }
 

@@ -48,24 +48,23 @@ DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, L
 }
 
 void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row) const {
-  Real rho = 0, v2 = 0, top = -std::numeric_limits<Real>::infinity(), front = top, drift2 = 0;
+  Real rho = 0, v2 = 0, top = -std::numeric_limits<Real>::infinity(), front = top;
   for (std::size_t k = 0; k < input.density.size(); ++k) {
     const Vec3& p = input.particles.position[k];
     rho = std::max(rho, input.density[k]);
     v2 = std::max(v2, input.particles.velocity[k].squaredNorm());
     top = std::max(top, p.z());
     front = std::max(front, p.x());
-    if (!input.listed.empty()) drift2 = std::max(drift2, (p - input.listed[k]).squaredNorm());
   }
   const auto pairs = static_cast<Real>(input.list.pairs());
-  Real maxima[] = {rho, v2, top, front, drift2, pairs};
+  Real maxima[] = {rho, v2, top, front, input.drift, pairs};
   MPI_Allreduce(MPI_IN_PLACE, maxima, 6, MPI_DOUBLE, MPI_MAX, comm_);
   row.density_max = maxima[0];
   row.compression_max = std::max(maxima[0] / model_.rest_density - 1, 0.0);
   row.speed_max = std::sqrt(maxima[1]);
   row.top = maxima[2];
   row.front = maxima[3];
-  row.drift_max = std::sqrt(maxima[4]);
+  row.drift_max = maxima[4];
   const auto all_pairs = static_cast<Real>(sum_over_ranks(comm_, input.list.pairs()));
   row.imbalance = all_pairs > 0 ? maxima[5] * size_of(comm_) / all_pairs : 1;
 }

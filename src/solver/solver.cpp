@@ -20,7 +20,7 @@ template <class T>
 void PbfSolver<T>::start() {
   Particles& particles = parts_.particles;
   particles.predicted = particles.position;
-  keep_listed_ = false;
+  last_substep_ = false;
   // Sorting costs the velocities, which nothing has used up yet: they take the place of the positions meanwhile.
   std::swap(particles.position, particles.velocity);
   find_neighbours();
@@ -40,7 +40,7 @@ void PbfSolver<T>::step() {
     const Real dt = clock.dt / clock.substeps;
     for (int k = 0; k < clock.substeps; ++k) {
       if (k > 0) follow(&Particles::position);
-      keep_listed_ = k + 1 == clock.substeps;
+      last_substep_ = k + 1 == clock.substeps;
       advance({clock.step, k, clock.time() + k * dt, dt});
     }
     ++clock.step;
@@ -92,14 +92,17 @@ void PbfSolver<T>::find_neighbours() {
     guard_.note(parts_.clock.step + 1, crowded.what());
   }
   problem_.start(parts_.particles);
-  if (keep_listed_ && wanted(&Observer::wants_diagnostics, parts_.clock.step + 1)) listed_ = parts_.particles.predicted;
+  measure_drift_ = last_substep_ && wanted(&Observer::wants_diagnostics, parts_.clock.step + 1);
+  if (measure_drift_) parts_.particles.velocity = parts_.particles.predicted;  // until the update, free to be used
 }
 
 template <class T>
 void PbfSolver<T>::update_velocities(Real dt) {
   const ScopedEvent timed(update_event_);
   Particles& particles = parts_.particles;
+  drift_ = 0;
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    if (measure_drift_) drift_ = std::max(drift_, (particles.predicted[i] - particles.velocity[i]).norm());
     particles.velocity[i] = (particles.predicted[i] - particles.position[i]) / dt;
   }
 }
@@ -138,7 +141,7 @@ void PbfSolver<T>::observe() {
   Diagnostics row;
   if (diagnose) {
     const ScopedEvent timed(diagnostics_event_);
-    row = (*parts_.diagnostics)({parts_.particles, problem_.density(), listed_, near_.order(), near_.list()});
+    row = (*parts_.diagnostics)({parts_.particles, problem_.density(), drift_, near_.order(), near_.list()});
     row.iterations = last_solve_.iterations;
     row.wall_seconds = stopwatch_.seconds();
   }
@@ -188,7 +191,7 @@ Solver::Counters PbfSolver<T>::counters() const {
   counters.halo_bytes = near_.halo().bytes();
   counters.halo_messages = near_.halo().messages();
   counters.seconds = stopwatch_.seconds();
-  counters.bytes = near_.bytes() + problem_.bytes() + parts_.method->bytes() + listed_.capacity() * sizeof(Vec3);
+  counters.bytes = near_.bytes() + problem_.bytes() + parts_.method->bytes();
   for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();
   parts_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });
   return counters;

@@ -28,12 +28,10 @@ class CoarseCorrection {
 
   /// Displacements, m, of the owned particles at p* in `order`, from their densities rho (kg/m³).
   template <class T>
-  void displacements(const CellOrder& order, std::span<const Real> rho, std::span<const Vec3> p,
+  void displacements(const CellOrder& order, Halo& halo, std::span<const Real> rho, std::span<const Vec3> p,
                      std::span<Quad<T>> out);
 
-  std::size_t bytes() const {
-    return (source_.capacity() + 3 * phi_.capacity()) * sizeof(Real) + depth_.capacity() * 4;
-  }
+  std::size_t bytes() const { return 4 * phi_.capacity() * sizeof(Real) + depth_.capacity() * sizeof(LocalId); }
 
  private:
   // Cells with a ring of empty ones around each plane, and a ghost plane on either side.
@@ -48,8 +46,7 @@ class CoarseCorrection {
   void fill_sources(const CellOrder& order, std::span<const Real> rho);
   int deepest_water() const;
   void sweep_plane(LocalId k, Real omega);
-  void solve(const CellOrder& order);
-  void exchange(std::vector<Real>& field, LocalId planes);
+  void solve(const CellOrder& order, Halo& halo);
   struct Faces;
   Faces faces_of(LocalId k, LocalId r, LocalId c) const;
   Real through_face(std::size_t low, std::size_t high, Real per_length, bool& known) const;
@@ -65,10 +62,10 @@ class CoarseCorrection {
   Vec3 weight_;             // 1/size², 1/m²
   Real per_b_;
   Real full_, least_particles_;
-  std::vector<Real> source_;                 // C/b, 1
-  std::vector<Real> per_diagonal_;           // 1/Σ weights of the faces that are no walls, m²; 0 in empty cells
-  std::vector<Real> phi_, previous_, next_;  // m²
-  std::vector<LocalId> depth_;               // per row of owned planes: columns to be swept
+  std::vector<Real> source_;          // C/b, 1
+  std::vector<Real> per_diagonal_;    // 1/Σ weights of the faces that are no walls, m²; 0 in empty cells
+  std::vector<Real> phi_, previous_;  // m²
+  std::vector<LocalId> depth_;        // per row of owned planes: columns to be swept
 };
 
 }  // namespace trevi

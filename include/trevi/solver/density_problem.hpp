@@ -67,7 +67,7 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   std::vector<Real> rho_;
   std::vector<Quad<T>> delta_;
-  Event lambda_event_{"Lambda"}, delta_event_{"Delta"}, move_event_{"Move"}, wait_event_{"HaloWait"};
+  Event lambda_event_{"Lambda"}, delta_event_{"Delta"}, move_event_{"Move"};
 };
 
 template <class T>
@@ -85,7 +85,6 @@ void DensityProblem<T>::move(Place&& place) {
   for (const PlaneRun& run : near_.boundary()) update(run);
   near_.halo().start(near_.records());
   update(near_.interior());
-  const ScopedEvent waited(wait_event_);
   near_.halo().finish();
 }
 
@@ -103,7 +102,6 @@ void DensityProblem<T>::compute_lambda(Use&& use) {
   for (const PlaneRun& run : near_.boundary()) update(run);
   near_.halo().start(near_.records());
   update(near_.interior());
-  const ScopedEvent waited(wait_event_);
   near_.halo().finish();
 }
 

@@ -15,7 +15,7 @@ namespace trevi {
 struct DiagnosticsInput {
   const Particles& particles;
   std::span<const Real> density;  ///< kg/m³
-  std::span<const Vec3> listed;   ///< positions when the list was built; empty: no drift to report
+  Real drift = 0;                 ///< farthest an owned particle went since the list was built, m
   const CellOrder& order;
   const NeighbourList& list;
 };

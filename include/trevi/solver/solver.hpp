@@ -111,8 +111,8 @@ class PbfSolver : public Solver {
   Guard guard_;
   Neighbourhood<T> near_;
   DensityProblem<T> problem_;
-  std::vector<Vec3> listed_;  // positions at the search, kept only on steps whose drift is reported
-  bool keep_listed_ = false;
+  bool last_substep_ = false, measure_drift_ = false;
+  Real drift_ = 0;  // farthest a particle went since the search, m; measured only on steps that report it
   Counters counters_;
   Stopwatch stopwatch_;
   SolveResult last_solve_;
