@@ -1,5 +1,7 @@
 #include "trevi/app/build.hpp"
 
+#include <limits>
+
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
@@ -114,6 +116,9 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   InitialState state = options.restart ? restored_particles(comm, scene, *parts.grid, std::move(options.restart->rows))
                                        : initial_particles(comm, scene, *parts.grid);
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
+  constexpr Real least_gain = 0.01;
+  parts.balance = std::make_unique<Balance>(
+      comm, scene.slabs == SlabCuts::balanced ? least_gain : std::numeric_limits<Real>::max());
   parts.particles = std::move(state.particles);
   parts.clock.dt = scene.dt;
   if (options.restart) {

@@ -116,6 +116,11 @@ void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += counted[k];
 }
 
+Slabs first_slabs(MPI_Comm comm, const Scene& scene, std::vector<Real> weights) {
+  if (scene.slabs == SlabCuts::equal) weights.assign(weights.size(), 1);
+  return {weights, size_of(comm)};
+}
+
 // The start along x, as a share of the extent of all particles at the start.
 void add_hue(MPI_Comm comm, Particles& particles) {
   Real low = 1e300, high = -1e300;
@@ -150,7 +155,7 @@ InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid
   FileParticles files = read_files(comm, scene);
   std::vector<Real> weights = block_weights(scene, grid);
   add_weights(comm, grid, files.particles, weights);
-  InitialState state{Slabs(weights, size_of(comm)), std::move(files.particles)};
+  InitialState state{first_slabs(comm, scene, weights), std::move(files.particles)};
   migrate(comm, state.particles, &Particles::position, grid, state.slabs);
   const int rank = rank_of(comm);
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
@@ -180,7 +185,7 @@ InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGri
   if (!particles.has_hue) particles.hue.clear();
   std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
   add_weights(comm, grid, particles, weights);
-  InitialState state{Slabs(weights, size_of(comm)), std::move(particles)};
+  InitialState state{first_slabs(comm, scene, weights), std::move(particles)};
   migrate(comm, state.particles, &Particles::position, grid, state.slabs);
   return state;
 }

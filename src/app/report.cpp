@@ -33,6 +33,16 @@ std::vector<PhaseReport> phases(MPI_Comm comm) {
   return reports;
 }
 
+std::vector<double> halo_wait_seconds(MPI_Comm comm) {
+  double mine = 0;
+  for (const EventTotals& event : event_totals()) {
+    if (event.name == "HaloWait") mine = event.seconds;
+  }
+  std::vector<double> all(static_cast<std::size_t>(size_of(comm)));
+  MPI_Allgather(&mine, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
+  return all;
+}
+
 RunReport::Versions versions() {
   char mpi[MPI_MAX_LIBRARY_VERSION_STRING] = {};
   int length = 0;
@@ -91,6 +101,11 @@ void write_report(const Session& session, const RunContext& context, const Solve
       1e9 * pair_seconds(report.phases) * session.size() / sum_real(comm, counters.pair_passes);
   report.halo_bytes_per_step = sum_real(comm, static_cast<double>(counters.halo_bytes)) / steps;
   report.halo_messages_per_step = sum_real(comm, static_cast<double>(counters.halo_messages)) / steps;
+  report.halo_wait_seconds = halo_wait_seconds(comm);
+  const Balance::History& balance = counters.balance;
+  report.imbalance_mean = balance.looks > 0 ? balance.sum / static_cast<double>(balance.looks) : 1;
+  report.imbalance_max = balance.max;
+  report.cut_moves = balance.moves;
   report.bytes_per_particle = sum_real(comm, static_cast<double>(counters.bytes)) / particles;
   report.max_resident_bytes = max_over_ranks(comm, resident_bytes());
   write_run_report(comm, context.directory, report);

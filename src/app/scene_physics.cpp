@@ -96,6 +96,9 @@ void PhysicsReader::read_domain() {
   scene_.slab_axis = extent.y() > extent.x() ? 1 : 0;
   domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
                       scene_.slab_axis, {{"x", 0}, {"y", 1}});
+  domain_.choice<SlabCuts>(
+      {"slabs", "each rank's share: the same work, followed as the water moves, or the same planes"}, scene_.slabs,
+      {{"balanced", SlabCuts::balanced}, {"equal", SlabCuts::equal}});
 }
 
 void PhysicsReader::read_fluid() {

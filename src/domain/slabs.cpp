@@ -8,6 +8,42 @@
 
 namespace trevi {
 
+namespace {
+
+// The last cut with at most this weight before it.
+LocalId cut_at(std::span<const Real> before, Real weight) {
+  return static_cast<LocalId>(std::upper_bound(before.begin(), before.end(), weight) - before.begin()) - 1;
+}
+
+LocalId nearest_cut(std::span<const Real> before, Real weight) {
+  const auto cut = static_cast<std::size_t>(cut_at(before, weight));
+  const bool next = cut + 1 < before.size() && before[cut + 1] - weight < weight - before[cut];
+  return static_cast<LocalId>(next ? cut + 1 : cut);
+}
+
+// The lowest cuts that give no rank but the first more than `largest`, as far as whole planes, one each, allow.
+std::vector<LocalId> least_cuts(std::span<const Real> before, int ranks, Real largest) {
+  std::vector<LocalId> cuts(static_cast<std::size_t>(ranks) + 1, 0);
+  cuts.back() = static_cast<LocalId>(before.size()) - 1;
+  for (int r = ranks - 1; r > 0; --r) {
+    const LocalId next = cuts[static_cast<std::size_t>(r) + 1];
+    const auto cut = std::lower_bound(before.begin(), before.end(), before[static_cast<std::size_t>(next)] - largest);
+    cuts[static_cast<std::size_t>(r)] = std::clamp(static_cast<LocalId>(cut - before.begin()), r, next - 1);
+  }
+  return cuts;
+}
+
+Real heaviest(std::span<const Real> before, std::span<const LocalId> cuts) {
+  Real weight = 0;
+  for (std::size_t r = 0; r + 1 < cuts.size(); ++r) {
+    weight =
+        std::max(weight, before[static_cast<std::size_t>(cuts[r + 1])] - before[static_cast<std::size_t>(cuts[r])]);
+  }
+  return weight;
+}
+
+}  // namespace
+
 Slabs::Slabs(std::span<const Real> weights, int ranks) {
   const auto planes = static_cast<LocalId>(weights.size());
   if (ranks > planes) {
@@ -17,15 +53,29 @@ Slabs::Slabs(std::span<const Real> weights, int ranks) {
   }
   std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all planes before this one
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
-  cuts_.assign(static_cast<std::size_t>(ranks) + 1, 0);
+  // The smallest possible largest weight of a rank, by bisection to rounding.
+  Real impossible = 0, largest = before.back();
+  for (int round = 0; round < 50; ++round) {
+    const Real middle = (impossible + largest) / 2;
+    (heaviest(before, least_cuts(before, ranks, middle)) <= middle ? largest : impossible) = middle;
+  }
+  // Within it, as near to even shares as can be.
+  const std::vector<LocalId> least = least_cuts(before, ranks, largest);
+  cuts_.assign(least.size(), 0);
   cuts_.back() = planes;
   for (int r = 1; r < ranks; ++r) {
-    const Real target = before.back() * r / ranks;
-    auto cut = static_cast<LocalId>(std::lower_bound(before.begin(), before.end(), target) - before.begin());
-    if (cut > 0 && target - before[static_cast<std::size_t>(cut) - 1] < before[static_cast<std::size_t>(cut)] - target)
-      --cut;
-    cuts_[static_cast<std::size_t>(r)] = std::clamp(cut, first_plane(r - 1) + 1, planes - (ranks - r));
+    const auto k = static_cast<std::size_t>(r);
+    const LocalId low = std::max(least[k], cuts_[k - 1] + 1);
+    const LocalId most = cut_at(before, before[static_cast<std::size_t>(cuts_[k - 1])] + largest);
+    const LocalId high = std::max(low, std::min(most, planes - (ranks - r)));
+    cuts_[k] = std::clamp(nearest_cut(before, before.back() * r / ranks), low, high);
   }
+}
+
+Real Slabs::imbalance(std::span<const Real> weights) const {
+  std::vector<Real> before(weights.size() + 1, 0.0);
+  std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
+  return before.back() > 0 ? heaviest(before, cuts_) * ranks() / before.back() : 1;
 }
 
 int Slabs::owner(LocalId plane) const {

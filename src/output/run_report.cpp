@@ -42,6 +42,9 @@ Json report_json(const RunReport& report) {
   json["nanoseconds_per_pair"] = report.nanoseconds_per_pair;
   json["halo_bytes_per_step"] = report.halo_bytes_per_step;
   json["halo_messages_per_step"] = report.halo_messages_per_step;
+  json["halo_wait_seconds"] = report.halo_wait_seconds;
+  json["imbalance"] = Json{{"mean", report.imbalance_mean}, {"max", report.imbalance_max}};
+  json["cut_moves"] = report.cut_moves;
   json["bytes_per_particle"] = report.bytes_per_particle;
   json["max_resident_bytes"] = report.max_resident_bytes;
   json["phases"] = Json::array();

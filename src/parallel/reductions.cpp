@@ -20,7 +20,7 @@ Real max_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, 
 Real min_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, MPI_DOUBLE, MPI_MIN); }
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value) { return all_reduce(comm, value, MPI_INT64_T, MPI_SUM); }
 
-std::vector<Real> sum_over_planes(MPI_Comm comm, std::span<const Real> partial, int columns) {
+std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial) {
   const int mine = static_cast<int>(partial.size());
   std::vector<int> counts(static_cast<std::size_t>(size_of(comm)));
   MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
@@ -28,6 +28,11 @@ std::vector<Real> sum_over_planes(MPI_Comm comm, std::span<const Real> partial, 
   std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
   std::vector<Real> rows(static_cast<std::size_t>(offsets.back() + counts.back()));
   MPI_Allgatherv(partial.data(), mine, MPI_DOUBLE, rows.data(), counts.data(), offsets.data(), MPI_DOUBLE, comm);
+  return rows;
+}
+
+std::vector<Real> sum_over_planes(MPI_Comm comm, std::span<const Real> partial, int columns) {
+  const std::vector<Real> rows = gather_planes(comm, partial);
   std::vector<Real> totals(static_cast<std::size_t>(columns), 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) totals[k % totals.size()] += rows[k];
   return totals;

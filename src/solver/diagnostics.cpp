@@ -56,8 +56,8 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
     top = std::max(top, p.z());
     front = std::max(front, p.x());
   }
-  const auto pairs = static_cast<Real>(input.list.pairs());
-  Real maxima[] = {rho, v2, top, front, input.drift, pairs};
+  const Real work = plane_work(input.order, input.list, 0, input.order.planes());
+  Real maxima[] = {rho, v2, top, front, input.drift, work};
   MPI_Allreduce(MPI_IN_PLACE, maxima, 6, MPI_DOUBLE, MPI_MAX, comm_);
   row.density_max = maxima[0];
   row.compression_max = std::max(maxima[0] / model_.rest_density - 1, 0.0);
@@ -65,8 +65,8 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
   row.top = maxima[2];
   row.front = maxima[3];
   row.drift_max = maxima[4];
-  const auto all_pairs = static_cast<Real>(sum_over_ranks(comm_, input.list.pairs()));
-  row.imbalance = all_pairs > 0 ? maxima[5] * size_of(comm_) / all_pairs : 1;
+  const auto all_work = static_cast<Real>(sum_over_ranks(comm_, static_cast<GlobalId>(work)));
+  row.imbalance = all_work > 0 ? maxima[5] * size_of(comm_) / all_work : 1;
 }
 
 Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {

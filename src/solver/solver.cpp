@@ -47,6 +47,7 @@ void PbfSolver<T>::step() {
   }
   observe();
   const Stopwatch::Lap lap(stopwatch_);
+  parts_.balance->update(clock.step, near_.order(), near_.list(), *parts_.slabs);
   follow(&Particles::position);
 }
 
@@ -190,6 +191,7 @@ Solver::Counters PbfSolver<T>::counters() const {
   Counters counters = counters_;
   counters.halo_bytes = near_.halo().bytes();
   counters.halo_messages = near_.halo().messages();
+  counters.balance = parts_.balance->history();
   counters.seconds = stopwatch_.seconds();
   counters.bytes = near_.bytes() + problem_.bytes() + parts_.method->bytes();
   for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();

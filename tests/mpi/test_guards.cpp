@@ -48,6 +48,7 @@ SolverParts<double> parts_with(Sabotage sabotage) {
   parts.grid = std::make_unique<CellGrid>(parts.box.min, parts.box.max, h, 0);
   parts.slabs =
       std::make_unique<Slabs>(std::vector<Real>(static_cast<std::size_t>(parts.grid->planes()), 1.0), size_of(world));
+  parts.balance = std::make_unique<Balance>(world, 0.01);
   parts.walls = std::make_unique<Walls>(parts.box, WallSettings{}, 1e-6 * h);
   const DensityModel model{1.0, 1000, h, 1, Constraint::equality};
   parts.constraint = std::make_unique<DensityConstraint<double>>(model, std::nullopt, std::nullopt);

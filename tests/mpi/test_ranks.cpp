@@ -108,6 +108,7 @@ class Ranks : public Output {
     Cloud particles;
     std::string series;
     GlobalId migrated;
+    std::int64_t cut_moves;
   };
 
   Run run(MPI_Comm comm, const Scene& scene, int steps) const {
@@ -121,7 +122,8 @@ class Ranks : public Output {
     for (int k = 0; k < steps; ++k) solver->step();
     solver->finish();
     MPI_Barrier(comm);
-    return {gathered(comm, solver->particles()), comparable(text_of(series)), solver->counters().migrated};
+    return {gathered(comm, solver->particles()), comparable(text_of(series)), solver->counters().migrated,
+            solver->counters().balance.moves};
   }
 
   void expect_same_on_one_rank(const std::string& text, const std::vector<std::string>& overrides) const {
@@ -134,10 +136,15 @@ class Ranks : public Output {
     GlobalId migrated = many.migrated;
     MPI_Allreduce(MPI_IN_PLACE, &migrated, 1, MPI_INT64_T, MPI_SUM, world);
     EXPECT_EQ(migrated > 0, size_of(world) > 1) << "a test in which nobody moves proves little";
+    cut_moves_ += many.cut_moves;
   }
+  mutable std::int64_t cut_moves_ = 0;
 };
 
-TEST_F(Ranks, FallingCube) { expect_same_on_one_rank(cube_scene, {"density.precision='double'"}); }
+TEST_F(Ranks, FallingCube) {
+  expect_same_on_one_rank(cube_scene, {"density.precision='double'"});
+  EXPECT_EQ(cut_moves_ > 0, size_of(world) > 1) << "nor does one in which the cuts stay where they are";
+}
 
 TEST_F(Ranks, FallingCubeInSinglePrecision) { expect_same_on_one_rank(cube_scene, {"density.precision='single'"}); }
 

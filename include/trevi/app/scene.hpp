@@ -40,12 +40,16 @@ struct OutputSettings {
   std::optional<Schedule> series;
 };
 
+/// Who owns which planes: as even a share of the work as whole planes allow, throughout; or as many planes each.
+enum class SlabCuts { balanced, equal };
+
 struct Scene {
   std::string path, name;      ///< as given, and the file name without folder and ending
   std::string text;            ///< the file, plus one line "# --set table.key=value" for each override
   std::int64_t overrides = 0;  ///< number of these lines
   Vec3 domain_min = Vec3::Zero(), domain_max = Vec3::Zero();  ///< m
   int slab_axis = 0;                                          ///< 0 x, 1 y
+  SlabCuts slabs = SlabCuts::balanced;
   FluidSettings fluid;
   std::vector<ParticleSource> particles;
   Real dt = 1.0 / 60, end = 0;  ///< s

@@ -16,7 +16,7 @@ struct Box {
 
 class Slabs {
  public:
-  /// Cuts the planes so that the weights are shared as evenly as whole planes allow. `weights`: one per plane, any
+  /// Cuts the planes so that the largest weight of a rank is as small as whole planes allow. `weights`: one per plane, any
   /// unit. Throws InputError when there are more ranks than planes.
   Slabs(std::span<const Real> weights, int ranks);
 
@@ -24,6 +24,8 @@ class Slabs {
   LocalId first_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank)]; }
   LocalId last_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank) + 1]; }  ///< one past
   int owner(LocalId plane) const;
+  /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
+  Real imbalance(std::span<const Real> weights) const;
   const std::vector<LocalId>& cuts() const { return cuts_; }
 
  private:

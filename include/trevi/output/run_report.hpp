@@ -39,6 +39,10 @@ struct RunReport {
   double steps_per_second = unknown, particle_steps_per_second = unknown;
   double nanoseconds_per_pair = unknown;
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
+  std::vector<double> halo_wait_seconds;                                   ///< of each rank
+  /// Largest over mean work of a rank, at looks some steps apart, before cuts moved if they did.
+  double imbalance_mean = unknown, imbalance_max = unknown;
+  std::int64_t cut_moves = 0;  ///< times that cuts between slabs were moved
   double bytes_per_particle = unknown;
   double max_resident_bytes = unknown;  ///< largest rank
   std::vector<PhaseReport> phases;

@@ -3,7 +3,7 @@
 // particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
 #pragma once
 
-#include "trevi/domain/slabs.hpp"
+#include "trevi/domain/balance.hpp"
 #include "trevi/fluid/density.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/particles/neighbour_list.hpp"

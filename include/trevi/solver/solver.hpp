@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "trevi/domain/balance.hpp"
 #include "trevi/domain/migrate.hpp"
 #include "trevi/fluid/forcing.hpp"
 #include "trevi/fluid/velocity_filter.hpp"
@@ -50,6 +51,7 @@ class Solver {
     std::int64_t substeps = 0;
     std::int64_t unconverged = 0;  ///< solves that missed their tolerance
     std::int64_t halo_bytes = 0, halo_messages = 0, migrated = 0;
+    Balance::History balance;
     std::size_t bytes = 0;  ///< memory of particles, ghosts, lists and everything else the solver holds
     double seconds = 0;     ///< in step(), observers not counted
   };
@@ -65,6 +67,7 @@ struct SolverParts {
   Box box;
   std::unique_ptr<CellGrid> grid;
   std::unique_ptr<Slabs> slabs;
+  std::unique_ptr<Balance> balance;
   std::unique_ptr<Walls> walls;
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensityMethod<T>> method;

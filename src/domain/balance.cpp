@@ -1,0 +1,36 @@
+#include "trevi/domain/balance.hpp"
+
+#include <algorithm>
+
+#include "trevi/parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr Real pairs_per_particle = 20;
+
+}  // namespace
+
+Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, LocalId l) {
+  const auto [begin, end] = order.owned_range(k, l);
+  return static_cast<Real>(list.first(end) - list.first(begin)) + pairs_per_particle * (end - begin);
+}
+
+bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {
+  if (slabs.ranks() == 1 || step % interval != 0) return false;
+  std::vector<Real> mine;
+  for (LocalId k = 0; k < order.planes(); ++k) mine.push_back(plane_work(order, list, k, k + 1));
+  const std::vector<Real> work = gather_planes(comm_, mine);
+  const Real now = slabs.imbalance(work);
+  ++history_.looks;
+  history_.sum += now;
+  history_.max = std::max(history_.max, now);
+  Slabs even(work, slabs.ranks());
+  if (even.imbalance(work) > now - least_gain_) return false;
+  slabs = std::move(even);
+  ++history_.moves;
+  return true;
+}
+
+}  // namespace trevi

@@ -1,0 +1,66 @@
+// What the halos send in a step is what the formula of postprocess/results/scaling.md says, to the byte. The water is
+// a lattice at rest without gravity, so that the planes keep their particles.
+#include <gtest/gtest.h>
+
+#include "cloud.hpp"
+#include "output_fixture.hpp"
+#include "trevi/parallel/reductions.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr int planes = 17, rows = 2, columns = 3, water_columns = 2;
+constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
+
+const std::string still_scene = R"(
+[domain]
+min = [0.0, 0.0, 0.0]
+max = [3.4, 0.4, 0.6]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0.0, 0.0, 0.0]
+max = [3.4, 0.4, 0.4]
+[time]
+dt = 0.0166666667
+end = 1.0
+)";
+
+/// Bytes over all ranks in a substep. `record`: bytes of a packed record; `velocity_exchanges`: of the filters.
+std::int64_t formula(int ranks, std::int64_t record, int iterations, bool coarse, int filter_exchanges) {
+  const std::int64_t messages = 2 * (ranks - 1);  // of one exchange: both ways through every cut
+  const std::int64_t counts = 4 * rows * columns;
+  // The records once with the list; lambda and place in every sweep, but for the coarse grid, which only moves.
+  const std::int64_t exchanges = 1 + (coarse ? 1 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
+  const std::int64_t grid_plane = 8 * (rows + 2) * (columns + 2), sweeps = coarse ? 6 * 4 : 0;
+  return messages * (counts + exchanges * particles_per_plane * record + sweeps * grid_plane);
+}
+
+class Traffic : public Output {
+ protected:
+  std::int64_t bytes_per_step(const std::vector<std::string>& overrides) const {
+    BuildOptions options;
+    options.directory = path("out");
+    options.progress = ProgressMode::none;
+    const std::unique_ptr<Solver> solver = build_solver(world, scene_with(still_scene, overrides), std::move(options));
+    solver->start();
+    const std::int64_t before = solver->counters().halo_bytes;
+    constexpr int steps = 12;  // with a look at the balance among them
+    for (int k = 0; k < steps; ++k) solver->step();
+    const std::int64_t sent = sum_over_ranks(world, solver->counters().halo_bytes - before);
+    EXPECT_EQ(sent % steps, 0);
+    return sent / steps;
+  }
+};
+
+TEST_F(Traffic, IsAsTheFormulaSays) {
+  const int ranks = size_of(world);
+  EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 4, true, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}), formula(ranks, 32, 7, true, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}), formula(ranks, 16, 4, false, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
+            formula(ranks, 16, 4, true, 3));
+}
+
+}  // namespace
+}  // namespace trevi::test
