@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "trevi/app/build.hpp"
+#include "trevi/app/envelope.hpp"
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/fluid/kernels.hpp"
 
@@ -105,6 +106,7 @@ void print_dry_run(const Session& session, const Scene& scene, const std::string
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, weights, session.size()));
+  for (const std::string& warning : envelope_warnings(scene)) fmt::print("warning     {}\n", warning);
   fmt::print("{}{}", time_text(scene), output_text(scene, directory));
 }
 

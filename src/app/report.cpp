@@ -3,6 +3,7 @@
 #include <petscsys.h>
 #include <sys/resource.h>
 
+#include "trevi/app/envelope.hpp"
 #include "trevi/base/simd.hpp"
 #include "trevi/output/hdf5_rows.hpp"
 #include "trevi/output/run_report.hpp"
@@ -76,6 +77,7 @@ RunReport local_report(const Session& session, const RunContext& context, const 
   report.versions = versions();
   report.scene = context.scene.path;
   report.scene_hash = scene_hash(context.scene.text);
+  report.warnings = envelope_warnings(context.scene);
   report.instruction_set = instruction_set_name();
   report.precision = context.scene.density.precision == Precision::single ? "single" : "double";
   report.first_step = context.first_step;

@@ -4,6 +4,7 @@
 
 #include "trevi/app/build.hpp"
 #include "trevi/app/dry_run.hpp"
+#include "trevi/app/envelope.hpp"
 #include "trevi/app/preview.hpp"
 #include "trevi/app/report.hpp"
 #include "trevi/app/restart.hpp"
@@ -78,6 +79,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   const bool goes_on = restart && restart->state;
   check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart) tell(session, restart->message);
+  for (const std::string& warning : envelope_warnings(scene)) tell(session, "warning: " + warning);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
   options.requests = [&watch] { return watch.poll(); };

@@ -29,6 +29,7 @@ Json report_json(const RunReport& report) {
   json["versions"] = Json{{"trevi", v.trevi}, {"mpi", v.mpi}, {"petsc", v.petsc}, {"hdf5", v.hdf5}, {"vtk", v.vtk}};
   json["scene"] = report.scene;
   json["scene_hash"] = report.scene_hash;
+  json["warnings"] = report.warnings;
   json["instruction_set"] = report.instruction_set;
   json["precision"] = report.precision;
   json["first_step"] = report.first_step;

@@ -31,6 +31,7 @@ struct RunReport {
     std::string trevi, mpi, petsc, hdf5, vtk;
   } versions;
   std::string scene, scene_hash;           ///< path as given; scene_hash() of the text
+  std::vector<std::string> warnings;       ///< settings outside the stability envelope
   std::string instruction_set, precision;  ///< e.g. "AVX2", "double"
   std::int64_t first_step = 0, last_step = 0;
   std::int64_t steps = 0;  ///< done by this process, restarts not included

@@ -1,0 +1,42 @@
+// A run outside the stability envelope says so, with a remedy that ends the warning; inside it nothing is said.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene_text.hpp"
+#include "trevi/app/envelope.hpp"
+
+namespace trevi::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> warnings(const std::vector<std::string>& overrides) {
+  return envelope_warnings(parse(scene_plus("[gravity]\nacceleration = [0, 0, -9.8]"), overrides));
+}
+
+TEST(Envelope, SaysNothingInside) {
+  EXPECT_THAT(warnings({}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0041666666667", "fluid.kernel_radius=0.15"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.3", "density.iterations=2"}), IsEmpty());
+  // A finer lattice falls by a spacing in less time.
+  EXPECT_THAT(warnings({"time.dt=0.00208334", "fluid.spacing=0.025", "fluid.kernel_radius=0.05"}), IsEmpty());
+}
+
+TEST(Envelope, NamesWhatIsOutside) {
+  EXPECT_THAT(warnings({"time.dt=0.002"}), ElementsAre(HasSubstr("dt = 0.002 s is shorter than the 0.00417 s")));
+  EXPECT_THAT(warnings({"fluid.kernel_radius=0.35"}), ElementsAre(HasSubstr("kernel_radius is 3.5 spacings")));
+  EXPECT_THAT(warnings({"fluid.kernel_radius=0.14"}), ElementsAre(HasSubstr("kernel_radius is 1.4 spacings")));
+  EXPECT_THAT(warnings({"density.iterations=1"}), ElementsAre(HasSubstr("density.iterations = 1")));
+  EXPECT_THAT(warnings({"density.preset='report'"}), ElementsAre(HasSubstr("no coarse grid")));
+  EXPECT_THAT(warnings({"density.method='jacobi'"}), ElementsAre(HasSubstr("no coarse grid")));
+  EXPECT_EQ(warnings({"time.dt=0.002", "density.iterations=1"}).size(), 2U);
+}
+
+TEST(Envelope, NothingFallsWithoutGravity) {
+  EXPECT_THAT(envelope_warnings(parse(scene_plus(), {"time.dt=0.002", "density.iterations=1"})), IsEmpty());
+}
+
+}  // namespace
+}  // namespace trevi::test
