@@ -10,8 +10,8 @@ namespace trevi {
 
 namespace {
 
-constexpr int glance = 50;                             // ms between rank 0's looks at signals while the run is held
-constexpr auto doze = std::chrono::milliseconds(2);    // between the other ranks' looks for orders
+constexpr int glance = 50;                           // ms between rank 0's looks at signals while the run is held
+constexpr auto doze = std::chrono::milliseconds(2);  // between the other ranks' looks for orders
 
 // Blocking collectives spin, which a held run must not do for hours.
 void finish_collective(MPI_Request& request, bool asleep) {

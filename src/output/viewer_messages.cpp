@@ -68,7 +68,8 @@ std::string text_of(const ViewedScene& scene) {
 
 std::string text_of(const ViewedFrame& frame) {
   Json fountains = Json::array();
-  for (const FountainState& state : frame.fountains) fountains.push_back({{"note", state.note}, {"speed", state.speed}});
+  for (const FountainState& state : frame.fountains)
+    fountains.push_back({{"note", state.note}, {"speed", state.speed}});
   return text_of_kind("frame", {{"step", frame.step},
                                 {"time", frame.time},
                                 {"particles", frame.particles},

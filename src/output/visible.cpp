@@ -15,10 +15,10 @@ void erode(std::vector<std::uint8_t>& marks, std::ptrdiff_t stride, std::ptrdiff
   for (std::ptrdiff_t k = 0; k < size; ++k) {
     const std::ptrdiff_t place = k / stride % count;
     const bool inner = place > 0 && place + 1 < count;
-    marks[static_cast<std::size_t>(k)] =
-        inner ? old[static_cast<std::size_t>(k - stride)] & old[static_cast<std::size_t>(k)] &
-                    old[static_cast<std::size_t>(k + stride)]
-              : 0;
+    marks[static_cast<std::size_t>(k)] = inner ? old[static_cast<std::size_t>(k - stride)] &
+                                                     old[static_cast<std::size_t>(k)] &
+                                                     old[static_cast<std::size_t>(k + stride)]
+                                               : 0;
   }
 }
 

@@ -1,9 +1,9 @@
 // A run's end of the line to its viewer, on rank 0. The run calls, again and again if need be, so a viewer may come,
 // go and come back at any time; the run opens no port itself.
-// Invariant: nothing here ever waits for the viewer but wait(), which waits no longer than it is told, and no failure of
-// the line reaches the run: it counts as a viewer that is gone, which wishes nothing. Rank-local.
-// Transport: ZeroMQ (a thread of its own sends and receives). Without it in the build (viewer_link_absent.cpp) connecting
-// throws InputError.
+// Invariant: nothing here ever waits for the viewer but wait(), which waits no longer than it is told, and no failure
+// of the line reaches the run: it counts as a viewer that is gone, which wishes nothing. Rank-local. Transport: ZeroMQ
+// (a thread of its own sends and receives). Without it in the build (viewer_link_absent.cpp) connecting throws
+// InputError.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
 // What a run and its viewer say to each other: the run tells its scene, frames and its end; the viewer what it wishes,
 // always all of it, so that a wish that is heard twice or late does no harm.
-// On the wire a message is a text of JSON, a frame has its particles as bytes behind it (native floats: both ends run on
-// machines of one kind). Plain data and its text; no communication. SI units.
+// On the wire a message is a text of JSON, a frame has its particles as bytes behind it (native floats: both ends run
+// on machines of one kind). Plain data and its text; no communication. SI units.
 #pragma once
 
 #include <cmath>
