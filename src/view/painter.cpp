@@ -79,7 +79,12 @@ void Painter::add_points() {
 }
 
 void Painter::add_spheres() {
-  spheres_->SetInputData(particles_);
+  // It draws all points, but only of data that has a cell.
+  vtkNew<vtkCellArray> cell;
+  const vtkIdType first = 0;
+  cell->InsertNextCell(1, &first);
+  with_cell_->SetVerts(cell);
+  spheres_->SetInputData(with_cell_);
   spheres_actor_->SetMapper(spheres_);
   spheres_actor_->GetProperty()->SetSpecular(0.25);
   spheres_actor_->GetProperty()->SetSpecularPower(20);
@@ -166,10 +171,6 @@ void Painter::show(std::shared_ptr<const ViewedFrame> frame) {
   vtkNew<vtkPoints> points;
   points->SetData(places);
   particles_->SetPoints(points);
-  vtkNew<vtkCellArray> cell;
-  vtkIdType first = 0;
-  cell->InsertNextCell(1, &first);
-  particles_->SetVerts(cell);
   recolour();
 }
 
@@ -191,6 +192,9 @@ void Painter::recolour() {
   // Both mappers look at the points' age only.
   if (particles_->GetPoints() != nullptr) particles_->GetPoints()->Modified();
   particles_->Modified();
+  with_cell_->SetPoints(particles_->GetPoints());
+  with_cell_->GetPointData()->SetScalars(colours);
+  with_cell_->Modified();
 }
 
 void Painter::set_style(Style style) {

@@ -55,7 +55,7 @@ class Painter {
   void recolour();
 
   vtkRenderer* renderer_;
-  vtkNew<vtkPolyData> particles_;
+  vtkNew<vtkPolyData> particles_, with_cell_;
   vtkNew<vtkPointGaussianMapper> points_;
   vtkNew<vtkOpenGLSphereMapper> spheres_;
   vtkNew<vtkOpenGLFluidMapper> fluid_;

@@ -69,7 +69,7 @@ Window::Window(FrameSource& source, const ViewOptions& options)
   window_->SetSize(options.width, options.height);
   window_->AddRenderer(renderer_);
   set_up_text(status_, 0.006, 0.01, 15);
-  set_up_text(message_, 0.5, 0.55, 20);
+  set_up_text(message_, 0.5, 0.92, 20);
   message_->GetTextProperty()->SetJustificationToCentered();
   message_->GetTextProperty()->SetColor(1.0, 0.85, 0.4);
   set_up_text(help_, 0.012, 0.97, 15);
