@@ -47,7 +47,9 @@ void gather(MPI_Comm comm, const std::vector<ViewedParticle>& mine, ViewedFrame&
 }  // namespace
 
 LiveView::LiveView(MPI_Comm comm, LiveViewOptions options) : comm_(comm), options_(std::move(options)) {
-  if (options_.link) options_.link->introduce(options_.scene);
+  if (!options_.link) return;
+  options_.link->introduce(options_.scene);
+  options_.link->greet();
 }
 
 void LiveView::observe(const Frame& frame) {

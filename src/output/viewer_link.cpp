@@ -16,6 +16,8 @@ constexpr int last_word = 1000;       // ms the last message may take once the r
 constexpr int reconnect = 200;        // ms between calls while nobody answers
 constexpr int heartbeat = 2000;       // ms
 constexpr int presumed_gone = 10000;  // ms without a heartbeat: a stopped process, a cut line
+constexpr int glance = 5;             // ms between looks at the line while greeting
+constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);
 
 /// What ZeroMQ's thread sees of the line: it is the one to know at once that a viewer was killed.
 class LineMonitor : public zmq::monitor_t {
@@ -56,6 +58,12 @@ class ZmqLink : public ViewerLink {
     }
   }
 
+  void greet() override {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto passed = [&] { return std::chrono::steady_clock::now() - begin; };
+    while (!has_viewer_ && passed() < (answered_ ? to_wish : to_answer)) wait(glance);
+  }
+
   void introduce(const ViewedScene& scene) override { scene_ = text_of(scene); }
 
   void send(const ViewedFrame& frame) override {
@@ -85,7 +93,9 @@ class ZmqLink : public ViewerLink {
   void follow_line() {
     while (monitor_.check_event(0)) {
       if (monitor_.take_down()) forget();
-      if (monitor_.take_up()) deliver({zmq::buffer(scene_)});
+      if (!monitor_.take_up()) continue;
+      answered_ = true;
+      deliver({zmq::buffer(scene_)});
     }
   }
 
@@ -101,7 +111,7 @@ class ZmqLink : public ViewerLink {
 
   void forget() {
     changed_ = changed_ || has_viewer_;
-    has_viewer_ = false;
+    has_viewer_ = answered_ = false;
     wishes_ = {};
   }
 
@@ -109,6 +119,7 @@ class ZmqLink : public ViewerLink {
   zmq::socket_t socket_;
   LineMonitor monitor_;
   std::string scene_;
+  bool answered_ = false;
 };
 
 }  // namespace

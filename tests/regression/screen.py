@@ -14,7 +14,7 @@ from PIL import ImageGrab
 from runs import TREVI, environment
 
 VIEW = os.environ.get("TREVI_VIEW", TREVI + "-view")
-PATIENCE = 60  # s; for one condition
+PATIENCE = float(os.environ.get("PATIENCE", 60))  # s; for one condition
 SIZE = (480, 360)
 STATUS_ROWS = 60  # pixels at the bottom that hold the status line
 

@@ -1,9 +1,10 @@
 // A run's end of the line to its viewer, on rank 0. The run calls, again and again if need be, so a viewer may come,
 // go and come back at any time; the run opens no port itself.
-// Invariant: nothing here ever waits for the viewer but wait(), which waits no longer than it is told, and no failure
-// of the line reaches the run: it counts as a viewer that is gone, which wishes nothing. Rank-local. Transport: ZeroMQ
-// (a thread of its own sends and receives). Without it in the build (viewer_link_absent.cpp) connecting throws
-// InputError.
+// Invariant: nothing here waits for the viewer but wait(), no longer than it is told, and greet(), once; and no failure
+// of the line reaches the run: it counts as a viewer that is gone, which wishes nothing. Rank-local.
+//
+// Transport: ZeroMQ (a thread of its own sends and receives). Without it in the build (viewer_link_absent.cpp)
+// connecting throws InputError.
 #pragma once
 
 #include <memory>
@@ -19,6 +20,9 @@ class ViewerLink {
 
   /// Takes in what has arrived; when nothing has, waits for up to so many milliseconds.
   virtual void wait(int milliseconds) = 0;
+  /// Before the first step: half a second for a viewer to answer the call, and five for one that has answered to say
+  /// what it wishes, so that a run may begin paused.
+  virtual void greet() = 0;
   /// All false and 0 while there is no viewer.
   const ViewerWishes& wishes() const { return wishes_; }
   /// Whether the viewer has said what it wishes.
