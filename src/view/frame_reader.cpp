@@ -40,7 +40,9 @@ RawFrame read_raw(const std::string& path) {
 ViewedFrame FrameReader::read(const FrameEntry& entry) const {
   const RawFrame raw = read_raw(entry.path);
   VisibleCells cells({scene_.min, scene_.max}, 2 * scene_.spacing);
-  for (const Vec3& p : raw.position) cells.mark(p);
+  if (!all_) {
+    for (const Vec3& p : raw.position) cells.mark(p);
+  }
   cells.find_hidden();
   std::int64_t visible = 0;
   for (const Vec3& p : raw.position) visible += cells.hidden(p) ? 0 : 1;
@@ -48,7 +50,7 @@ ViewedFrame FrameReader::read(const FrameEntry& entry) const {
   frame.step = entry.step;
   frame.time = entry.time;
   frame.particles = static_cast<std::int64_t>(raw.position.size());
-  frame.level = thinning_level(visible, budget_);
+  frame.level = all_ ? 0 : thinning_level(visible, budget_);
   frame.shown.reserve(static_cast<std::size_t>(visible));
   std::size_t i = 0;
   for (const std::int64_t count : raw.rank_counts) {

@@ -25,12 +25,14 @@ RawFrame read_hdf_frame(const std::string& path);
 
 class FrameReader {
  public:
-  FrameReader(const ViewedScene& scene, std::int64_t budget) : scene_(scene), budget_(budget) {}
+  /// `all`: particles that cannot be seen, too, and no budget.
+  FrameReader(const ViewedScene& scene, std::int64_t budget, bool all) : scene_(scene), budget_(budget), all_(all) {}
   ViewedFrame read(const FrameEntry& entry) const;
 
  private:
   ViewedScene scene_;
   std::int64_t budget_;
+  bool all_;
 };
 
 /// All of a file without looking at what can be seen.

@@ -70,7 +70,8 @@ ExitCode play(const ViewOptions& options) {
   const ViewedScene viewed = describe_run(list, scene);
   const std::size_t last = list.entries().size() - 1;
   const std::size_t index = index_at(list, options.at, handless(options) ? last : 0);
-  Playback playback(std::move(list), viewed, {options.speed, options.loop, options.paused, options.budget});
+  Playback playback(std::move(list), viewed,
+                    {options.speed, options.loop, options.paused, options.budget, options.all});
   Window window(playback, options);
   if (handless(options)) return play_handless(options, playback, window, index);
   playback.show(index);

@@ -50,6 +50,7 @@ void add_looks(CLI::App& app, ViewOptions& options, Raw& raw) {
   app.add_option("--camera", raw.camera, "degrees around, degrees above, zoom (30 20 1)")->expected(3);
   app.add_option("--budget", options.budget, "particles to draw at most, about (a quarter of the pixels)")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--all", options.all, "of a directory, draw what cannot be seen, too, without a budget");
 }
 
 void add_playing(CLI::App& app, ViewOptions& options) {

@@ -21,6 +21,7 @@ struct ViewOptions {
   CameraPlace camera;
   double speed = 1;
   bool loop = false, paused = false, mute = false;
+  bool all = false;                 ///< particles that cannot be seen, too
   std::int64_t budget = 0;          ///< particles of a picture, about; 0: by the size of the window
   std::optional<std::int64_t> at;   ///< step to show first
   std::string screenshot;           ///< PNG to write instead of opening a window that stays

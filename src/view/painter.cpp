@@ -16,6 +16,7 @@
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
+#include <vtkShaderProperty.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkVolume.h>
 #include <vtkVolumeProperty.h>
@@ -75,6 +76,10 @@ void Painter::add_points() {
   points_actor_->SetMapper(points_);
   points_actor_->GetProperty()->SetPointSize(point_size);
   points_actor_->GetProperty()->LightingOff();
+  // Points have no shape to light: the far ones are darker instead. The depth runs from 0 to 1 over the box.
+  points_actor_->GetShaderProperty()->AddFragmentShaderReplacement(
+      "//VTK::Light::Impl", true,
+      "//VTK::Light::Impl\n  gl_FragData[0].rgb *= mix(1.0, 0.35, clamp(gl_FragCoord.z, 0.0, 1.0));\n", false);
   renderer_->AddActor(points_actor_);
 }
 

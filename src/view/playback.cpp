@@ -23,7 +23,7 @@ Playback::Playback(FrameList list, const ViewedScene& scene, const PlaybackOptio
       loop_(options.loop),
       paused_(options.paused),
       cache_(
-          [this, reader = FrameReader(scene, options.budget)](std::size_t index) {
+          [this, reader = FrameReader(scene, options.budget, options.all)](std::size_t index) {
             FrameEntry entry;
             {
               const std::lock_guard lock(list_mutex_);

@@ -14,6 +14,7 @@ struct PlaybackOptions {
   double speed = 1;
   bool loop = false, paused = false;
   std::int64_t budget = 0;  ///< particles of a picture, about
+  bool all = false;         ///< draw those that cannot be seen, too
 };
 
 class Playback : public FrameSource {

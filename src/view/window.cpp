@@ -36,7 +36,6 @@ double seconds_between(WallClock::time_point from, WallClock::time_point to) {
 class Style3d : public vtkInteractorStyleTrackballCamera {
  public:
   static Style3d* New() { return new Style3d; }
-  vtkTypeMacro(Style3d, vtkInteractorStyleTrackballCamera);
   void OnChar() override {}
 };
 

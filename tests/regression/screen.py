@@ -14,7 +14,7 @@ from PIL import ImageGrab
 from runs import TREVI, environment
 
 VIEW = os.environ.get("TREVI_VIEW", TREVI + "-view")
-PATIENCE = float(os.environ.get("PATIENCE", 60))  # s; for one condition
+PATIENCE = 60  # s; for one condition
 SIZE = (480, 360)
 STATUS_ROWS = 60  # pixels at the bottom that hold the status line
 
@@ -120,6 +120,13 @@ class Viewer:
 def water(image):
     """Which pixels are coloured: the background, the box and its floor are almost grey."""
     return image.max(axis=2) - image.min(axis=2) > 60
+
+
+def like(image, colour):
+    """How many pixels have this colour, brighter or darker."""
+    brightest = image.max(axis=2, keepdims=True)
+    same = numpy.abs(image / numpy.maximum(brightest, 1) - numpy.array(colour) / max(colour)).max(axis=2) < 0.04
+    return (same & (brightest[:, :, 0] > 50)).sum()
 
 
 def changed(one, other):

@@ -9,10 +9,11 @@ import socket
 import subprocess
 import time
 import unittest
+from pathlib import Path
 
 import runs
 from runs import CHECKPOINTS, FOUNTAIN, Folder
-from screen import Screen, Viewer, VIEW, changed, wait_until, water
+from screen import Screen, Viewer, VIEW, changed, like, wait_until, water
 
 SCENE = FOUNTAIN + CHECKPOINTS.format(1000, 2)
 
@@ -24,7 +25,7 @@ def free_address():
 
 
 def processor_seconds(pid):
-    fields = open(f"/proc/{pid}/stat").read().rsplit(")", 1)[1].split()
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
@@ -115,7 +116,7 @@ class Steering(LiveTest):
         viewer.press("c", "rank")
         image = viewer.settled()
         for colour in ((86, 180, 233), (230, 159, 0)):
-            self.assertGreater((abs(image - colour).max(axis=2) < 3).sum(), 500)
+            self.assertGreater(like(image, colour), 500)
         viewer.press("q", "live: over")
         wait_until(lambda: (self.output / "run.json").exists(), "the run's report")
 
