@@ -72,6 +72,7 @@ void LiveView::finish(const Frame& frame) {
 LiveView::Orders LiveView::agree(std::int64_t step, bool held) {
   Orders orders;
   if (options_.link) {
+    if (!held) options_.link->wait(0);
     orders = held ? decide_when_held(step) : decide(step);
     if (orders.frame != 0) sent_ = step;
   }
@@ -91,7 +92,6 @@ LiveView::Orders LiveView::decide_when_held(std::int64_t step) {
 
 LiveView::Orders LiveView::decide(std::int64_t step) {
   ViewerLink& link = *options_.link;
-  link.wait(0);
   if (link.take_change()) sent_ = -1, single_steps_ = 0;
   const ViewerWishes& wishes = link.wishes();
   Orders orders;

@@ -28,9 +28,9 @@ namespace trevi {
 
 namespace {
 
-constexpr float point_size = 3;        // pixels
-constexpr double sphere_radius = 0.5;  // in spacings: neighbours touch
-constexpr double fluid_radius = 0.75;  // larger, so that the gaps close
+constexpr double least_point = 2, largest_point = 16;  // pixels
+constexpr double sphere_radius = 0.5;                  // in spacings: neighbours touch
+constexpr double fluid_radius = 0.75;                  // larger, so that the gaps close
 // The mapper adds the colours of all particles on a line of sight and shows 1 - sum^power * scale. A small power makes
 // little of how many they are, so that with about so many the picture has the particles' colours.
 constexpr float fluid_power = 0.1F;
@@ -74,12 +74,11 @@ void Painter::add_points() {
   points_->SetScaleFactor(0);  // plain points instead of splats
   points_->EmissiveOff();
   points_actor_->SetMapper(points_);
-  points_actor_->GetProperty()->SetPointSize(point_size);
   points_actor_->GetProperty()->LightingOff();
   // Points have no shape to light: the far ones are darker instead. The depth runs from 0 to 1 over the box.
   points_actor_->GetShaderProperty()->AddFragmentShaderReplacement(
       "//VTK::Light::Impl", true,
-      "//VTK::Light::Impl\n  gl_FragData[0].rgb *= mix(1.0, 0.35, clamp(gl_FragCoord.z, 0.0, 1.0));\n", false);
+      "//VTK::Light::Impl\n  gl_FragData[0].rgb *= mix(1.2, 0.65, clamp(gl_FragCoord.z, 0.0, 1.0));\n", false);
   renderer_->AddActor(points_actor_);
 }
 
@@ -160,6 +159,13 @@ void Painter::reset_camera() {
   camera->SetPosition(eye.x(), eye.y(), eye.z());
   camera->SetViewUp(0, 0, 1);
   renderer_->ResetCameraClippingRange();
+}
+
+void Painter::size_points() {
+  vtkCamera* camera = renderer_->GetActiveCamera();
+  const double height = 2 * camera->GetDistance() * std::tan(0.5 * camera->GetViewAngle() * std::numbers::pi / 180);
+  const double pixels = scene_.spacing * renderer_->GetSize()[1] / height;
+  points_actor_->GetProperty()->SetPointSize(static_cast<float>(std::clamp(pixels, least_point, largest_point)));
 }
 
 void Painter::show(std::shared_ptr<const ViewedFrame> frame) {

@@ -39,6 +39,8 @@ class Painter {
   /// Box, sizes of particles, camera.
   void set_scene(const ViewedScene& scene, const CameraPlace& place);
   void reset_camera();
+  /// Before a picture, as the camera may have moved: neighbouring points touch where the camera looks.
+  void size_points();
   void show(std::shared_ptr<const ViewedFrame> frame);
   void set_style(Style style);
   void set_colour(ColourMode mode);

@@ -103,6 +103,11 @@ void Window::run(MusicPlayer& music) {
   drawn->SetClientData(this);
   drawn->SetCallback([](vtkObject*, unsigned long, void* self, void*) { static_cast<Window*>(self)->measure(); });
   window_->AddObserver(vtkCommand::EndEvent, drawn);
+  vtkNew<vtkCallbackCommand> drawing;
+  drawing->SetClientData(&painter_);
+  drawing->SetCallback(
+      [](vtkObject*, unsigned long, void* painter, void*) { static_cast<Painter*>(painter)->size_points(); });
+  window_->AddObserver(vtkCommand::StartEvent, drawing);
   interactor_->CreateRepeatingTimer(tick_milliseconds);
   paint();
   render();
@@ -138,6 +143,7 @@ void Window::paint() {
 void Window::render() {
   dirty_ = false;
   renderer_->ResetCameraClippingRange();
+  painter_.size_points();
   window_->Render();
 }
 

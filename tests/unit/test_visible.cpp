@@ -68,7 +68,7 @@ TEST(Visible, ThinningIsNestedAndEven) {
   EXPECT_EQ(thinning_level(1000, 1000), 0);
   EXPECT_EQ(thinning_level(1001, 1000), 1);
   EXPECT_EQ(thinning_level(96000, 1000), 7);
-  EXPECT_EQ(thinning_level(5, 0), 3);
+  EXPECT_EQ(thinning_level(5, 0), 2);
   for (int level = 0; level < 8; ++level) {
     int drawn = 0;
     for (GlobalId id = 0; id < 64000; ++id) {
