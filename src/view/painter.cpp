@@ -78,7 +78,7 @@ void Painter::add_points() {
   // Points have no shape to light: the far ones are darker instead. The depth runs from 0 to 1 over the box.
   points_actor_->GetShaderProperty()->AddFragmentShaderReplacement(
       "//VTK::Light::Impl", true,
-      "//VTK::Light::Impl\n  gl_FragData[0].rgb *= mix(1.2, 0.65, clamp(gl_FragCoord.z, 0.0, 1.0));\n", false);
+      "//VTK::Light::Impl\n  gl_FragData[0].rgb *= mix(1.25, 0.75, clamp(gl_FragCoord.z, 0.0, 1.0));\n", false);
   renderer_->AddActor(points_actor_);
 }
 
