@@ -134,11 +134,13 @@ std::vector<ViewedParticle> LiveView::pick_visible(const Frame& frame, std::int6
   MPI_Allreduce(MPI_IN_PLACE, marks.data(), static_cast<int>(marks.size()), MPI_UINT8_T, MPI_BOR, comm_);
   cells.find_hidden();
   std::vector<LocalId> visible;
+  visible.reserve(particles.id.size());
   for (LocalId i = 0; i < particles.size(); ++i) {
     if (!cells.hidden(particles.position[static_cast<std::size_t>(i)])) visible.push_back(i);
   }
   level = thinning_level(sum_over_ranks(comm_, static_cast<std::int64_t>(visible.size())), budget);
   std::vector<ViewedParticle> picked;
+  picked.reserve(visible.size() >> level);
   for (const LocalId i : visible) {
     const auto k = static_cast<std::size_t>(i);
     if (!drawn_at(particles.id[k], level)) continue;

@@ -1,5 +1,6 @@
 #include "trevi/output/visible.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace trevi {
@@ -8,17 +9,17 @@ namespace {
 
 constexpr Real most_cells = 2e6;
 
-// Leaves a mark where both neighbours along an axis have one, too; beyond the ends there is none.
-void erode(std::vector<std::uint8_t>& marks, std::ptrdiff_t stride, std::ptrdiff_t count) {
+// Leaves a mark where both neighbours along an axis have one, too; beyond the ends there is none. A run of `count`
+// cells, `stride` apart, goes along the axis; cells side by side are worked on together.
+void erode(std::vector<std::uint8_t>& marks, std::size_t stride, std::size_t count) {
   const std::vector<std::uint8_t> old = marks;
-  const auto size = static_cast<std::ptrdiff_t>(marks.size());
-  for (std::ptrdiff_t k = 0; k < size; ++k) {
-    const std::ptrdiff_t place = k / stride % count;
-    const bool inner = place > 0 && place + 1 < count;
-    marks[static_cast<std::size_t>(k)] = inner ? old[static_cast<std::size_t>(k - stride)] &
-                                                     old[static_cast<std::size_t>(k)] &
-                                                     old[static_cast<std::size_t>(k + stride)]
-                                               : 0;
+  const std::size_t block = stride * count;
+  for (std::size_t first = 0; first < marks.size(); first += block) {
+    std::uint8_t* to = marks.data() + first;
+    const std::uint8_t* from = old.data() + first;
+    for (std::size_t k = stride; k + stride < block; ++k) to[k] = from[k - stride] & from[k] & from[k + stride];
+    std::fill(to, to + stride, std::uint8_t{0});
+    std::fill(to + block - stride, to + block, std::uint8_t{0});
   }
 }
 
@@ -58,9 +59,11 @@ void VisibleCells::mark(const Vec3& p) { marks_[cell_of(p)] = 1; }
 void VisibleCells::find_hidden() {
   hidden_ = marks_;
   // All 26 neighbours are marked when three passes along the axes leave the mark.
-  erode(hidden_, 1, count_[0]);
-  erode(hidden_, count_[0], count_[1]);
-  erode(hidden_, count_[0] * count_[1], count_[2]);
+  std::size_t stride = 1;
+  for (const std::ptrdiff_t count : count_) {
+    erode(hidden_, stride, static_cast<std::size_t>(count));
+    stride *= static_cast<std::size_t>(count);
+  }
 }
 
 int thinning_level(std::int64_t count, std::int64_t budget) {

@@ -1,5 +1,6 @@
 // trevi-view: looks at runs. What each part does is in the headers beside this file.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <cstdio>
@@ -16,6 +17,7 @@ namespace trevi {
 
 namespace {
 
+constexpr int lowest_priority = 19;
 constexpr auto nap = std::chrono::milliseconds(10);
 
 bool handless(const ViewOptions& options) {
@@ -114,11 +116,16 @@ std::optional<Scene> scene_of_run(const ViewOptions& options) {
   return std::nullopt;
 }
 
+// Drawing in software takes a core; where all cores compute, the run comes first. After the run was started, which
+// would inherit it.
+void step_back() { std::ignore = setpriority(PRIO_PROCESS, 0, lowest_priority); }
+
 ExitCode watch(const ViewOptions& options) {
   const LiveOptions live{options.budget, options.paused};
   const bool starts = !options.target.empty();
   const auto source = starts ? start_run({options.target, options.ranks, options.run_arguments}, live)
                              : listen_for_run(viewer_endpoint("--listen", options.listen), live);
+  step_back();
   if (starts) wait_for_call(*source);
   // A run that could not even start has said why.
   if (!source->frame() && source->exit_code()) return static_cast<ExitCode>(*source->exit_code());
