@@ -56,10 +56,12 @@ class Screen:
 class Viewer:
     """A trevi-view in a window, and what one can do with it."""
 
-    def __init__(self, screen, *arguments, folder=None):
+    def __init__(self, screen, *arguments, folder=None, path=None):
+        """`path`: where programs that play music are looked for; silent without it."""
         self.screen = screen
-        words = [VIEW, *arguments, "--size", SIZE[0], SIZE[1], "--mute"]
-        self.process = subprocess.Popen([str(word) for word in words], cwd=folder, env=screen.environment(),
+        words = [VIEW, *arguments, "--size", SIZE[0], SIZE[1], *([] if path else ["--mute"])]
+        self.process = subprocess.Popen([str(word) for word in words], cwd=folder,
+                                        env={**screen.environment(), **({"PATH": str(path)} if path else {})},
                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         find = ["search", "--onlyvisible", "--name", "^trevi-view: "]
         self.window = wait_until(lambda: screen.do(*find), "the window", self.process).split()[0]

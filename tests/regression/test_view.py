@@ -5,11 +5,13 @@ becomes of directories that are missing, damaged or still growing."""
 import shutil
 import subprocess
 import unittest
+import wave
+from pathlib import Path
 
 import numpy
 from PIL import Image
 
-from runs import FOUNTAIN, Folder, run_well
+from runs import FOUNTAIN, MUSIC, SCORE, Folder, run_well
 from screen import SIZE, VIEW, Screen, Viewer, changed, like, wait_until, water
 
 FRAMES = """
@@ -28,14 +30,17 @@ STEPS, COUNT = 40, 21
 
 
 class ViewTest(unittest.TestCase):
+    scene = FOUNTAIN + FRAMES
+
     @classmethod
     def setUpClass(cls):
         cls.screen = Screen()
         cls.addClassCleanup(cls.screen.close)
         cls.folder = Folder()
         cls.addClassCleanup(cls.folder.cleanup)
+        cls.folder.scene(SCORE, "score.txt")
         cls.run_folder = cls.folder.path("out")
-        run_well(2, cls.folder.scene(FOUNTAIN + FRAMES), cls.run_folder, "--steps", STEPS)
+        run_well(2, cls.folder.scene(cls.scene), cls.run_folder, "--steps", STEPS)
 
     def viewer(self, *arguments):
         viewer = Viewer(self.screen, *arguments, folder=self.folder.name)
@@ -147,6 +152,43 @@ class Keys(ViewTest):
         viewer.press("End")
         wait_until(lambda: viewer.press("End") or f"frame {COUNT}/{COUNT}" in viewer.title(), "new frames",
                    viewer.process)
+
+
+# Plays by keeping the file, and by lasting until it is told to end.
+PLAYER = """#!/bin/sh
+/bin/cp "$1" "{heard}.part" && /bin/mv "{heard}.part" "{heard}"
+echo $$ >"{heard}.pid"
+exec /bin/sleep 60
+"""
+
+
+class Music(ViewTest):
+    scene = FOUNTAIN + MUSIC + FRAMES
+
+    def test_plays_with_the_picture(self):
+        programs, heard = self.folder.path("programs"), self.folder.path("heard.wav")
+        programs.mkdir()
+        (programs / "pw-play").write_text(PLAYER.format(heard=heard))
+        (programs / "pw-play").chmod(0o755)
+        viewer = Viewer(self.screen, self.run_folder, "--paused", folder=self.folder.name, path=programs)
+        self.addCleanup(viewer.__exit__)
+        viewer.press("space")
+        pid_file = heard.with_suffix(".wav.pid")
+        wait_until(lambda: pid_file.exists() and pid_file.read_text().strip(), "the music", viewer.process)
+        with wave.open(str(heard)) as music:
+            self.assertEqual((music.getnchannels(), music.getsampwidth(), music.getframerate()), (1, 2, 22050))
+            samples = numpy.frombuffer(music.readframes(music.getnframes()), numpy.int16)
+        self.assertGreater(numpy.abs(samples).max(), 3000)
+        viewer.wait_title(f"step {STEPS}, at the end")
+        wait_until(lambda: not Path(f"/proc/{pid_file.read_text().strip()}").exists(), "silence", viewer.process)
+
+    def test_a_machine_without_sound_says_so_once(self):
+        viewer = Viewer(self.screen, self.run_folder, folder=self.folder.name, path=self.folder.path("nothing"))
+        self.addCleanup(viewer.__exit__)
+        viewer.wait_title("at the end")
+        viewer.press("q")
+        self.assertEqual(viewer.process.wait(60), 0)
+        self.assertEqual(viewer.process.stdout.read().count("no music: none of"), 1)
 
 
 class WithoutHands(ViewTest):
