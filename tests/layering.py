@@ -3,7 +3,8 @@
 
 The rules (ARCHITECTURE.md): a layer includes only itself and lower layers; no circular includes; mpi.h and petsc*.h in
 public headers of parallel/ and domain/ only; HDF5 and VTK only in src/output, VTK in src/view, too, which alone
-may draw (X11, VTK's rendering); sndfile and smf only in src/fluid/*.cpp; ZeroMQ only in src/output and src/view; no file over 400 lines; no other folders at the top than the known ones.
+may draw (X11, VTK's rendering); sndfile and smf only in src/fluid/*.cpp; ZeroMQ only in src/output and src/view;
+no file over 400 lines; no other folders at the top than the known ones.
 Prints each violation as file:line: message and exits 1 when there is one.
 """
 
@@ -26,7 +27,8 @@ LIBRARIES = {
     "HDF5": (re.compile(r"(hdf5|hdf5_hl|H5\w*)\.h$"), re.compile(r"src/output/")),
     "VTK": (re.compile(r"vtk\w*\.h$"), re.compile(r"src/output/|src/view/")),
     "sndfile": (re.compile(r"sndfile\.(h|hh)$"), re.compile(r"src/fluid/\w+\.cpp$")),
-    "rendering": (re.compile(r"vtk\w*(Render|Actor|Camera|Mapper|Interactor)\w*\.h$|Xlib\.h$"), re.compile(r"src/view/")),
+    "rendering": (re.compile(r"vtk\w*(Render|Actor|Camera|Mapper|Interactor)\w*\.h$|Xlib\.h$"),
+                  re.compile(r"src/view/")),
     "ZeroMQ": (re.compile(r"zmq\.(h|hpp)$"), re.compile(r"src/(output|view)/\w+\.cpp$")),
     "smf": (re.compile(r"smf\.h$"), re.compile(r"src/fluid/\w+\.cpp$")),
 }

@@ -15,8 +15,11 @@ constexpr const char* summary =
     "trevi-view --listen HOST:PORT waits for one started with trevi ... --view HOST:PORT.";
 
 constexpr const char* notes =
-    "Only particles that can be seen are drawn: not those whose cell of two spacings and all 26 around it hold water. "
-    "What\nis left is thinned to --budget: every 2nd, 4th, ... by a hash of the id, the same ones in each frame.\n"
+    "Only particles that can be seen are drawn: not those whose cell (two spacings; live: the kernel radius) and all "
+    "26\n"
+    "around it hold water. What is left is thinned to --budget: every 2nd, 4th, ... by a hash of the id, the same "
+    "ones\n"
+    "in each frame.\n"
     "Without a screen: xvfb-run -a trevi-view ...\n";
 
 template <std::size_t N>

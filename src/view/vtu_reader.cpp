@@ -5,7 +5,6 @@
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkXMLDataParser.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <filesystem>

@@ -33,9 +33,9 @@ double seconds_between(WallClock::time_point from, WallClock::time_point to) {
 }
 
 /// VTK's own keys (wireframe, picking, stereo, ...) would get in the way of ours.
-class Style3d : public vtkInteractorStyleTrackballCamera {
+class TrackballStyle : public vtkInteractorStyleTrackballCamera {
  public:
-  static Style3d* New() { return new Style3d; }
+  static TrackballStyle* New() { return new TrackballStyle; }
   void OnChar() override {}
 };
 
@@ -86,7 +86,7 @@ Window::~Window() = default;
 void Window::run(MusicPlayer& music) {
   music_ = &music;
   interactor_->SetRenderWindow(window_);
-  vtkNew<Style3d> style;
+  vtkNew<TrackballStyle> style;
   interactor_->SetInteractorStyle(style);
   interactor_->Initialize();
   vtkNew<vtkCallbackCommand> keys, ticks;
