@@ -107,17 +107,16 @@ class ZmqLiveSource : public LiveSource {
   }
 
  private:
+  /// One message, whose parts arrive together: the sender's address, the text, perhaps particles. False for none.
   bool receive() {
-    zmq::message_t from, text, particles;
-    if (!socket_.recv(from, zmq::recv_flags::dontwait)) return false;
-    std::ignore = socket_.recv(text);
-    for (zmq::message_t rest = {}; text.more() || rest.more();) {
-      std::ignore = socket_.recv(rest);
-      if (particles.size() == 0) particles = zmq::message_t(rest.data(), rest.size());
-      if (!rest.more()) break;
+    std::vector<std::string> parts;
+    zmq::message_t part;
+    while (socket_.recv(part, zmq::recv_flags::dontwait)) {
+      parts.push_back(part.to_string());
+      if (!part.more()) break;
     }
-    take(from.to_string(), text.to_string(), particles.to_string());
-    return true;
+    if (parts.size() >= 2) take(parts[0], parts[1], parts.size() > 2 ? parts[2] : "");
+    return !parts.empty();
   }
 
   void take(const std::string& from, const std::string& text, const std::string& particles) {

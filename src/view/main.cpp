@@ -95,15 +95,18 @@ ExitCode watch_handless(const ViewOptions& options, LiveSource& source, Window& 
   if (options.benchmark && source.frame()) print_benchmark(window, options, source);
   if (!options.frames.empty()) std::filesystem::create_directories(options.frames);
   std::int64_t saved = -1;
+  const auto save_new = [&] {
+    const auto frame = source.frame();
+    if (options.frames.empty() || !frame || frame->step == saved) return;
+    window.save(frame_path(options, frame->step));
+    saved = frame->step;
+  };
   const auto reached = [&] { return options.at && source.frame() && source.frame()->step >= *options.at; };
   while (!source.at_end() && !reached() && !options.benchmark) {
-    const auto frame = source.frame();
-    if (frame && !options.frames.empty() && frame->step > saved) {
-      window.save(frame_path(options, frame->step));
-      saved = frame->step;
-    }
+    save_new();
     if (!source.advance(0)) std::this_thread::sleep_for(nap);
   }
+  save_new();
   if (!options.screenshot.empty() && source.frame()) window.save(options.screenshot);
   return ExitCode::done;
 }
