@@ -54,14 +54,14 @@ class ZmqLink : public ViewerLink {
       follow_line();
       receive();
     } catch (const zmq::error_t&) {
-      forget();
+      lose();
     }
   }
 
   void greet() override {
     const auto begin = std::chrono::steady_clock::now();
     const auto passed = [&] { return std::chrono::steady_clock::now() - begin; };
-    while (!has_viewer_ && passed() < (answered_ ? to_wish : to_answer)) wait(glance);
+    while (!has_viewer() && passed() < (answered_ ? to_wish : to_answer)) wait(glance);
   }
 
   void introduce(const ViewedScene& scene) override { scene_ = text_of(scene); }
@@ -86,13 +86,13 @@ class ZmqLink : public ViewerLink {
         if (!socket_.send(part, flags)) return;  // the queue is full, or nobody is there
       }
     } catch (const zmq::error_t&) {
-      forget();
+      lose();
     }
   }
 
   void follow_line() {
     while (monitor_.check_event(0)) {
-      if (monitor_.take_down()) forget();
+      if (monitor_.take_down()) lose();
       if (!monitor_.take_up()) continue;
       answered_ = true;
       deliver({zmq::buffer(scene_)});
@@ -101,18 +101,13 @@ class ZmqLink : public ViewerLink {
 
   void receive() {
     for (zmq::message_t message; socket_.recv(message, zmq::recv_flags::dontwait);) {
-      const auto wishes = read_wishes(message.to_string());
-      if (!wishes) continue;
-      wishes_ = *wishes;
-      changed_ = changed_ || !has_viewer_;
-      has_viewer_ = true;
+      if (const auto wishes = read_wishes(message.to_string())) accept(*wishes);
     }
   }
 
-  void forget() {
-    changed_ = changed_ || has_viewer_;
-    has_viewer_ = answered_ = false;
-    wishes_ = {};
+  void lose() {
+    answered_ = false;
+    forget();
   }
 
   zmq::context_t context_;

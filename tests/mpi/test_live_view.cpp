@@ -28,16 +28,8 @@ class ScriptedLink : public ViewerLink {
   void send(const ViewedFrame& frame) override { sent.push_back(frame); }
   void end(const std::string&) override { ended = true; }
 
-  void come(const ViewerWishes& wishes) {
-    changed_ = !has_viewer_;
-    has_viewer_ = true;
-    wishes_ = wishes;
-  }
-  void go() {
-    changed_ = has_viewer_;
-    has_viewer_ = false;
-    wishes_ = {};
-  }
+  void come(const ViewerWishes& wishes) { accept(wishes); }
+  void go() { forget(); }
 };
 
 class LiveViewTest : public testing::Test {

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "trevi/output/viewer_messages.hpp"
 
@@ -37,6 +38,18 @@ class ViewerLink {
   virtual void end(const std::string& reason) = 0;
 
  protected:
+  void accept(const ViewerWishes& wishes) {
+    changed_ = changed_ || !has_viewer_;
+    has_viewer_ = true;
+    wishes_ = wishes;
+  }
+  void forget() {
+    changed_ = changed_ || has_viewer_;
+    has_viewer_ = false;
+    wishes_ = {};
+  }
+
+ private:
   ViewerWishes wishes_;
   bool has_viewer_ = false, changed_ = false;
 };
