@@ -2,8 +2,9 @@
 """Checks the layers of Trevi: who includes whom, which libraries show where, file lengths, top-level folders.
 
 The rules (ARCHITECTURE.md): a layer includes only itself and lower layers; no circular includes; mpi.h and petsc*.h in
-public headers of parallel/ and domain/ only; HDF5 and VTK only in src/output, VTK in src/app/view*.cpp, too;
-sndfile and smf only in src/fluid/*.cpp; no file over 400 lines; no other folders at the top than the known ones.
+public headers of parallel/ and domain/ only; HDF5 and VTK only in src/output, VTK in src/view, too, which alone
+may draw (X11, VTK's rendering); sndfile and smf only in src/fluid/*.cpp; ZeroMQ only in src/output and src/view;
+no file over 400 lines; no other folders at the top than the known ones.
 Prints each violation as file:line: message and exits 1 when there is one.
 """
 
@@ -14,7 +15,7 @@ import tempfile
 from collections import namedtuple
 from pathlib import Path
 
-LAYERS = ["base", "parallel", "particles", "domain", "fluid", "solver", "output", "app"]
+LAYERS = ["base", "parallel", "particles", "domain", "fluid", "solver", "output", "app", "view"]
 FOLDERS = {"jobs", "inputs", "postprocess", "tests", "src", "include"}
 MAX_LINES = 400
 CODE = {".hpp", ".h", ".cpp"}
@@ -24,8 +25,11 @@ MPI = re.compile(r"(mpi|petsc\w*)\.h$")
 # What may include a library's headers, as a pattern over the path from the project's root.
 LIBRARIES = {
     "HDF5": (re.compile(r"(hdf5|hdf5_hl|H5\w*)\.h$"), re.compile(r"src/output/")),
-    "VTK": (re.compile(r"vtk\w*\.h$"), re.compile(r"src/output/|src/app/view\w*\.cpp$")),
+    "VTK": (re.compile(r"vtk\w*\.h$"), re.compile(r"src/output/|src/view/")),
     "sndfile": (re.compile(r"sndfile\.(h|hh)$"), re.compile(r"src/fluid/\w+\.cpp$")),
+    "rendering": (re.compile(r"vtk\w*(Render|Actor|Camera|Mapper|Interactor)\w*\.h$|Xlib\.h$"),
+                  re.compile(r"src/view/")),
+    "ZeroMQ": (re.compile(r"zmq\.(h|hpp)$"), re.compile(r"src/(output|view)/\w+\.cpp$")),
     "smf": (re.compile(r"smf\.h$"), re.compile(r"src/fluid/\w+\.cpp$")),
 }
 
@@ -159,7 +163,7 @@ GOOD = {
     "src/fluid/table.hpp": '#include "trevi/fluid/kernel.hpp"\n',
     "src/output/vtu.cpp": "#include <vtkPoints.h>\n#include <hdf5.h>\n",
     "src/solver/step.cpp": "#include <mpi.h>\n",
-    "src/app/view_window.cpp": "#include <vtkRenderer.h>\n",
+    "src/view/window.cpp": "#include <vtkRenderer.h>\n#include <zmq.hpp>\n",
     "src/main.cpp": '#include "trevi/app/scene.hpp"\n',
     "include/trevi/app/scene.hpp": "\n",
     "jobs/run.sh": "\n" * MAX_LINES,
@@ -178,12 +182,16 @@ BAD = [  # file, text, the line and a word of the violation
     ("include/trevi/output/hdf.hpp", "#include <hdf5.h>\n", 1, "HDF5"),
     ("src/app/build.cpp", "#include <vtkPoints.h>\n", 1, "VTK"),
     ("include/trevi/fluid/sound.hpp", "#include <sndfile.h>\n", 1, "sndfile"),
+    ("src/output/draw.cpp", "#include <vtkRenderer.h>\n", 1, "rendering"),
+    ("src/app/line.cpp", "#include <zmq.hpp>\n", 1, "ZeroMQ"),
+    ("src/app/peep.cpp", '#include "../view/peephole.hpp"\n', 1, "higher layer"),
     ("src/app/midi.cpp", "#include <smf.h>\n", 1, "smf"),
     ("include/trevi/domain/b.hpp", '#include "trevi/domain/a.hpp"\n', 1, "circular"),
     ("src/fluid/long.cpp", "\n" * (MAX_LINES + 1), MAX_LINES + 1, "401 lines"),
     ("docs/manual.txt", "", 1, "unknown folder"),
 ]
-BAD_HELPERS = {"src/solver/private.hpp": "\n", "include/trevi/domain/a.hpp": '#include "trevi/domain/b.hpp"\n'}
+BAD_HELPERS = {"src/solver/private.hpp": "\n", "src/view/peephole.hpp": "\n",
+               "include/trevi/domain/a.hpp": '#include "trevi/domain/b.hpp"\n'}
 
 
 def write_tree(root, files):

@@ -1,11 +1,13 @@
 #include "trevi/app/build.hpp"
 
+#include <filesystem>
 #include <limits>
 
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/music.hpp"
+#include "trevi/output/live_view.hpp"
 #include "trevi/output/output_directory.hpp"
 #include "trevi/output/series.hpp"
 #include "trevi/output/vtkhdf.hpp"
@@ -68,6 +70,26 @@ CheckpointOptions checkpoint_options(const Scene& scene, const std::string& dire
   return options;
 }
 
+// The viewer's rainbow is the scene's, or else goes by the places in the start lattice.
+std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
+                                          GlobalId particles) {
+  LiveViewOptions live;
+  live.link = options.viewer;
+  live.requests = options.requests;
+  live.scene.name = scene.name;
+  live.scene.directory = std::filesystem::absolute(options.directory).string();
+  live.scene.min = scene.domain_min;
+  live.scene.max = scene.domain_max;
+  live.scene.spacing = scene.fluid.spacing;
+  live.scene.rest_density = scene.fluid.rest_density;
+  live.scene.ranks = size_of(comm);
+  live.scene.last_step = options.last_step;
+  live.cell = scene.fluid.kernel_radius;
+  live.colour = colour_scale(scene, particles);
+  if (live.colour.by == ColourBy::blue || live.colour.by == ColourBy::speed) live.colour.by = ColourBy::rainbow_id;
+  return std::make_unique<LiveView>(comm, std::move(live));
+}
+
 std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
                                                        GlobalId particles) {
   std::vector<std::unique_ptr<Observer>> observers;
@@ -93,6 +115,8 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
+  // Last, as it may hold the run, which then has written all of its step.
+  if (options.viewed) observers.push_back(build_live_view(comm, scene, options, particles));
   return observers;
 }
 
@@ -125,7 +149,7 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
     parts.clock.step = options.restart->step;
     parts.clock.substeps = options.restart->substeps;
   }
-  parts.requests = std::move(options.requests);
+  parts.requests = options.requests;
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_wall_density(scene));
   parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});

@@ -42,6 +42,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   app.add_option("--steps", line.steps, "stop when the run's total step count is this")->check(CLI::NonNegativeNumber);
   app.add_flag("--dry-run", line.dry_run, "check the scene, print what the run would need, write nothing");
   app.add_option("--preview", line.preview, "write the curves of the fountains to this .csv file, and do not run");
+  app.add_option("--view", line.view, "let trevi-view --listen HOST:PORT watch and steer the run");
   app.add_option("--progress", line.progress, "auto, bar, lines or none")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic},
                                                                               {"bar", ProgressMode::bar},
@@ -54,8 +55,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw InputError(std::string(error.what()) +
                      "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
-                     "[--restart FILE|latest] [--steps N] [--dry-run] [--preview FILE.csv] [--progress "
-                     "auto|bar|lines|none] [PETSc options]; "
+                     "[--restart FILE|latest] [--steps N] [--dry-run] [--preview FILE.csv] [--view HOST:PORT] "
+                     "[--progress auto|bar|lines|none] [PETSc options]; "
                      "--help lists all scene keys");
   }
   return line;

@@ -10,6 +10,7 @@
 #include "trevi/app/restart.hpp"
 #include "trevi/output/blowup.hpp"
 #include "trevi/output/output_directory.hpp"
+#include "trevi/parallel/collective.hpp"
 
 namespace trevi {
 
@@ -70,6 +71,22 @@ Outcome run_guarded(const Session& session, const RunContext& context, Solver& s
   }
 }
 
+// What is asked of this rank, the viewer's wishes among it.
+std::function<RequestCounts()> requests_of(RequestWatch& watch, std::shared_ptr<ViewerLink> viewer) {
+  return [&watch, viewer = std::move(viewer)] {
+    RequestCounts counts = watch.poll();
+    if (viewer && viewer->wishes().stop) counts[static_cast<std::size_t>(Request::viewer)] = 1;
+    return counts;
+  };
+}
+
+std::shared_ptr<ViewerLink> connect_on_root(MPI_Comm comm, const std::string& address) {
+  std::shared_ptr<ViewerLink> link;
+  const std::string endpoint = viewer_endpoint("--view", address);
+  on_root(comm, [&] { link = connect_viewer(endpoint); });
+  return link;
+}
+
 ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine& line, const std::string& command) {
   BuildOptions options;
   options.directory = line.output.empty() ? scene.output.directory : line.output;
@@ -82,7 +99,9 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   for (const std::string& warning : envelope_warnings(scene)) tell(session, "warning: " + warning);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
-  options.requests = [&watch] { return watch.poll(); };
+  options.viewed = !line.view.empty();
+  if (options.viewed) options.viewer = connect_on_root(session.comm(), line.view);
+  options.requests = requests_of(watch, options.viewer);
   const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on};
   const std::int64_t last_step = options.last_step;
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));

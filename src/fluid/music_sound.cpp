@@ -42,12 +42,7 @@ struct Memory {
   static sf_count_t tell(void* self) { return of(self).at; }
 };
 
-struct Sound {
-  Real rate = 0;
-  std::vector<float> samples;  ///< the mean of the channels
-};
-
-Sound decode(const std::string& name, const std::string& bytes) {
+Recording decode(const std::string& name, const std::string& bytes) {
   if (bytes.empty()) throw InputError(name + ": byte 0: the sound file is empty; record or export it again");
   Memory memory{bytes};
   SF_VIRTUAL_IO calls = {&Memory::length, &Memory::seek, &Memory::read, &Memory::write, &Memory::tell};
@@ -61,7 +56,7 @@ Sound decode(const std::string& name, const std::string& bytes) {
     throw InputError(name + ": a rate of " + std::to_string(info.samplerate) +
                      " Hz is not from 1 kHz to 1 MHz; convert the file to 44.1 kHz");
   }
-  Sound sound{static_cast<Real>(info.samplerate), {}};
+  Recording sound{static_cast<Real>(info.samplerate), {}};
   constexpr sf_count_t block = 4096;
   const auto channels = static_cast<std::size_t>(info.channels);
   std::vector<float> frames(block * channels);
@@ -76,7 +71,7 @@ Sound decode(const std::string& name, const std::string& bytes) {
 }
 
 /// Moment k is the window around k hops, with silence before the start and after the end.
-std::vector<Heard> listen(const Sound& sound, Follow follow) {
+std::vector<Heard> listen(const Recording& sound, Follow follow) {
   const Ear ear(sound.rate);
   const std::size_t window = ear.window();
   std::vector<float> padded(window / 2, 0.0F);
@@ -159,6 +154,8 @@ Melody by_pitch(const std::string& name, std::vector<Heard> moments, Real peak) 
 }
 
 }  // namespace
+
+Recording read_recording(const std::string& name, const std::string& bytes) { return decode(name, bytes); }
 
 Melody read_sound(const std::string& name, const std::string& bytes, Follow follow) {
   std::vector<Heard> moments = listen(decode(name, bytes), follow);

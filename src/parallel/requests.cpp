@@ -29,6 +29,7 @@ std::optional<std::string> stop_reason(const RequestCounts& agreed) {
   if (count_of(agreed, Request::terminate_signal) > 0) return "SIGTERM or SIGINT";
   if (count_of(agreed, Request::stop_file) > 0) return "the stop file";
   if (count_of(agreed, Request::wall_limit) > 0) return "the wall limit";
+  if (count_of(agreed, Request::viewer) > 0) return "the viewer";
   return std::nullopt;
 }
 
@@ -54,7 +55,7 @@ RequestCounts RequestWatch::poll() {
     out_of_time_ = out_of_time_ || out_of_time(now);
     stop_file_found_ = stop_file_found_ || file_found(now);
   }
-  return {checkpoint_signals, stop_signals, terminate_signals, stop_file_found_ ? 1 : 0, out_of_time_ ? 1 : 0};
+  return {checkpoint_signals, stop_signals, terminate_signals, stop_file_found_ ? 1 : 0, out_of_time_ ? 1 : 0, 0};
 }
 
 bool RequestWatch::out_of_time(double now) {

@@ -149,7 +149,7 @@ TEST(Guards, RequestsOfOneRankReachAll) {
   parts.requests = [&polls]() -> RequestCounts {
     ++polls;
     const bool mine = polls >= 3 && rank_of(world) == size_of(world) - 1;
-    return {mine ? 1 : 0, 0, 0, 0, 0};
+    return {mine ? 1 : 0, 0, 0, 0, 0, 0};
   };
   PbfSolver<double> solver(std::move(parts));
   solver.start();  // the first poll

@@ -11,6 +11,7 @@
 #include "trevi/app/command_line.hpp"
 #include "trevi/app/scene.hpp"
 #include "trevi/output/checkpoint.hpp"
+#include "trevi/output/viewer_link.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/solver/solver.hpp"
 
@@ -22,6 +23,8 @@ struct BuildOptions {
   std::int64_t last_step = 0;
   std::optional<CheckpointState> restart;
   std::function<RequestCounts()> requests;  ///< what the world outside asks of this rank
+  bool viewed = false;                      ///< a viewer may watch the run
+  std::shared_ptr<ViewerLink> viewer;       ///< to which rank 0 has this link
 };
 
 /// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").

@@ -19,6 +19,7 @@ struct CommandLine {
   std::optional<std::int64_t> steps;   ///< total step count to stop at
   bool dry_run = false;
   std::string preview;  ///< file for the curves of the fountains, instead of a run; empty: none
+  std::string view;     ///< HOST:PORT of a viewer that may watch the run; empty: none
   ProgressMode progress = ProgressMode::automatic;
   std::string help;  ///< not empty: print this and exit 0
 };

@@ -21,6 +21,15 @@ struct Heard {
   Real pitch = NAN;  ///< MIDI number with fraction, nan when there is none
 };
 
+/// A sound file as it is heard.
+struct Recording {
+  Real rate = 0;               ///< samples per second
+  std::vector<float> samples;  ///< the mean of the channels, -1 to 1
+};
+
+/// InputError for bytes that are no sound file, or where libsndfile is not built in.
+Recording read_recording(const std::string& name, const std::string& bytes);
+
 class Ear {
  public:
   explicit Ear(Real rate);  ///< samples per second

@@ -1,8 +1,8 @@
 // What the world outside asks of a run under way: a checkpoint (SIGUSR1), or an end with one (SIGUSR2, SIGTERM, SIGINT,
-// a stop file, the wall-clock limit). A rank sees only some of this, and two ranks see a signal in different steps; so
-// each rank counts, and the largest counts over all ranks, which the solver finds with its vote of each step, decide.
-// Nothing here communicates. Signal handlers belong to the process: one watch at a time; the old handlers come back
-// with its end.
+// a stop file, the wall-clock limit, a viewer). A rank sees only some of this, and two ranks see a signal in different
+// steps; so each rank counts, and the largest counts over all ranks, which the solver finds with its vote of each step,
+// decide. Nothing here communicates. Signal handlers belong to the process: one watch at a time; the old handlers come
+// back with its end.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@
 namespace trevi {
 
 /// By kind, in the order of Request: how often asked for since the program started.
-enum class Request : std::size_t { checkpoint, stop_signal, terminate_signal, stop_file, wall_limit };
-using RequestCounts = std::array<std::int64_t, 5>;
+enum class Request : std::size_t { checkpoint, stop_signal, terminate_signal, stop_file, wall_limit, viewer };
+using RequestCounts = std::array<std::int64_t, 6>;
 
 inline std::int64_t count_of(const RequestCounts& counts, Request kind) {
   return counts[static_cast<std::size_t>(kind)];
@@ -39,8 +39,8 @@ class RequestWatch {
   RequestWatch(const RequestWatch&) = delete;
   RequestWatch& operator=(const RequestWatch&) = delete;
 
-  /// Requests this rank knows of. Rank 0 alone looks at the clock and, once a second, for the file. To be called once a
-  /// (sub)step: the limit is taken to be reached when the next one would pass it.
+  /// Requests this rank knows of, but for a viewer's. Rank 0 alone looks at the clock and, once a second, for the file.
+  /// To be called once a (sub)step: the limit is taken to be reached when the next one would pass it.
   RequestCounts poll();
 
   /// The stop file has done its work: gone, so that it does not stop the restart, too. Rank 0.

@@ -1,0 +1,11 @@
+// Stands in for viewer_link.cpp where ZeroMQ is not built in.
+#include "trevi/base/error.hpp"
+#include "trevi/output/viewer_link.hpp"
+
+namespace trevi {
+
+std::unique_ptr<ViewerLink> connect_viewer(const std::string&) {
+  throw InputError("--view: this build cannot be watched live; build with -DTREVI_WITH_LIVE=ON (needs libzmq3-dev)");
+}
+
+}  // namespace trevi

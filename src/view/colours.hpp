@@ -1,0 +1,27 @@
+// Colours of a picture's particles, three bytes each. Grey where a frame does not hold what is asked for.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "trevi/output/viewer_messages.hpp"
+
+namespace trevi {
+
+enum class ColourMode { rainbow, speed, density, rank };
+inline constexpr std::array<const char*, 4> colour_names = {"rainbow", "speed", "density", "rank"};
+
+/// What the ends of a scale stand for: kept over frames, so that a colour means the same in all of them.
+struct ColourRange {
+  double fastest = 1;          ///< m/s; the fastest particle so far
+  double rest_density = 1000;  ///< kg/m³, white; blue and red are 10 % below and above
+};
+
+/// Fills `rgb` (three bytes a particle) and widens the range where need be.
+void colour_particles(const ViewedFrame& frame, ColourMode mode, ColourRange& range, std::vector<unsigned char>& rgb);
+
+/// What the colours mean, for the status line: "speed 0 to 12 m/s".
+std::string legend(const ViewedFrame& frame, ColourMode mode, const ColourRange& range);
+
+}  // namespace trevi

@@ -1,0 +1,58 @@
+// Frames read ahead by a thread, so that playing never waits for a disk: what is wanted first, then what comes next.
+// Keeps the frames used last, within a limit of bytes; a loop over a short run is then played from memory.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "trevi/output/viewer_messages.hpp"
+
+namespace trevi {
+
+class FrameCache {
+ public:
+  /// `read` is called in the thread only; what it throws becomes the frame's error.
+  using Read = std::function<ViewedFrame(std::size_t)>;
+  FrameCache(Read read, std::size_t most_bytes);
+  ~FrameCache();
+  FrameCache(const FrameCache&) = delete;
+  FrameCache& operator=(const FrameCache&) = delete;
+
+  struct Entry {
+    std::shared_ptr<const ViewedFrame> frame;  ///< null when it could not be read
+    std::string error;
+  };
+  /// The frame when it is there; wants it, and the `ahead` after it, below `count`, in any case.
+  std::optional<Entry> get(std::size_t index, std::size_t count);
+  /// As get(), but waits for it.
+  Entry wait_for(std::size_t index, std::size_t count);
+
+ private:
+  static constexpr std::size_t ahead = 4;
+
+  void work();
+  std::optional<std::size_t> next_missing() const;
+  void make_room();
+
+  Read read_;
+  std::size_t most_bytes_, bytes_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  struct Kept {
+    Entry entry;
+    std::uint64_t used = 0;
+  };
+  std::map<std::size_t, Kept> kept_;
+  std::uint64_t uses_ = 0;
+  std::size_t wanted_ = 0, count_ = 0;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace trevi

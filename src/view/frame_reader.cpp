@@ -1,0 +1,68 @@
+#include "frame_reader.hpp"
+
+#include "trevi/base/error.hpp"
+#include "trevi/output/colour.hpp"
+#include "trevi/output/visible.hpp"
+
+namespace trevi {
+
+namespace {
+
+// The colours of the run, or else a rainbow over ids, which in a start lattice go by place, or else over the width.
+Rgb rainbow_of(const RawFrame& raw, const ViewedScene& scene, std::size_t i) {
+  if (!raw.rgb.empty()) return raw.rgb[i];
+  const auto count = static_cast<Real>(raw.position.size());
+  if (!raw.id.empty()) return rainbow(static_cast<Real>(raw.id[i]) / count);
+  return rainbow((raw.position[i].x() - scene.min.x()) / (scene.max.x() - scene.min.x()));
+}
+
+ViewedParticle particle_of(const RawFrame& raw, const ViewedScene& scene, std::size_t i) {
+  const Eigen::Vector3f p = raw.position[i].cast<float>();
+  ViewedParticle particle{p.x(), p.y(), p.z(), NAN};
+  if (!raw.speed.empty()) particle.speed = raw.speed[i];
+  if (!raw.density.empty()) particle.density = raw.density[i];
+  const Rgb rgb = rainbow_of(raw, scene, i);
+  std::copy(rgb.begin(), rgb.end(), particle.rgb);
+  return particle;
+}
+
+}  // namespace
+
+RawFrame read_raw(const std::string& path) {
+  RawFrame raw = path.ends_with(".hdf") ? read_hdf_frame(path) : read_vtu_frame(path);
+  const std::size_t count = raw.position.size();
+  for (const std::size_t size : {raw.speed.size(), raw.density.size(), raw.id.size(), raw.rgb.size()}) {
+    if (size != 0 && size != count) throw InputError(path + ": its fields have different lengths; use another copy");
+  }
+  return raw;
+}
+
+ViewedFrame FrameReader::read(const FrameEntry& entry) const {
+  const RawFrame raw = read_raw(entry.path);
+  VisibleCells cells({scene_.min, scene_.max}, 2 * scene_.spacing);
+  if (!all_) {
+    for (const Vec3& p : raw.position) cells.mark(p);
+  }
+  cells.find_hidden();
+  std::int64_t visible = 0;
+  for (const Vec3& p : raw.position) visible += cells.hidden(p) ? 0 : 1;
+  ViewedFrame frame;
+  frame.step = entry.step;
+  frame.time = entry.time;
+  frame.particles = static_cast<std::int64_t>(raw.position.size());
+  frame.level = all_ ? 0 : thinning_level(visible, budget_);
+  frame.shown.reserve(static_cast<std::size_t>(visible));
+  std::size_t i = 0;
+  for (const std::int64_t count : raw.rank_counts) {
+    const std::size_t first = frame.shown.size();
+    for (const std::size_t end = i + static_cast<std::size_t>(count); i < end; ++i) {
+      const auto id = raw.id.empty() ? static_cast<GlobalId>(i) : raw.id[i];
+      if (!cells.hidden(raw.position[i]) && drawn_at(id, frame.level))
+        frame.shown.push_back(particle_of(raw, scene_, i));
+    }
+    frame.rank_counts.push_back(static_cast<std::int64_t>(frame.shown.size() - first));
+  }
+  return frame;
+}
+
+}  // namespace trevi

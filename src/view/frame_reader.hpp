@@ -1,0 +1,41 @@
+// Reads one frame of a directory into what the painter draws: only particles that can be seen, thinned to a budget
+// (output/visible.hpp), in rank order. A frame without ids is thinned by the place in the file, which is not the same
+// particle in each frame. May be called from any one thread at a time.
+#pragma once
+
+#include <string>
+
+#include "frame_list.hpp"
+#include "trevi/output/viewer_messages.hpp"
+
+namespace trevi {
+
+/// All particles of a file; empty arrays for fields it does not hold.
+struct RawFrame {
+  std::vector<Vec3> position;
+  std::vector<float> speed, density;
+  std::vector<std::int64_t> id;
+  std::vector<std::array<std::uint8_t, 3>> rgb;
+  std::vector<std::int64_t> rank_counts;
+};
+
+/// Both throw InputError for a file that is missing or damaged.
+RawFrame read_vtu_frame(const std::string& path);  ///< .pvtu with its pieces, or .vtu
+RawFrame read_hdf_frame(const std::string& path);
+
+class FrameReader {
+ public:
+  /// `all`: particles that cannot be seen, too, and no budget.
+  FrameReader(const ViewedScene& scene, std::int64_t budget, bool all) : scene_(scene), budget_(budget), all_(all) {}
+  ViewedFrame read(const FrameEntry& entry) const;
+
+ private:
+  ViewedScene scene_;
+  std::int64_t budget_;
+  bool all_;
+};
+
+/// All of a file without looking at what can be seen.
+RawFrame read_raw(const std::string& path);
+
+}  // namespace trevi

@@ -1,0 +1,43 @@
+// Where pictures come from: a directory that is played, or a run that is watched. The window moves it on with the wall
+// clock and hands it the keys that steer. Rank-local; no call waits.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "trevi/output/viewer_messages.hpp"
+
+namespace trevi {
+
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// Moves on; `seconds` since the last call. True when scene(), frame() or message() is new.
+  virtual bool advance(double seconds) = 0;
+  /// Null before the first frame.
+  virtual std::shared_ptr<const ViewedFrame> frame() const = 0;
+  virtual const ViewedScene& scene() const = 0;
+
+  virtual bool paused() const = 0;
+  virtual void pause(bool paused) = 0;
+  /// One frame (a live run: one step) forwards or back; pauses.
+  virtual void step(int frames) = 0;
+  virtual void jump(bool to_end) { (void)to_end; }
+  virtual void change_speed(double factor) { (void)factor; }
+  virtual void switch_loop() {}
+  /// q: true when the window is to close, false when the source has something to do first (a run that is to stop).
+  virtual bool leave() { return true; }
+  virtual void want_density(bool wanted) { (void)wanted; }
+
+  /// Nothing more will come.
+  virtual bool at_end() const = 0;
+  /// How the picture moves, for the status line: "playing x1, loop", "live", ...
+  virtual std::string pace() const = 0;
+  /// What the user should know, a sentence; empty when nothing is the matter.
+  virtual std::string message() const = 0;
+  /// Simulated seconds that pass in a second of wall time, as far as the source knows; 0 when paused.
+  virtual double rate() const = 0;
+};
+
+}  // namespace trevi

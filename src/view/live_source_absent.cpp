@@ -1,0 +1,19 @@
+// Stands in for live_source.cpp where ZeroMQ is not built in.
+#include "live_source.hpp"
+#include "trevi/base/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+[[noreturn]] void refuse() {
+  throw InputError(
+      "this build cannot watch runs live; build with -DTREVI_WITH_LIVE=ON (needs libzmq3-dev, cppzmq-dev)");
+}
+
+}  // namespace
+
+std::unique_ptr<LiveSource> start_run(const RunToStart&, const LiveOptions&) { refuse(); }
+std::unique_ptr<LiveSource> listen_for_run(const std::string&, const LiveOptions&) { refuse(); }
+
+}  // namespace trevi

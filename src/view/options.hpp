@@ -1,0 +1,38 @@
+// The arguments of trevi-view.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "painter.hpp"
+
+namespace trevi {
+
+struct ViewOptions {
+  std::string target;                      ///< directory, list of frames, or scene (.toml) to run; empty: listen
+  std::string listen;                      ///< HOST:PORT a run is expected at
+  int ranks = 1;                           ///< of a run that is started
+  std::vector<std::string> run_arguments;  ///< for the solver, as given
+  std::string scene;                       ///< file; for a directory that does not tell
+  Style style = Style::points;
+  ColourMode colour = ColourMode::rainbow;
+  int width = 1280, height = 720;
+  CameraPlace camera;
+  double speed = 1;
+  bool loop = false, paused = false, mute = false;
+  bool all = false;                 ///< particles that cannot be seen, too
+  std::int64_t budget = 0;          ///< particles of a picture, about; 0: by the size of the window
+  std::optional<std::int64_t> at;   ///< step to show first
+  std::string screenshot;           ///< PNG to write instead of opening a window that stays
+  std::string frames;               ///< directory for a PNG of each frame
+  std::optional<double> benchmark;  ///< s to turn the camera for
+  std::string help;                 ///< not empty: print this and exit 0
+
+  bool live() const { return !listen.empty() || target.ends_with(".toml"); }
+};
+
+/// InputError for what it does not understand.
+ViewOptions parse_view_options(int argc, const char* const* argv);
+
+}  // namespace trevi

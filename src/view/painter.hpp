@@ -1,0 +1,76 @@
+// Draws particles and their box into a VTK renderer: as points, as lit spheres, or as the surface of a fluid, found in
+// screen space (vtkOpenGLFluidMapper: particles' depths, smoothed by a narrow-range filter after van der Laan, Green,
+// Sainz, I3D 2009). Nothing is meshed; a new frame is an upload of positions and colours.
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "colours.hpp"
+
+class vtkActor;
+class vtkOpenGLFluidMapper;
+class vtkOpenGLSphereMapper;
+class vtkPointGaussianMapper;
+class vtkPolyData;
+class vtkProp;
+class vtkRenderer;
+class vtkVolume;
+
+namespace trevi {
+
+enum class Style { points, spheres, fluid };
+inline constexpr std::array<const char*, 3> style_names = {"points", "spheres", "fluid"};
+
+/// Degrees around and above, and how near (1: the whole box).
+struct CameraPlace {
+  double azimuth = 30, elevation = 20, zoom = 1;
+};
+
+class Painter {
+ public:
+  explicit Painter(vtkRenderer* renderer);
+  ~Painter();
+
+  /// Box, sizes of particles, camera.
+  void set_scene(const ViewedScene& scene, const CameraPlace& place);
+  void reset_camera();
+  /// Before a picture, as the camera may have moved: neighbouring points touch where the camera looks.
+  void size_points();
+  void show(std::shared_ptr<const ViewedFrame> frame);
+  void set_style(Style style);
+  void set_colour(ColourMode mode);
+  Style style() const { return style_; }
+  ColourMode colour() const { return mode_; }
+  std::string legend() const;
+
+ private:
+  void add_light(const Vec3& from, double intensity);
+  void add_points();
+  void add_spheres();
+  void add_fluid();
+  void draw_box(const ViewedScene& scene);
+  void recolour();
+
+  vtkRenderer* renderer_;
+  vtkNew<vtkPolyData> particles_, with_cell_;
+  vtkNew<vtkPointGaussianMapper> points_;
+  vtkNew<vtkOpenGLSphereMapper> spheres_;
+  vtkNew<vtkOpenGLFluidMapper> fluid_;
+  vtkNew<vtkActor> points_actor_, spheres_actor_;
+  vtkNew<vtkVolume> fluid_volume_;
+  std::vector<vtkSmartPointer<vtkProp>> box_;
+  ViewedScene scene_;
+  CameraPlace place_;
+  std::shared_ptr<const ViewedFrame> frame_ = std::make_shared<ViewedFrame>();
+  ColourRange range_;
+  std::vector<unsigned char> rgb_;
+  Style style_ = Style::points;
+  ColourMode mode_ = ColourMode::rainbow;
+};
+
+}  // namespace trevi

@@ -1,0 +1,13 @@
+// What a window shows, as a PNG file.
+#pragma once
+
+#include <string>
+
+class vtkRenderWindow;
+
+namespace trevi {
+
+/// RunError when it cannot be written.
+void write_picture(vtkRenderWindow* window, const std::string& path);
+
+}  // namespace trevi

@@ -1,0 +1,38 @@
+// What a run's directory tells beside its frames: the box, the music, and what the fountains did at each step.
+// The scene comes from a file that is named, or else from the newest checkpoint, or from the scene that run.json names;
+// without any of them the box is that of the first frame's particles. Rank-local.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frame_list.hpp"
+#include "trevi/app/scene.hpp"
+#include "trevi/output/viewer_messages.hpp"
+
+namespace trevi {
+
+/// The scene of a directory, paths of its music resolved as well as they can be; nothing when none is found. InputError
+/// for a named `scene_file` that cannot be used.
+std::optional<Scene> find_scene(const std::string& directory, const std::string& scene_file);
+
+/// Box and spacing from the scene, or guessed from the particles of the first frame.
+ViewedScene describe_run(const FrameList& list, const std::optional<Scene>& scene);
+
+/// Notes and speeds of the fountains from DIR/series.csv, which may still grow, and may be missing.
+class FountainSeries {
+ public:
+  explicit FountainSeries(const std::string& directory) : path_(directory + "/series.csv") {}
+  std::vector<FountainState> at(std::int64_t step);
+
+ private:
+  void read();
+
+  std::string path_;
+  std::filesystem::file_time_type stamp_{};
+  std::map<std::int64_t, std::vector<FountainState>> states_;
+};
+
+}  // namespace trevi

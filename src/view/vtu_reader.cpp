@@ -1,0 +1,116 @@
+// VTU frames: the .pvtu names one piece a rank, each read by VTK.
+#include <vtkCommand.h>
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <filesystem>
+#include <regex>
+
+#include "frame_reader.hpp"
+#include "trevi/base/error.hpp"
+#include "trevi/output/files.hpp"
+
+namespace trevi {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// VTK would print its errors; the first is kept for our own message.
+class ErrorText : public vtkCommand {
+ public:
+  static ErrorText* New() { return new ErrorText; }
+  void Execute(vtkObject*, unsigned long, void* data) override {
+    if (data != nullptr && text_.empty()) text_ = static_cast<const char*>(data);
+    if (text_.empty()) text_ = "no reason given";
+  }
+  /// Its first line, without where in VTK it came from.
+  std::string text() const {
+    const std::size_t from = text_.find("): ");
+    const std::string line = from == std::string::npos ? text_ : text_.substr(from + 3);
+    return line.substr(0, line.find('\n'));
+  }
+  bool empty() const { return text_.empty(); }
+
+ private:
+  std::string text_;
+};
+
+[[noreturn]] void fail(const std::string& path, const std::string& why) {
+  throw InputError(path + ": damaged or cut short (" + why + "); use another copy, or delete its line in the list");
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> read_piece(const std::string& path) {
+  if (!fs::exists(path)) throw InputError(path + ": is listed but not there; copy the directory whole");
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  vtkNew<ErrorText> errors;
+  reader->AddObserver(vtkCommand::ErrorEvent, errors);
+  reader->SetReaderErrorObserver(errors);
+  reader->SetParserErrorObserver(errors);
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  if (!errors->empty()) fail(path, errors->text());
+  if (reader->GetOutput() == nullptr || reader->GetOutput()->GetPoints() == nullptr) fail(path, "no points in it");
+  return reader->GetOutput();
+}
+
+/// Tuples of a field, appended; none when the piece has none, or one of another width.
+template <class T, std::size_t Width>
+void append(std::vector<std::array<T, Width>>& to, vtkDataArray* field) {
+  if (field == nullptr || field->GetNumberOfComponents() != static_cast<int>(Width)) return;
+  const std::size_t first = to.size();
+  to.resize(first + static_cast<std::size_t>(field->GetNumberOfTuples()));
+  double tuple[Width] = {};
+  for (std::size_t k = first; k < to.size(); ++k) {
+    field->GetTuple(static_cast<vtkIdType>(k - first), tuple);
+    for (std::size_t a = 0; a < Width; ++a) to[k][a] = static_cast<T>(tuple[a]);
+  }
+}
+
+template <class T>
+void append(std::vector<T>& to, vtkDataArray* field) {
+  std::vector<std::array<T, 1>> values;
+  append(values, field);
+  for (const auto& value : values) to.push_back(value[0]);
+}
+
+void append_piece(RawFrame& raw, vtkUnstructuredGrid* grid) {
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::array<float, 3>> velocities;
+  append(points, grid->GetPoints()->GetData());
+  vtkPointData* fields = grid->GetPointData();
+  append(velocities, fields->GetArray("velocity"));
+  for (const auto& p : points) raw.position.emplace_back(p[0], p[1], p[2]);
+  for (const auto& v : velocities) raw.speed.push_back(std::hypot(v[0], v[1], v[2]));
+  append(raw.density, fields->GetArray("density"));
+  append(raw.id, fields->GetArray("id"));
+  append(raw.rgb, fields->GetArray("rgb"));
+  raw.rank_counts.push_back(static_cast<std::int64_t>(points.size()));
+}
+
+std::vector<std::string> pieces_of(const std::string& path) {
+  if (path.ends_with(".vtu")) return {path};
+  if (!fs::exists(path)) throw InputError(path + ": is listed but not there; copy the directory whole");
+  const std::string text = read_text(path);
+  if (text.find("</VTKFile>") == std::string::npos) fail(path, "no </VTKFile>");
+  std::vector<std::string> pieces;
+  static const std::regex piece("<Piece\\s+Source=\"([^\"]*)\"");
+  for (std::sregex_iterator it(text.begin(), text.end(), piece), end; it != end; ++it)
+    pieces.push_back((fs::path(path).parent_path() / (*it)[1].str()).string());
+  if (pieces.empty()) fail(path, "no <Piece Source=...>");
+  return pieces;
+}
+
+}  // namespace
+
+RawFrame read_vtu_frame(const std::string& path) {
+  RawFrame raw;
+  for (const std::string& piece : pieces_of(path)) append_piece(raw, read_piece(piece));
+  return raw;
+}
+
+}  // namespace trevi
