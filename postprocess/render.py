@@ -15,11 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2 as opengl
-from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkFiltersSources import vtkCubeSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper
 
-from stage import BadInput, Run, add_options, camera_for, pixels, points_of, save, window_for
+from stage import BadInput, Run, add_options, camera_for, cloud_of, pixels, save, window_for
 
 SKY = ((0.02, 0.03, 0.07), (0.10, 0.13, 0.24))  # bottom, top
 STONE = (0.30, 0.31, 0.36)
@@ -41,11 +40,7 @@ def balls(radius):
 
 
 def show(actor, position, rgb):
-    cloud = points_of(position)
-    colours = numpy_to_vtk(np.ascontiguousarray(rgb), deep=1)
-    colours.SetName("rgb")
-    cloud.GetPointData().SetScalars(colours)
-    actor.GetMapper().SetInputData(cloud)
+    actor.GetMapper().SetInputData(cloud_of(position, rgb))
 
 
 def floor(low, high):

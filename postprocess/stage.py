@@ -121,14 +121,17 @@ def save(picture, path):
     print(path)
 
 
-def points_of(position):
-    """A cloud with one vertex per particle, as mappers draw cells."""
+def cloud_of(position, rgb):
+    """Points with the array rgb and one vertex each, as mappers draw cells."""
     cloud, points, vertices = vtkPolyData(), vtkPoints(), vtkCellArray()
     points.SetData(numpy_to_vtk(position, deep=1))
     numbers = np.arange(len(position) + 1, dtype=np.int64)
     vertices.SetData(numpy_to_vtkIdTypeArray(numbers, deep=1), numpy_to_vtkIdTypeArray(numbers[:-1], deep=1))
     cloud.SetPoints(points)
     cloud.SetVerts(vertices)
+    colours = numpy_to_vtk(np.ascontiguousarray(rgb), deep=1)
+    colours.SetName("rgb")
+    cloud.GetPointData().SetScalars(colours)
     return cloud
 
 
