@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+"""Renders the particles of a run as shaded balls in their own colours: a picture of one frame, or a film of all.
+
+  jobs/render.sh render.py out/fountain --time 4 --output fountain.png
+  jobs/render.sh render.py out/musical_fountain --sound inputs/ode_to_joy.wav --output fountain.mp4
+
+A film runs in real time (H.264, with --sound AAC) and needs ffmpeg. Without a display start it through jobs/render.sh.
+"""
+
+import argparse
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import vtkmodules.vtkRenderingOpenGL2 as opengl
+from vtkmodules.vtkFiltersSources import vtkCubeSource
+from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper
+
+from stage import BadInput, Run, add_options, camera_for, cloud_of, pixels, save, window_for
+
+SKY = ((0.02, 0.03, 0.07), (0.10, 0.13, 0.24))  # bottom, top
+STONE = (0.30, 0.31, 0.36)
+RIM = 0.15  # m; thickness of the floor, and width of it that is seen around the water
+
+
+def balls(radius):
+    """An actor for particles; its mapper draws each as a ball without any triangles."""
+    actor, mapper = vtkActor(), opengl.vtkOpenGLSphereMapper()
+    mapper.SetRadius(radius)
+    mapper.SetScalarModeToUsePointData()
+    mapper.SetColorModeToDirectScalars()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetAmbient(0.25)
+    actor.GetProperty().SetDiffuse(0.8)
+    actor.GetProperty().SetSpecular(0.25)
+    actor.GetProperty().SetSpecularPower(30)
+    return actor
+
+
+def show(actor, position, rgb):
+    actor.GetMapper().SetInputData(cloud_of(position, rgb))
+
+
+def floor(low, high):
+    source, actor = vtkCubeSource(), vtkActor()
+    source.SetBounds(low[0] - RIM, high[0] + RIM, low[1] - RIM, high[1] + RIM, -RIM, 0)
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputConnection(source.GetOutputPort())
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(STONE)
+    return actor
+
+
+def light_from(azimuth, elevation, strength):
+    light = vtkLight()
+    light.SetLightTypeToCameraLight()
+    a, e = np.radians([azimuth, elevation])
+    light.SetPosition(np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e))
+    light.SetIntensity(strength)
+    return light
+
+
+def stage(low, high, options):
+    """Window and the actor of the balls, in a night sky above a stone floor."""
+    window, renderer = window_for(options.size)
+    renderer.SetBackground(SKY[0])
+    renderer.SetBackground2(SKY[1])
+    renderer.GradientBackgroundOn()
+    renderer.SetUseFXAA(True)
+    for light in (light_from(-35, 40, 0.85), light_from(50, 15, 0.3)):
+        renderer.AddLight(light)
+    actor = balls(options.radius)
+    renderer.AddActor(actor)
+    renderer.AddActor(floor(low, high))
+    renderer.SetActiveCamera(camera_for(low - [RIM, RIM, RIM], high + [RIM, RIM, RIM], options))
+    renderer.ResetCameraClippingRange(low[0] - RIM, high[0] + RIM, low[1] - RIM, high[1] + RIM, -RIM, high[2] + RIM)
+    return window, actor
+
+
+def film(run, window, actor, options):
+    """Pipes the frames through ffmpeg, at the rate of the run's own clock."""
+    if not shutil.which("ffmpeg"):
+        raise BadInput("ffmpeg is not installed; jobs/render.sh installs it")
+    rate = (len(run.times) - 1) / (run.times[-1] - run.times[0])
+    width, height = options.size
+    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}",
+               "-r", f"{rate:.6g}", "-i", "-"]
+    command += ["-i", options.sound, "-c:a", "aac", "-b:a", "96k"] if options.sound else []
+    command += ["-vf", "vflip", "-c:v", "libx264", "-crf", str(options.crf), "-pix_fmt", "yuv420p",
+                "-movflags", "+faststart", options.output]
+    with subprocess.Popen(command, stdin=subprocess.PIPE) as encoder:
+        for number in range(len(run.times)):
+            show(actor, *run.read(number)[:2])
+            window.Render()
+            encoder.stdin.write(pixels(window).tobytes())
+    if encoder.returncode:
+        raise BadInput(f"ffmpeg failed with exit code {encoder.returncode}")
+    print(options.output)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    add_options(parser)
+    parser.add_argument("--radius", type=float, default=0.055, help="of a ball, m (default %(default)s)")
+    parser.add_argument("--sound", help="sound file to play with a film")
+    parser.add_argument("--crf", type=int, default=24, help="of H.264: lower is better and larger (default %(default)s)")
+    options = parser.parse_args()
+    try:
+        if options.sound and not Path(options.sound).is_file():
+            raise BadInput(f"{options.sound}: no such sound file")
+        run = Run(options.run)
+        is_film = options.output.endswith(".mp4")
+        numbers = range(len(run.times)) if is_film else [run.nearest(options.time)]
+        window, actor = stage(*run.bounds(numbers), options)
+        if is_film:
+            film(run, window, actor, options)
+        else:
+            show(actor, *run.read(numbers[0])[:2])
+            window.Render()
+            save(pixels(window), options.output)
+    except (BadInput, OSError) as error:
+        print(f"render.py: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,147 @@
+"""What the pictures share: frames of a run, a camera that clips nothing, an off-screen window. No program of its own.
+
+Needs VTK's Python modules only, so it runs under pvbatch as well as under python3; both want a display (xvfb-run).
+"""
+
+import argparse
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+import numpy as np
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (the implementation behind vtkRenderingCore)
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
+from vtkmodules.vtkIOImage import vtkPNGWriter
+from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader
+from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
+
+BLUE = (40, 120, 220)
+
+
+class BadInput(Exception):
+    pass
+
+
+class Run:
+    """The VTU frames of a run: files and times (s)."""
+
+    def __init__(self, folder):
+        index = Path(folder) / "particles.pvd"
+        try:
+            entries = xml.parse(index).getroot().iter("DataSet")
+        except (OSError, xml.ParseError) as error:
+            raise BadInput(f"{index}: {error}; was [output.vtu] in the scene?") from error
+        frames = [(float(entry.get("timestep")), index.parent / entry.get("file")) for entry in entries]
+        if not frames:
+            raise BadInput(f"{index}: holds no frame")
+        self.times, self.files = zip(*frames)
+
+    def nearest(self, time):
+        """Number of the frame nearest a time; the last one without a time."""
+        return len(self.times) - 1 if time is None else int(np.argmin(np.abs(np.array(self.times) - time)))
+
+    def read(self, number):
+        """Positions (m), colours (uint8, blue where the run has none), and speeds (m/s, zero where it has none)."""
+        reader = vtkXMLPUnstructuredGridReader()
+        reader.SetFileName(str(self.files[number]))
+        reader.Update()
+        cloud = reader.GetOutput()
+        if not cloud.GetNumberOfPoints():
+            raise BadInput(f"{self.files[number]}: cannot be read, or holds no particle")
+        position = vtk_to_numpy(cloud.GetPoints().GetData()).astype(float)
+        rgb, velocity = (cloud.GetPointData().GetArray(name) for name in ("rgb", "velocity"))
+        rgb = vtk_to_numpy(rgb) if rgb else np.tile(np.array(BLUE, np.uint8), (len(position), 1))
+        return position, rgb, np.linalg.norm(vtk_to_numpy(velocity), axis=1) if velocity else np.zeros(len(position))
+
+    def bounds(self, numbers):
+        """Lowest and highest corner (m) of the box around the first frame and these ones."""
+        clouds = [self.read(number)[0] for number in sorted({0, *numbers})]
+        return np.min([c.min(axis=0) for c in clouds], axis=0), np.max([c.max(axis=0) for c in clouds], axis=0)
+
+
+def camera_for(low, high, options):
+    """Looks at the middle of the box from azimuth and elevation, from so far that the whole box is in the picture."""
+    azimuth, elevation = np.radians([options.azimuth, options.elevation])
+    back = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0])
+    axes = np.stack([right, np.cross(back, right), back])
+    corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)]) @ axes.T
+    tangent = np.tan(np.radians(options.view_angle / 2)) * 0.96
+    slopes = np.array([tangent * options.size[0] / options.size[1], tangent])
+    # Each side of the picture is a plane through the eye: the corners bound where it may stand, seen along each axis.
+    highest = (corners[:, :2] + corners[:, 2:] * slopes).max(axis=0)
+    lowest = (corners[:, :2] - corners[:, 2:] * slopes).min(axis=0)
+    depth = ((highest - lowest) / (2 * slopes)).max()
+    eye = np.append((highest + lowest) / 2, depth)
+    camera = vtkCamera()
+    camera.SetViewAngle(options.view_angle)
+    camera.SetPosition(*(eye @ axes))
+    camera.SetFocalPoint(*((eye - [0, 0, 1]) @ axes))
+    camera.SetViewUp(0, 0, 1)
+    return camera
+
+
+def window_for(size):
+    """An off-screen window with one renderer; its depth buffer is read, so it must not be multisampled."""
+    window, renderer = vtkRenderWindow(), vtkRenderer()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(0)
+    window.SetSize(*size)
+    window.AddRenderer(renderer)
+    return window, renderer
+
+
+def pixels(window, depth=False):
+    """The picture as rows from the bottom: uint8 colours, or float depths in [0, 1]."""
+    grab = vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.ReadFrontBufferOff()
+    if depth:
+        grab.SetInputBufferTypeToZBuffer()
+    else:
+        grab.SetInputBufferTypeToRGB()
+    grab.Update()
+    image = grab.GetOutput()
+    width, height, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)
+
+
+def save(picture, path):
+    """Writes uint8 rows from the bottom as PNG."""
+    image = vtkImageData()
+    image.SetDimensions(picture.shape[1], picture.shape[0], 1)
+    image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(picture.reshape(-1, 3)), deep=1))
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    writer = vtkPNGWriter()
+    writer.SetFileName(str(path))
+    writer.SetCompressionLevel(9)
+    writer.SetInputData(image)
+    writer.Write()
+    print(path)
+
+
+def cloud_of(position, rgb):
+    """Points with the array rgb and one vertex each, as mappers draw cells."""
+    cloud, points, vertices = vtkPolyData(), vtkPoints(), vtkCellArray()
+    points.SetData(numpy_to_vtk(position, deep=1))
+    numbers = np.arange(len(position) + 1, dtype=np.int64)
+    vertices.SetData(numpy_to_vtkIdTypeArray(numbers, deep=1), numpy_to_vtkIdTypeArray(numbers[:-1], deep=1))
+    cloud.SetPoints(points)
+    cloud.SetVerts(vertices)
+    colours = numpy_to_vtk(np.ascontiguousarray(rgb), deep=1)
+    colours.SetName("rgb")
+    cloud.GetPointData().SetScalars(colours)
+    return cloud
+
+
+def add_options(parser):
+    """The arguments that render.py and surface.py share."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("run", help="a run's directory, with [output.vtu] in its scene")
+    parser.add_argument("--output", default="picture.png", help="PNG, or .mp4 for a film (default %(default)s)")
+    parser.add_argument("--time", type=float, help="of the frame, s (default: the last)")
+    parser.add_argument("--azimuth", type=float, default=-60, help="degrees around the vertical (default %(default)s)")
+    parser.add_argument("--elevation", type=float, default=12, help="degrees above the horizon (default %(default)s)")
+    parser.add_argument("--view-angle", type=float, default=28, help="of the camera, degrees (default %(default)s)")
+    parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("WIDTH", "HEIGHT"))

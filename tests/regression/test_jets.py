@@ -1,0 +1,70 @@
+#!/usr/bin/python3
+"""Jets rise as they should: a sparse one to v²/2g, one through a pool ever nearer to it, and the higher the note, the
+higher the jet. And what a scene without fountains, music and colour does not do."""
+
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+from program import INPUTS, ProgramTest, main
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
+import jet_heights  # noqa: E402
+
+OCTAVE = "C4 D4 E4 F4 G4 A4 B4 C5".split()
+PAUSE = 1.6  # s from note to note: a jet of 8 m/s is back after that
+
+
+class Jets(ProgramTest):
+    def test_sparse_jet_rises_to_its_ballistic_height(self):
+        for speed in (6, 8, 10):
+            with self.subTest(speed=speed):
+                rise = jet_heights.ratios(self.trevi, "sparse", speed)
+                self.assertEqual(len(rise), 16)
+                self.assertAlmostEqual(np.percentile(rise, 99), 1, delta=0.1)
+
+    def test_jet_through_a_pool_nears_it_with_speed(self):
+        rise = [jet_heights.ratios(self.trevi, "pool", speed) for speed in (6, 10, 14)]
+        for share in (50, 99):
+            first, second, third = (np.percentile(ratio, share) for ratio in rise)
+            self.assertGreater(first, second)
+            self.assertGreater(second, third)
+            self.assertGreater(third, 0.9)
+
+    def test_higher_note_higher_jet(self):
+        score = "".join(f"{PAUSE * k:.3f} {name} 0.05\n" for k, name in enumerate(OCTAVE))
+        (self.folder / "octave.txt").write_text(score, encoding="utf-8")
+        jet = "fountain=[{center=[1.2,0.8],diameter=0.15,height=0.6,music='octave.txt',speed_range=[5.0,8.0]}]"
+        text = (INPUTS / "musical_fountain_small.toml").read_text(encoding="utf-8")
+        (self.folder / "scene.toml").write_text(text, encoding="utf-8")
+        self.run_well(1, "scene.toml", "--output", "run", "--set", jet, "--set", f"time.end={PAUSE * len(OCTAVE):.3f}",
+                      "--set", "domain.max=[2.4,1.6,8.0]", "--set", "output.vtu.every=100.0")
+        tops = [0.0] * len(OCTAVE)
+        with open(self.folder / "run" / "series.csv", newline="", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                note = min(int(float(row["time"]) / PAUSE), len(OCTAVE) - 1)
+                tops[note] = max(tops[note], float(row["top"]))
+        self.assertEqual(tops, sorted(set(tops)), "the jets' heights are not in the order of the notes")
+        self.assertGreater(tops[0], 1.0)
+
+
+class Absent(ProgramTest):
+    def test_no_fountain_music_or_colour_no_trace_of_them(self):
+        (self.folder / "score.txt").write_text("0 C4 1\n", encoding="utf-8")
+        plain = (INPUTS / "stress/few.toml").read_text(encoding="utf-8")
+        with_all = plain + "\n[colour]\nby = \"speed\"\n[[fountain]]\ncenter = [0.5, 0.5]\ndiameter = 0.2\nheight = 0.2\n" \
+                           "music = \"score.txt\"\nspeed_range = [1.0, 2.0]\n"
+        profiles = []
+        for name, text in (("plain", plain), ("all", with_all)):
+            (self.folder / f"{name}.toml").write_text(text, encoding="utf-8")
+            profiles.append(self.run_well(1, f"{name}.toml", "--output", name, "--steps", 2, "-log_view").stdout)
+        self.assertIn("Fountain", profiles[1])
+        for word in ("Fountain", "Music", "Colour"):
+            self.assertNotIn(word, profiles[0])
+        with open(self.folder / "plain" / "series.csv", encoding="utf-8") as file:
+            self.assertNotIn("note_", file.readline())
+
+
+if __name__ == "__main__":
+    main()

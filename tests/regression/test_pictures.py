@@ -1,0 +1,43 @@
+#!/usr/bin/python3
+"""render.py and surface.py on a small run: all the water is in the picture, and a missing run is told. Exit code 77: there
+is no virtual display or no VTK for Python here, so nothing was tested."""
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+
+from matplotlib import image
+from program import INPUTS, ProgramTest, main
+
+POSTPROCESS = INPUTS.parent / "postprocess"
+
+
+class Pictures(ProgramTest):
+    def draw(self, script, *arguments):
+        return subprocess.run(["xvfb-run", "-a", "/usr/bin/python3", POSTPROCESS / script, *map(str, arguments)],
+                              cwd=self.folder, capture_output=True, text=True, timeout=100, check=False)
+
+    def test_all_the_water_is_in_the_picture(self):
+        self.run_well(2, INPUTS / "fountain_small.toml", "--output", "run", "--steps", 60)
+        for script in ("render.py", "surface.py"):
+            with self.subTest(script):
+                result = self.draw(script, "run", "--output", f"{script}.png", "--size", 240, 180)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                picture = image.imread(self.folder / f"{script}.png")[..., :3]
+                self.assertEqual(picture.shape, (180, 240, 3))
+                brightness = picture.max(axis=2)
+                self.assertGreater((brightness > 0.5).mean(), 0.05)  # water
+                self.assertLess(max(brightness[0].max(), brightness[:, 0].max(), brightness[:, -1].max()), 0.5)
+
+    def test_what_cannot_be_drawn_is_told(self):
+        for script in ("render.py", "surface.py"):
+            result = self.draw(script, "nowhere")
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("[output.vtu]", result.stderr)
+
+
+if __name__ == "__main__":
+    if not shutil.which("xvfb-run") or not importlib.util.find_spec("vtkmodules"):
+        sys.exit(77)
+    main()
