@@ -55,8 +55,8 @@ std::string schedule_text(const Schedule& schedule) {
   return "at the start and the end";
 }
 
-std::string slab_table(const Scene& scene, const std::vector<Real>& weights, int ranks) {
-  const Slabs slabs(weights, ranks);
+std::string slab_table(const Scene& scene, const std::vector<Real>& weights, const Slabs& slabs) {
+  const int ranks = slabs.ranks();
   const BytesEach bytes = bytes_each(scene);
   std::string text;
   for (int r = 0; r < ranks; ++r) {
@@ -96,15 +96,13 @@ void print_dry_run(const Session& session, const Scene& scene, const std::string
   build_forcings(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
   const CellGrid grid(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
-  const InitialState state = initial_particles(session.comm(), scene, grid);
-  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
-  for (const Vec3& p : state.particles.position) weights[static_cast<std::size_t>(grid.plane_of(p))] += 1;
-  MPI_Allreduce(MPI_IN_PLACE, weights.data(), static_cast<int>(weights.size()), MPI_DOUBLE, MPI_SUM, session.comm());
+  std::vector<Real> weights;
+  const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
   if (session.rank() != 0) return;
   fmt::print("scene       {}\n", scene.path);
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
-             session.size(), slab_table(scene, weights, session.size()));
+             session.size(), slab_table(scene, weights, slabs));
   fmt::print("{}{}", time_text(scene), output_text(scene, directory));
 }
 

@@ -26,6 +26,9 @@ class Slabs {
   int owner(LocalId plane) const;
   /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;
+  /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts. `weights`:
+  /// particles of each plane.
+  void check_capacity(std::span<const Real> weights, LocalId cells_per_plane) const;
   const std::vector<LocalId>& cuts() const { return cuts_; }
 
  private:
