@@ -11,7 +11,7 @@
 #   --repeats N      runs of each kind, taken in turns (default 3): medians and fastest are shown
 #   --program FILE   a trevi that is built already, with bench_halo beside it in tests/benchmarks if there is one
 # Lists are words in quotes: --ranks "1 2 4". Without --program all is built, with benchmarks, in build/bench.
-# MPIRUN names the launcher (default mpirun). Time on more ranks than cores says nothing, so counted runs are never timed.
+# MPIRUN names the launcher (default mpirun). Time on more ranks than cores says nothing: counted runs are not timed.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"

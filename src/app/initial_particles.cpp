@@ -1,6 +1,7 @@
 #include "trevi/app/initial_particles.hpp"
 
 #include <array>
+#include <numeric>
 
 #include "trevi/app/lattice.hpp"
 #include "trevi/base/error.hpp"
@@ -128,6 +129,7 @@ void add_hue(MPI_Comm comm, Particles& particles) {
   low = min_over_ranks(comm, low);
   high = max_over_ranks(comm, high);
   particles.has_hue = true;
+  particles.hue.reserve(particles.position.size());
   for (const Vec3& p : particles.position) {
     particles.hue.push_back(high > low ? static_cast<float>((p.x() - low) / (high - low)) : 0.0F);
   }
@@ -149,6 +151,10 @@ InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid
   InitialState state{first_slabs(comm, scene, grid, weights), std::move(files.particles)};
   migrate(comm, state.particles, &Particles::position, grid, state.slabs);
   const int rank = rank_of(comm);
+  const auto owned = std::accumulate(weights.begin() + state.slabs.first_plane(rank),
+                                     weights.begin() + state.slabs.last_plane(rank), 0.0);
+  // Growth by doubling would leave these arrays up to twice as large as they need be, for the whole run.
+  state.particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
     const ParticleSource& source = scene.particles[s];
     if (source.type != ParticleSource::Type::block) continue;

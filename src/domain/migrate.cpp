@@ -110,7 +110,8 @@ GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particle
     if (round > 0) to = directions(rank, particles.*place, grid, slabs);
     const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, to, -1), pack(particles, to, 1)};
     remove_leaving(particles, to);
-    for (const std::vector<std::byte>& buffer : exchange(comm, outgoing, bytes_per_particle(particles))) append(particles, buffer);
+    for (const std::vector<std::byte>& buffer : exchange(comm, outgoing, bytes_per_particle(particles)))
+      append(particles, buffer);
     sent += static_cast<GlobalId>(to.leaving[0] + to.leaving[1]);
   }
   return sent;

@@ -89,9 +89,10 @@ void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plan
                                            weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
     const Real cells = static_cast<Real>(last_plane(r) - first_plane(r) + 2) * cells_per_plane;
     if (particles <= most && cells <= most) continue;
-    throw InputError(fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
-                                 "use more ranks",
-                                 r, ranks(), particles, cells));
+    throw InputError(
+        fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
+                    "use more ranks",
+                    r, ranks(), particles, cells));
   }
 }
 

@@ -48,8 +48,7 @@ void measure(MPI_Comm comm, const char* operation, std::size_t bytes, int rounds
 void bench(MPI_Comm comm, int rounds) {
   if (rank_of(comm) == 0) fmt::print("operation,bytes,ranks,fastest_us,median_us\n");
   double number = 1, sum = 0;
-  measure(comm, "reduce", sizeof number, rounds,
-          [&] { MPI_Allreduce(&number, &sum, 1, MPI_DOUBLE, MPI_SUM, comm); });
+  measure(comm, "reduce", sizeof number, rounds, [&] { MPI_Allreduce(&number, &sum, 1, MPI_DOUBLE, MPI_SUM, comm); });
   for (std::size_t bytes = 16; bytes <= (std::size_t{1} << 24U); bytes *= 4) {
     std::vector<char> sent(2 * bytes, 'x'), received(2 * bytes, ' ');
     measure(comm, "exchange", bytes, rounds, [&] { exchange(comm, sent, received); });

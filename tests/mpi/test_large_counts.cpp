@@ -67,9 +67,7 @@ TEST(LargeCounts, RandomNumbersSeeTheUpperHalfOfAnId) {
   EXPECT_NE(uniform(1, 7, info, 0), uniform(1, 2 * past + 7, info, 0));
 }
 
-TEST(LargeCounts, SumsOverRanksAreWide) {
-  EXPECT_EQ(sum_over_ranks(world, past), past * size_of(world));
-}
+TEST(LargeCounts, SumsOverRanksAreWide) { EXPECT_EQ(sum_over_ranks(world, past), past * size_of(world)); }
 
 TEST(LargeCounts, SlicesOfATableMeet) {
   for (const GlobalId total : {past - 1, past + 1, GlobalId{100'000'000'000}, GlobalId{100'000'000'007}}) {
