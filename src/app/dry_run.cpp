@@ -8,33 +8,33 @@
 #include "trevi/app/build.hpp"
 #include "trevi/app/envelope.hpp"
 #include "trevi/app/initial_particles.hpp"
-#include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
 
 namespace {
 
-// Everything the solver keeps for a particle of a full neighbourhood, and for a ghost.
+// Everything the solver keeps for a particle of a full neighbourhood, for a ghost, and for a cell of the box.
 struct BytesEach {
-  double owned, ghost;
+  double owned, ghost, cell;
 };
 
 BytesEach bytes_each(const Scene& scene) {
   const bool single = scene.density.precision == Precision::single;
   const double quad = single ? 16 : 32;
-  const double pairs = lattice_poly6_sum(scene.fluid.spacing, scene.fluid.kernel_radius) > 0
-                           ? 4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3)
-                           : 0;
-  double owned = 3 * 24 + 8;              // positions, velocity, id
-  owned += 24 + 8 + 2 * 4;                // sorting
-  owned += quad + 8 + 4 * pairs * 1.125;  // record, list
-  owned += 8 + quad;                      // rho, delta
+  // Around each particle a ball of water without itself, of which walls and surfaces take a twentieth.
+  const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
+  double owned = 3 * 24 + 8;      // positions, velocity, id
+  owned += 8 + 2 * 4;             // sorting
+  owned += quad + 8 + 4 * pairs;  // record, list
+  owned += 8 + quad;              // rho, delta
   double ghost = quad;
-  if (scene.vorticity) owned += 2 * quad, ghost += quad;
-  if (scene.viscosity) owned += quad, ghost += quad;
-  if (scene.output.series) owned += 24;
-  if (scene.colour == Colour::rainbow_x) owned += 8;
-  return {owned, ghost};
+  double cell = 2 * 4;  // counts and starts
+  if (scene.density.method == Method::chebyshev) owned += quad / 4;
+  if (scene.density.coarse_grid) cell += 4 * 8;
+  if (scene.vorticity) owned += quad, ghost += quad;
+  if (scene.vorticity || scene.viscosity) owned += quad, ghost += quad;  // velocities, which both use
+  if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
+  return {owned, ghost, cell};
 }
 
 // The fastest a particle may get: pumped, thrown, or fallen from the top of the water.
@@ -56,17 +56,20 @@ std::string schedule_text(const Schedule& schedule) {
   return "at the start and the end";
 }
 
-std::string slab_table(const Scene& scene, const std::vector<Real>& weights, int ranks) {
-  const Slabs slabs(weights, ranks);
+std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights, const Slabs& slabs) {
+  const int ranks = slabs.ranks();
   const BytesEach bytes = bytes_each(scene);
   std::string text;
   for (int r = 0; r < ranks; ++r) {
     const auto first = weights.begin() + slabs.first_plane(r), last = weights.begin() + slabs.last_plane(r);
     const Real owned = std::accumulate(first, last, 0.0);
     const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
+    // The coarse grid has a ring of empty cells around each plane.
+    const double cells = (grid.rows() + 2.0) * (grid.columns() + 2.0) * static_cast<double>(last - first + 2);
+    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell;
     text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
                         slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts,
-                        owned > 0 ? 100 * ghosts / owned : 0, (owned * bytes.owned + ghosts * bytes.ghost) / 1e6);
+                        owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
   }
   return text;
 }
@@ -97,15 +100,13 @@ void print_dry_run(const Session& session, const Scene& scene, const std::string
   build_forcings(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
   const CellGrid grid(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
-  const InitialState state = initial_particles(session.comm(), scene, grid);
-  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
-  for (const Vec3& p : state.particles.position) weights[static_cast<std::size_t>(grid.plane_of(p))] += 1;
-  MPI_Allreduce(MPI_IN_PLACE, weights.data(), static_cast<int>(weights.size()), MPI_DOUBLE, MPI_SUM, session.comm());
+  std::vector<Real> weights;
+  const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
   if (session.rank() != 0) return;
   fmt::print("scene       {}\n", scene.path);
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
-             session.size(), slab_table(scene, weights, session.size()));
+             session.size(), slab_table(scene, grid, weights, slabs));
   for (const std::string& warning : envelope_warnings(scene)) fmt::print("warning     {}\n", warning);
   fmt::print("{}{}", time_text(scene), output_text(scene, directory));
 }

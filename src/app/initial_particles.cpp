@@ -1,8 +1,9 @@
 #include "trevi/app/initial_particles.hpp"
 
 #include <array>
-#include <cmath>
+#include <numeric>
 
+#include "trevi/app/lattice.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/domain/migrate.hpp"
 #include "trevi/parallel/reductions.hpp"
@@ -11,24 +12,6 @@
 namespace trevi {
 
 namespace {
-
-// The lattice of a block: point (i, j, k) is min + (i + ½, j + ½, k + ½) spacing.
-struct Lattice {
-  Vec3 min;
-  Real spacing;
-  std::array<GlobalId, 3> count;
-
-  Lattice(const ParticleSource& block, Real s) : min(block.min), spacing(s) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
-      count[a] = static_cast<GlobalId>(std::llround((block.max[axis] - block.min[axis]) / s));
-    }
-  }
-  GlobalId size() const { return count[0] * count[1] * count[2]; }
-  Vec3 point(GlobalId i, GlobalId j, GlobalId k) const {
-    return min + spacing * Vec3(static_cast<Real>(i) + 0.5, static_cast<Real>(j) + 0.5, static_cast<Real>(k) + 0.5);
-  }
-};
 
 // Calls visit(layer, plane) for each layer of lattice points across the slab axis.
 template <class Visit>
@@ -54,8 +37,7 @@ void add_layer(Particles& particles, const Lattice& lattice, int axis, GlobalId 
   for (GlobalId k = begin[2]; k < end[2]; ++k) {
     for (GlobalId j = begin[1]; j < end[1]; ++j) {
       for (GlobalId i = begin[0]; i < end[0]; ++i) {
-        const GlobalId id = first_id + (k * lattice.count[1] + j) * lattice.count[0] + i;
-        add_particle(particles, id, lattice.point(i, j, k), block.velocity);
+        add_particle(particles, first_id + lattice.id(i, j, k), lattice.point(i, j, k), block.velocity);
       }
     }
   }
@@ -116,28 +98,14 @@ void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += counted[k];
 }
 
-Slabs first_slabs(MPI_Comm comm, const Scene& scene, std::vector<Real> weights) {
-  if (scene.slabs == SlabCuts::equal) weights.assign(weights.size(), 1);
-  return {weights, size_of(comm)};
+Slabs first_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights) {
+  const std::vector<Real> ones(weights.size(), 1);
+  Slabs slabs(scene.slabs == SlabCuts::equal ? ones : weights, size_of(comm));
+  slabs.check_capacity(weights, grid.cells_per_plane());
+  return slabs;
 }
 
-// The start along x, as a share of the extent of all particles at the start.
-void add_hue(MPI_Comm comm, Particles& particles) {
-  Real low = 1e300, high = -1e300;
-  for (const Vec3& p : particles.position) {
-    low = std::min(low, p.x());
-    high = std::max(high, p.x());
-  }
-  low = min_over_ranks(comm, low);
-  high = max_over_ranks(comm, high);
-  particles.has_hue = true;
-  for (const Vec3& p : particles.position) {
-    particles.hue.push_back(high > low ? static_cast<float>((p.x() - low) / (high - low)) : 0.0F);
-  }
-}
-
-}  // namespace
-
+// Particles in each plane, for those sources that are blocks.
 std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
   std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
   for (const ParticleSource& source : scene.particles) {
@@ -151,13 +119,42 @@ std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
   return weights;
 }
 
+// The start along x, as a share of the extent of all particles at the start.
+void add_hue(MPI_Comm comm, Particles& particles) {
+  Real low = 1e300, high = -1e300;
+  for (const Vec3& p : particles.position) {
+    low = std::min(low, p.x());
+    high = std::max(high, p.x());
+  }
+  low = min_over_ranks(comm, low);
+  high = max_over_ranks(comm, high);
+  particles.has_hue = true;
+  particles.hue.reserve(particles.position.size());
+  for (const Vec3& p : particles.position) {
+    particles.hue.push_back(high > low ? static_cast<float>((p.x() - low) / (high - low)) : 0.0F);
+  }
+}
+
+}  // namespace
+
+Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights) {
+  const FileParticles files = read_files(comm, scene);
+  weights = block_weights(scene, grid);
+  add_weights(comm, grid, files.particles, weights);
+  return first_slabs(comm, scene, grid, weights);
+}
+
 InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid) {
   FileParticles files = read_files(comm, scene);
   std::vector<Real> weights = block_weights(scene, grid);
   add_weights(comm, grid, files.particles, weights);
-  InitialState state{first_slabs(comm, scene, weights), std::move(files.particles)};
+  InitialState state{first_slabs(comm, scene, grid, weights), std::move(files.particles)};
   migrate(comm, state.particles, &Particles::position, grid, state.slabs);
   const int rank = rank_of(comm);
+  const auto owned = std::accumulate(weights.begin() + state.slabs.first_plane(rank),
+                                     weights.begin() + state.slabs.last_plane(rank), 0.0);
+  // Growth by doubling would leave these arrays up to twice as large as they need be, for the whole run.
+  state.particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
     const ParticleSource& source = scene.particles[s];
     if (source.type != ParticleSource::Type::block) continue;
@@ -185,7 +182,7 @@ InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGri
   if (!particles.has_hue) particles.hue.clear();
   std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
   add_weights(comm, grid, particles, weights);
-  InitialState state{first_slabs(comm, scene, weights), std::move(particles)};
+  InitialState state{first_slabs(comm, scene, grid, weights), std::move(particles)};
   migrate(comm, state.particles, &Particles::position, grid, state.slabs);
   return state;
 }

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "trevi/base/error.hpp"
 #include "trevi/base/growth.hpp"
 #include "trevi/parallel/session.hpp"
 
@@ -74,21 +73,26 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
   });
 }
 
-// Swaps buffers with the neighbour on each side; what arrives from a side is returned at its place.
-std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<std::vector<std::byte>, 2>& outgoing) {
+// Swaps buffers with the neighbour on each side; what arrives from a side is returned at its place. Counted in
+// particles: 27 million of them, a plane of a large box, are more bytes than an int holds.
+std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<std::vector<std::byte>, 2>& outgoing,
+                                               std::size_t particle_bytes) {
+  MPI_Datatype particle;
+  MPI_Type_contiguous(static_cast<int>(particle_bytes), MPI_BYTE, &particle);
+  MPI_Type_commit(&particle);
   const int rank = rank_of(comm), ranks = size_of(comm);
   const std::array<int, 2> peer = {rank > 0 ? rank - 1 : MPI_PROC_NULL, rank + 1 < ranks ? rank + 1 : MPI_PROC_NULL};
   std::array<std::vector<std::byte>, 2> incoming;
   for (std::size_t side : {0U, 1U}) {  // everything moves to `side`, so it arrives from the other one
     const std::size_t from = 1 - side;
-    require(outgoing[side].size() < 2147483648U, "more than 2 GB of particles migrate at once; use more ranks");
-    const int sent = static_cast<int>(outgoing[side].size());
+    const int sent = static_cast<int>(outgoing[side].size() / particle_bytes);
     int received = 0;
     MPI_Sendrecv(&sent, 1, MPI_INT, peer[side], 0, &received, 1, MPI_INT, peer[from], 0, comm, MPI_STATUS_IGNORE);
-    incoming[from].resize(static_cast<std::size_t>(received));
-    MPI_Sendrecv(outgoing[side].data(), sent, MPI_BYTE, peer[side], 1, incoming[from].data(), received, MPI_BYTE,
+    incoming[from].resize(static_cast<std::size_t>(received) * particle_bytes);
+    MPI_Sendrecv(outgoing[side].data(), sent, particle, peer[side], 1, incoming[from].data(), received, particle,
                  peer[from], 1, comm, MPI_STATUS_IGNORE);
   }
+  MPI_Type_free(&particle);
   return incoming;
 }
 
@@ -106,7 +110,8 @@ GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particle
     if (round > 0) to = directions(rank, particles.*place, grid, slabs);
     const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, to, -1), pack(particles, to, 1)};
     remove_leaving(particles, to);
-    for (const std::vector<std::byte>& buffer : exchange(comm, outgoing)) append(particles, buffer);
+    for (const std::vector<std::byte>& buffer : exchange(comm, outgoing, bytes_per_particle(particles)))
+      append(particles, buffer);
     sent += static_cast<GlobalId>(to.leaving[0] + to.leaving[1]);
   }
   return sent;

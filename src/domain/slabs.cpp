@@ -1,5 +1,7 @@
 #include "trevi/domain/slabs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -76,6 +78,22 @@ Real Slabs::imbalance(std::span<const Real> weights) const {
   std::vector<Real> before(weights.size() + 1, 0.0);
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
   return before.back() > 0 ? heaviest(before, cuts_) * ranks() / before.back() : 1;
+}
+
+void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane) const {
+  constexpr Real most = 2e9;  // below 2^31, with room for water that gathers
+  for (int r = 0; r < ranks(); ++r) {
+    const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
+    const auto last = std::min(static_cast<std::size_t>(last_plane(r)) + 1, weights.size());
+    const Real particles = std::accumulate(weights.begin() + static_cast<std::ptrdiff_t>(first),
+                                           weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
+    const Real cells = static_cast<Real>(last_plane(r) - first_plane(r) + 2) * cells_per_plane;
+    if (particles <= most && cells <= most) continue;
+    throw InputError(
+        fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
+                    "use more ranks",
+                    r, ranks(), particles, cells));
+  }
 }
 
 int Slabs::owner(LocalId plane) const {

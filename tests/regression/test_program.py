@@ -9,6 +9,7 @@ import re
 from program import INPUTS, ProgramTest, main
 
 CUBE, FOUNTAIN = INPUTS / "falling_cube_small.toml", INPUTS / "fountain_small.toml"
+BASIN = INPUTS / "bench_rest.toml"
 
 
 def rows(run):
@@ -76,6 +77,22 @@ class Outputs(ProgramTest):
             result = self.run_well(ranks, CUBE, "--dry-run")
             self.assertIn("3072", result.stdout.replace(",", ""))
             self.assertEqual(self.contents(), {})
+
+    def test_dry_run_knows_the_memory_of_the_run(self):
+        for ranks, settings in ((1, []), (2, ["--set", "vorticity.epsilon=0.002", "--set", "viscosity.c=0.001"])):
+            told = self.run_well(ranks, BASIN, "--dry-run", *settings).stdout
+            megabytes = sum(float(number) for number in re.findall(r"([\d.]+) MB", told))
+            self.run_well(ranks, BASIN, "--output", f"on_{ranks}", "--steps", 5, *settings)
+            report = json.loads((self.folder / f"on_{ranks}" / "run.json").read_text())
+            used = report["bytes_per_particle"] * report["particles"] / 1e6
+            self.assertLess(abs(megabytes / used - 1), 0.05, f"{megabytes} MB told, {used} MB used")
+
+    def test_dry_run_of_a_scene_too_large_for_the_machine(self):
+        depth = ["--set", "particles.0.max=[6.0, 4.0, 12000.0]", "--set", "domain.max=[6.0, 4.0, 12000.0]"]
+        self.assertIn("288000000 ", self.run_well(1, BASIN, "--dry-run", *depth).stdout)  # 85 GB
+        result = self.run_trevi(1, BASIN, "--dry-run", *[word.replace("12000.0", "120000.0") for word in depth])
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("use more ranks", result.stderr)
 
 
 class Profile(ProgramTest):

@@ -18,13 +18,14 @@ struct InitialState {
 };
 
 /// Ids: x fastest within a block, sources in file order. Throws InputError for a file that cannot be used, particles
-/// outside the box, or more ranks than planes.
+/// outside the box, more ranks than planes, or more particles than a rank can count.
 InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid);
 
 /// The same from the rows of a checkpoint, whatever rank count wrote it.
 InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows);
 
-/// Particles in each plane of the grid, for those of a scene that are blocks.
-std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid);
+/// The slabs that initial_particles() would make, and the particles in each plane, without making those of blocks: a
+/// scene too large for this machine can be looked at. Throws as it does.
+Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights);
 
 }  // namespace trevi

@@ -16,8 +16,8 @@ struct Box {
 
 class Slabs {
  public:
-  /// Cuts the planes so that the largest weight of a rank is as small as whole planes allow. `weights`: one per plane, any
-  /// unit. Throws InputError when there are more ranks than planes.
+  /// Cuts the planes so that the largest weight of a rank is as small as whole planes allow. `weights`: one per plane,
+  /// any unit. Throws InputError when there are more ranks than planes.
   Slabs(std::span<const Real> weights, int ranks);
 
   int ranks() const { return static_cast<int>(cuts_.size()) - 1; }
@@ -26,6 +26,9 @@ class Slabs {
   int owner(LocalId plane) const;
   /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;
+  /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts.
+  /// `weights`: particles of each plane.
+  void check_capacity(std::span<const Real> weights, LocalId cells_per_plane) const;
   const std::vector<LocalId>& cuts() const { return cuts_; }
 
  private:

@@ -1,0 +1,310 @@
+#!/usr/bin/python3
+"""Tables and plots of the runs of jobs/scaling.sh, and the performance model fitted to them.
+
+scaling.py DIR reads DIR/STUDY/CASE/npRANKS-NUMBER/run.json (and series.csv) and DIR/network/*.csv, prints the tables as
+Markdown and writes DIR/scaling.csv and DIR/scaling.png. With runs of the strong study on one rank and the network at
+hand it goes on to the model: DIR/model.csv and model.png, its error on the runs, its predictions, and the two ways to
+exchange ghosts.
+"""
+
+import argparse
+import csv
+import json
+import math
+import re
+import statistics
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+from scaling_model import (EXCHANGES, RECORD, Basin, Costs, efficiency, exchange_bytes, messages, pencils,  # noqa: E402
+                           rebuild_bytes, redundant_lambda, slabs)
+from study import columns_of, write_table  # noqa: E402
+
+TIMED = ("strong", "weak")
+# The basins of jobs/scaling.sh, in layers of particles.
+BASINS = {("strong", "96k"): lambda _: Basin(60, 40, 40), ("strong", "million"): lambda _: Basin(100, 100, 100),
+          ("weak", "96k"): lambda ranks: Basin(60 * ranks, 40, 40),
+          ("weak", "million"): lambda ranks: Basin(50 * ranks, 100, 100),
+          ("counted", "rest"): lambda _: Basin(60, 40, 40), ("counted", "rest_filters"): lambda _: Basin(60, 40, 40)}
+FILTER_EXCHANGES = {"rest_filters": 3}  # velocities twice, curl
+# What the predictions assume of a cluster; the cores are taken to be those of the runs.
+CLUSTER = {"latency": 2e-6, "bandwidth": 12e9, "reduction": 2e-6}
+SHAPES = {"cube": lambda n: Basin(*[round(n ** (1 / 3))] * 3), "channel": lambda n: Basin(n / 1e5, 1000, 100)}
+COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]  # Okabe and Ito
+
+
+class BadInput(Exception):
+    pass
+
+
+# ---- runs -----------------------------------------------------------------------------------------------------------
+
+def read_runs(folder):
+    runs = []
+    for path in sorted(folder.glob("*/*/np*-*/run.json")):
+        try:
+            run = json.loads(path.read_text(encoding="utf-8"))
+            run["study"], run["case"], place = path.parts[-4:-1]
+            run["ranks"] = int(re.match(r"np(\d+)-", place)[1])
+            run["ms"] = 1e3 * run["wall_seconds"] / run["steps"]
+            run["wait"] = statistics.mean(run["halo_wait_seconds"]) / run["wall_seconds"]
+        except (ValueError, KeyError, TypeError, ZeroDivisionError) as error:
+            raise BadInput(f"{path}: not the report of a run that ended ({error}); run it again") from error
+        run["series"] = columns_of(path.parent / "series.csv")
+        runs.append(run)
+    if not runs:
+        raise BadInput(f"{folder}: no STUDY/CASE/npRANKS-NUMBER/run.json; make them with jobs/scaling.sh")
+    return runs
+
+
+def groups_of(runs):
+    groups = {}
+    for run in runs:
+        groups.setdefault((run["study"], run["case"], run["ranks"]), []).append(run)
+    return groups
+
+
+def rows_of(groups):
+    """One row for each study, case and rank count; without times where ranks had to share cores."""
+    rows = []
+    for (study, case, ranks), runs in sorted(groups.items()):
+        fastest, timed = min(runs, key=lambda run: run["ms"]), study in TIMED
+        base = groups.get((study, case, 1)) if timed else None
+        row = {"study": study, "case": case, "ranks": ranks, "runs": len(runs), "particles": fastest["particles"]}
+        median = statistics.median(run["ms"] for run in runs)
+        row["ms_per_step_median"] = f"{median:.1f}" if timed else ""
+        row["ms_per_step_fastest"] = f"{fastest['ms']:.1f}" if timed else ""
+        ideal = ranks if study == "strong" else 1
+        for name, pick in (("median", statistics.median), ("fastest", min)):
+            time = pick(run["ms"] for run in runs)
+            row[f"efficiency_{name}"] = f"{pick(run['ms'] for run in base) / ideal / time:.3f}" if base else ""
+        row["wait_percent_median"] = f"{100 * statistics.median(run['wait'] for run in runs):.1f}" if timed else ""
+        row["wait_percent_least"] = f"{100 * min(run['wait'] for run in runs):.1f}" if timed else ""
+        row["imbalance_mean"] = f"{fastest['imbalance']['mean']:.4f}"
+        row["imbalance_max"] = f"{fastest['imbalance']['max']:.4f}"
+        row["cut_moves"] = fastest["cut_moves"]
+        row["messages_per_step"] = f"{fastest['halo_messages_per_step']:.1f}"
+        row["bytes_per_step"] = f"{fastest['halo_bytes_per_step']:.0f}"
+        row["bytes_per_particle"] = f"{fastest['bytes_per_particle']:.0f}"
+        rows.append(row)
+    return rows
+
+
+def print_table(title, rows):
+    print(f"\n### {title}\n")
+    print("| " + " | ".join(name.replace("_", " ") for name in rows[0]) + " |")
+    print("|" + "---|" * len(rows[0]))
+    for row in rows:
+        print("| " + " | ".join(str(value) for value in row.values()) + " |")
+
+
+def draw_runs(path, rows, groups):
+    figure, (times, shares, balance) = plt.subplots(1, 3, figsize=(15, 4.5), constrained_layout=True)
+    cases = sorted({(row["study"], row["case"]) for row in rows if row["study"] in TIMED})
+    for (study, case), colour in zip(cases, COLOURS * 2):
+        mine = [row for row in rows if (row["study"], row["case"]) == (study, case)]
+        ranks = [row["ranks"] for row in mine]
+        times.plot(ranks, [float(row["ms_per_step_fastest"]) for row in mine], "o-", color=colour,
+                   label=f"{study} {case}")
+        if all(row["efficiency_fastest"] for row in mine):
+            shares.plot(ranks, [float(row["efficiency_fastest"]) for row in mine], "o-", color=colour,
+                        label=f"{study} {case}")
+            shares.plot(ranks, [float(row["efficiency_median"]) for row in mine], "o:", color=colour)
+    times.set(yscale="log", xlabel="ranks", ylabel="wall time of a step, fastest run (ms)")
+    shares.set(ylim=(0, 1.1), xlabel="ranks", ylabel="efficiency (1); dotted: by the median")
+    for panel in (times, shares):
+        panel.set_xscale("log", base=2)
+    draw_balance(balance, groups)
+    for panel in (times, shares, balance):
+        panel.grid(alpha=0.3)
+        if panel.get_legend_handles_labels()[0]:
+            panel.legend(fontsize=8)
+    figure.savefig(path, dpi=110)
+
+
+def draw_balance(panel, groups):
+    cases = sorted(key for key in groups if key[0] == "balance" and groups[key][0]["series"])
+    names = sorted({(case.rsplit("_", 1)[0], ranks) for _, case, ranks in cases})
+    for _, case, ranks in cases:
+        name, slabs_kind = case.rsplit("_", 1)
+        series = groups["balance", case, ranks][0]["series"]
+        panel.plot(series["time"], series["imbalance"], "-" if slabs_kind == "balanced" else ":",
+                   color=COLOURS[names.index((name, ranks)) % len(COLOURS)],
+                   label=f"{name}, {slabs_kind}, {ranks} ranks")
+    panel.set(xlabel="simulated time (s)", ylabel="imbalance, most work over mean work (1)")
+    if cases:
+        panel.set_yscale("log")
+
+
+# ---- model ----------------------------------------------------------------------------------------------------------
+
+def fit(groups, network):
+    """Costs from the fastest runs of the strong study on one rank and the network between two."""
+    alone = {case: min(runs, key=lambda run: run["ms"]) for (study, case, ranks), runs in groups.items()
+             if study == "strong" and ranks == 1}
+    basins = {case: BASINS["strong", case](1) for case in alone}
+    coarse = np.array([phase_ms(alone[case], "CoarseGrid") / 1e3 for case in alone])
+    loads = np.array([[basins[case].particles(), basins[case].cells() * basins[case].sweeps()] for case in alone])
+    # Relative errors count; with one case only, all of the coarse grid is put down to its sweeps.
+    if len(alone) > 1:
+        per_particle, cell = np.linalg.lstsq(loads / coarse[:, None], np.ones(len(coarse)), rcond=None)[0]
+    else:
+        per_particle, cell = 0.0, coarse[0] / loads[0, 1]
+    rest = [alone[case]["ms"] / 1e3 / basins[case].particles() for case in alone]
+    particle = per_particle + statistics.mean(r - c / load[0] for r, c, load in zip(rest, coarse, loads))
+    exchanges = np.array([[1, row["bytes"], row["us"] / 1e6] for row in network if row["operation"] == "exchange"])
+    exchanges = exchanges[exchanges[:, 1] < 2e6]  # larger ones leave the caches
+    latency, per_byte = np.linalg.lstsq(exchanges[:, :2] / exchanges[:, 2:], np.ones(len(exchanges)), rcond=None)[0]
+    reduction = next(row["us"] / 1e6 for row in network if row["operation"] == "reduce")
+    largest = max(alone.values(), key=lambda run: run["particles"])
+    return Costs(particle, cell, latency, 1 / per_byte, reduction), largest
+
+
+def phase_ms(run, name):
+    return next(1e3 * phase["seconds"]["mean"] / run["steps"] for phase in run["phases"] if phase["name"] == name)
+
+
+def read_network(folder):
+    """Times between two ranks: the median of those that start together."""
+    rows = []
+    for path in sorted(folder.glob("network/np2*.csv")):
+        with open(path, newline="", encoding="utf-8") as stream:
+            rows += [{"operation": row["operation"], "bytes": int(row["bytes"]), "us": float(row["median_us"])}
+                     for row in csv.DictReader(stream)]
+    return rows
+
+
+def check_model(groups, costs):
+    rows = []
+    for (study, case, ranks), runs in sorted(groups.items()):
+        if (study, case) not in BASINS or study not in TIMED:
+            continue
+        basin, fastest = BASINS[study, case](ranks), min(runs, key=lambda run: run["ms"])
+        model = 1e3 * slabs(basin, ranks, costs).total()
+        median = statistics.median(run["ms"] for run in runs)
+        rows.append({"run": f"{study} {case}, {ranks} ranks", "model_ms": f"{model:.1f}",
+                     "fastest_ms": f"{fastest['ms']:.1f}", "error_percent": f"{100 * (model / fastest['ms'] - 1):+.1f}",
+                     "median_ms": f"{median:.1f}", "error_to_median_percent": f"{100 * (model / median - 1):+.1f}"})
+    return rows
+
+
+def check_traffic(groups):
+    """Messages and bytes of a whole run, its start included, by the formula and as counted."""
+    rows = []
+    for (study, case, ranks), (run, *_) in sorted(groups.items()):
+        if study != "counted" or case not in [name for kind, name in BASINS if kind == study]:
+            continue
+        basin, steps, filters = BASINS[study, case](ranks), run["steps"], FILTER_EXCHANGES.get(case, 0)
+        ways = 2 * (ranks - 1)  # both, through every cut
+        rows.append({"case": case, "ranks": ranks, "steps": steps,
+                     "messages_by_formula": ways * (steps * messages(basin, filters) + 2),
+                     "messages": round(run["halo_messages_per_step"] * steps),
+                     "bytes_by_formula": round(ways * (steps * exchange_bytes(basin, filters) + rebuild_bytes(basin))),
+                     "bytes": round(run["halo_bytes_per_step"] * steps),
+                     "imbalance": f"{run['imbalance']['max']:.3f}"})
+    return rows
+
+
+def predictions(costs):
+    rows = []
+    for shape, basin_of in SHAPES.items():
+        for particles in (1e7, 1e9, 1e11):
+            basin = basin_of(particles)
+            for ranks in (100, 1000, 10_000, 100_000):
+                rows.append(prediction(shape, particles, basin, ranks, costs))
+    return rows
+
+
+def prediction(shape, particles, basin, ranks, costs):
+    step, other = slabs(basin, ranks, costs), pencils(basin, ranks, costs)
+    row = {"shape": shape, "particles": f"{particles:.0e}", "planes": basin.planes(), "ranks": ranks,
+           "planes_a_rank": f"{basin.planes() / ranks:.1f}", "ghosts_over_owned": f"{2 * ranks / basin.planes():.2f}"}
+    total = step.total() if step else math.nan
+    row["ms_a_step"] = f"{1e3 * total:.1f}" if step else "-"
+    row["efficiency"] = f"{efficiency(basin, ranks, step, costs):.2f}" if step else "-"
+    row["halo_percent"] = f"{100 * (step.latency + step.transfer) / total:.0f}" if step else "-"
+    row["coarse_sweeps_percent"] = f"{100 * step.coarse / total:.0f}" if step else "-"
+    row["reductions_percent"] = f"{100 * step.reductions / total:.1f}" if step else "-"
+    row["pencils_ms"] = f"{1e3 * other.total():.1f}" if other else "-"
+    return row
+
+
+def exchange_choice(costs, largest):
+    """Whether one exchange an iteration with a wider ghost layer could win: rows by the size of a plane."""
+    particles = largest["particles"]
+    passes = 4  # over lambda or density in a step of four iterations
+    lambda_cost = phase_ms(largest, "Lambda") / 1e3 / passes / particles
+    search_cost = phase_ms(largest, "NeighbourSearch") / 1e3 / particles
+    here, there = (latency / redundant_lambda(1, lambda_cost, search_cost)
+                   for latency in (costs.latency, CLUSTER["latency"]))
+    print(f"\nlambda {1e9 * lambda_cost:.0f} ns, search {1e9 * search_cost:.0f} ns a particle; wider ghosts win below "
+          f"{here:.0f} particles a plane here, {there:.0f} on the cluster")
+    rows = []
+    for plane in (10, 100, 1000, 10_000, 100_000):
+        bytes_sent = plane * RECORD
+        rows.append({"particles_a_plane": plane,
+                     "second_exchange_here_us": f"{1e6 * (costs.latency + bytes_sent / costs.bandwidth):.1f}",
+                     "on_the_cluster_us": f"{1e6 * (CLUSTER['latency'] + 2 * bytes_sent / CLUSTER['bandwidth']):.1f}",
+                     "of_it_latency_us": f"{1e6 * CLUSTER['latency']:.1f}",
+                     "redundant_work_us": f"{1e6 * redundant_lambda(plane, lambda_cost, search_cost):.1f}"})
+    return rows
+
+
+def draw_model(path, costs):
+    figure, panels = plt.subplots(1, 2, figsize=(12, 4.5), constrained_layout=True, sharey=True)
+    for panel, (shape, basin_of) in zip(panels, SHAPES.items()):
+        for particles, colour in zip((1e7, 1e9, 1e11), COLOURS):
+            basin = basin_of(particles)
+            ranks = [2**k for k in range(18)]
+            for how, style in ((slabs, "-"), (pencils, ":")):
+                steps = [(n, how(basin, n, costs)) for n in ranks]
+                steps = [(n, efficiency(basin, n, step, costs)) for n, step in steps if step]
+                panel.plot(*zip(*steps), style, color=colour, label=f"{particles:.0e}, {how.__name__}")
+        panel.set(xscale="log", ylim=(0, 1.05), xlabel="ranks", ylabel="predicted efficiency (1)", title=shape)
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    figure.savefig(path, dpi=110)
+
+
+def report_model(folder, groups, network):
+    costs, largest = fit(groups, network)
+    print(f"\nfitted: {1e9 * costs.particle:.0f} ns a particle and step, {1e9 * costs.cell:.2f} ns a cell and sweep, "
+          f"latency {1e6 * costs.latency:.2f} us, {costs.bandwidth / 1e9:.1f} GB/s, reduction "
+          f"{1e6 * costs.reduction:.2f} us; {EXCHANGES} exchanges of particles a step")
+    print_table("Model against the runs", check_model(groups, costs))
+    cluster = costs._replace(**CLUSTER)
+    rows = predictions(cluster)
+    write_table(folder / "model.csv", rows)
+    print_table("Predictions", rows)
+    print_table("One exchange an iteration or two", exchange_choice(costs, largest))
+    draw_model(folder / "model.png", cluster)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="where jobs/scaling.sh left its runs")
+    folder = parser.parse_args().folder
+    groups = groups_of(read_runs(folder))
+    rows = rows_of(groups)
+    write_table(folder / "scaling.csv", rows)
+    print_table("Runs", rows)
+    draw_runs(folder / "scaling.png", rows, groups)
+    traffic = check_traffic(groups)
+    if traffic:
+        print_table("Halo traffic", traffic)
+    network = read_network(folder)
+    if network and any(study == "strong" and ranks == 1 for study, _, ranks in groups):
+        report_model(folder, groups, network)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except BadInput as error:
+        sys.exit(print(f"scaling.py: {error}", file=sys.stderr) or 2)

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Scaling study: arguments that are refused, and a table and a model from made-up runs whose answers are known."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "postprocess"))
+
+from scaling_model import Basin, Costs, efficiency, exchange_bytes, messages, slabs  # noqa: E402
+
+STUDY, TABLES = ROOT / "jobs" / "scaling.sh", ROOT / "postprocess" / "scaling.py"
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=60, check=False)
+
+
+class Arguments(unittest.TestCase):
+    def test_bad_ones_are_refused_with_the_reason(self):
+        for arguments, reason in ((["--ranks", "1 two"], "'two'"), (["--studies", "string"], "'string'"),
+                                  (["--repeats"], "--repeats"), (["--program", "/nowhere"], "/nowhere"), (["x"], "x")):
+            result = run(STUDY, *arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(reason, result.stderr)
+
+    def test_help_names_each_option(self):
+        text = run(STUDY, "--help").stdout
+        for option in ("--studies", "--ranks", "--counted", "--million", "--repeats", "--output", "--program"):
+            self.assertIn(option, text)
+
+
+class Tables(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def write(self, place, ranks, wall):
+        report = {"steps": 10, "particles": 1000, "wall_seconds": wall, "halo_wait_seconds": [0.1] * ranks,
+                  "imbalance": {"mean": 1.0, "max": 1.0}, "cut_moves": 0, "halo_messages_per_step": 4.0,
+                  "halo_bytes_per_step": 400.0, "bytes_per_particle": 300.0}
+        (self.path / place).mkdir(parents=True)
+        (self.path / place / "run.json").write_text(json.dumps(report), encoding="utf-8")
+
+    def test_efficiency_is_by_the_fastest_and_by_the_median(self):
+        for number, (one, two) in enumerate(((10, 8), (11, 6), (14, 9))):
+            self.write(f"strong/own/np1-{number}", 1, one)
+            self.write(f"strong/own/np2-{number}", 2, two)
+        result = run(TABLES, self.path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        header, one, two = [line.split(",") for line in (self.path / "scaling.csv").read_text().splitlines()]
+        row = dict(zip(header, two, strict=True))
+        self.assertEqual((row["efficiency_fastest"], row["efficiency_median"]), ("0.833", "0.688"))
+        self.assertEqual(dict(zip(header, one, strict=True))["ms_per_step_fastest"], "1000.0")
+        self.assertTrue((self.path / "scaling.png").exists())
+
+    def test_what_is_no_run_is_refused(self):
+        self.assertEqual(run(TABLES, self.path).returncode, 2)
+        self.write("strong/own/np1-1", 1, 1)
+        (self.path / "strong/own/np1-1/run.json").write_text("{}", encoding="utf-8")
+        result = run(TABLES, self.path)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("run.json", result.stderr)
+
+
+class Model(unittest.TestCase):
+    COSTS = Costs(particle=500e-9, cell=1e-9, latency=2e-6, bandwidth=12e9, reduction=2e-6)
+
+    def test_traffic_is_that_of_test_traffic_cpp(self):
+        basin = Basin(length=34, width=4, depth=4, air=2)  # its still_scene
+        self.assertEqual(exchange_bytes(basin), 24 + 8 * 32 * 16 + 24 * 160)
+        self.assertEqual(exchange_bytes(basin, filters=3), 24 + 11 * 32 * 16 + 24 * 160)
+        self.assertEqual(messages(basin), 1 + 8 + 24)
+
+    def test_slabs_end_at_one_plane_a_rank(self):
+        basin = Basin(100, 100, 100)
+        self.assertIsNotNone(slabs(basin, 50, self.COSTS))
+        self.assertIsNone(slabs(basin, 51, self.COSTS))
+
+    def test_efficiency_falls_with_ranks_and_is_one_without_a_network(self):
+        basin = Basin(1024, 100, 100)
+        steps = [efficiency(basin, n, slabs(basin, n, self.COSTS), self.COSTS) for n in (1, 4, 16, 64, 256)]
+        self.assertEqual(steps, sorted(steps, reverse=True))
+        free = self.COSTS._replace(latency=0.0, bandwidth=1e300, reduction=0.0)
+        self.assertAlmostEqual(efficiency(basin, 64, slabs(basin, 64, free), free), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
