@@ -238,7 +238,7 @@ def prediction(shape, particles, basin, ranks, costs):
 def exchange_choice(costs, largest):
     """Whether one exchange an iteration with a wider ghost layer could win: rows by the size of a plane."""
     particles = largest["particles"]
-    passes = 4  # over lambda or density in a step of four iterations
+    passes = next(phase["calls"] for phase in largest["phases"] if phase["name"] == "Lambda") / largest["steps"]
     lambda_cost = phase_ms(largest, "Lambda") / 1e3 / passes / particles
     search_cost = phase_ms(largest, "NeighbourSearch") / 1e3 / particles
     here, there = (latency / redundant_lambda(1, lambda_cost, search_cost)
