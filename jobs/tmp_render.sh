@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# usage: jobs/render.sh SCRIPT RUN [more arguments of the script]
+#        jobs/render.sh gallery [RUNS]
+#
+# Installs what is missing (with the build's packages: xvfb, ffmpeg) and starts SCRIPT, render.py or surface.py of
+# postprocess/, with a virtual display. "gallery" makes all pictures of postprocess/results/gallery.md and the film
+# out/musical_fountain.mp4 from the runs in RUNS (default out/), after running the scenes that are not there (minutes).
+#
+#   jobs/render.sh render.py out/fountain --time 4 --output fountain.png
+#   jobs/render.sh render.py out/musical_fountain --sound inputs/ode_to_joy.wav --output fountain.mp4
+#   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.png
+set -euo pipefail
+# shellcheck source=jobs/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+trevi_packages+=(xvfb xauth ffmpeg)
+
+# show SCRIPT RUN ...: a script that draws, with a virtual display.
+show() {
+  local script="$1"
+  shift
+  xvfb-run -a /usr/bin/python3 "$trevi_root/postprocess/$script" "$@"
+}
+
+gallery() {
+  local runs="$1" results=postprocess/results scene small=(--size 800 600)
+  for scene in musical_fountain fountain fountain_shapes fountain_heights constant_fountain; do
+    [[ -e $runs/$scene ]] || jobs/run.sh "inputs/$scene.toml" -- --output "$runs/$scene"
+  done
+  show render.py "$runs/musical_fountain" --time 2.6 --output $results/musical_fountain.png "${small[@]}"
+  show render.py "$runs/fountain" --time 4.5 --output $results/fountain.png "${small[@]}"
+  show render.py "$runs/fountain_shapes" --time 1.3 --elevation 18 --output $results/fountain_shapes.png "${small[@]}"
+  show render.py "$runs/fountain_heights" --time 4.5 --output $results/fountain_heights.png "${small[@]}"
+  show surface.py "$runs/musical_fountain" --time 2.6 --pool 0.5 --tint 0.85 --foam 0.9 \
+    --output $results/musical_fountain_water.png "${small[@]}"
+  show surface.py "$runs/fountain_shapes" --time 1.3 --pool 0.8 --foam 0.1 --elevation 18 \
+    --output $results/fountain_shapes_water.png "${small[@]}"
+  /usr/bin/python3 postprocess/plot_series.py "$runs/constant_fountain" --output $results/constant_fountain_density.png
+
+}
+
+main() {
+  case "${1:-}" in
+    -h | --help) print_help && exit 0 ;;
+    render.py | surface.py) install_packages && show "$@" ;;
+    gallery)
+      cd "$trevi_root"
+      install_packages
+      mkdir -p out
+      gallery "${2:-out}"
+      ;;
+    *) fail "the first argument is render.py, surface.py or gallery; see --help" 2 ;;
+  esac
+}
+
+main "$@"
