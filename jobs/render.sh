@@ -32,10 +32,10 @@ gallery() {
   show render.py "$runs/fountain_heights" --time 4.5 --output $results/fountain_heights.png "${small[@]}"
   show surface.py "$runs/musical_fountain" --time 2.6 --pool 0.5 --tint 0.85 --foam 0.9 \
     --output $results/musical_fountain_water.png "${small[@]}"
-  show surface.py "$runs/fountain_shapes" --time 1.3 --pool 0.8 --elevation 18 \
-    --output $results/fountain_shapes_water.png "${small[@]}"
+  show surface.py "$runs/fountain_shapes" --time 1.3 --pool 0.8 --foam 0.1 --elevation 18 \
+    --output $results/fountain_shapes_water.png --size 720 540
   /usr/bin/python3 postprocess/plot_series.py "$runs/constant_fountain" --output $results/constant_fountain_density.png
-  show render.py "$runs/musical_fountain" --size 960 720 --sound inputs/ode_to_joy.wav --output out/musical_fountain.mp4
+  show render.py "$runs/musical_fountain" "${small[@]}" --sound inputs/ode_to_joy.wav --output out/musical_fountain.mp4
 }
 
 main() {

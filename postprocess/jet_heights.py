@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""How high jets rise, against v²/2g above the nozzle (the top of the pump's cylinder): a sparse jet, whose faucet holds all
-the water; a jet from a basin that ends at the nozzle; and one through a pool with 0.2 m of water above the nozzle.
+"""How high jets rise, against v²/2g above the nozzle (the top of the pump's cylinder): a sparse jet, whose faucet holds
+all the water; a jet from a basin that ends at the nozzle; and one through a pool with 0.2 m of water above the nozzle.
 
-Of each launched particle (one that is pumped: in the cylinder, faster than 0.8 v) the greatest height counts. Prints the
+Of each launched particle (one that is pumped: faster upwards than 0.8 v) the greatest height counts. Prints the
 median and the 99th percentile of (height - nozzle) / (v²/2g), and draws them.
 """
 

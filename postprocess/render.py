@@ -105,7 +105,7 @@ def main():
     add_options(parser)
     parser.add_argument("--radius", type=float, default=0.055, help="of a ball, m (default %(default)s)")
     parser.add_argument("--sound", help="sound file to play with a film")
-    parser.add_argument("--crf", type=int, default=24, help="of H.264: lower is better and larger (default %(default)s)")
+    parser.add_argument("--crf", type=int, default=24, help="of H.264; lower is better (default %(default)s)")
     options = parser.parse_args()
     try:
         if options.sound and not Path(options.sound).is_file():

@@ -3,9 +3,9 @@
 
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.png
 
-Surface: the share of each place that is water, sum of W V over the particles (cubic spline, kernel radius 2 spacings) on a
-grid of half the spacing, its contour, smoothed by a windowed sinc filter. Picture: each pixel's ray is refracted, reflected
-and absorbed (water.py). --tint mixes in the particles' own colours, for a fountain lit by coloured lamps.
+Surface: the share of each place that is water, sum of W V over the particles (cubic spline, kernel radius 2 spacings)
+on a grid of half the spacing, its contour, smoothed by a windowed sinc filter. Picture: each pixel's ray is refracted,
+reflected and absorbed (water.py). --tint mixes in the particles' own colours, for a fountain lit by coloured lamps.
 """
 
 import argparse
@@ -78,7 +78,8 @@ def surface_of(cloud, spacing, smoothing):
     colours.ComputeShepardSumOn()
     colours.Update()
     mesh = colours.GetOutput()
-    rgb, total = (vtk_to_numpy(mesh.GetPointData().GetArray(name)) for name in ("rgb", colours.GetShepardSumArrayName()))
+    rgb = vtk_to_numpy(mesh.GetPointData().GetArray("rgb"))
+    total = vtk_to_numpy(mesh.GetPointData().GetArray(colours.GetShepardSumArrayName()))
     mean = numpy_to_vtk((rgb / np.maximum(total, 1e-6)[:, None]).clip(0, 255).astype(np.uint8), deep=1)
     mean.SetName("rgb")
     mesh.GetPointData().AddArray(mean)
@@ -171,8 +172,8 @@ def main():
     parser.add_argument("--spacing", type=float, default=0.1, help="of the run's lattice, m (default %(default)s)")
     parser.add_argument("--smoothing", type=int, default=15, help="iterations of the filter (default %(default)s)")
     parser.add_argument("--tint", type=float, default=0, help="share of the particles' colours, 0 to 1 (default 0)")
-    parser.add_argument("--foam", type=float, default=0.35, help="white of airborne water, 0 to 1 (default %(default)s)")
-    parser.add_argument("--pool", type=float, help="level of the pool, m, above which water is airborne (default: the floor)")
+    parser.add_argument("--foam", type=float, default=0.35, help="white of water in the air, 0 to 1 (default 0.35)")
+    parser.add_argument("--pool", type=float, help="level above which water is in the air, m (default: the floor)")
     options = parser.parse_args()
     try:
         run = Run(options.run)

@@ -1,7 +1,7 @@
 """Light on water, for surface.py: sky, paved ground, refraction, reflection, absorption. No program of its own.
 
-Works on arrays of rays (rows of 3 components, float32, m; colours are linear, 1 is white). The water is a mesh of which each
-ray knows the nearest point, its normal and the way to the nearest back side; ground and sky are formulas.
+Works on arrays of rays (rows of 3 components, float32, m; colours are linear, 1 is white). The water is a mesh of which
+each ray knows the nearest point, its normal and the way to the nearest back side; ground and sky are formulas.
 """
 
 import numpy as np
@@ -9,7 +9,8 @@ import numpy as np
 REFRACTION = 1.33
 REFLECTANCE = 0.02  # of water at normal incidence
 ABSORPTION = np.array([1.3, 0.30, 0.12], np.float32)  # 1/m; exaggerated, as 1 m of real water has no colour
-ZENITH, HORIZON, GLOW = (np.array(c, np.float32) for c in ((0.012, 0.03, 0.10), (0.006, 0.013, 0.035), (0.015, 0.03, 0.06)))
+ZENITH, HORIZON, GLOW = (
+    np.array(c, np.float32) for c in ((0.012, 0.03, 0.10), (0.006, 0.013, 0.035), (0.015, 0.03, 0.06)))
 LAMP = np.array([-0.52, 0.62, 0.59], np.float32)  # where the key light comes from
 LAMPLIGHT = np.array([1.0, 0.93, 0.82], np.float32)
 TILE = 0.6  # m
@@ -80,7 +81,8 @@ def water(ground, hit, tint, foam):
     """Colour of rays that meet the water. hit: point, normal, direction and depth (m to the nearest back side) of each;
     tint: the water's own colour; foam in [0, 1]: how much light it scatters rather than lets through."""
     inward = refracted(hit.direction, hit.normal)
-    to_floor = np.where(inward[:, 2:] < -1e-3, np.maximum(hit.point[:, 2:], 0) / np.maximum(-inward[:, 2:], 1e-3), np.inf)
+    height, falling = np.maximum(hit.point[:, 2:], 0), -inward[:, 2:]
+    to_floor = np.where(falling > 1e-3, height / np.maximum(falling, 1e-3), np.inf)
     on_floor = (to_floor < 1.1 * hit.depth + 0.1)
     way = np.where(on_floor, to_floor, hit.depth)
     out = hit.point + way * inward

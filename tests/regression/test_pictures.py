@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""render.py and surface.py on a small run: all the water is in the picture, and a missing run is told. Exit code 77: there
-is no virtual display or no VTK for Python here, so nothing was tested."""
+"""render.py and surface.py on a small run: all the water is in the picture, and a missing run is told. Exit code 77:
+there is no virtual display or no VTK for Python here, so nothing was tested."""
 
 import importlib.util
 import shutil
