@@ -78,10 +78,16 @@ void CoarseCorrection::fill_sources(const CellOrder& order, std::span<const Real
   }
 }
 
-// The most cells of water above one another, anywhere.
-int CoarseCorrection::deepest_water() const {
-  int deepest = 0;
-  for (const LocalId depth : depth_) deepest = std::max(deepest, depth);
+// The most cells of water right above one another, anywhere: what flies above the water does not press on its floor.
+int CoarseCorrection::deepest_water(const CellOrder& order) const {
+  LocalId deepest = 0, run = 0;
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    for (LocalId c = 0; c < rows_ * columns_; ++c) {
+      if (c % columns_ == 0) run = 0;
+      run = holds_water(order, k, c) ? run + 1 : 0;
+      deepest = std::max(deepest, run);
+    }
+  }
   MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_INT, MPI_MAX, comm_);
   return deepest;
 }
@@ -109,7 +115,7 @@ void CoarseCorrection::sweep_plane(LocalId k, Real omega) {
 // of the Jacobi sweep; six sweeps for each cell of depth reduce it by a factor of about a hundred. Measured: with
 // three, columns of 80 and 200 layers at rest rise and gain 3 % and 5 % of energy; with six they do not.
 void CoarseCorrection::solve(const CellOrder& order, Halo& halo) {
-  const int depth = std::max(deepest_water(), 4), sweeps = 6 * depth;
+  const int depth = std::max(deepest_water(order), 4), sweeps = 6 * depth;
   const Real angle = std::numbers::pi / (2.0 * depth);
   const Real radius = 1 - damping * angle * angle / 2 * weight_[2] / weight_.sum(), r2 = radius * radius;
   Real omega = 1;

@@ -96,7 +96,7 @@ class Keys(ViewTest):
         viewer = self.viewer(self.run_folder, "--paused")
         viewer.wait_title("step 0")
         before = viewer.settled()
-        viewer.drag(120, -30)
+        viewer.drag(300, -60)
         turned = viewer.settled()
         self.assertGreater(changed(before, turned), 0.2)
         viewer.do("click", "--repeat", 8, 5)  # the wheel, towards the hand: farther away

@@ -44,7 +44,7 @@ class CoarseCorrection {
     return static_cast<Real>(order.start(k, c + 1) - order.start(k, c)) >= least_particles_;
   }
   void fill_sources(const CellOrder& order, std::span<const Real> rho);
-  int deepest_water() const;
+  int deepest_water(const CellOrder& order) const;
   void sweep_plane(LocalId k, Real omega);
   void solve(const CellOrder& order, Halo& halo);
   struct Faces;
