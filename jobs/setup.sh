@@ -55,6 +55,9 @@ install_packages() {
 # More ranks than cores are fine for a trial; Open MPI refuses them, and root, unless told.
 mpi_environment() {
   export OMPI_MCA_rmaps_base_oversubscribe=1
+  # Halo messages between ranks of one machine are then copied out at once and fly while the interior is computed, also
+  # when nobody polls (4 kB otherwise): a step of 96,000 particles on 2 ranks took 27.7 ms for 31.2 (medians of 4).
+  export OMPI_MCA_btl_vader_eager_limit="${OMPI_MCA_btl_vader_eager_limit:-65536}"
   if [[ $(id -u) -eq 0 ]]; then
     export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   fi
