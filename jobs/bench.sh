@@ -6,6 +6,7 @@
 #   falling cube  inputs/falling_cube.toml, 100 steps in single precision, on 1 and 2 ranks
 #   real time     inputs/bench_rest.toml: 96,000 particles, dt = 1/30 s, on 2 ranks; and with vorticity and XSPH
 #   two ranks     against one, 96,000 and 1 million particles, on a cloud that cuts evenly
+#   output        checkpoint and VTKHDF frame of 1 million particles against plain writes of the same bytes
 # Builds with benchmarks in build/bench; runs go to out/bench. Each run is done N times (default 3) and the fastest is
 # shown, as other work on the machine only ever slows one down. --quick leaves out the pair loops and the million.
 set -euo pipefail
@@ -124,6 +125,15 @@ million() {
   ratio million_np1 million_np2
 }
 
+output() {
+  local ranks
+  for ranks in 1 2; do
+    printf '\nOutput, 1 million particles, %s rank(s)\n' "$ranks"
+    mpirun -np "$ranks" build/bench/tests/benchmarks/bench_output out/bench/output
+  done
+  rm -rf out/bench/output
+}
+
 main() {
   local quick repeats
   parse_arguments "$@"
@@ -141,6 +151,7 @@ main() {
   falling_cube
   real_time
   [[ $quick == yes ]] || million
+  output
 }
 
 main "$@"
