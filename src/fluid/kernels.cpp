@@ -1,6 +1,9 @@
 #include "trevi/fluid/kernels.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace trevi {
 
@@ -45,6 +48,56 @@ int lattice_neighbours(Real spacing, Real h) {
   int points = 0;
   for_each_lattice_point(spacing, h, [&](const Vec3&) { ++points; });
   return points - 1;
+}
+
+namespace {
+
+// sin(π q/12) for q = 0 ... 23, without a library function, whose last bit may depend on the processor.
+std::array<Real, 24> sines_of_twelfths() {
+  const Real twice_cosine = (std::sqrt(6.0) + std::sqrt(2.0)) / 2;
+  std::array<Real, 24> sine{};
+  sine[1] = (std::sqrt(6.0) - std::sqrt(2.0)) / 4;
+  for (std::size_t q = 2; q <= 12; ++q) sine[q] = twice_cosine * sine[q - 1] - sine[q - 2];
+  for (std::size_t q = 0; q < 12; ++q) sine[q + 12] = -sine[q];
+  return sine;
+}
+
+}  // namespace
+
+Real lattice_jacobi_eigenvalue(Real spacing, Real h, Real volume, Real epsilon) {
+  struct Neighbour {
+    std::array<int, 3> place;
+    Vec3 poly6_gradient, spiky_gradient;
+  };
+  std::vector<Neighbour> neighbours;
+  Real diagonal = epsilon;
+  for_each_lattice_point(spacing, h, [&](const Vec3& r) {
+    if (r.squaredNorm() == 0) return;
+    const Real t = 1 - r.squaredNorm() / (h * h);
+    const auto index = [&](Real x) { return static_cast<int>(std::lround(x / spacing)); };
+    neighbours.push_back({{index(r.x()), index(r.y()), index(r.z())},
+                          -volume * 6 * poly6_factor(h) / (h * h) * t * t * r,
+                          volume * spiky_gradient(r, h)});
+    diagonal += neighbours.back().spiky_gradient.squaredNorm();
+  });
+  const std::array<Real, 24> sine = sines_of_twelfths();
+  Real largest = 0;
+  // k = π/spacing (x, y, z)/12 with 12 >= x >= y >= z >= 0; the other waves are mirror images.
+  for (int x = 0; x <= 12; ++x) {
+    for (int y = 0; y <= x; ++y) {
+      for (int z = 0; z <= y; ++z) {
+        Vec3 dense = Vec3::Zero(), push = Vec3::Zero();
+        for (const Neighbour& n : neighbours) {
+          const int q = (x * n.place[0] + y * n.place[1] + z * n.place[2]) % 24;
+          const Real s = sine[static_cast<std::size_t>(q < 0 ? q + 24 : q)];
+          dense += s * n.poly6_gradient;
+          push += s * n.spiky_gradient;
+        }
+        largest = std::max(largest, dense.dot(push) / diagonal);
+      }
+    }
+  }
+  return largest;
 }
 
 }  // namespace trevi

@@ -42,6 +42,7 @@ CoarseCorrection::CoarseCorrection(MPI_Comm comm, const DensityModel& model, Rea
       columns_(grid.columns()),
       per_b_(1 / density_response(model, spacing)) {
   const Vec3 extent = box.max - box.min;
+  last_cell_ = {grid.planes() - 1.0, rows_ - 1.0, columns_ - 1.0};
   cell_ = {extent[slab_axis_] / grid.planes(), extent[1 - slab_axis_] / rows_, extent[2] / columns_};
   weight_ = cell_.cwiseProduct(cell_).cwiseInverse();
   full_ = model.rest_density / model.mass * cell_.prod();
@@ -179,7 +180,8 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, std::sp
         Vec3 u;
         for (std::size_t a = 0; a < 3; ++a) {
           const Real x = (p[i][axis[a]] - box_.min[axis[a]]) / cell_[static_cast<Eigen::Index>(a)];
-          const Real f = std::clamp(x - std::floor(x), 0.0, 1.0);
+          // What lies on the upper wall is at the end of the last cell.
+          const Real f = std::clamp(x - std::min(std::floor(x), last_cell_[a]), 0.0, 1.0);
           u[axis[a]] = faces.through[a][0] * (1 - f) + faces.through[a][1] * f;
         }
         out[i] = {static_cast<T>(u.x()), static_cast<T>(u.y()), static_cast<T>(u.z()), T{0}};

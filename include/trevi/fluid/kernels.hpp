@@ -24,4 +24,10 @@ Real lattice_poly6_sum(Real spacing, Real h);
 /// Points of the lattice nearer than h, without the point itself.
 int lattice_neighbours(Real spacing, Real h);
 
+/// Largest eigenvalue of a Jacobi sweep with relaxation 1 on the endless lattice, `volume` the mass of a particle over
+/// rest density, m³, and epsilon in 1/m². A wave e^{ik·x} in C leaves the sweep as 1 − relaxation mu(k) times itself,
+///   mu(k) = V Σ_r ∇W6 sin(k·r) · V Σ_r ∇W_spiky sin(k·r) / (V² Σ_r |∇W_spiky|² + epsilon),
+/// so a relaxation of 2/mu or more makes some wave grow. Only IEEE operations: the same bits on any processor.
+Real lattice_jacobi_eigenvalue(Real spacing, Real h, Real volume, Real epsilon);
+
 }  // namespace trevi

@@ -33,11 +33,11 @@ struct DensitySettings {
   Method method = Method::chebyshev;
   int iterations = 4;             ///< the coarse-grid correction counts as one; a sweep follows it at least
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
-  Real relaxation = 0.7;
-  Real spectral_radius = 0.95;  ///< chebyshev: assumed of the relaxed Jacobi iteration
-  bool coarse_grid = true;      ///< the smooth part of the correction from the cell grid
-  Real max_shift = 0.2;         ///< cap on a particle's shift in a sweep, in units of h; 0: none
-  Real epsilon = 1;             ///< 1/m² at spacing 0.1
+  Real relaxation = 0.7;          ///< default: a share of what the kernel allows (lattice_jacobi_eigenvalue)
+  Real spectral_radius = 0.95;    ///< chebyshev: assumed of the relaxed Jacobi iteration
+  bool coarse_grid = true;        ///< the smooth part of the correction from the cell grid
+  Real max_shift = 0.2;           ///< cap on a particle's shift in a sweep, in units of h; 0: none
+  Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
 };

@@ -10,6 +10,7 @@
 // Collective.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -57,9 +58,10 @@ class CoarseCorrection {
   Box box_;
   int slab_axis_;
   LocalId rows_, columns_;
-  LocalId last_plane_ = 0;  // of this rank, in its own count
-  Vec3 cell_;               // size along slab axis, rows, columns, m
-  Vec3 weight_;             // 1/size², 1/m²
+  LocalId last_plane_ = 0;         // of this rank, in its own count
+  std::array<Real, 3> last_cell_;  // of the box, along slab axis, rows, columns
+  Vec3 cell_;                      // size along slab axis, rows, columns, m
+  Vec3 weight_;                    // 1/size², 1/m²
   Real per_b_;
   Real full_, least_particles_;
   std::vector<Real> source_;          // C/b, 1
