@@ -172,6 +172,10 @@ DensityModel density_model(const Scene& scene) {
 std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {
   std::vector<std::unique_ptr<Forcing>> forcings;
   if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
+  if (scene.walls.floor_friction > 0) {
+    forcings.push_back(
+        std::make_unique<FloorFriction>(scene.walls.floor_friction, scene.domain_min.z(), scene.fluid.kernel_radius));
+  }
   std::shared_ptr<LiveSound> live;
   int index = 0;
   for (const FountainSettings& fountain : scene.fountains) {

@@ -235,6 +235,7 @@ void PhysicsReader::read_walls() {
                               {{"none", WallDensity::none}, {"analytic", WallDensity::analytic}});
   section.choice<Reflection>({"reflection", "what restitution scales: the normal part, or all as in the report"},
                              walls.reflection, {{"normal", Reflection::normal}, {"report", Reflection::report}});
+  section.number({"floor_friction", "the skin friction coefficient of the floor"}, walls.floor_friction, at_least(0));
   section.reject_unknown();
 }
 

@@ -10,6 +10,17 @@ void Gravity::apply(Particles& particles, const StepInfo& info) {
   for (Vec3& v : particles.velocity) v += change;
 }
 
+void FloorFriction::apply(Particles& particles, const StepInfo& info) {
+  const ScopedEvent timed(event_);
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    const Real d = particles.position[i].z() - floor_;
+    if (d >= h_) continue;
+    Vec3& v = particles.velocity[i];
+    const Real rate = coefficient_ / h_ * (1 - d / h_) * std::hypot(v.x(), v.y());
+    v.head<2>() /= 1 + rate * info.dt;
+  }
+}
+
 Fountain::Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed,
                    int index)
     : event_("Fountain"), settings_(settings), pump_(std::move(pump)), floor_(floor), seed_(seed), index_(index) {}

@@ -15,6 +15,7 @@
 #include "trevi/base/error.hpp"
 #include "trevi/output/checkpoint.hpp"
 #include "trevi/output/files.hpp"
+#include "trevi/output/output_directory.hpp"
 #include "trevi/output/vtkhdf.hpp"
 #include "trevi/parallel/session.hpp"
 
@@ -103,6 +104,7 @@ int bench(const Session& session, const std::string& folder, const Particles& pa
   options.directory = folder;
   options.fields = {"velocity", "density", "rgb", "id"};
   const auto writer = make_vtkhdf_writer(session.comm(), options);
+  make_output_directory(session.comm(), folder);
   const std::string checkpoint = folder + "/checkpoint_000000.h5";
   const double first = compare(session, "checkpoint", checkpoint, [&] {
     write_checkpoint(session.comm(), checkpoint, {"a scene\n", "0", 1, 0}, frame);

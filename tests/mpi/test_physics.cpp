@@ -123,6 +123,35 @@ TEST(Forcing, GravityAddsTheSameToAll) {
   for (const Vec3& v : particles.velocity) EXPECT_EQ(v, Vec3(0.6, 0.2, 0.3 - 4.875));
 }
 
+// c_f/2 u² per area and density whatever the spacing, as layers of a lattice at s/2, 3s/2, ... share it; over a step it
+// is the exact solution u0/(1 + r u0 dt) of du/dt = −r u².
+TEST(Forcing, FloorFrictionIsTheShearStressOfItsCoefficient) {
+  constexpr Real c = 0.02, floor = -1, u0 = 5, dt = 1e-6;
+  for (const auto& [spacing, h] : {std::pair{0.1, 0.2}, {0.05, 0.1}, {0.05, 0.15}}) {
+    Particles particles;
+    particles.resize(4);
+    for (std::size_t k = 0; k < 4; ++k) {
+      particles.position[k] = Vec3(0, 0, floor + (static_cast<Real>(k) + 0.5) * spacing);
+      particles.velocity[k] = Vec3(0.6 * u0, -0.8 * u0, 7);
+    }
+    FloorFriction(c, floor, h).apply(particles, {0, 0, 0, dt});
+    Real lost = 0;
+    for (const Vec3& v : particles.velocity) {
+      lost += spacing * (u0 - std::hypot(v.x(), v.y())) / dt;
+      EXPECT_NEAR(v.y() / v.x(), -0.8 / 0.6, 1e-14);
+      EXPECT_EQ(v.z(), 7);
+    }
+    EXPECT_NEAR(lost, c / 2 * u0 * u0, 1e-4);
+    EXPECT_EQ(particles.velocity[3], Vec3(0.6 * u0, -0.8 * u0, 7)) << "not within h of the floor";
+  }
+  Particles slow;
+  slow.resize(1);
+  slow.position[0] = Vec3(0, 0, floor);
+  slow.velocity[0] = Vec3(u0, 0, 0);
+  FloorFriction(c, floor, 0.2).apply(slow, {0, 0, 0, 100});
+  EXPECT_NEAR(slow.velocity[0].x(), u0 / (1 + c / 0.2 * u0 * 100), 1e-15);
+}
+
 // Upright whatever its direction: 0.15 m around the axis and 0.4 m high; velocity in place of what was there.
 TEST(Forcing, FountainPumpsInsideItsUprightCylinder) {
   Fountain fountain(slanted_fountain(), std::make_unique<RisingPump>(), 0, 1, 0);

@@ -66,7 +66,8 @@ TEST(Scene, EveryKeyArrives) {
   const Scene scene = parse(scene_plus(
       "cfl = 0.4\n[gravity]\nacceleration = [0, 0, -1]\n[density]\nmethod = 'anderson'\niterations = 9\n"
       "tolerance = 0.01\nrelaxation = 2\nepsilon = 0\nconstraint = 'equality'\nprecision = 'single'\n[walls]\n"
-      "restitution = 1\ndensity = 'analytic'\nreflection = 'report'\n[tensile]\nk = 1\nn = 2\ndq = 0.3\n[vorticity]\n"
+      "restitution = 1\ndensity = 'analytic'\nreflection = 'report'\nfloor_friction = 0.02\n[tensile]\nk = 1\nn = "
+      "2\ndq = 0.3\n[vorticity]\n"
       "epsilon = 1\n[viscosity]\nc = 0.0005\n[output]\ndirectory = 'd'\n[output.vtu]\nevery = 1\nevery_steps = 2\n"
       "fields = ['rgb', 'rank']\n[output.vtkhdf]\nevery_steps = 3\n[output.checkpoint]\nkeep = 5\n[output.series]\n"
       "[colour]\nby = 'blue'\n[random]\nseed = 0\n[run]\nwall_limit = '1h30m'\n"
@@ -76,6 +77,7 @@ TEST(Scene, EveryKeyArrives) {
   EXPECT_EQ(*scene.gravity, Vec3(0, 0, -1));
   EXPECT_TRUE(scene.density.method == Method::anderson && scene.density.precision == Precision::single);
   EXPECT_TRUE(scene.density.constraint == Constraint::equality && scene.walls.density == WallDensity::analytic);
+  EXPECT_EQ(scene.walls.floor_friction, 0.02);
   EXPECT_EQ(scene.density.iterations, 9);
   EXPECT_EQ(scene.density.tolerance, 0.01);
   EXPECT_EQ(scene.density.relaxation, 2);

@@ -104,6 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{appended, "[density]\nitertions = 1", "13: [density] itertions", "did you mean iterations?"},
         BadScene{appended, "[walls]\nrestitution = 1.5", "13: [walls] restitution", "must lie in [0, 1], got 1.5"},
         BadScene{appended, "[walls]\nrestitution = -0.1", "13: [walls] restitution", "must lie in [0, 1]"},
+        BadScene{appended, "[walls]\nfloor_friction = -1", "13: [walls] floor_friction", "must not be negative"},
         BadScene{appended, "[walls]\ndensity = 'some'", "13: [walls] density", "\"none\" or \"analytic\""},
         BadScene{appended, "[walls]\nreflection = 'x'", "13: [walls] reflection", "\"normal\" or \"report\""}));
 

@@ -1,4 +1,4 @@
-// What changes velocities before the prediction: gravity and fountains, each called once per particle set.
+// What changes velocities before the prediction: gravity, friction and fountains, each called once per particle set.
 // Only the forcings a scene names are built. A forcing is the same on any rank count: it looks at one particle at a
 // time and draws its random numbers from (seed, id, step, substep) with a counter-based generator (Random123's Philox).
 // Collective: prepare() only, which a source that one rank alone can hear (live sound) shares with all ranks.
@@ -50,6 +50,22 @@ class Gravity : public Forcing {
  private:
   Event event_;
   Vec3 acceleration_;
+};
+
+/// Skin friction of the floor: a shear stress c_f/2 rho |u| u against the horizontal velocity u, with c_f the
+/// coefficient of a flat plate (White, Fluid Mechanics, 7.4). The stress acts on the water within h of the floor with
+/// the weight w(d) = 2/h (1 − d/h) at height d, whose integral is 1, so that the force per area does not depend on the
+/// spacing: du/dt = −c_f/2 w(d) |u| u, solved exactly over a step. It never adds energy, nor turns a particle around.
+class FloorFriction : public Forcing {
+ public:
+  /// `floor` is the height of the floor, m; h the kernel radius, m.
+  FloorFriction(Real coefficient, Real floor, Real h)
+      : event_("FloorFriction"), coefficient_(coefficient), floor_(floor), h_(h) {}
+  void apply(Particles& particles, const StepInfo& info) override;
+
+ private:
+  Event event_;
+  Real coefficient_, floor_, h_;
 };
 
 /// What sets the speed of a fountain: a constant, or music (fluid/music.hpp).

@@ -46,6 +46,7 @@ struct WallSettings {
   Real restitution = 0.5;
   WallDensity density = WallDensity::analytic;
   Reflection reflection = Reflection::normal;
+  Real floor_friction = 0;  ///< skin friction coefficient c_f of the floor; 0: none
 };
 
 struct TensileSettings {
