@@ -21,6 +21,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
 
 from scaling_model import (EXCHANGES, RECORD, Basin, Costs, efficiency, exchange_bytes, messages, pencils,  # noqa: E402
                            rebuild_bytes, redundant_lambda, slabs)
@@ -120,12 +121,21 @@ def draw_runs(path, rows, groups):
     shares.set(ylim=(0, 1.1), xlabel="ranks", ylabel="efficiency (1); dotted: by the median")
     for panel in (times, shares):
         panel.set_xscale("log", base=2)
+        panel.xaxis.set_major_formatter("{x:.0f}")
+    plain_ticks(times.yaxis, "{x:.0f}")
     draw_balance(balance, groups)
     for panel in (times, shares, balance):
         panel.grid(alpha=0.3)
         if panel.get_legend_handles_labels()[0]:
             panel.legend(fontsize=8)
     figure.savefig(path, dpi=110)
+
+
+def plain_ticks(axis, form):
+    """1, 2, 5, 10, ... in place of powers."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(form)
+    axis.set_minor_formatter(NullFormatter())
 
 
 def draw_balance(panel, groups):
@@ -140,6 +150,8 @@ def draw_balance(panel, groups):
     panel.set(xlabel="simulated time (s)", ylabel="imbalance, most work over mean work (1)")
     if cases:
         panel.set_yscale("log")
+        plain_ticks(panel.yaxis, "{x:g}")
+        panel.set_ylim(0.95, None)
 
 
 # ---- model ----------------------------------------------------------------------------------------------------------
