@@ -4,7 +4,8 @@
 #
 # Installs what is missing (with the build's packages: xvfb, ffmpeg) and starts SCRIPT, render.py or surface.py of
 # postprocess/, with a virtual display. "gallery" makes all pictures of postprocess/results/gallery.md and the film
-# out/musical_fountain.mp4 from the runs in RUNS (default out/), after running the scenes that are not there (minutes).
+# out/musical_fountain.mp4 from the runs in RUNS (default out/), after running the scenes that are not there, or going on
+# with those that were cut short (minutes each). Pictures in postprocess/results/ are written over.
 #
 #   jobs/render.sh render.py out/fountain --time 4 --output fountain.png
 #   jobs/render.sh render.py out/musical_fountain --sound inputs/ode_to_joy.wav --output fountain.mp4
@@ -21,20 +22,32 @@ show() {
   xvfb-run -a /usr/bin/python3 "$trevi_root/postprocess/$script" "$@"
 }
 
+# run_to_end DIR SCENE ...: runs a scene into DIR, or goes on with what a stop or a crash left there.
+run_to_end() {
+  local output="$1" scene="$2" more=()
+  if grep -qs '"exit_code": 0' "$output/run.json"; then return; fi
+  [[ ! -e $output ]] || more=(--restart latest)
+  jobs/run.sh "inputs/$scene.toml" -- --output "$output" "${more[@]}" "${@:3}"
+}
+
 gallery() {
   local runs="$1" results=postprocess/results scene small=(--size 800 600)
-  for scene in musical_fountain fountain fountain_shapes fountain_heights constant_fountain; do
-    [[ -e $runs/$scene ]] || jobs/run.sh "inputs/$scene.toml" -- --output "$runs/$scene"
+  for scene in musical_fountain fountain fountain_shapes fountain_heights constant_fountain falling_cube; do
+    run_to_end "$runs/$scene" "$scene"
   done
+  run_to_end "$runs/falling_cube_report" falling_cube --set 'density.preset="report"'
   show render.py "$runs/musical_fountain" --time 2.6 --output $results/musical_fountain.png "${small[@]}"
   show render.py "$runs/fountain" --time 4.5 --output $results/fountain.png "${small[@]}"
   show render.py "$runs/fountain_shapes" --time 1.3 --elevation 18 --output $results/fountain_shapes.png "${small[@]}"
   show render.py "$runs/fountain_heights" --time 4.5 --output $results/fountain_heights.png "${small[@]}"
   show surface.py "$runs/musical_fountain" --time 2.6 --pool 0.5 --tint 0.85 --foam 0.9 \
     --output $results/musical_fountain_water.png "${small[@]}"
-  show surface.py "$runs/fountain_shapes" --time 1.3 --pool 0.8 --foam 0.1 --elevation 18 \
+  show surface.py "$runs/fountain_shapes" --time 1.3 --pool 0.8 --elevation 18 \
     --output $results/fountain_shapes_water.png --size 720 540
   /usr/bin/python3 postprocess/plot_series.py "$runs/constant_fountain" --output $results/constant_fountain_density.png
+  /usr/bin/python3 postprocess/plot_series.py "$runs/falling_cube" "$runs/falling_cube_report" \
+    --output $results/falling_cube_density.png
+  /usr/bin/python3 postprocess/jet_heights.py $results/jet_heights.png
   show render.py "$runs/musical_fountain" "${small[@]}" --sound inputs/ode_to_joy.wav --output out/musical_fountain.mp4
 }
 

@@ -6,8 +6,6 @@ Of each launched particle (one that is pumped: faster upwards than 0.8 v) the gr
 median and the 99th percentile of (height - nozzle) / (v²/2g), and draws them.
 """
 
-import argparse
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -19,9 +17,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from study import ROOT, STRESS  # noqa: E402
+from study import GRAVITY, STRESS, launch, parser_of  # noqa: E402
 
-GRAVITY = 9.8
 SPEEDS = (6, 8, 10, 12, 14)  # m/s
 BASIN = ["particles.0.min=[0.0,0.0,0.0]", "density.precision='single'", "time.end=6.0"]
 KINDS = {  # settings, and height of the nozzle, m
@@ -34,7 +31,7 @@ KINDS = {  # settings, and height of the nozzle, m
 def greatest_heights(run, speed):
     """Height (m) that each launched particle reaches, by the frames of a run."""
     top, launched = None, None
-    for frame in sorted(Path(run).glob("particles_*.hdf")):
+    for frame in sorted(run.glob("particles_*.hdf")):
         with h5py.File(frame) as file:
             data = file["VTKHDF"]
             order = np.argsort(data["PointData/id"][:])
@@ -49,11 +46,11 @@ def ratios(trevi, kind, speed):
     """(height - nozzle) / (v²/2g) of each launched particle."""
     settings, nozzle = KINDS[kind]
     with tempfile.TemporaryDirectory() as folder:
-        command = [str(trevi), str(STRESS / "jet.toml"), "--output", folder + "/run", "--progress", "none"]
-        for setting in [f"fountain.0.speed={speed:.1f}", *settings]:
-            command += ["--set", setting]
-        subprocess.run(command, check=True, timeout=200)
-        return (greatest_heights(folder + "/run", speed) - nozzle) / (speed**2 / (2 * GRAVITY))
+        output = Path(folder) / "run"
+        code, message = launch(trevi, STRESS / "jet.toml", output, [f"fountain.0.speed={speed:.1f}", *settings], 200)
+        if code != 0:
+            sys.exit(f"{kind}, {speed} m/s: {message}")
+        return (greatest_heights(output, speed) - nozzle) / (speed**2 / (2 * GRAVITY))
 
 
 def draw(table, output):
@@ -69,10 +66,7 @@ def draw(table, output):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("output", type=Path, help="PNG file to write")
-    parser.add_argument("--trevi", type=Path, default=ROOT / "build/release/trevi")
-    arguments = parser.parse_args()
+    arguments = parser_of(__doc__, "PNG").parse_args()
     table = {kind: [] for kind in KINDS}
     for kind, rows in table.items():
         for speed in SPEEDS:

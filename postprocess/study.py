@@ -1,5 +1,7 @@
-"""What the studies share: a scene run with some keys set, and the figures of its series.csv. No program of its own."""
+"""What the studies share: arguments, a scene run with some keys set, and the figures of its series.csv. No program of its
+own."""
 
+import argparse
 import csv
 import os
 import shlex
@@ -9,24 +11,39 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 STRESS = ROOT / "inputs" / "stress"
+GRAVITY = 9.8  # m/s²
 REPORT = ["density.preset=report"]
 PLAIN_JACOBI = ["density.method=jacobi", "density.relaxation=1.0", "density.constraint=equality", "walls.density=none"]
 MPI_SETTINGS = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
 
+def parser_of(description, written):
+    """Arguments that all studies have: the file to write, of the kind that is told, and the program."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output", type=Path, help=f"{written} file to write")
+    parser.add_argument("--trevi", type=Path, default=ROOT / "build/release/trevi")
+    return parser
+
+
+def launch(trevi, scene, output, settings, time_limit):
+    """Exit code and message of a run into the folder `output`; exit code None: the limit was met."""
+    command = [str(trevi), str(scene), "--output", str(output), "--progress", "none"]
+    for setting in settings:
+        command += ["--set", setting]
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, timeout=time_limit, check=False,
+                                env={**os.environ, **MPI_SETTINGS})
+        return result.returncode, result.stderr.strip()
+    except subprocess.TimeoutExpired:
+        return None, f"stopped after {time_limit} s: {shlex.join(command)}"
+
+
 def simulate(trevi, scene, settings=(), time_limit=120):
-    """Columns of series.csv by name, as lists of float, exit code and message; exit code None: the limit was met."""
+    """Columns of series.csv by name, as lists of float, and what launch() tells."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [str(trevi), str(scene), "--output", folder + "/run", "--progress", "none"]
-        for setting in settings:
-            command += ["--set", setting]
-        try:
-            result = subprocess.run(command, capture_output=True, text=True, timeout=time_limit, check=False,
-                                    env={**os.environ, **MPI_SETTINGS})
-            code, message = result.returncode, result.stderr.strip()
-        except subprocess.TimeoutExpired:
-            code, message = None, f"stopped after {time_limit} s: {shlex.join(command)}"
-        return columns_of(Path(folder) / "run" / "series.csv"), code, message
+        output = Path(folder) / "run"
+        code, message = launch(trevi, scene, output, settings, time_limit)
+        return columns_of(output / "series.csv"), code, message
 
 
 def columns_of(file):
@@ -54,7 +71,7 @@ def mass_of(columns, spacing=0.1, rest_density=1000.0):
 def energy_gain(columns, spacing=0.1):
     """The highest rise of the total energy above its start, as a share of max(E0, m g h N), h twice the spacing."""
     energy = energies(columns)
-    scale = max(abs(energy[0]), mass_of(columns, spacing) * 9.8 * 2 * spacing)
+    scale = max(abs(energy[0]), mass_of(columns, spacing) * GRAVITY * 2 * spacing)
     return (max(energy) - energy[0]) / scale
 
 

@@ -6,12 +6,11 @@ time mean of compression_mean, row 0 left out. Run times are medians: all runs t
 machine meets them all, and only ratios within one file mean anything.
 """
 
-import argparse
 import statistics
 import sys
-from pathlib import Path
 
-from study import PLAIN_JACOBI, REPORT, ROOT, STRESS, energies, energy_gain, mass_of, mean, simulate, write_table
+from study import (PLAIN_JACOBI, REPORT, STRESS, energies, energy_gain, mass_of, mean, parser_of, simulate,
+                   write_table)
 
 METHODS = {
     "report's Jacobi": REPORT,
@@ -71,9 +70,7 @@ def measure(trevi, scene, all_iterations, rounds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("output", type=Path, help="CSV file to write")
-    parser.add_argument("--trevi", type=Path, default=ROOT / "build/release/trevi")
+    parser = parser_of(__doc__, "CSV")
     parser.add_argument("--scene", action="append", help="cube, column, dam_break, fountain (default: all)")
     parser.add_argument("--iterations", type=int, nargs="+", default=[2, 4, 8, 16], metavar="N")
     parser.add_argument("--rounds", type=int, default=3, help="timings of the runs compared in the page")

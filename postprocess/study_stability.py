@@ -9,15 +9,12 @@ refused      the program says beforehand what it cannot do
 The rows go to a CSV file; stability_matrix.py draws them.
 """
 
-import argparse
 import math
 import sys
-from pathlib import Path
 from typing import NamedTuple
 
-from study import REPORT, ROOT, STRESS, energy_gain, mean, simulate, write_table
+from study import GRAVITY, REPORT, STRESS, energy_gain, mean, parser_of, simulate, write_table
 
-GRAVITY = 9.8
 PRESETS = {"report": REPORT, "default": []}
 
 
@@ -149,9 +146,7 @@ def row_of(case, preset, columns, code, message):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("output", type=Path, help="CSV file to write")
-    parser.add_argument("--trevi", type=Path, default=ROOT / "build/release/trevi")
+    parser = parser_of(__doc__, "CSV")
     parser.add_argument("--only", default="", metavar="TEXT", help="cases whose group holds TEXT")
     parser.add_argument("--preset", choices=PRESETS, action="append", help="default: both")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="in all runs, to try a remedy")

@@ -7,11 +7,9 @@ and with friction of the floor. The order of convergence comes from three spacin
 of the longest with 32 iterations. Figures go to standard output, the drawing to the PNG.
 """
 
-import argparse
 import csv
 import math
 import sys
-from pathlib import Path
 
 import matplotlib
 
@@ -19,9 +17,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from study import ROOT, STRESS, energies, simulate  # noqa: E402
+from study import GRAVITY, ROOT, STRESS, energies, parser_of, simulate  # noqa: E402
 
-GRAVITY = 9.8
 SPACINGS = {0.1: 1 / 75, 0.05: 1 / 150, 0.025: 1 / 300}  # m, with their dt, s
 FRICTIONS = (0, 0.02, 0.04)  # walls.floor_friction
 LONGEST_STEP = 1 / 40  # s, at spacing 0.05
@@ -138,10 +135,7 @@ def draw(runs, data, output):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("output", type=Path, help="PNG file to write")
-    parser.add_argument("--trevi", type=Path, default=ROOT / "build/release/trevi")
-    arguments = parser.parse_args()
+    arguments = parser_of(__doc__, "PNG").parse_args()
     report_simple(arguments.trevi)
     data = experiments()
     runs = {friction: dam_breaks(arguments.trevi, friction) for friction in FRICTIONS}

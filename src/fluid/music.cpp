@@ -117,6 +117,8 @@ std::optional<FountainState> MelodyPump::at(Real time) const {
 }
 
 std::unique_ptr<Pump> make_music_pump(MPI_Comm comm, const MusicSettings& settings, std::shared_ptr<LiveSound>& live) {
+  const Event event("Music");
+  const ScopedEvent timed(event);
   const SpeedScale scale(settings);
   if (music_kind(settings.source) != MusicKind::live)
     return std::make_unique<MelodyPump>(read_melody(comm, settings), scale);

@@ -40,6 +40,7 @@ LiveSound::LiveSound(MPI_Comm comm, int descriptor, Real rate)
 void LiveSound::listen(const StepInfo& step) {
   if (step.step == step_) return;
   step_ = step.step;
+  const ScopedEvent timed(event_);
   if (rank_of(comm_) == 0) hear(step.time);
   std::array<Real, 2> heard = {level_, pitch_};
   MPI_Bcast(heard.data(), 2, MPI_DOUBLE, 0, comm_);

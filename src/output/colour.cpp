@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trevi/parallel/log.hpp"
+
 namespace trevi {
 
 namespace {
@@ -49,6 +51,8 @@ Rgb colour_of(const ColourScale& scale, const Particles& particles, LocalId i) {
 }
 
 std::vector<Rgb> colours_of(const ColourScale& scale, const Particles& particles) {
+  const Event event("Colour");
+  const ScopedEvent timed(event);
   std::vector<Rgb> colours(particles.id.size());
   for (LocalId i = 0; i < particles.size(); ++i) colours[static_cast<std::size_t>(i)] = colour_of(scale, particles, i);
   return colours;

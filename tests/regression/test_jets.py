@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 """Jets rise as they should: a sparse one to v²/2g, one through a pool ever nearer to it, and the higher the note, the
-higher the jet. And what a scene without fountains, music and colour does not do."""
+higher the jet. And each of fountains, music and colour is in the profile of the scenes that use it, and of no other."""
 
 import csv
+import json
+import re
 import sys
 from pathlib import Path
 
@@ -48,21 +50,31 @@ class Jets(ProgramTest):
         self.assertAlmostEqual((tops[-1] - nozzle) / (tops[0] - nozzle), (10 / 6)**2, delta=0.2)
 
 
+FRAMES = '[output.vtkhdf]\nevery_steps = 1\nfields = ["id"]\n'
+COLOURED = FRAMES.replace('"id"', '"rgb"') + '[colour]\nby = "speed"\n'
+FOUNTAIN = "[[fountain]]\ncenter = [0.5, 0.5]\ndiameter = 0.2\nheight = 0.2\n"
+MUSIC = 'music = "score.txt"\nspeed_range = [1.0, 2.0]\n'
+# Tables of a scene, and those of the three events that it has then.
+USES = {"nothing": (FRAMES, set()), "colour": (COLOURED, {"Colour"}),
+        "fountain": (FRAMES + FOUNTAIN + "speed = 1.0\n", {"Fountain"}),
+        "music": (FRAMES + FOUNTAIN + MUSIC, {"Fountain", "Music"}),
+        "all": (COLOURED + FOUNTAIN + MUSIC, {"Fountain", "Music", "Colour"})}
+
+
 class Absent(ProgramTest):
-    def test_no_fountain_music_or_colour_no_trace_of_them(self):
+    def test_fountain_music_and_colour_leave_a_trace_where_used_and_only_there(self):
         (self.folder / "score.txt").write_text("0 C4 1\n", encoding="utf-8")
         plain = (INPUTS / "stress/few.toml").read_text(encoding="utf-8")
-        with_all = plain + "\n[colour]\nby = \"speed\"\n[[fountain]]\ncenter = [0.5, 0.5]\ndiameter = 0.2\n" \
-                           "height = 0.2\nmusic = \"score.txt\"\nspeed_range = [1.0, 2.0]\n"
-        profiles = []
-        for name, text in (("plain", plain), ("all", with_all)):
-            (self.folder / f"{name}.toml").write_text(text, encoding="utf-8")
-            profiles.append(self.run_well(1, f"{name}.toml", "--output", name, "--steps", 2, "-log_view").stdout)
-        self.assertIn("Fountain", profiles[1])
-        for word in ("Fountain", "Music", "Colour"):
-            self.assertNotIn(word, profiles[0])
-        with open(self.folder / "plain" / "series.csv", encoding="utf-8") as file:
-            self.assertNotIn("note_", file.readline())
+        for name, (tables, expected) in USES.items():
+            with self.subTest(name):
+                (self.folder / f"{name}.toml").write_text(plain + tables, encoding="utf-8")
+                profile = self.run_well(2, f"{name}.toml", "--output", name, "--steps", 2, "-log_view").stdout
+                phases = json.loads((self.folder / name / "run.json").read_text(encoding="utf-8"))["phases"]
+                for events in (re.findall(r"^(\w+) +\d", profile, re.MULTILINE), [phase["name"] for phase in phases]):
+                    self.assertIn("Lambda", events)
+                    self.assertEqual({"Fountain", "Music", "Colour"} & set(events), expected)
+                with open(self.folder / name / "series.csv", encoding="utf-8") as file:
+                    self.assertEqual("note_0" in file.readline(), "Fountain" in expected)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""render.py and surface.py on a small run: all the water is in the picture, and a missing run is told. Exit code 77:
-there is no virtual display or no VTK for Python here, so nothing was tested."""
+"""render.py and surface.py on a small run: all the water is in the picture, a film has each frame and its sound, and a
+missing run is told. Exit code 77: there is no virtual display or no VTK for Python here, so nothing was tested."""
 
 import importlib.util
 import shutil
 import subprocess
 import sys
+import unittest
 
 from matplotlib import image
 from program import INPUTS, ProgramTest, main
@@ -29,6 +30,19 @@ class Pictures(ProgramTest):
                 brightness = picture.max(axis=2)
                 self.assertGreater((brightness > 0.5).mean(), 0.05)  # water
                 self.assertLess(max(brightness[0].max(), brightness[:, 0].max(), brightness[:, -1].max()), 0.5)
+
+    @unittest.skipUnless(shutil.which("ffprobe"), "no ffmpeg here")
+    def test_a_film_has_each_frame_and_its_sound(self):
+        self.run_well(2, INPUTS / "fountain_small.toml", "--output", "run", "--steps", 12)
+        sound = INPUTS / "ode_to_joy.wav"
+        result = self.draw("render.py", "run", "--output", "film.mp4", "--size", 80, 60, "--sound", sound)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        asked = ["-v", "error", "-show_entries", "stream=codec_type,nb_frames,duration", "-of", "csv=p=0", "film.mp4"]
+        told = subprocess.run(["ffprobe", *asked], cwd=self.folder, capture_output=True, text=True, check=True).stdout
+        (picture, _, frames), (melody, seconds, _) = sorted(line.split(",") for line in told.split())[::-1]
+        self.assertEqual((picture, melody), ("video", "audio"))
+        self.assertEqual(int(frames), (self.folder / "run/particles.pvd").read_text(encoding="utf-8").count("<DataSet"))
+        self.assertAlmostEqual(float(seconds), 16.4, delta=0.2)
 
     def test_what_cannot_be_drawn_is_told(self):
         for script in ("render.py", "surface.py"):

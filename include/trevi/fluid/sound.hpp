@@ -61,6 +61,7 @@ class LiveSound {
   bool read_pipe();
   bool read_file(Real time);
 
+  Event event_{"Music"};
   MPI_Comm comm_;
   int descriptor_;
   Real rate_;

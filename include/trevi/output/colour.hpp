@@ -1,6 +1,7 @@
 // Colours of particles as three bytes, for pictures only: nothing in the simulation reads them.
 // The rainbow runs over the hues from red (0) to violet (1) at full saturation and brightness.
-// Rank-local. One rule for all frame formats, so that VTU and VTKHDF show the same colours.
+// Rank-local, but all ranks call colours_of() alike, as it is logged. One rule for all frame formats, so that VTU and
+// VTKHDF show the same colours.
 #pragma once
 
 #include <array>
