@@ -193,8 +193,9 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
         candidates.append(records, row_begin, row_end, bounds);
       });
       candidates.close();
-      rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding) * count);
       for (LocalId n = 0; n < count; ++n, ++i) {
+        // Row by row: for a whole cell that a crowd fills it would be more memory than there is.
+        rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding));
         const LocalId self = begin + n;
         const auto place = bounds.relative(records[static_cast<std::size_t>(self)]);
         const std::size_t found = near(candidates, self, place, rows.index.data() + end);

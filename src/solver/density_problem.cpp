@@ -57,7 +57,7 @@ template <class T>
 void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
   compute_density();
   coarse.displacements<T>(near_.order(), near_.halo(), rho_, particles_->predicted, delta_);
-  separate_coincident();
+  if (near_.list().crowded() < 0) separate_coincident();  // of a crowd it would look at each pair
 }
 
 // Opposite shifts for the two, so that the momentum stays. Coincident particles share a cell, but for rounding; the
