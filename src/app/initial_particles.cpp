@@ -69,22 +69,29 @@ void check_inside(MPI_Comm comm, const Scene& scene, const Particles& particles,
   }
 }
 
+// Returns the ids that the rows take, from 0 to the largest.
+GlobalId append_file(MPI_Comm comm, const std::string& path, GlobalId first_id, Particles& particles) {
+  const ParticleRows rows = read_particle_file(comm, path);
+  if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
+  append_rows(particles, rows, first_id);
+  GlobalId last = -1;
+  for (const GlobalId id : rows.id) last = std::max(last, id);
+  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
+  return last + 1;
+}
+
 FileParticles read_files(MPI_Comm comm, const Scene& scene) {
   FileParticles result;
   GlobalId next_id = 0;
   for (const ParticleSource& source : scene.particles) {
     result.first_id.push_back(next_id);
-    if (source.type == ParticleSource::Type::block) {
-      next_id += Lattice(source, scene.fluid.spacing).size();
-      continue;
+    next_id += source.type == ParticleSource::Type::block ? Lattice(source, scene.fluid.spacing).size()
+                                                          : append_file(comm, source.path, next_id, result.particles);
+    if (next_id > end_of_ids) {
+      throw InputError(scene.path +
+                       ": ids of all [[particles]] together pass 2^62; leave /particles/id out of the files "
+                       "to number their rows");
     }
-    const ParticleRows rows = read_particle_file(comm, source.path);
-    if (rows.total == 0) throw InputError(source.path + ": /particles/position: no particles; write one row for each");
-    append_rows(result.particles, rows, next_id);
-    GlobalId last = -1;
-    for (const GlobalId id : rows.id) last = std::max(last, id);
-    MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
-    next_id += last + 1;
   }
   check_inside(comm, scene, result.particles, scene.path);
   return result;
