@@ -8,6 +8,7 @@
 #include "trevi/domain/migrate.hpp"
 #include "trevi/parallel/reductions.hpp"
 #include "trevi/parallel/session.hpp"
+#include "trevi/particles/packed.hpp"
 
 namespace trevi {
 
@@ -108,7 +109,8 @@ void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles
 Slabs first_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights) {
   const std::vector<Real> ones(weights.size(), 1);
   Slabs slabs(scene.slabs == SlabCuts::equal ? ones : weights, size_of(comm));
-  slabs.check_capacity(weights, grid.cells_per_plane());
+  const bool single = scene.density.precision == Precision::single;
+  slabs.check_capacity(weights, grid.cells_per_plane(), single ? sizeof(Packed<float>) : sizeof(Packed<double>));
   return slabs;
 }
 

@@ -80,7 +80,7 @@ Real Slabs::imbalance(std::span<const Real> weights) const {
   return before.back() > 0 ? heaviest(before, cuts_) * ranks() / before.back() : 1;
 }
 
-void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane) const {
+void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
   constexpr Real most = 2e9;  // below 2^31, with room for water that gathers
   for (int r = 0; r < ranks(); ++r) {
     const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
@@ -93,6 +93,22 @@ void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plan
         fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
                     "use more ranks",
                     r, ranks(), particles, cells));
+  }
+  check_messages(weights, cells_per_plane, record_bytes);
+}
+
+// Of what travels, records are the most for each particle, and numbers of the coarse grid for each cell.
+void Slabs::check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
+  for (int r = 1; r < ranks(); ++r) {
+    for (const LocalId plane : {first_plane(r) - 1, first_plane(r)}) {
+      const Real records = weights[static_cast<std::size_t>(plane)] * static_cast<Real>(record_bytes);
+      const Real bytes = std::max(records, static_cast<Real>(cells_per_plane) * sizeof(Real));
+      if (bytes < most_message_bytes) continue;
+      throw InputError(
+          fmt::format("cell plane {} at a cut between two ranks would have {:.3g} GB to send, where a message holds 2; "
+                      "use another [domain] slab_axis or a single rank",
+                      plane, bytes / 1e9));
+    }
   }
 }
 

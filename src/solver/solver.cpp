@@ -1,5 +1,7 @@
 #include "trevi/solver/solver.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -87,10 +89,13 @@ void PbfSolver<T>::follow(std::vector<Vec3> Particles::*place) {
 template <class T>
 void PbfSolver<T>::find_neighbours() {
   const int rank = rank_of(parts_.comm);
-  try {
-    near_.rebuild(parts_.particles, parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank));
-  } catch (const RunError& crowded) {  // on this rank alone: told when all agree
-    guard_.note(parts_.clock.step + 1, crowded.what());
+  near_.rebuild(parts_.particles, parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank));
+  if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: told when all agree
+    guard_.note(
+        parts_.clock.step + 1,
+        fmt::format("particle {} has more than {} neighbours: the water has collapsed into a point; use a smaller dt, "
+                    "time.cfl, or under-relaxation",
+                    parts_.particles.id[static_cast<std::size_t>(i)], NeighbourList::most_neighbours));
   }
   problem_.start(parts_.particles);
   measure_drift_ = last_substep_ && wanted(&Observer::wants_diagnostics, parts_.clock.step + 1);
