@@ -34,7 +34,17 @@ struct Bounds {
   }
 
   std::array<T, 3> relative(const Record& r) const {
-    return {static_cast<T>(r.x - anchor.x), static_cast<T>(r.y - anchor.y), static_cast<T>(r.z - anchor.z)};
+    return {difference(r.x, anchor.x), difference(r.y, anchor.y), difference(r.z, anchor.z)};
+  }
+
+ private:
+  using Coordinate = typename Record::Coordinate;
+  static T difference(Coordinate a, Coordinate b) {
+    if constexpr (std::is_integral_v<Coordinate>) {  // wraps around every 1024 h, which signed integers must not
+      return static_cast<T>(static_cast<Coordinate>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b)));
+    } else {
+      return a - b;
+    }
   }
 };
 
