@@ -143,16 +143,20 @@ template <class T>
 void PbfSolver<T>::observe() {
   const Clock& clock = parts_.clock;
   const bool diagnose = wanted(&Observer::wants_diagnostics, clock.step);
-  if (diagnose || wanted(&Observer::wants_density, clock.step)) problem_.compute_density();
+  std::span<const Real> density;  // else that of the last iteration, before its shift
+  if (diagnose || wanted(&Observer::wants_density, clock.step)) {
+    problem_.compute_density();
+    density = problem_.density();
+  }
   Diagnostics row;
   if (diagnose) {
     const ScopedEvent timed(diagnostics_event_);
-    row = (*parts_.diagnostics)({parts_.particles, problem_.density(), drift_, near_.order(), near_.list()});
+    row = (*parts_.diagnostics)({parts_.particles, density, drift_, near_.order(), near_.list()});
     row.iterations = last_solve_.iterations;
     row.wall_seconds = stopwatch_.seconds();
   }
   fountain_states_ = fountains();
-  const Frame frame{clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_};
+  const Frame frame{clock, parts_.particles, density, diagnose ? &row : nullptr, fountain_states_};
   for (const auto& observer : parts_.observers) {
     if (observer->due(clock)) observer->observe(frame);
   }
