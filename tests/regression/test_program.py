@@ -78,6 +78,12 @@ class Outputs(ProgramTest):
             self.assertIn("3072", result.stdout.replace(",", ""))
             self.assertEqual(self.contents(), {})
 
+    def test_dry_run_knows_the_cfl_number_of_the_run(self):
+        for cfl, told in ((2, "CFL 2: "), (0.5, "CFL 0.5: 0.0155 s"), (0, "CFL 0.4: 0.0124 s")):
+            result = self.run_well(1, CUBE, "--dry-run", "--set", f"time.cfl={cfl}")
+            self.assertIn(told, result.stdout)
+            self.assertEqual("steps are split" in result.stdout, cfl > 0)
+
     def test_dry_run_knows_the_memory_of_the_run(self):
         for ranks, settings in ((1, []), (2, ["--set", "vorticity.epsilon=0.002", "--set", "viscosity.c=0.001"])):
             told = self.run_well(ranks, BASIN, "--dry-run", *settings).stdout
