@@ -189,7 +189,6 @@ std::vector<FountainState> PbfSolver<T>::fountains() const {
 
 template <class T>
 void PbfSolver<T>::count_work() {
-  counters_.pair_passes += 2.0 * static_cast<double>(near_.list().pairs()) * last_solve_.iterations;
   counters_.iterations += last_solve_.iterations;
   counters_.unconverged += last_solve_.converged ? 0 : 1;
   ++counters_.substeps;
@@ -198,6 +197,7 @@ void PbfSolver<T>::count_work() {
 template <class T>
 Solver::Counters PbfSolver<T>::counters() const {
   Counters counters = counters_;
+  counters.pair_passes = problem_.pair_passes();
   counters.halo_bytes = near_.halo().bytes();
   counters.halo_messages = near_.halo().messages();
   counters.balance = parts_.balance->history();

@@ -63,6 +63,14 @@ class Outputs(ProgramTest):
         report = json.loads((self.folder / "run" / "run.json").read_text())
         self.assertIn("done", json.dumps(report))
 
+    def test_time_of_a_pair_is_that_of_the_passes_made(self):
+        self.run_well(2, CUBE, "--output", "run", "--steps", 3)  # the coarse grid's one pass, sweeps' two, those of rows
+        report = json.loads((self.folder / "run" / "run.json").read_text())
+        phases = {phase["name"]: phase for phase in report["phases"]}
+        seconds = 2 * sum(phases[name]["seconds"]["mean"] for name in ("Lambda", "Delta"))
+        passes = phases["Lambda"]["flops"] / 27 + phases["Delta"]["flops"] / 24  # DensityConstraint: of a pair
+        self.assertAlmostEqual(report["nanoseconds_per_pair"] / (1e9 * seconds / passes), 1, 6)
+
     def test_second_run_into_the_same_folder_is_refused(self):
         self.run_well(1, CUBE, "--output", "run", "--steps", 1)
         before = self.contents()
