@@ -1,6 +1,10 @@
 #include "trevi/app/initial_particles.hpp"
 
+#include <fmt/format.h>
+#include <petscsys.h>
+
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "trevi/app/lattice.hpp"
@@ -106,9 +110,20 @@ void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += counted[k];
 }
 
+// The unknowns of PETSc's solver are three a particle, those of all ranks counted together.
+void check_unknowns(const Scene& scene, const std::vector<Real>& weights) {
+  const Real particles = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (scene.density.method != Method::anderson || 3 * particles <= static_cast<Real>(PETSC_MAX_INT)) return;
+  throw InputError(
+      fmt::format("{}: [density] method = \"anderson\" can count {:.0f} particles with this PETSc, got "
+                  "{:.0f}; use another method",
+                  scene.path, std::floor(static_cast<Real>(PETSC_MAX_INT) / 3), particles));
+}
+
 Slabs first_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights) {
   const std::vector<Real> ones(weights.size(), 1);
   Slabs slabs(scene.slabs == SlabCuts::equal ? ones : weights, size_of(comm));
+  check_unknowns(scene, weights);
   const bool single = scene.density.precision == Precision::single;
   slabs.check_capacity(weights, grid.cells_per_plane(), single ? sizeof(Packed<float>) : sizeof(Packed<double>));
   return slabs;

@@ -12,6 +12,8 @@ namespace trevi {
 
 namespace {
 
+constexpr Real most_counted = 2e9;  // below 2^31, with room for water that gathers
+
 // The last cut with at most this weight before it.
 LocalId cut_at(std::span<const Real> before, Real weight) {
   return static_cast<LocalId>(std::upper_bound(before.begin(), before.end(), weight) - before.begin()) - 1;
@@ -80,19 +82,29 @@ Real Slabs::imbalance(std::span<const Real> weights) const {
   return before.back() > 0 ? heaviest(before, cuts_) * ranks() / before.back() : 1;
 }
 
+Real Slabs::cells(int rank, LocalId cells_per_plane) const {
+  return static_cast<Real>(last_plane(rank) - first_plane(rank) + 2) * cells_per_plane;
+}
+
+bool Slabs::cells_fit(LocalId cells_per_plane) const {
+  for (int r = 0; r < ranks(); ++r) {
+    if (cells(r, cells_per_plane) > most_counted) return false;
+  }
+  return true;
+}
+
 void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
-  constexpr Real most = 2e9;  // below 2^31, with room for water that gathers
   for (int r = 0; r < ranks(); ++r) {
     const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
     const auto last = std::min(static_cast<std::size_t>(last_plane(r)) + 1, weights.size());
     const Real particles = std::accumulate(weights.begin() + static_cast<std::ptrdiff_t>(first),
                                            weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
-    const Real cells = static_cast<Real>(last_plane(r) - first_plane(r) + 2) * cells_per_plane;
-    if (particles <= most && cells <= most) continue;
+    const Real cells_of_rank = cells(r, cells_per_plane);
+    if (particles <= most_counted && cells_of_rank <= most_counted) continue;
     throw InputError(
         fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
                     "use more ranks",
-                    r, ranks(), particles, cells));
+                    r, ranks(), particles, cells_of_rank));
   }
   check_messages(weights, cells_per_plane, record_bytes);
 }

@@ -1,6 +1,7 @@
 // Ids, counts and file offsets past 2^31, by arithmetic: what belongs to all ranks together is counted in 64 bits, and
 // what one rank could not count in 32 is refused before it is made. Nothing here takes memory; files are mostly holes.
 #include <gtest/gtest.h>
+#include <petscsys.h>
 
 #include <numeric>
 
@@ -19,12 +20,12 @@ namespace {
 constexpr GlobalId past = GlobalId{1} << 31U;
 
 /// A basin of 4000 x 1000 x `layers` particles, full to the brim; 2000 planes of cells.
-Scene large_scene(int layers) {
+Scene large_scene(int layers, const std::vector<std::string>& overrides = {}) {
   const std::string corner = "[400.0, 100.0, " + std::to_string(layers) + "e-1]\n";
   return parse_scene("large.toml",
                      "[domain]\nmin = [0, 0, 0]\nmax = " + corner + "[fluid]\nspacing = 0.1\n" +
                          "[[particles]]\nmin = [0, 0, 0]\nmax = " + corner + "[time]\ndt = 0.01\nend = 1\n",
-                     {});
+                     overrides);
 }
 
 CellGrid grid_of(const Scene& scene) {
@@ -59,6 +60,27 @@ TEST(LargeCounts, WhatARankCannotCountIsRefused) {
   EXPECT_NO_THROW(Slabs(weights, 10).check_capacity(weights, 1000, 16));
   EXPECT_THROW(Slabs(weights, 5).check_capacity(weights, 1000, 16), InputError) << "with its ghosts it has 2.2e9";
   EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, 200'000'000, 16), InputError) << "2.4e9 cells with ghosts";
+}
+
+TEST(LargeCounts, CutsAreNotMovedToWhereCellsCannotBeCounted) {
+  std::vector<Real> gathered(100, 0);
+  gathered[0] = gathered[1] = 1;  // the second of two ranks gets 99 planes
+  EXPECT_TRUE(Slabs(gathered, 2).cells_fit(19'000'000)) << "1.92e9 with its ghosts";
+  EXPECT_FALSE(Slabs(gathered, 2).cells_fit(21'000'000)) << "2.1e9";
+  EXPECT_TRUE(Slabs(std::vector<Real>(100, 1), 2).cells_fit(21'000'000));
+}
+
+TEST(LargeCounts, SolversOfPetscCountUnknownsIn32Bits) {
+  const std::string anderson = "density.method='anderson'";
+  std::vector<Real> weights;
+  const Scene scene = large_scene(200);  // 8e8 particles
+  EXPECT_NO_THROW(initial_slabs(world, scene, grid_of(scene), weights));
+  const Scene refused = large_scene(200, {anderson});
+  if (sizeof(PetscInt) == 4) {
+    EXPECT_THROW(initial_slabs(world, refused, grid_of(refused), weights), InputError);
+  }
+  const Scene smaller = large_scene(150, {anderson});  // 6e8
+  EXPECT_NO_THROW(initial_slabs(world, smaller, grid_of(smaller), weights));
 }
 
 TEST(LargeCounts, PlanesThatNoMessageHoldsAreRefused) {

@@ -29,12 +29,15 @@ class Slabs {
   int owner(LocalId plane) const;
   /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;
+  /// Whether each rank, with its ghost planes, can count its cells in a LocalId.
+  bool cells_fit(LocalId cells_per_plane) const;
   /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts, or a
   /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, `record_bytes` each.
   void check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
   const std::vector<LocalId>& cuts() const { return cuts_; }
 
  private:
+  Real cells(int rank, LocalId cells_per_plane) const;  // ghost planes included
   void check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
 
   std::vector<LocalId> cuts_;  // ranks + 1
