@@ -27,7 +27,8 @@ bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourL
   history_.sum += now;
   history_.max = std::max(history_.max, now);
   Slabs even(work, slabs.ranks());
-  if (even.imbalance(work) > now - least_gain_) return false;
+  // Where the water has gone a rank may get many empty planes, more than it can count the cells of.
+  if (even.imbalance(work) > now - least_gain_ || !even.cells_fit(order.grid().cells_per_plane())) return false;
   slabs = std::move(even);
   ++history_.moves;
   return true;

@@ -57,7 +57,7 @@ PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConv
 template <class T>
 SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   std::vector<Vec3>& places = problem.particles().predicted;
-  const auto size = static_cast<PetscInt>(3 * places.size());
+  const auto size = static_cast<PetscInt>(3 * places.size());  // fits: initial_particles() has seen to it
   Residual<T> residual{problem, settings_.relaxation, longest_};
   std::pair<const DensitySettings*, DensityProblem<T>*> goal{&settings_, &problem};
   Vec start = nullptr, f = nullptr;

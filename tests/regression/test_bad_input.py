@@ -20,6 +20,7 @@ BAD_LINES = {
     "unknown table": (14, "[output.series]\nevery_steps = 1\n[swirl]", ["scene.toml:16:", "swirl"]),
     "wrong type": (5, "spacing = 'wide'", ["scene.toml:5:", "spacing"]),
     "negative spacing": (5, "spacing = -0.1", ["scene.toml:5:", "spacing"]),
+    "cells past counting": (3, "max = [9000, 9000, 10000]", ["scene.toml:3:", "max", "2.25e+09 cells"]),
     "h > box": (6, "kernel_radius = 1.5", ["scene.toml:6:", "kernel_radius"]),
     "particles outside": (10, "max = [1, 1.4, 0.5]", ["scene.toml:10:", "particles", "max"]),
     "dt = 0": (12, "dt = 0", ["scene.toml:12:", "dt"]),
