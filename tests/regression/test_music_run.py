@@ -16,7 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = ROOT / "inputs/musical_fountain_small.toml"
-QUIET = ["--progress", "none", "--set", "output.vtu.every=100.0"]
+QUIET = ["--progress", "none", "--set", "output={series={every_steps=1}}"]
 TREVI, MPIEXEC = "build/release/trevi", "mpiexec"
 
 
