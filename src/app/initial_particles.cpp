@@ -34,11 +34,16 @@ void add_particle(Particles& particles, GlobalId id, const Vec3& position, const
   particles.velocity.push_back(velocity);
 }
 
-void add_layer(Particles& particles, const Lattice& lattice, int axis, GlobalId layer, const ParticleSource& block,
+struct Layer {
+  int axis;  // across which it lies
+  GlobalId number;
+};
+
+void add_layer(Particles& particles, const Lattice& lattice, Layer layer, const ParticleSource& block,
                GlobalId first_id) {
   std::array<GlobalId, 3> begin = {0, 0, 0}, end = lattice.count;
-  begin[static_cast<std::size_t>(axis)] = layer;
-  end[static_cast<std::size_t>(axis)] = layer + 1;
+  begin[static_cast<std::size_t>(layer.axis)] = layer.number;
+  end[static_cast<std::size_t>(layer.axis)] = layer.number + 1;
   for (GlobalId k = begin[2]; k < end[2]; ++k) {
     for (GlobalId j = begin[1]; j < end[1]; ++j) {
       for (GlobalId i = begin[0]; i < end[0]; ++i) {
@@ -185,7 +190,7 @@ InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid
     const Lattice lattice(source, scene.fluid.spacing);
     for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
       if (state.slabs.owner(plane) != rank) return;
-      add_layer(state.particles, lattice, grid.slab_axis(), layer, source, files.first_id[s]);
+      add_layer(state.particles, lattice, {grid.slab_axis(), layer}, source, files.first_id[s]);
     });
   }
   if (scene.colour == Colour::rainbow_x) add_hue(comm, state.particles);

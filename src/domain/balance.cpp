@@ -20,6 +20,7 @@ Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, Lo
 bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {
   if (slabs.ranks() == 1 || step % interval != 0) return false;
   std::vector<Real> mine;
+  mine.reserve(static_cast<std::size_t>(order.planes()));
   for (LocalId k = 0; k < order.planes(); ++k) mine.push_back(plane_work(order, list, k, k + 1));
   const std::vector<Real> work = gather_planes(comm_, mine);
   const Real now = slabs.imbalance(work);

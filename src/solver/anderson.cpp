@@ -42,7 +42,7 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
 }
 
 // Stops on the compression that the user asked for, not on the norm of a displacement.
-template <class T>
+template <class T>  // PETSc gives the parameters. NOLINTNEXTLINE(readability-function-size)
 PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConvergedReason* reason, void* context) {
   const auto& settings_and_problem = *static_cast<std::pair<const DensitySettings*, DensityProblem<T>*>*>(context);
   const bool met = within_tolerance(*settings_and_problem.first, *settings_and_problem.second);

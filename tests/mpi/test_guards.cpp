@@ -31,7 +31,8 @@ class Saboteur : public Forcing {
 Particles block(const CellGrid& grid, const Slabs& slabs) {
   Particles particles;
   for (int n = 0; n < 160; ++n) {
-    const Vec3 place = 0.1 * Vec3(n / 16 + 0.5, n / 4 % 4 + 0.5, n % 4 + 0.5);
+    const int i = n / 16, j = n / 4 % 4, k = n % 4;
+    const Vec3 place = 0.1 * Vec3(i + 0.5, j + 0.5, k + 0.5);
     if (slabs.owner(grid.plane_of(place)) != rank_of(world)) continue;
     particles.id.push_back(n);
     particles.position.push_back(place);

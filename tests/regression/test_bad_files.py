@@ -201,7 +201,8 @@ def main():
                 failed += bool(found)
                 for line in found:
                     print(f"FAILED {case}: {line}", flush=True)
-    print(f"{count} cases, {failed} failed")
+    print(f"bad files: {len(PARTICLE_FILES)} of particles and {len(CHECKPOINT_FILES)} checkpoints, each on "
+          f"{' and '.join(map(str, ranks))} ranks: {count} cases, {failed} failed")
     return 1 if failed else 0
 
 
