@@ -14,10 +14,12 @@ constexpr LocalId chunk = 128;
 
 Real particle_mass(const FluidSettings& fluid) {
   if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
-  return fluid.rest_density / lattice_poly6_sum(fluid.spacing, fluid.kernel_radius);
+  return fluid.rest_density / lattice_density_sum(fluid.density_kernel, fluid.spacing, fluid.kernel_radius);
 }
 
-Real density(const DensityModel& model, Real poly6_sum) { return model.mass * poly6_factor(model.h) * (1 + poly6_sum); }
+Real density(const DensityModel& model, Real sum) {
+  return model.mass * density_factor(model.kernel, model.h) * (1 + sum);
+}
 
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
   Real c = rho / model.rest_density - 1;
@@ -33,6 +35,7 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
     : model_(model),
       gradient_factor_(model.mass / model.rest_density * spiky_gradient_factor(model.h)),
       loops_(pair_loops<T>()),
+      density_loop_(model.kernel == Kernel::poly6 ? loops_.density : loops_.spiky_density),
       delta_loop_(loops_.delta),
       walls_(std::move(walls)) {
   if (tensile) {
@@ -49,7 +52,7 @@ void DensityConstraint<T>::for_each_sum(const Pairs<T>& pairs, Range range, Use&
   std::array<T, chunk> squares;
   for (LocalId begin = range.begin; begin < range.end; begin += chunk) {
     const Range part{begin, std::min(begin + chunk, range.end)};
-    loops_.density(pairs, part, sums.data(), squares.data());
+    density_loop_(pairs, part, sums.data(), squares.data());
     for (LocalId k = 0; k < part.size(); ++k)
       use(begin + k, sums[static_cast<std::size_t>(k)], squares[static_cast<std::size_t>(k)]);
   }

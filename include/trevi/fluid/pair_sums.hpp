@@ -36,6 +36,8 @@ template <class T>
 struct PairLoops {
   /// out = (Σ t² r̂, Σ (1 − u²)³), squares = Σ t⁴.
   void (*density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
+  /// The same with Σ (1 − u)³.
+  void (*spiky_density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
   /// out = Σ (lambda_i + lambda_j) t² r̂, with lambda the scalar of the records.
   void (*delta)(const Pairs<T>&, Range, Quad<T>* out);
   /// out = Σ (lambda_i + lambda_j + s_corr) t² r̂.
