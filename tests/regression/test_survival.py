@@ -9,6 +9,7 @@ runs these two.
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -69,6 +70,21 @@ class Restart(unittest.TestCase):
         self.assertEqual(runs.rows(output), before)
         for name in ("checkpoint_000020.h5.stale", "particles_000020.hdf.stale", "vtu/particles_000020.pvtu.stale"):
             self.assertTrue((output / name).exists(), name)
+
+    def test_copies_that_a_user_made_are_left_alone(self):
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        scene, output = folder.scene(CUBE + FRAMES + CHECKPOINTS.format(10, 1)), folder.path("out")
+        runs.run_well(1, scene, output, "--steps", 20)
+        copies = [(output / name, output / copy) for name, copy in (
+            ("checkpoint_000020.h5", "checkpoint_000005_good.h5"), ("checkpoint_000020.h5", "checkpoint_000099_final.h5"),
+            ("checkpoint_000020.h5", "checkpoint_21.h5"), ("vtu/particles_000020.pvtu", "vtu/particles_000099_mine.pvtu"),
+            ("particles_000020.hdf", "particles_000099_mine.hdf"))]
+        for name, copy in copies:
+            shutil.copyfile(name, copy)
+        runs.run_well(2, scene, output, "--steps", 40, "--restart", "latest")
+        self.assertEqual([copy.name for _, copy in copies if not copy.exists()], [])
+        self.assertEqual(sorted(path.name for path in output.glob("checkpoint_??????.h5")), ["checkpoint_000040.h5"])
 
 
 class SceneChanges(unittest.TestCase):
