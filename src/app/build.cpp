@@ -97,6 +97,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
+  if (options.lock != nullptr) options.lock->take();
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
         comm,

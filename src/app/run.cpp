@@ -92,6 +92,8 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   options.directory = line.output.empty() ? scene.output.directory : line.output;
   options.progress = line.progress;
   options.last_step = line.steps.value_or(scene.steps());
+  OutputLock lock(session.comm(), options.directory);
+  options.lock = &lock;
   std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
   const bool goes_on = restart && restart->state;
   check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);

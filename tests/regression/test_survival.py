@@ -9,8 +9,10 @@ runs these two.
 import json
 import os
 import random
+import re
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -325,6 +327,31 @@ class Failures(unittest.TestCase):
         code, told = runs.run(2, scene, output, "--steps", 1, "--restart", "latest")  # past step 0, no checkpoint
         self.assertEqual(code, 2, told)
         self.assertIn("no checkpoint", told)
+
+
+class TwoRuns(unittest.TestCase):
+    """In one folder at a time."""
+
+    def setUp(self):
+        self.folder = Folder()
+        self.addCleanup(self.folder.cleanup)
+        self.scene, self.output = self.folder.scene(CUBE + CHECKPOINTS.format(5, 2)), self.folder.path("out")
+
+    def test_beside_a_live_one_nothing_is_done_and_after_its_kill_all(self):
+        live = runs.start(2, self.scene, self.output, "--steps", 10**7)
+        runs.wait_for_row(self.output, 20, live)
+        for ranks, arguments in ((1, []), (2, ["--restart", "latest"])):
+            code, told = runs.run(ranks, self.scene, self.output, "--steps", 10, *arguments)
+            self.assertEqual(code, 2, told)
+            self.assertIn(f"another run is writing here (host {socket.gethostname()}, process ", told)
+            self.assertIn(int(re.search(r"process (\d+)", told)[1]), runs.ranks_of(live))
+        self.assertFalse(list(self.output.glob("*.stale")))
+        runs.kill_one(live, 0)
+        self.assertNotEqual(runs.finish(live)[0], 0)
+        steps = runs.column(self.output, "step")
+        self.assertEqual(steps, list(range(len(steps))))
+        runs.run_well(2, self.scene, self.output, "--steps", int(steps[-1]) + 10, "--restart", "latest")
+        self.assertFalse((self.output / "run.lock").exists())
 
 
 class Slurm(unittest.TestCase):
