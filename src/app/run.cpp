@@ -96,6 +96,17 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   options.lock = &lock;
   std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
   const bool goes_on = restart && restart->state;
+// Whether a restart has steps to do. One that would have to go back is refused: it would set aside what is newer.
+bool has_steps_left(const Restart& restart, const Scene& scene, const CommandLine& line) {
+  if (!restart.state) return true;
+  const std::int64_t step = restart.state->step, last = line.steps.value_or(scene.steps());
+  if (last >= step) return last > step;
+  const std::string at = restart.file + " is at step " + std::to_string(step) + " already; ";
+  if (line.steps) throw InputError("--steps " + std::to_string(last) + ": " + at + "give a later step");
+  throw InputError(scene.path + ": [time] end: the run ends at step " + std::to_string(last) + ", and " + at +
+                   "give a later end, for example with --set time.end");
+}
+
   check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart) tell(session, restart->message);
   for (const std::string& warning : envelope_warnings(scene)) tell(session, "warning: " + warning);
@@ -107,6 +118,10 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on};
   const std::int64_t last_step = options.last_step;
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
+  if (restart && !has_steps_left(*restart, scene, line)) {
+    tell(session, "which is the last; nothing to do");
+    return ExitCode::done;
+  }
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
   if (outcome.code == ExitCode::stopped) {

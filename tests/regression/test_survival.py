@@ -74,6 +74,23 @@ class Restart(unittest.TestCase):
             self.assertTrue((output / name).exists(), name)
 
     def test_copies_that_a_user_made_are_left_alone(self):
+    def test_never_backwards(self):
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        text, output = CUBE + CHECKPOINTS.format(10, 10), folder.path("out")
+        scene = folder.scene(text)
+        runs.run_well(1, scene, output, "--steps", 30)
+        kept = {path: path.read_bytes() for path in output.iterdir()}
+        early = folder.scene(text.replace("end = 1.0", "end = 0.3"), "early.toml")
+        for ranks in (1, 2):
+            for path, arguments, expected, words in ((scene, ["--steps", 20], 2, "--steps 20: "), (early, [], 2, "[time] end"),
+                                                     (scene, ["--steps", 30], 0, "nothing to do")):
+                code, told = runs.run(ranks, path, output, "--restart", "latest", *arguments)
+                self.assertEqual(code, expected, told)
+                self.assertIn(words, told)
+                self.assertIn("checkpoint_000030.h5", told)
+                self.assertEqual({path: path.read_bytes() for path in output.iterdir()}, kept)
+
         folder = Folder()
         self.addCleanup(folder.cleanup)
         scene, output = folder.scene(CUBE + FRAMES + CHECKPOINTS.format(10, 1)), folder.path("out")
