@@ -52,6 +52,8 @@ bool is_in(const std::string& file, const std::string& directory) {
 }
 
 void check(const std::string& directory, const std::optional<std::string>& restart_file) {
+  const std::string stop = directory + "/stop";
+  if (fs::is_regular_file(stop)) throw InputError(stop + ": would stop the run at once; remove it first");
   const std::string trace = trace_of_a_run(directory);
   if (trace.empty() || (restart_file && is_in(*restart_file, directory))) return;
   throw InputError(directory + ": holds another run (" + trace +

@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 
@@ -29,7 +30,8 @@ Session::Session(int& argc, char**& argv) {
   MPI_Comm_size(comm(), &size_);
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
-  PetscLogDefaultBegin();  // run.json reads its phases from the log, -log_view or not
+  std::signal(SIGPIPE, SIG_IGN);  // a run goes on when nobody reads its progress any more
+  PetscLogDefaultBegin();         // run.json reads its phases from the log, -log_view or not
   agree_on_instruction_set(comm());
   flush_denormals();
 }

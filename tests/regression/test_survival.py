@@ -15,6 +15,7 @@ import signal
 import socket
 import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
@@ -210,14 +211,25 @@ class Signals(unittest.TestCase):
         self.assertIn("stopped", reason(self.output))
 
     def test_stop_file(self):
-        text = CUBE + CHECKPOINTS.format(1000, 2)
-        self.output.mkdir()
-        (self.output / "stop").touch()
-        code, told = runs.run(2, self.folder.scene(text), self.output, "--steps", 500)
+        def act(process):
+            (self.output / "stop").mkdir()  # no file, so no request
+            time.sleep(2)  # the run looks once a second
+            (self.output / "stop").rmdir()
+            (self.output / "stop").touch()
+        code, told = self.interrupt(CUBE + CHECKPOINTS.format(100000, 2), act, steps=10**7)
         self.assertEqual(code, 4, told)
         self.assertFalse((self.output / "stop").exists())
         self.assertEqual(reason(self.output), "stopped: the stop file")
-        self.go_on(told)
+        last = int(runs.column(self.output, "step")[-1])
+        runs.run_well(2, self.folder.path("scene.toml"), self.output, "--restart", "latest", "--steps", last + 5)
+
+    def test_nobody_reads_the_progress(self):
+        launched = [runs.TREVI, self.folder.scene(CUBE), "--output", self.output, "--steps", "50", "--progress", "bar"]
+        reading, writing = os.pipe()
+        os.close(reading)
+        done = subprocess.run(launched, stderr=writing, env=runs.environment(), timeout=runs.TIMEOUT, check=False)
+        os.close(writing)
+        self.assertEqual(done.returncode, 0)
 
     def test_wall_limit(self):
         code, told = runs.run(2, self.folder.scene(CUBE + '[run]\nwall_limit = "0.2s"\n'), self.output, "--steps", 5000)
