@@ -76,9 +76,10 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
 
 std::string time_text(const Scene& scene) {
   const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
-  const Real by_speed = v > 0 ? 0.4 * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
-  return fmt::format("time        {} steps of {:.6g} s; dt by CFL 0.4: {:.3g} s at {:.3g} m/s{}\n", scene.steps(),
-                     scene.dt, std::min(by_speed, by_gravity), v, scene.cfl > 0 ? "; steps are split to keep it" : "");
+  const Real cfl = scene.cfl > 0 ? scene.cfl : 0.4;
+  const Real by_speed = v > 0 ? cfl * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
+  return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}\n", scene.steps(),
+                     scene.dt, cfl, std::min(by_speed, by_gravity), v, scene.cfl > 0 ? "; longer steps are split" : "");
 }
 
 std::string output_text(const Scene& scene, const std::string& directory) {

@@ -1,6 +1,10 @@
 #include "trevi/app/initial_particles.hpp"
 
+#include <fmt/format.h>
+#include <petscsys.h>
+
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "trevi/app/lattice.hpp"
@@ -8,6 +12,7 @@
 #include "trevi/domain/migrate.hpp"
 #include "trevi/parallel/reductions.hpp"
 #include "trevi/parallel/session.hpp"
+#include "trevi/particles/packed.hpp"
 
 namespace trevi {
 
@@ -29,11 +34,16 @@ void add_particle(Particles& particles, GlobalId id, const Vec3& position, const
   particles.velocity.push_back(velocity);
 }
 
-void add_layer(Particles& particles, const Lattice& lattice, int axis, GlobalId layer, const ParticleSource& block,
+struct Layer {
+  int axis;  // across which it lies
+  GlobalId number;
+};
+
+void add_layer(Particles& particles, const Lattice& lattice, Layer layer, const ParticleSource& block,
                GlobalId first_id) {
   std::array<GlobalId, 3> begin = {0, 0, 0}, end = lattice.count;
-  begin[static_cast<std::size_t>(axis)] = layer;
-  end[static_cast<std::size_t>(axis)] = layer + 1;
+  begin[static_cast<std::size_t>(layer.axis)] = layer.number;
+  end[static_cast<std::size_t>(layer.axis)] = layer.number + 1;
   for (GlobalId k = begin[2]; k < end[2]; ++k) {
     for (GlobalId j = begin[1]; j < end[1]; ++j) {
       for (GlobalId i = begin[0]; i < end[0]; ++i) {
@@ -69,22 +79,29 @@ void check_inside(MPI_Comm comm, const Scene& scene, const Particles& particles,
   }
 }
 
+// Returns the ids that the rows take, from 0 to the largest.
+GlobalId append_file(MPI_Comm comm, const std::string& path, GlobalId first_id, Particles& particles) {
+  const ParticleRows rows = read_particle_file(comm, path);
+  if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
+  append_rows(particles, rows, first_id);
+  GlobalId last = -1;
+  for (const GlobalId id : rows.id) last = std::max(last, id);
+  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
+  return last + 1;
+}
+
 FileParticles read_files(MPI_Comm comm, const Scene& scene) {
   FileParticles result;
   GlobalId next_id = 0;
   for (const ParticleSource& source : scene.particles) {
     result.first_id.push_back(next_id);
-    if (source.type == ParticleSource::Type::block) {
-      next_id += Lattice(source, scene.fluid.spacing).size();
-      continue;
+    next_id += source.type == ParticleSource::Type::block ? Lattice(source, scene.fluid.spacing).size()
+                                                          : append_file(comm, source.path, next_id, result.particles);
+    if (next_id > end_of_ids) {
+      throw InputError(scene.path +
+                       ": ids of all [[particles]] together pass 2^62; leave /particles/id out of the files "
+                       "to number their rows");
     }
-    const ParticleRows rows = read_particle_file(comm, source.path);
-    if (rows.total == 0) throw InputError(source.path + ": /particles/position: no particles; write one row for each");
-    append_rows(result.particles, rows, next_id);
-    GlobalId last = -1;
-    for (const GlobalId id : rows.id) last = std::max(last, id);
-    MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
-    next_id += last + 1;
   }
   check_inside(comm, scene, result.particles, scene.path);
   return result;
@@ -98,10 +115,22 @@ void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += counted[k];
 }
 
+// The unknowns of PETSc's solver are three a particle, those of all ranks counted together.
+void check_unknowns(const Scene& scene, const std::vector<Real>& weights) {
+  const Real particles = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (scene.density.method != Method::anderson || 3 * particles <= static_cast<Real>(PETSC_MAX_INT)) return;
+  throw InputError(
+      fmt::format("{}: [density] method = \"anderson\" can count {:.0f} particles with this PETSc, got "
+                  "{:.0f}; use another method",
+                  scene.path, std::floor(static_cast<Real>(PETSC_MAX_INT) / 3), particles));
+}
+
 Slabs first_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights) {
   const std::vector<Real> ones(weights.size(), 1);
   Slabs slabs(scene.slabs == SlabCuts::equal ? ones : weights, size_of(comm));
-  slabs.check_capacity(weights, grid.cells_per_plane());
+  check_unknowns(scene, weights);
+  const bool single = scene.density.precision == Precision::single;
+  slabs.check_capacity(weights, grid.cells_per_plane(), single ? sizeof(Packed<float>) : sizeof(Packed<double>));
   return slabs;
 }
 
@@ -161,7 +190,7 @@ InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid
     const Lattice lattice(source, scene.fluid.spacing);
     for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
       if (state.slabs.owner(plane) != rank) return;
-      add_layer(state.particles, lattice, grid.slab_axis(), layer, source, files.first_id[s]);
+      add_layer(state.particles, lattice, {grid.slab_axis(), layer}, source, files.first_id[s]);
     });
   }
   if (scene.colour == Colour::rainbow_x) add_hue(comm, state.particles);

@@ -59,7 +59,7 @@ double resident_bytes() {
   return static_cast<double>(usage.ru_maxrss) * 1024;
 }
 
-// Pair loops of the density solve: two passes an iteration over the pairs of a substep.
+// Where the passes over pairs are made that the solver counts.
 double pair_seconds(const std::vector<PhaseReport>& phases) {
   double seconds = 0;
   for (const PhaseReport& phase : phases) {

@@ -12,6 +12,7 @@
 #include "trevi/output/blowup.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/output_directory.hpp"
+#include "trevi/output/vtu.hpp"
 #include "trevi/parallel/collective.hpp"
 
 namespace trevi {
@@ -157,6 +158,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     write_preview(session, scene, {line.preview, line.steps.value_or(scene.steps())});
     return ExitCode::done;
   }
+  if (scene.output.vtu) require_vtk();
   if (line.dry_run) {
     print_dry_run(session, scene, line.output.empty() ? scene.output.directory : line.output);
     flush_output(session.comm());

@@ -118,7 +118,7 @@ void PhysicsReader::read_fluid() {
 
 void PhysicsReader::check_kernel_radius() {
   constexpr Real rounding = 1e-9;  // 0.06 / 0.05 need not be 1.2 or more
-  constexpr Real most_cells = 1e6;
+  constexpr Real most_cells = 1e6, most_cells_in_plane = 2e9;
   const Real h = scene_.fluid.kernel_radius, ratio = h / scene_.fluid.spacing;
   const Vec3 extent = scene_.domain_max - scene_.domain_min;
   const std::string value = fmt::format("{} m{}", h, fluid_.given("kernel_radius") ? "" : " (the default)");
@@ -135,6 +135,12 @@ void PhysicsReader::check_kernel_radius() {
     domain_.check("max", extent.maxCoeff() <= most_cells * h,
                   fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
                               extent.maxCoeff(), h));
+    const Real cells = extent[1 - scene_.slab_axis] * extent.z() / (h * h);
+    domain_.check(
+        "max", cells < most_cells_in_plane,
+        fmt::format("a plane across the slab axis has {:.3g} cells of the kernel radius {} m, where 2e9 can be "
+                    "counted; make the box smaller, or take another slab_axis",
+                    cells, h));
   }
 }
 

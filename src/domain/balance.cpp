@@ -20,6 +20,7 @@ Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, Lo
 bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {
   if (slabs.ranks() == 1 || step % interval != 0) return false;
   std::vector<Real> mine;
+  mine.reserve(static_cast<std::size_t>(order.planes()));
   for (LocalId k = 0; k < order.planes(); ++k) mine.push_back(plane_work(order, list, k, k + 1));
   const std::vector<Real> work = gather_planes(comm_, mine);
   const Real now = slabs.imbalance(work);
@@ -27,7 +28,8 @@ bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourL
   history_.sum += now;
   history_.max = std::max(history_.max, now);
   Slabs even(work, slabs.ranks());
-  if (even.imbalance(work) > now - least_gain_) return false;
+  // Where the water has gone a rank may get many empty planes, more than it can count the cells of.
+  if (even.imbalance(work) > now - least_gain_ || !even.cells_fit(order.grid().cells_per_plane())) return false;
   slabs = std::move(even);
   ++history_.moves;
   return true;

@@ -1,6 +1,7 @@
 #include "trevi/domain/halo.hpp"
 
 #include "trevi/base/error.hpp"
+#include "trevi/domain/slabs.hpp"
 #include "trevi/parallel/session.hpp"
 
 namespace trevi {
@@ -9,7 +10,7 @@ namespace {
 constexpr int low = 0, high = 1;
 
 int message_length(std::size_t bytes) {
-  require(bytes < 2147483648U, "a boundary plane exceeds 2 GB; use smaller planes or another slab axis");
+  require(bytes < most_message_bytes, "a boundary plane exceeds 2 GB; use smaller planes or another slab axis");
   return static_cast<int>(bytes);
 }
 }  // namespace

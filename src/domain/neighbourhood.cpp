@@ -1,6 +1,5 @@
 #include "trevi/domain/neighbourhood.hpp"
 
-#include "trevi/base/error.hpp"
 #include "trevi/base/growth.hpp"
 
 namespace trevi {
@@ -24,13 +23,6 @@ void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last
   }
   const ScopedEvent timed(search_event_);
   list_.rebuild(order_, records_);
-  if (list_.crowded() >= 0) {
-    const auto i = static_cast<std::size_t>(list_.crowded());
-    throw RunError(
-        "particle " + std::to_string(particles.id[i]) + " has more than " +
-        std::to_string(NeighbourList::most_neighbours) +
-        " neighbours: the water has collapsed into a point; use a smaller dt, time.cfl, or under-relaxation");
-  }
 }
 
 template <class T>

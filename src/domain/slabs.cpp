@@ -12,6 +12,8 @@ namespace trevi {
 
 namespace {
 
+constexpr Real most_counted = 2e9;  // below 2^31, with room for water that gathers
+
 // The last cut with at most this weight before it.
 LocalId cut_at(std::span<const Real> before, Real weight) {
   return static_cast<LocalId>(std::upper_bound(before.begin(), before.end(), weight) - before.begin()) - 1;
@@ -80,19 +82,45 @@ Real Slabs::imbalance(std::span<const Real> weights) const {
   return before.back() > 0 ? heaviest(before, cuts_) * ranks() / before.back() : 1;
 }
 
-void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane) const {
-  constexpr Real most = 2e9;  // below 2^31, with room for water that gathers
+Real Slabs::cells(int rank, LocalId cells_per_plane) const {
+  return static_cast<Real>(last_plane(rank) - first_plane(rank) + 2) * cells_per_plane;
+}
+
+bool Slabs::cells_fit(LocalId cells_per_plane) const {
+  for (int r = 0; r < ranks(); ++r) {
+    if (cells(r, cells_per_plane) > most_counted) return false;
+  }
+  return true;
+}
+
+void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
   for (int r = 0; r < ranks(); ++r) {
     const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
     const auto last = std::min(static_cast<std::size_t>(last_plane(r)) + 1, weights.size());
     const Real particles = std::accumulate(weights.begin() + static_cast<std::ptrdiff_t>(first),
                                            weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
-    const Real cells = static_cast<Real>(last_plane(r) - first_plane(r) + 2) * cells_per_plane;
-    if (particles <= most && cells <= most) continue;
+    const Real cells_of_rank = cells(r, cells_per_plane);
+    if (particles <= most_counted && cells_of_rank <= most_counted) continue;
     throw InputError(
         fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
                     "use more ranks",
-                    r, ranks(), particles, cells));
+                    r, ranks(), particles, cells_of_rank));
+  }
+  check_messages(weights, cells_per_plane, record_bytes);
+}
+
+// Of what travels, records are the most for each particle, and numbers of the coarse grid for each cell.
+void Slabs::check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
+  for (int r = 1; r < ranks(); ++r) {
+    for (const LocalId plane : {first_plane(r) - 1, first_plane(r)}) {
+      const Real records = weights[static_cast<std::size_t>(plane)] * static_cast<Real>(record_bytes);
+      const Real bytes = std::max(records, static_cast<Real>(cells_per_plane) * sizeof(Real));
+      if (bytes < most_message_bytes) continue;
+      throw InputError(
+          fmt::format("cell plane {} at a cut between two ranks would have {:.3g} GB to send, where a message holds 2; "
+                      "use another [domain] slab_axis or a single rank",
+                      plane, bytes / 1e9));
+    }
   }
 }
 

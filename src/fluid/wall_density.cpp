@@ -68,7 +68,7 @@ AnalyticWallDensity::AnalyticWallDensity(const Box& box, Real spacing, Real h)
 
 void AnalyticWallDensity::tabulate(int dimensions) {
   const int side = layers_ + 1;
-  const auto entries = static_cast<int>(std::pow(side, dimensions) + 0.5);
+  const auto entries = static_cast<int>(std::lround(std::pow(side, dimensions)));
   Table& table = tables_[static_cast<std::size_t>(dimensions) - 1];
   for (int entry = 0; entry < entries; ++entry) {
     // The first plane is the most significant digit.

@@ -21,6 +21,15 @@ void check_finite(const std::vector<Vec3>& field, GlobalId first_row, const std:
                                first_row + (bad - field.begin()), (*bad)[0], (*bad)[1], (*bad)[2]));
 }
 
+void check_ids(const std::vector<GlobalId>& ids, GlobalId first_row, const std::string& object) {
+  const auto bad = std::find_if(ids.begin(), ids.end(), [](GlobalId id) { return id < 0 || id >= end_of_ids; });
+  if (bad == ids.end()) return;
+  throw InputError(
+      fmt::format("{}: row {} is {}, where ids are from 0 and below 2^62; change it, or leave ids out to "
+                  "number the rows",
+                  object, first_row + (bad - ids.begin()), *bad));
+}
+
 }  // namespace
 
 ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice) {
@@ -53,6 +62,7 @@ void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::str
   all_or_none(comm, [&] {
     check_finite(rows.position, rows.first, path + ": /particles/position");
     check_finite(rows.velocity, rows.first, path + ": /particles/velocity");
+    check_ids(rows.id, rows.first, path + ": /particles/id");
   });
   const IdOrder order(comm, rows.id);
   all_or_none(comm, [&] {

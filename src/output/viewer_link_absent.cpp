@@ -5,7 +5,9 @@
 namespace trevi {
 
 std::unique_ptr<ViewerLink> connect_viewer(const std::string&) {
-  throw InputError("--view: this build cannot be watched live; build with -DTREVI_WITH_LIVE=ON (needs libzmq3-dev)");
+  throw InputError(
+      "--view: this build cannot be watched live; configure with -DTREVI_WITH_LIVE=ON (it needs libzmq3-dev, "
+      "cppzmq-dev), or leave --view out");
 }
 
 }  // namespace trevi

@@ -4,10 +4,15 @@
 
 namespace trevi {
 
-std::unique_ptr<Observer> make_vtu_writer(MPI_Comm, VtuOptions) {
+void require_vtk() {
   throw InputError(
-      "[output.vtu]: this build has no VTK; configure with -DTREVI_WITH_VTK=ON, or use [output.vtkhdf] or "
-      "[output.checkpoint]");
+      "[output.vtu]: this build has no VTK; configure with -DTREVI_WITH_VTK=ON (it needs libvtk9-dev), or use "
+      "[output.vtkhdf], which ParaView opens, too");
+}
+
+std::unique_ptr<Observer> make_vtu_writer(MPI_Comm, VtuOptions) {
+  require_vtk();
+  return nullptr;
 }
 
 std::string vtk_version() { return "absent"; }

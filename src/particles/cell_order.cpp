@@ -15,7 +15,7 @@ void CellOrder::count(const Particles& particles, LocalId first) {
     const Vec3& p = particles.predicted[i];
     const LocalId plane = grid_.plane_of(p) - first;
     assert(plane >= 0 && plane < planes_);
-    // 32 bits are enough for the cells of one rank: Slabs::check_capacity has seen to it.
+    // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
     cell_[i] = static_cast<LocalId>(static_cast<std::size_t>(plane) * cells()) + grid_.cell_in_plane(p);
     ++counts_[static_cast<std::size_t>(cell_[i])];
   }

@@ -34,7 +34,17 @@ struct Bounds {
   }
 
   std::array<T, 3> relative(const Record& r) const {
-    return {static_cast<T>(r.x - anchor.x), static_cast<T>(r.y - anchor.y), static_cast<T>(r.z - anchor.z)};
+    return {difference(r.x, anchor.x), difference(r.y, anchor.y), difference(r.z, anchor.z)};
+  }
+
+ private:
+  using Coordinate = typename Record::Coordinate;
+  static T difference(Coordinate a, Coordinate b) {
+    if constexpr (std::is_integral_v<Coordinate>) {  // wraps around every 1024 h, which signed integers must not
+      return static_cast<T>(static_cast<Coordinate>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b)));
+    } else {
+      return a - b;
+    }
   }
 };
 
@@ -193,8 +203,9 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
         candidates.append(records, row_begin, row_end, bounds);
       });
       candidates.close();
-      rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding) * count);
       for (LocalId n = 0; n < count; ++n, ++i) {
+        // Row by row: for a whole cell that a crowd fills it would be more memory than there is.
+        rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding));
         const LocalId self = begin + n;
         const auto place = bounds.relative(records[static_cast<std::size_t>(self)]);
         const std::size_t found = near(candidates, self, place, rows.index.data() + end);

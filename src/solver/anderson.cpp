@@ -42,7 +42,7 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
 }
 
 // Stops on the compression that the user asked for, not on the norm of a displacement.
-template <class T>
+template <class T>  // PETSc gives the parameters. NOLINTNEXTLINE(readability-function-size)
 PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConvergedReason* reason, void* context) {
   const auto& settings_and_problem = *static_cast<std::pair<const DensitySettings*, DensityProblem<T>*>*>(context);
   const bool met = within_tolerance(*settings_and_problem.first, *settings_and_problem.second);
@@ -57,7 +57,7 @@ PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConv
 template <class T>
 SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   std::vector<Vec3>& places = problem.particles().predicted;
-  const auto size = static_cast<PetscInt>(3 * places.size());
+  const auto size = static_cast<PetscInt>(3 * places.size());  // fits: initial_particles() has seen to it
   Residual<T> residual{problem, settings_.relaxation, longest_};
   std::pair<const DensitySettings*, DensityProblem<T>*> goal{&settings_, &problem};
   Vec start = nullptr, f = nullptr;

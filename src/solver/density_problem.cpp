@@ -42,22 +42,28 @@ void DensityProblem<T>::start(Particles& particles) {
 template <class T>
 void DensityProblem<T>::lambda_of(PlaneRun run) {
   constraint_.lambdas(pairs(), {run.begin, run.end}, particles_->predicted, rho_, near_.records());
-  const auto run_pairs = static_cast<double>(near_.list().first(run.end) - near_.list().first(run.begin));
-  log_flops(run_pairs * DensityConstraint<T>::density_flops);
+  count_pass(run, DensityConstraint<T>::density_flops);
+}
+
+template <class T>
+void DensityProblem<T>::count_pass(PlaneRun run, double flops_per_pair) {
+  const auto pairs = static_cast<double>(near_.list().first(run.end) - near_.list().first(run.begin));
+  pair_passes_ += pairs;
+  log_flops(pairs * flops_per_pair);
 }
 
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   constraint_.deltas(pairs(), {0, near_.order().owned()}, particles_->predicted, delta_);
-  log_flops(static_cast<double>(near_.list().pairs()) * DensityConstraint<T>::delta_flops);
+  count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
 template <class T>
 void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
   compute_density();
   coarse.displacements<T>(near_.order(), near_.halo(), rho_, particles_->predicted, delta_);
-  separate_coincident();
+  if (near_.list().crowded() < 0) separate_coincident();  // of a crowd it would look at each pair
 }
 
 // Opposite shifts for the two, so that the momentum stays. Coincident particles share a cell, but for rounding; the
@@ -92,7 +98,7 @@ template <class T>
 void DensityProblem<T>::compute_density() {
   const ScopedEvent timed(lambda_event_);
   constraint_.densities(pairs(), {0, near_.order().owned()}, particles_->predicted, rho_);
-  log_flops(static_cast<double>(near_.list().pairs()) * DensityConstraint<T>::density_flops);
+  count_pass(near_.all(), DensityConstraint<T>::density_flops);
 }
 
 template <class T>

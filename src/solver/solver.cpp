@@ -1,5 +1,7 @@
 #include "trevi/solver/solver.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -87,10 +89,13 @@ void PbfSolver<T>::follow(std::vector<Vec3> Particles::*place) {
 template <class T>
 void PbfSolver<T>::find_neighbours() {
   const int rank = rank_of(parts_.comm);
-  try {
-    near_.rebuild(parts_.particles, parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank));
-  } catch (const RunError& crowded) {  // on this rank alone: told when all agree
-    guard_.note(parts_.clock.step + 1, crowded.what());
+  near_.rebuild(parts_.particles, parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank));
+  if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: told when all agree
+    guard_.note(
+        parts_.clock.step + 1,
+        fmt::format("particle {} has more than {} neighbours: the water has collapsed into a point; use a smaller dt, "
+                    "time.cfl, or under-relaxation",
+                    parts_.particles.id[static_cast<std::size_t>(i)], NeighbourList::most_neighbours));
   }
   problem_.start(parts_.particles);
   measure_drift_ = last_substep_ && wanted(&Observer::wants_diagnostics, parts_.clock.step + 1);
@@ -138,16 +143,20 @@ template <class T>
 void PbfSolver<T>::observe() {
   const Clock& clock = parts_.clock;
   const bool diagnose = wanted(&Observer::wants_diagnostics, clock.step);
-  if (diagnose || wanted(&Observer::wants_density, clock.step)) problem_.compute_density();
+  std::span<const Real> density;  // else that of the last iteration, before its shift
+  if (diagnose || wanted(&Observer::wants_density, clock.step)) {
+    problem_.compute_density();
+    density = problem_.density();
+  }
   Diagnostics row;
   if (diagnose) {
     const ScopedEvent timed(diagnostics_event_);
-    row = (*parts_.diagnostics)({parts_.particles, problem_.density(), drift_, near_.order(), near_.list()});
+    row = (*parts_.diagnostics)({parts_.particles, density, drift_, near_.order(), near_.list()});
     row.iterations = last_solve_.iterations;
     row.wall_seconds = stopwatch_.seconds();
   }
   fountain_states_ = fountains();
-  const Frame frame{clock, parts_.particles, problem_.density(), diagnose ? &row : nullptr, fountain_states_};
+  const Frame frame{clock, parts_.particles, density, diagnose ? &row : nullptr, fountain_states_};
   for (const auto& observer : parts_.observers) {
     if (observer->due(clock)) observer->observe(frame);
   }
@@ -180,7 +189,6 @@ std::vector<FountainState> PbfSolver<T>::fountains() const {
 
 template <class T>
 void PbfSolver<T>::count_work() {
-  counters_.pair_passes += 2.0 * static_cast<double>(near_.list().pairs()) * last_solve_.iterations;
   counters_.iterations += last_solve_.iterations;
   counters_.unconverged += last_solve_.converged ? 0 : 1;
   ++counters_.substeps;
@@ -189,6 +197,7 @@ void PbfSolver<T>::count_work() {
 template <class T>
 Solver::Counters PbfSolver<T>::counters() const {
   Counters counters = counters_;
+  counters.pair_passes = problem_.pair_passes();
   counters.halo_bytes = near_.halo().bytes();
   counters.halo_messages = near_.halo().messages();
   counters.balance = parts_.balance->history();

@@ -1,6 +1,7 @@
 #include "child.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +23,7 @@ int code_of(int status) { return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : 
 
 Child::Child(const std::vector<std::string>& words, const ChildOptions& options) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t files;
@@ -59,7 +61,7 @@ std::optional<std::string> find_program(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     std::istringstream folders(path != nullptr ? path : "");
     for (std::string folder; std::getline(folders, folder, ':');) {
-      const std::string file = folder + "/" + name;
+      const std::string file = fmt::format("{}/{}", folder, name);
       if (access(file.c_str(), X_OK) == 0) return file;
     }
   }

@@ -8,7 +8,7 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw InputError(
-      "this build cannot watch runs live; build with -DTREVI_WITH_LIVE=ON (needs libzmq3-dev, cppzmq-dev)");
+      "this build cannot watch runs live; configure with -DTREVI_WITH_LIVE=ON (it needs libzmq3-dev, cppzmq-dev)");
 }
 
 }  // namespace

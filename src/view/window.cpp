@@ -26,7 +26,6 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 
 constexpr int tick_milliseconds = 10;
-constexpr int margin = 8;  // pixels around texts
 
 double seconds_between(WallClock::time_point from, WallClock::time_point to) {
   return std::chrono::duration<double>(to - from).count();

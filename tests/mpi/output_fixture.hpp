@@ -113,6 +113,7 @@ class Output : public testing::Test {
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
   const std::string& folder() const { return folder_; }
 
+ private:
   std::string folder_;
 };
 

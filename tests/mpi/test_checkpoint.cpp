@@ -126,8 +126,8 @@ class Damaged : public Output {
  protected:
   void SetUp() override {
     Output::SetUp();
-    all_ = whole_cloud(1000);
-    write_checkpoint(world, path("good.h5"), info, frame_of(Clock{1, 0.1, 1}, my_part(all_)));
+    all = whole_cloud(1000);
+    write_checkpoint(world, path("good.h5"), info, frame_of(Clock{1, 0.1, 1}, my_part(all)));
   }
   void write_as(const std::string& name, const std::string& content) {
     if (rank_of(world) == 0) std::ofstream(path(name), std::ios::binary) << content;
@@ -147,7 +147,7 @@ class Damaged : public Output {
     }
     barrier();
   }
-  Particles all_;
+  Particles all;
 };
 
 void write_table(hid_t file, const char* name, hid_t type, std::vector<hsize_t> shape) {
@@ -172,7 +172,7 @@ TEST_F(Damaged, MissingForeignAndTruncatedFiles) {
 TEST_F(Damaged, FlippedBitMeetsTheChecksum) {
   std::string content = text_of(path("good.h5"));
   std::string bytes(24, '\0');
-  std::memcpy(bytes.data(), all_.position[900].data(), 24);
+  std::memcpy(bytes.data(), all.position[900].data(), 24);
   const std::size_t at = content.find(bytes);
   ASSERT_NE(at, std::string::npos);
   content[at + 3] = static_cast<char>(content[at + 3] ^ 1);

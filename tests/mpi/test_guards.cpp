@@ -1,5 +1,5 @@
 // The guards of the step under sabotage: a forcing that spoils one particle on one rank. Every rank must throw the same
-// BlowUp in that very step, and none may wait for another for ever.
+// BlowUp in that very step, and none may wait for another for ever. And what the step hands to observers.
 #include <functional>
 
 #include "output_fixture.hpp"
@@ -31,7 +31,8 @@ class Saboteur : public Forcing {
 Particles block(const CellGrid& grid, const Slabs& slabs) {
   Particles particles;
   for (int n = 0; n < 160; ++n) {
-    const Vec3 place = 0.1 * Vec3(n / 16 + 0.5, n / 4 % 4 + 0.5, n % 4 + 0.5);
+    const int i = n / 16, j = n / 4 % 4, k = n % 4;
+    const Vec3 place = 0.1 * Vec3(i + 0.5, j + 0.5, k + 0.5);
     if (slabs.owner(grid.plane_of(place)) != rank_of(world)) continue;
     particles.id.push_back(n);
     particles.position.push_back(place);
@@ -158,6 +159,27 @@ TEST(Guards, RequestsOfOneRankReachAll) {
   solver.step();
   EXPECT_EQ(count_of(solver.requests(), Request::checkpoint), 1);
   EXPECT_FALSE(stop_reason(solver.requests()).has_value());
+}
+
+/// Looks at every step and counts the densities it is given.
+struct Onlooker : Observer {
+  bool wants = true;
+  std::size_t given = 0;
+  bool due(const Clock&) const override { return true; }
+  bool wants_density() const override { return wants; }
+  void observe(const Frame& frame) override { given = frame.density.size(); }
+};
+
+TEST(Observers, DensitiesAreThereWhenAskedForAndThenOnly) {
+  SolverParts<double> parts = parts_with([](Particles&) {});
+  auto* onlooker = new Onlooker;
+  parts.observers.emplace_back(onlooker);
+  PbfSolver<double> solver(std::move(parts));
+  solver.start();
+  EXPECT_EQ(onlooker->given, solver.particles().id.size());
+  onlooker->wants = false;
+  solver.step();
+  EXPECT_EQ(onlooker->given, 0U);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Ids, counts and file offsets past 2^31, by arithmetic: what belongs to all ranks together is counted in 64 bits, and
 // what one rank could not count in 32 is refused before it is made. Nothing here takes memory; files are mostly holes.
 #include <gtest/gtest.h>
+#include <petscsys.h>
 
 #include <numeric>
 
@@ -19,12 +20,12 @@ namespace {
 constexpr GlobalId past = GlobalId{1} << 31U;
 
 /// A basin of 4000 x 1000 x `layers` particles, full to the brim; 2000 planes of cells.
-Scene large_scene(int layers) {
+Scene large_scene(int layers, const std::vector<std::string>& overrides = {}) {
   const std::string corner = "[400.0, 100.0, " + std::to_string(layers) + "e-1]\n";
   return parse_scene("large.toml",
                      "[domain]\nmin = [0, 0, 0]\nmax = " + corner + "[fluid]\nspacing = 0.1\n" +
                          "[[particles]]\nmin = [0, 0, 0]\nmax = " + corner + "[time]\ndt = 0.01\nend = 1\n",
-                     {});
+                     overrides);
 }
 
 CellGrid grid_of(const Scene& scene) {
@@ -50,15 +51,43 @@ TEST(LargeCounts, PlanesAreWeighedAndCutWithoutParticles) {
   EXPECT_THROW(initial_slabs(world, larger, grid_of(larger), weights), InputError);
   EXPECT_EQ(std::accumulate(weights.begin(), weights.end(), 0.0), 1e11);
   const Slabs slabs(weights, 200);
-  EXPECT_NO_THROW(slabs.check_capacity(weights, grid_of(larger).cells_per_plane()));
+  EXPECT_NO_THROW(slabs.check_capacity(weights, grid_of(larger).cells_per_plane(), 16));
   EXPECT_DOUBLE_EQ(slabs.imbalance(weights), 1);
 }
 
 TEST(LargeCounts, WhatARankCannotCountIsRefused) {
   const std::vector<Real> weights(100, 1e8);
-  EXPECT_NO_THROW(Slabs(weights, 10).check_capacity(weights, 1000));
-  EXPECT_THROW(Slabs(weights, 5).check_capacity(weights, 1000), InputError) << "with its ghosts it has 2.2e9";
-  EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, 200'000'000), InputError) << "2.4e9 cells with ghosts";
+  EXPECT_NO_THROW(Slabs(weights, 10).check_capacity(weights, 1000, 16));
+  EXPECT_THROW(Slabs(weights, 5).check_capacity(weights, 1000, 16), InputError) << "with its ghosts it has 2.2e9";
+  EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, 200'000'000, 16), InputError) << "2.4e9 cells with ghosts";
+}
+
+TEST(LargeCounts, CutsAreNotMovedToWhereCellsCannotBeCounted) {
+  std::vector<Real> gathered(100, 0);
+  gathered[0] = gathered[1] = 1;  // the second of two ranks gets 99 planes
+  EXPECT_TRUE(Slabs(gathered, 2).cells_fit(19'000'000)) << "1.92e9 with its ghosts";
+  EXPECT_FALSE(Slabs(gathered, 2).cells_fit(21'000'000)) << "2.1e9";
+  EXPECT_TRUE(Slabs(std::vector<Real>(100, 1), 2).cells_fit(21'000'000));
+}
+
+TEST(LargeCounts, SolversOfPetscCountUnknownsIn32Bits) {
+  const std::string anderson = "density.method='anderson'";
+  std::vector<Real> weights;
+  const Scene scene = large_scene(200);  // 8e8 particles
+  EXPECT_NO_THROW(initial_slabs(world, scene, grid_of(scene), weights));
+  const Scene refused = large_scene(200, {anderson});
+  if (sizeof(PetscInt) == 4) {
+    EXPECT_THROW(initial_slabs(world, refused, grid_of(refused), weights), InputError);
+  }
+  const Scene smaller = large_scene(150, {anderson});  // 6e8
+  EXPECT_NO_THROW(initial_slabs(world, smaller, grid_of(smaller), weights));
+}
+
+TEST(LargeCounts, PlanesThatNoMessageHoldsAreRefused) {
+  const std::vector<Real> weights(8, 1e8);
+  EXPECT_THROW(Slabs(weights, 2).check_capacity(weights, 1000, 32), InputError) << "3.2 GB of records";
+  EXPECT_THROW(Slabs(weights, 4).check_capacity(weights, 300'000'000, 16), InputError) << "2.4 GB of the coarse grid";
+  EXPECT_NO_THROW(Slabs(weights, 1).check_capacity(weights, 1000, 32)) << "nothing is sent";
 }
 
 TEST(LargeCounts, RandomNumbersSeeTheUpperHalfOfAnId) {

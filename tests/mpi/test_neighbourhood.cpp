@@ -125,6 +125,42 @@ TYPED_TEST(NeighbourhoodOf, RowsCanBeReadPastTheirEnd) {
   }
 }
 
+/// The list of particles that one rank alone has.
+template <class T>
+NeighbourList list_of(const CellGrid& grid, const std::vector<Vec3>& places) {
+  Particles particles;
+  particles.predicted = places;
+  particles.resize(places.size());
+  std::iota(particles.id.begin(), particles.id.end(), GlobalId{0});
+  CellOrder order(grid);
+  order.sort(particles, 0, grid.planes());
+  order.add_ghosts({}, {});
+  const Encoding<T> encoding(Vec3::Zero(), radius);
+  std::vector<Packed<T>> records;
+  for (const Vec3& p : particles.predicted) records.push_back(encoding(p, T{0}));
+  NeighbourList list;
+  list.rebuild(order, records);
+  return list;
+}
+
+TYPED_TEST(NeighbourhoodOf, CrowdIsFoundBeforeItTakesMemory) {
+  const CellGrid grid(Vec3::Zero(), Vec3::Ones(), radius, 0);
+  const NeighbourList list = list_of<TypeParam>(grid, std::vector<Vec3>(6000, Vec3::Constant(0.1)));
+  EXPECT_EQ(list.crowded(), 0);
+  EXPECT_LT(list.bytes(), 200 * list.size()) << "rows of the whole cell would be 4 * 6000 a particle";
+}
+
+// Coordinates of single precision wrap around 512 h from the corner, here inside a cell.
+TYPED_TEST(NeighbourhoodOf, CellsAcross512RadiiHaveTheirNeighbours) {
+  const CellGrid grid(Vec3::Zero(), Vec3(110.1, 0.6, 0.6), radius, 0);
+  const Real border = 512 * radius;
+  ASSERT_EQ(grid.plane_of(Vec3(border - 0.05, 0, 0)), grid.plane_of(Vec3(border + 0.05, 0, 0)));
+  std::vector<Vec3> places;
+  for (int n = 0; n < 20; ++n) places.emplace_back(border - 0.29 + 0.03 * n, 0.3, 0.3);
+  const NeighbourList list = list_of<TypeParam>(grid, places);  // within a cell by id, thus along x
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(list.count(i), std::min(i, 6) + std::min(19 - i, 6)) << "particle " << i;
+}
+
 /// Moves the predicted places of all particles by a function of their id, migrates, and looks for each particle.
 template <class Move>
 void expect_migration_conserves(const Cloud& all, Move&& move) {

@@ -136,14 +136,14 @@ class Ranks : public Output {
     GlobalId migrated = many.migrated;
     MPI_Allreduce(MPI_IN_PLACE, &migrated, 1, MPI_INT64_T, MPI_SUM, world);
     EXPECT_EQ(migrated > 0, size_of(world) > 1) << "a test in which nobody moves proves little";
-    cut_moves_ += many.cut_moves;
+    cut_moves += many.cut_moves;
   }
-  mutable std::int64_t cut_moves_ = 0;
+  mutable std::int64_t cut_moves = 0;
 };
 
 TEST_F(Ranks, FallingCube) {
   expect_same_on_one_rank(cube_scene, {"density.precision='double'"});
-  EXPECT_EQ(cut_moves_ > 0, size_of(world) > 1) << "nor does one in which the cuts stay where they are";
+  EXPECT_EQ(cut_moves > 0, size_of(world) > 1) << "nor does one in which the cuts stay where they are";
 }
 
 TEST_F(Ranks, FallingCubeInSinglePrecision) { expect_same_on_one_rank(cube_scene, {"density.precision='single'"}); }

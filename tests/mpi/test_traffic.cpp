@@ -9,7 +9,7 @@
 namespace trevi::test {
 namespace {
 
-constexpr int planes = 17, rows = 2, columns = 3, water_columns = 2;
+constexpr int rows = 2, columns = 3, water_columns = 2;
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
 const std::string still_scene = R"(

@@ -1,22 +1,18 @@
 // VTU frames, read back with VTK's own reader, with an empty rank among the writers.
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPUnstructuredGridReader.h>
+
 #include <algorithm>
 
 #include "output_fixture.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/vtu.hpp"
 
-#ifdef TREVI_WITH_VTK
-#include <vtkDataArray.h>
-#include <vtkNew.h>
-#include <vtkPointData.h>
-#include <vtkUnstructuredGrid.h>
-#include <vtkXMLPUnstructuredGridReader.h>
-#endif
-
 namespace trevi {
 namespace {
-
-#ifdef TREVI_WITH_VTK
 
 VtuOptions vtu_options(const std::string& folder) {
   VtuOptions options;
@@ -109,14 +105,6 @@ TEST_F(Output, VtuFailuresReachAllRanks) {
   barrier();
   EXPECT_THROW(writer->observe(frame_of(Clock{}, my_part(whole_cloud(5)))), RunError);
 }
-
-#else
-
-TEST_F(Output, VtuNamesItsAbsence) {
-  expect_mentions(input_error_of([&] { make_vtu_writer(world, {}); }), {"[output.vtu]", "TREVI_WITH_VTK"});
-}
-
-#endif
 
 }  // namespace
 }  // namespace trevi

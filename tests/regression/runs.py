@@ -15,6 +15,8 @@ from pathlib import Path
 import h5py
 import numpy
 
+from program import WITHOUT
+
 ROOT = Path(__file__).resolve().parents[2]
 TREVI = os.environ.get("TREVI", str(ROOT / "build/release/trevi"))
 MPIEXEC = os.environ.get("MPIEXEC", "mpirun")
@@ -76,13 +78,15 @@ FRAMES = """
 [colour]
 by = "rainbow_x"
 
-[output.vtu]
-every_steps = 10
-fields = ["rgb"]
-
 [output.vtkhdf]
 every_steps = 10
 fields = ["rgb", "id"]
+"""
+if "VTK" not in WITHOUT:
+    FRAMES += """
+[output.vtu]
+every_steps = 10
+fields = ["rgb"]
 """
 CHECKPOINTS = """
 [output.checkpoint]

@@ -106,6 +106,8 @@ PARTICLE_FILES = {
     "outside": (element("particles/position", 3, [9, 0, 0]), ["1 particles are outside the box"]),
     "short velocity": (replace("particles/velocity", PLACES[:-1]), ["/particles/velocity", "599 rows", "600"]),
     "ids twice": (element("particles/id", 5, 6), ["/particles/id", "6 occurs more than once"]),
+    "an id below 0": (element("particles/id", 5, -6), ["/particles/id", "row 5 is -6", "from 0"]),
+    "an id too large": (element("particles/id", 5, 2**63 - 1), ["/particles/id", "row 5", "below 2^62"]),
     "broken ids": (replace("particles/id", IDS + 0.5), ["/particles/id", "wrong type", "integers"]),
     "ids in two columns": (replace("particles/id", numpy.stack([IDS, IDS], 1)), ["/particles/id", "shape (600, 2)"]),
     "no rows": (lambda file: [replace("particles/" + n, numpy.zeros(s))(file) for n, s in
@@ -199,7 +201,8 @@ def main():
                 failed += bool(found)
                 for line in found:
                     print(f"FAILED {case}: {line}", flush=True)
-    print(f"{count} cases, {failed} failed")
+    print(f"bad files: {len(PARTICLE_FILES)} of particles and {len(CHECKPOINT_FILES)} checkpoints, each on "
+          f"{' and '.join(map(str, ranks))} ranks: {count} cases, {failed} failed")
     return 1 if failed else 0
 
 

@@ -2,12 +2,13 @@
 """Bad input through the whole program, on one and on two ranks: exit code 2, the message names file, line and key and
 is printed once, nothing is written, and no rank is left waiting."""
 
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy
 
-from program import ProgramTest, main
+from program import WITHOUT, ProgramTest, main
 
 # The good scene, by line: each case replaces one line, so the number of the bad line is known.
 GOOD = ["[domain]", "min = [0, 0, 0]", "max = [2, 1, 1]", "[fluid]", "spacing = 0.1", "kernel_radius = 0.2",
@@ -20,6 +21,7 @@ BAD_LINES = {
     "unknown table": (14, "[output.series]\nevery_steps = 1\n[swirl]", ["scene.toml:16:", "swirl"]),
     "wrong type": (5, "spacing = 'wide'", ["scene.toml:5:", "spacing"]),
     "negative spacing": (5, "spacing = -0.1", ["scene.toml:5:", "spacing"]),
+    "cells past counting": (3, "max = [9000, 9000, 10000]", ["scene.toml:3:", "max", "2.25e+09 cells"]),
     "h > box": (6, "kernel_radius = 1.5", ["scene.toml:6:", "kernel_radius"]),
     "particles outside": (10, "max = [1, 1.4, 0.5]", ["scene.toml:10:", "particles", "max"]),
     "dt = 0": (12, "dt = 0", ["scene.toml:12:", "dt"]),
@@ -39,6 +41,12 @@ def scene_of_file():
 
 
 class BadInput(ProgramTest):
+    tried = Counter()  # ranks -> cases
+
+    @classmethod
+    def tearDownClass(cls):
+        print("bad scenes, files and commands:", ", ".join(f"{cls.tried[n]} on {n} ranks" for n in sorted(cls.tried)))
+
     def refuse(self, name, text, arguments, words, ranks, prepare=None):
         """Runs the program on one bad case in a folder of its own and returns what it did wrong, if anything."""
         folder = self.folder / f"{name} on {ranks}"
@@ -61,6 +69,7 @@ class BadInput(ProgramTest):
         """Several at a time, as most of a refusal is mpirun's waiting."""
         with ThreadPoolExecutor(4) as pool:
             runs = [pool.submit(self.refuse, *case[:4], ranks, *case[4:]) for case in cases for ranks in rank_counts]
+        self.tried.update({ranks: len(cases) for ranks in rank_counts})
         failures = [run.result() for run in runs if run.result()]
         self.assertFalse(failures, "\n".join(failures))
 
@@ -114,6 +123,20 @@ class BadInput(ProgramTest):
     def test_more_ranks_than_planes(self):
         text = "\n".join(GOOD).replace("max = [2, 1, 1]", "max = [1, 1, 1]")
         self.assert_all_refused([("planes", text, ["scene.toml"], ["planes", "5", "ranks", "6"])], rank_counts=(6,))
+
+    def test_parts_that_are_not_built(self):
+        fountain = "\n[[fountain]]\ncenter = [1, 0.5]\nspeed_range = [1, 2]\nmusic = 'song."
+        cases = {"VTK": ("\n[output.vtu]\nevery = 1", [], ["[output.vtu]", "[output.vtkhdf]"]),
+                 "MIDI": (fountain + "mid'", [], ["[[fountain]] music", "song.mid", ".txt"]),
+                 "SOUND": (fountain + "wav'", [], ["[[fountain]] music", "song.wav", ".txt"]),
+                 "LIVE": ("", ["--view", "localhost:5555"], ["--view", "leave"])}
+        if not WITHOUT:
+            self.skipTest("all parts are built")
+        for part in WITHOUT:
+            more, arguments, words = cases[part]
+            self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments],
+                                      [f"-DTREVI_WITH_{part}=ON", *words],
+                                      lambda folder: [(folder / f"song.{end}").touch() for end in ("mid", "wav")])])
 
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)

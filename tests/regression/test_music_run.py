@@ -14,9 +14,11 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from program import INPUTS, WITHOUT
+
 ROOT = Path(__file__).resolve().parents[2]
-SCENE = ROOT / "inputs/musical_fountain_small.toml"
-QUIET = ["--progress", "none", "--set", "output.vtu.every=100.0"]
+SCENE = INPUTS / "musical_fountain_small.toml"
+QUIET = ["--progress", "none", "--set", f"output.{'vtkhdf' if 'VTK' in WITHOUT else 'vtu'}.every=100.0"]
 TREVI, MPIEXEC = "build/release/trevi", "mpiexec"
 
 

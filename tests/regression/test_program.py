@@ -65,6 +65,14 @@ class Outputs(ProgramTest):
         report = json.loads((self.folder / "run" / "run.json").read_text())
         self.assertIn("done", json.dumps(report))
 
+    def test_time_of_a_pair_is_that_of_the_passes_made(self):
+        self.run_well(2, CUBE, "--output", "run", "--steps", 3)  # the coarse grid's one pass, sweeps' two, those of rows
+        report = json.loads((self.folder / "run" / "run.json").read_text())
+        phases = {phase["name"]: phase for phase in report["phases"]}
+        seconds = 2 * sum(phases[name]["seconds"]["mean"] for name in ("Lambda", "Delta"))
+        passes = phases["Lambda"]["flops"] / 27 + phases["Delta"]["flops"] / 24  # DensityConstraint: of a pair
+        self.assertAlmostEqual(report["nanoseconds_per_pair"] / (1e9 * seconds / passes), 1, 6)
+
     def test_second_run_into_the_same_folder_is_refused(self):
         self.run_well(1, CUBE, "--output", "run", "--steps", 1)
         before = self.contents()
@@ -79,6 +87,12 @@ class Outputs(ProgramTest):
             result = self.run_well(ranks, CUBE, "--dry-run")
             self.assertIn("3072", result.stdout.replace(",", ""))
             self.assertEqual(self.contents(), {})
+
+    def test_dry_run_knows_the_cfl_number_of_the_run(self):
+        for cfl, told in ((2, "CFL 2: "), (0.5, "CFL 0.5: 0.0155 s"), (0, "CFL 0.4: 0.0124 s")):
+            result = self.run_well(1, CUBE, "--dry-run", "--set", f"time.cfl={cfl}")
+            self.assertIn(told, result.stdout)
+            self.assertEqual("steps are split" in result.stdout, cfl > 0)
 
     def test_dry_run_knows_the_memory_of_the_run(self):
         for ranks, settings in ((1, []), (2, ["--set", "vorticity.epsilon=0.002", "--set", "viscosity.c=0.001"])):

@@ -71,8 +71,11 @@ class Restart(unittest.TestCase):
         before = runs.rows(output)
         runs.run_well(2, scene, output, "--steps", 30, "--restart", output / "checkpoint_000010.h5")
         self.assertEqual(runs.rows(output), before)
-        for name in ("checkpoint_000020.h5.stale", "particles_000020.hdf.stale", "vtu/particles_000020.pvtu.stale"):
-            self.assertTrue((output / name).exists(), name)
+        names = ["checkpoint_000020.h5", "particles_000020.hdf"]
+        if "[output.vtu]" in FRAMES:
+            names.append("vtu/particles_000020.pvtu")
+        for name in names:
+            self.assertTrue((output / f"{name}.stale").exists(), name)
 
     def test_copies_that_a_user_made_are_left_alone(self):
     def test_never_backwards(self):
@@ -314,8 +317,8 @@ class Failures(unittest.TestCase):
 
     def test_disk_full(self):
         outputs = {"checkpoint": CHECKPOINTS.format(1, 1000), "series": CHECKPOINTS.format(10, 1000),
-                   "vtkhdf": CHECKPOINTS.format(5, 2) + "[output.vtkhdf]\nevery_steps = 1\nfields = ['velocity', 'density', 'id']",
-                   "vtu": CHECKPOINTS.format(5, 2) + "[output.vtu]\nevery_steps = 1\nfields = ['velocity', 'density', 'id']"}
+                   **{name: CHECKPOINTS.format(5, 2) + f"[output.{name}]\nevery_steps = 1\nfields = ['velocity', 'density', 'id']"
+                      for name in ("vtu", "vtkhdf") if f"[output.{name}]" in FRAMES}}
         for name, text in outputs.items():
             with self.subTest(name), tempfile.TemporaryDirectory() as disk:
                 mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True)

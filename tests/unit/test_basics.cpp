@@ -97,8 +97,8 @@ TEST(Slabs, MoreRanksThanPlanesIsAnInputError) {
     const Slabs slabs(std::vector<Real>(3, 1.0), 4);
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("3"), std::string::npos);
-    EXPECT_NE(std::string(error.what()).find("4"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find('3'), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find('4'), std::string::npos);
   }
 }
 

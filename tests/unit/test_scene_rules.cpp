@@ -13,6 +13,7 @@ struct BadScene {
   std::string words;  ///< part of the message
 };
 
+// GoogleTest looks for this name. NOLINTNEXTLINE(readability-identifier-naming)
 void PrintTo(const BadScene& bad, std::ostream* out) { *out << bad.place << " <- " << bad.replacement; }
 
 class BadSceneTest : public testing::TestWithParam<BadScene> {};

@@ -24,8 +24,8 @@ class Neighbourhood {
   Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
-  /// particles must be in the planes [first, last). Throws RunError, on the rank concerned alone, that names a particle
-  /// with too many neighbours; the list then lacks it and those after it, and the collective calls may go on.
+  /// particles must be in the planes [first, last). A particle may have too many neighbours, on the rank concerned
+  /// alone (list().crowded()); the list then lacks it and those after it, and the collective calls may go on.
   void rebuild(Particles& particles, LocalId first, LocalId last);
 
   /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.

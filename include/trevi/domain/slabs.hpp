@@ -14,6 +14,9 @@ struct Box {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
 };
 
+/// A message between neighbour slabs is shorter than this: MPI counts its bytes in an int.
+inline constexpr std::size_t most_message_bytes = std::size_t{1} << 31;
+
 class Slabs {
  public:
   /// Cuts the planes so that the largest weight of a rank is as small as whole planes allow. `weights`: one per plane,
@@ -26,12 +29,17 @@ class Slabs {
   int owner(LocalId plane) const;
   /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;
-  /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts.
-  /// `weights`: particles of each plane.
-  void check_capacity(std::span<const Real> weights, LocalId cells_per_plane) const;
+  /// Whether each rank, with its ghost planes, can count its cells in a LocalId.
+  bool cells_fit(LocalId cells_per_plane) const;
+  /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts, or a
+  /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, `record_bytes` each.
+  void check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
   const std::vector<LocalId>& cuts() const { return cuts_; }
 
  private:
+  Real cells(int rank, LocalId cells_per_plane) const;  // ghost planes included
+  void check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
+
   std::vector<LocalId> cuts_;  // ranks + 1
 };
 

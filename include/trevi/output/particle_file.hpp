@@ -20,14 +20,18 @@ struct ParticleRows : Particles {
   GlobalId first = 0;  ///< row number of this rank's first
 };
 
-/// For [[particles]] type = "file": velocity defaults to zero, id to the row number. Numbers are finite, ids unique.
+/// For [[particles]] type = "file": velocity defaults to zero, id to the row number. Numbers are finite, ids unique and
+/// from 0.
 ParticleRows read_particle_file(MPI_Comm comm, const std::string& path);
 
 /// Rank-local part of the above: one slice of the /particles/position.rows(), values unchecked, with all the fields of
 /// a checkpoint that are there.
 ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice);
 
-/// Collective: throws InputError naming `path` when a number is not finite or an id occurs twice.
+/// Ids are below this, those of all sources of a scene together, too: sums of two do not overflow.
+inline constexpr GlobalId end_of_ids = GlobalId{1} << 62;
+
+/// Collective: throws InputError naming `path` when a number is not finite, or an id occurs twice or is out of range.
 void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::string& path);
 
 }  // namespace trevi

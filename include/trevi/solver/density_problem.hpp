@@ -53,11 +53,14 @@ class DensityProblem {
   const Walls& walls() const { return walls_; }
   Particles& particles() { return *particles_; }
   std::span<const Real> density() const { return rho_; }
+  /// Pairs times passes over them so far, those for observers among them: what the phases Lambda and Delta consist of.
+  double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Quad<T>); }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
   void lambda_of(PlaneRun run);
+  void count_pass(PlaneRun run, double flops_per_pair);
   void separate_coincident();
 
   MPI_Comm comm_;
@@ -67,6 +70,7 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   std::vector<Real> rho_;
   std::vector<Quad<T>> delta_;
+  double pair_passes_ = 0;
   Event lambda_event_{"Lambda"}, delta_event_{"Delta"}, move_event_{"Move"};
 };
 

@@ -46,7 +46,7 @@ class Solver {
 
   /// Work and traffic of this rank so far, for run.json.
   struct Counters {
-    double pair_passes = 0;       ///< pairs times passes of the density solve
+    double pair_passes = 0;       ///< as DensityProblem::pair_passes()
     std::int64_t iterations = 0;  ///< density iterations, summed over substeps
     std::int64_t substeps = 0;
     std::int64_t unconverged = 0;  ///< solves that missed their tolerance
