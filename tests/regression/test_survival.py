@@ -77,7 +77,6 @@ class Restart(unittest.TestCase):
         for name in names:
             self.assertTrue((output / f"{name}.stale").exists(), name)
 
-    def test_copies_that_a_user_made_are_left_alone(self):
     def test_never_backwards(self):
         folder = Folder()
         self.addCleanup(folder.cleanup)
@@ -95,6 +94,7 @@ class Restart(unittest.TestCase):
                 self.assertIn("checkpoint_000030.h5", told)
                 self.assertEqual({path: path.read_bytes() for path in output.iterdir()}, kept)
 
+    def test_copies_that_a_user_made_are_left_alone(self):
         folder = Folder()
         self.addCleanup(folder.cleanup)
         scene, output = folder.scene(CUBE + FRAMES + CHECKPOINTS.format(10, 1)), folder.path("out")
