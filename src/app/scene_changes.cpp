@@ -88,6 +88,13 @@ bool may_change(const std::string& path) {
   return false;
 }
 
+/// Why not even --set may change it; empty when it may.
+std::string why_never(const std::string& path) {
+  if (path == "time.dt") return "steps of another length need a run of their own";
+  if (path.starts_with("particles.")) return "a restart has its particles from the checkpoint; put it back";
+  return {};
+}
+
 /// Sorts the changes into those that are fine and those that are not.
 class Comparison {
  public:
@@ -95,15 +102,15 @@ class Comparison {
     const std::string change =
         fmt::format("{}: {} -> {}", path, then ? then->text : "(absent)", now ? now->text : "(absent)");
     const bool asked_for = now && now->by_override;
-    if (may_change(path) || (asked_for && path != "time.dt")) {
+    const std::string never = why_never(path);
+    if (may_change(path) || (asked_for && never.empty())) {
       allowed.push_back(change);
       return;
     }
     const std::string where = now ? now->origin + ": " : "";
-    const std::string remedy = path == "time.dt" ? "steps of another length need a run of their own"
-                               : now             ? fmt::format("put it back, or say --set {}={}", path, now->text)
-                                                 : "put it back";
-    refused.push_back(fmt::format("{}{}; {}", where, change, remedy));
+    std::string remedy = then && then->by_override ? fmt::format("say {} again", then->origin) : "put it back";
+    if (now) remedy += fmt::format(", or say --set {}={}", path, now->text);
+    refused.push_back(fmt::format("{}{}; {}", where, change, never.empty() ? remedy : never));
   }
   std::vector<std::string> allowed, refused;
 };

@@ -145,7 +145,19 @@ class SceneChanges(unittest.TestCase):
         self.assertIn("tensile.k: 0.001 -> 0.002", told)
         code, told = self.restart(self.text)  # the override is part of the run now
         self.assertEqual(code, 2, told)
-        self.assertIn("--set tensile.k=0.001", told)
+        self.assertIn("say --set tensile.k=0.002 again, or say --set tensile.k=0.001", told)
+
+    def test_particles_never(self):
+        code, told = self.restart(self.text, "--set", "particles.0.velocity=[1,0,0]")
+        self.assertEqual(code, 2, told)
+        self.assertIn("particles.0.velocity: (absent) -> [1, 0, 0]; a restart has its particles from the checkpoint", told)
+
+    def test_an_override_that_is_left_out(self):
+        code, told = self.restart(self.text, "--set", "domain.slab_axis=y")
+        self.assertEqual(code, 0, told)
+        code, told = self.restart(self.text)
+        self.assertEqual(code, 2, told)
+        self.assertIn("say --set domain.slab_axis=y again", told)
 
     def test_length_of_a_step_never(self):
         code, told = self.restart(self.text, "--set", "time.dt=0.01")

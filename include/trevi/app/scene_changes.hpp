@@ -1,6 +1,7 @@
 // What changed between the scene a checkpoint was made with and the scene it is restarted with, key by key.
 // Times and outputs may change freely: [time] end, [output], [colour], [run]. What changes the physics may not, unless
-// the command line says so with --set; and time.dt may not at all, as times are numbers of steps times dt.
+// the command line says so with --set; and time.dt may not at all, as times are numbers of steps times dt, nor
+// [[particles]], which a restart does not read.
 // The texts are compared as parsed documents, so comments, order and the way a number is written do not count.
 // Not collective; the same texts give the same answer on all ranks.
 #pragma once
