@@ -120,6 +120,22 @@ class BadInput(ProgramTest):
             (folder / "out/scene/stop").touch()
         self.assert_all_refused([("stop", "\n".join(GOOD), ["scene.toml"], ["out/scene/stop:", "remove it"], prepare)])
 
+    def test_output_that_cannot_be(self):
+        def file(name):
+            def prepare(folder):
+                path = folder / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.touch()
+            return prepare
+        self.assert_all_refused([(name, "\n".join(GOOD), ["scene.toml", *arguments], words, prepare)
+                                 for name, arguments, words, prepare in (
+            ("a file", ["--output", "o"], ["o: cannot be the folder", "is a file", "--output"], file("o")),
+            ("a file for frames", [], ["out/scene/vtu: cannot be the folder"], file("out/scene/vtu")),
+            ("too long", ["--output", "o" * 300], ["File name too long", "--output"], None),
+            ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"],
+             file("out/scene/vtu/particles_000000.pvtu")),
+        )])
+
     def test_more_ranks_than_planes(self):
         text = "\n".join(GOOD).replace("max = [2, 1, 1]", "max = [1, 1, 1]")
         self.assert_all_refused([("planes", text, ["scene.toml"], ["planes", "5", "ranks", "6"])], rank_counts=(6,))
