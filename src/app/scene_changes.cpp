@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <sstream>
 
 #include "scene_overrides.hpp"
 #include "trevi/base/error.hpp"
+#include "trevi/output/checksums.hpp"
+#include "trevi/parallel/session.hpp"
 
 namespace trevi {
 namespace {
@@ -117,8 +120,17 @@ class Comparison {
 
 }  // namespace
 
+std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene) {
+  std::vector<std::int64_t> sums;
+  for (const FountainSettings& fountain : scene.fountains) {
+    const bool has_file = fountain.music && fountain.music->source != "-";
+    sums.push_back(has_file ? checksum(read_file_everywhere(comm, fountain.music->source)) : 0);
+  }
+  return sums;
+}
+
 std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,
-                                       const Scene& scene) {
+                                       const Scene& scene, const std::vector<std::int64_t>& music) {
   const Values then = values_of({checkpoint_path, info.scene_text, info.scene_overrides});
   const Values now = values_of({scene.path, scene.text, scene.overrides});
   Comparison comparison;
@@ -129,6 +141,17 @@ std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::st
   }
   for (const auto& [path, value] : then) {
     if (!now.contains(path)) comparison.add(path, &value, nullptr);
+  }
+  for (std::size_t k = 0; k < std::min(music.size(), info.music.size()); ++k) {
+    const std::string path = fmt::format("fountain.{}.music", k);
+    const auto old = then.find(path), name = now.find(path);
+    const bool same_name = old != then.end() && name != now.end() && old->second.text == name->second.text;
+    if (same_name && music[k] != info.music[k]) {
+      comparison.refused.push_back(
+          fmt::format("{}: {}: not what the run has played so far; put the file back, or say --set {} "
+                      "with a new name",
+                      scene.fountains[k].music->source, path, path));
+    }
   }
   if (comparison.refused.empty()) return comparison.allowed;
   std::string all = checkpoint_path + ": made with another scene; a restart may not change the physics:";

@@ -147,6 +147,17 @@ class SceneChanges(unittest.TestCase):
         self.assertEqual(code, 2, told)
         self.assertIn("say --set tensile.k=0.002 again, or say --set tensile.k=0.001", told)
 
+    def test_music_under_its_old_name(self):
+        scene, output = self.folder.scene(FOUNTAIN + MUSIC + CHECKPOINTS.format(10, 2)), self.folder.path("music")
+        self.folder.scene(SCORE, "score.txt")
+        runs.run_well(2, scene, output, "--steps", 10)
+        self.folder.scene(SCORE.replace("E4", "F4"), "score.txt")
+        code, told = runs.run(2, scene, output, "--restart", "latest", "--steps", 12)
+        self.assertEqual(code, 2, told)
+        self.assertIn("score.txt: fountain.0.music: not what the run has played so far", told)
+        os.rename(self.folder.path("score.txt"), self.folder.path("new.txt"))
+        runs.run_well(1, scene, output, "--restart", "latest", "--steps", 12, "--set", "fountain.0.music=new.txt")
+
     def test_particles_never(self):
         code, told = self.restart(self.text, "--set", "particles.0.velocity=[1,0,0]")
         self.assertEqual(code, 2, told)
