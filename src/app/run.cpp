@@ -1,5 +1,7 @@
 #include "trevi/app/run.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
 
 #include "trevi/app/build.hpp"
@@ -18,6 +20,14 @@ namespace {
 
 void tell(const Session& session, const std::string& text) {
   if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", text.c_str());
+}
+
+void warn_of_missed_tolerances(const Session& session, const Solver::Counters& counters) {
+  if (counters.unconverged == 0) return;
+  tell(session,
+       fmt::format("warning: {} of {} density solves missed density.tolerance; use more density.iterations or a "
+                   "smaller dt",
+                   counters.unconverged, counters.substeps));
 }
 
 // To the last step, or until somebody asks for a stop, which a run that is at its end anyway does not notice.
@@ -107,6 +117,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
+  warn_of_missed_tolerances(session, solver->counters());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();
     tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);

@@ -6,7 +6,7 @@ namespace trevi {
 
 template <class T>
 Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
-    : comm_(comm), order_(grid), halo_(comm), encoding_(origin, h) {}
+    : order_(grid), halo_(comm), encoding_(origin, h) {}
 
 template <class T>
 void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last) {

@@ -48,7 +48,6 @@ class Neighbourhood {
   std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes(); }
 
  private:
-  MPI_Comm comm_;
   CellOrder order_;
   Halo halo_;
   Encoding<T> encoding_;

@@ -32,7 +32,6 @@ class CellOrder {
   LocalId planes() const { return planes_; }  ///< owned ones
   LocalId owned() const { return owned_; }
   LocalId low_ghosts() const { return low_ghosts_; }
-  LocalId high_ghosts() const { return high_ghosts_; }
   LocalId size() const { return low_ghosts_ + owned_ + high_ghosts_; }
 
   /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned
