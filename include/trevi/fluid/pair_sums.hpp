@@ -1,6 +1,6 @@
 // The sums over neighbours that the method consists of, dimensionless (u = r/h, t = 1 − u, r̂ from j to i), vectorised.
 // This is where the run time goes. Each sum is one small kernel under one common traversal of the neighbour list
-// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp, vorticity.hpp and xsph.hpp.
+// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp and velocity_filter.hpp.
 // Pairs that have drifted beyond h on the frozen list contribute nothing. Terms are added in the order of the list,
 // lane by lane: the same bits wherever a particle is stored. Not collective.
 #pragma once
