@@ -47,13 +47,13 @@ void DensityProblem<T>::start(Particles& particles) {
 }
 
 template <class T>
-void DensityProblem<T>::lambda_of(PlaneRun run) {
-  constraint_.lambdas(pairs(), {run.begin, run.end}, particles_->predicted, rho_, near_.records());
+void DensityProblem<T>::lambda_of(Range run) {
+  constraint_.lambdas(pairs(), run, particles_->predicted, rho_, near_.records());
   count_pass(run, DensityConstraint<T>::density_flops);
 }
 
 template <class T>
-void DensityProblem<T>::count_pass(PlaneRun run, double flops_per_pair) {
+void DensityProblem<T>::count_pass(Range run, double flops_per_pair) {
   const auto pairs = static_cast<double>(near_.list().first(run.end) - near_.list().first(run.begin));
   pair_passes_ += pairs;
   log_flops(pairs * flops_per_pair);
@@ -62,7 +62,7 @@ void DensityProblem<T>::count_pass(PlaneRun run, double flops_per_pair) {
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
-  constraint_.deltas(pairs(), {0, near_.order().owned()}, particles_->predicted, delta_);
+  constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
@@ -104,7 +104,7 @@ void DensityProblem<T>::separate_coincident() {
 template <class T>
 void DensityProblem<T>::compute_density() {
   const ScopedEvent timed(lambda_event_);
-  constraint_.densities(pairs(), {0, near_.order().owned()}, particles_->predicted, rho_);
+  constraint_.densities(pairs(), near_.all(), particles_->predicted, rho_);
   count_pass(near_.all(), DensityConstraint<T>::density_flops);
 }
 

@@ -17,12 +17,6 @@ struct Pairs {
   LocalId low_ghosts;
 };
 
-/// Owned particles [begin, end).
-struct Range {
-  LocalId begin = 0, end = 0;
-  LocalId size() const { return end - begin; }
-};
-
 /// s_corr = −k ((1 − u²)/(1 − dq²))^(3n), the report's −k (W6(r)/W6(dq h))ⁿ; k in the unit of lambda, m².
 struct Tensile {
   Real k = 0;
