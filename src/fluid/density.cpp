@@ -1,16 +1,11 @@
 #include "trevi/fluid/density.hpp"
 
 #include <algorithm>
-#include <array>
 
+#include "fluid/for_each_sum.hpp"
 #include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
-
-namespace {
-// Particles summed before their sums are used: the sums stay in the first-level cache.
-constexpr LocalId chunk = 128;
-}  // namespace
 
 Real particle_mass(const FluidSettings& fluid) {
   if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
@@ -46,23 +41,10 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
 }
 
 template <class T>
-template <class Use>
-void DensityConstraint<T>::for_each_sum(const Pairs<T>& pairs, Range range, Use&& use) const {
-  std::array<Quad<T>, chunk> sums;
-  std::array<T, chunk> squares;
-  for (LocalId begin = range.begin; begin < range.end; begin += chunk) {
-    const Range part{begin, std::min(begin + chunk, range.end)};
-    density_loop_(pairs, part, sums.data(), squares.data());
-    for (LocalId k = 0; k < part.size(); ++k)
-      use(begin + k, sums[static_cast<std::size_t>(k)], squares[static_cast<std::size_t>(k)]);
-  }
-}
-
-template <class T>
 void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                      std::span<Real> rho) const {
-  for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T) {
-    const auto k = static_cast<std::size_t>(i);
+  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { density_loop_(pairs, part, sums, squares); };
+  for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T) {
     rho[k] = density(model_, sum.w);
     if (walls_) rho[k] += model_.rest_density * walls_->at(p[k]).density;
   });
@@ -71,8 +53,8 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
                                    std::vector<Packed<T>>& records) const {
-  for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T squares) {
-    const auto k = static_cast<std::size_t>(i);
+  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { density_loop_(pairs, part, sums, squares); };
+  for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T squares) {
     rho[k] = density(model_, sum.w);
     Vec3 gradient = -gradient_factor_ * vector_of(sum);
     if (walls_) {

@@ -62,9 +62,6 @@ class DensityConstraint {
   static constexpr double density_flops = 27, delta_flops = 24;
 
  private:
-  template <class Use>
-  void for_each_sum(const Pairs<T>& pairs, Range range, Use&& use) const;
-
   DensityModel model_;
   Real gradient_factor_;  // m/rho0 times that of Spiky, 1/m
   PairLoops<T> loops_;

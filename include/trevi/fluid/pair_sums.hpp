@@ -1,6 +1,6 @@
 // The sums over neighbours that the method consists of, dimensionless (u = r/h, t = 1 − u, r̂ from j to i), vectorised.
 // This is where the run time goes. Each sum is one small kernel under one common traversal of the neighbour list
-// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp, vorticity.hpp and xsph.hpp.
+// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp and velocity_filter.hpp.
 // Pairs that have drifted beyond h on the frozen list contribute nothing. Terms are added in the order of the list,
 // lane by lane: the same bits wherever a particle is stored. Not collective.
 #pragma once
@@ -15,12 +15,6 @@ struct Pairs {
   const std::vector<Packed<T>>& records;
   const NeighbourList& list;
   LocalId low_ghosts;
-};
-
-/// Owned particles [begin, end).
-struct Range {
-  LocalId begin = 0, end = 0;
-  LocalId size() const { return end - begin; }
 };
 
 /// s_corr = −k ((1 − u²)/(1 − dq²))^(3n), the report's −k (W6(r)/W6(dq h))ⁿ; k in the unit of lambda, m².
