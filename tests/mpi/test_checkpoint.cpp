@@ -246,7 +246,7 @@ TEST_F(Output, ParticleFileDefaultsIdAndVelocity) {
 TEST_F(Output, ParticleFileRejectsDuplicatesAndNan) {
   write_cloud(path("twice.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, 7});
   write_cloud(path("nan.h5"), {0, 0, 0, 1, 2, 3, 4, NAN, 6}, {});
-  write_cloud(path("unique.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, -7});
+  write_cloud(path("unique.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, 11});
   expect_mentions(input_error_of([&] { read_particle_file(world, path("twice.h5")); }),
                   {"twice.h5", "/particles/id", "7 occurs more than once"});
   expect_mentions(input_error_of([&] { read_particle_file(world, path("nan.h5")); }),
