@@ -5,6 +5,7 @@
 
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/app/scene_changes.hpp"
+#include "trevi/app/scene_place.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/music.hpp"
@@ -184,8 +185,11 @@ std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene&
   std::shared_ptr<LiveSound> live;
   int index = 0;
   for (const FountainSettings& fountain : scene.fountains) {
-    std::unique_ptr<Pump> pump =
-        fountain.music ? make_music_pump(comm, *fountain.music, live) : std::make_unique<ConstantPump>(fountain.speed);
+    std::unique_ptr<Pump> pump = std::make_unique<ConstantPump>(fountain.speed);
+    if (fountain.music) {
+      pump = told_at(scene, fountain.line, "[[fountain]] music",
+                     [&] { return make_music_pump(comm, *fountain.music, live); });
+    }
     forcings.push_back(
         std::make_unique<Fountain>(fountain, std::move(pump), scene.domain_min.z(), scene.seed, index++));
   }

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "trevi/app/lattice.hpp"
+#include "trevi/app/scene_place.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/domain/migrate.hpp"
 #include "trevi/parallel/collective.hpp"
@@ -102,7 +103,8 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene) {
     result.first_id.push_back(next_id);
     next_id += source.type == ParticleSource::Type::block
                    ? Lattice(source, scene.fluid.spacing).size()
-                   : append_file(comm, scene, source.path, next_id, result.particles);
+                   : told_at(scene, source.line, "[[particles]] path",
+                             [&] { return append_file(comm, scene, source.path, next_id, result.particles); });
     if (next_id > end_of_ids) {
       throw InputError(scene.path +
                        ": ids of all [[particles]] together pass 2^62; leave /particles/id out of the files "

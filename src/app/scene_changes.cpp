@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scene_overrides.hpp"
+#include "trevi/app/scene_place.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/output/checksums.hpp"
 #include "trevi/parallel/session.hpp"
@@ -124,7 +125,8 @@ std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene) {
   std::vector<std::int64_t> sums;
   for (const FountainSettings& fountain : scene.fountains) {
     const bool has_file = fountain.music && fountain.music->source != "-";
-    sums.push_back(has_file ? checksum(read_file_everywhere(comm, fountain.music->source)) : 0);
+    const auto read = [&] { return checksum(read_file_everywhere(comm, fountain.music->source)); };
+    sums.push_back(has_file ? told_at(scene, fountain.line, "[[fountain]] music", read) : 0);
   }
   return sums;
 }

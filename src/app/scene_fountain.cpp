@@ -91,6 +91,7 @@ std::string beside_scene(const std::string& scene_path, const std::string& path)
 
 void read_fountain(Section& section, Scene& scene, bool box_known) {
   FountainSettings fountain;
+  fountain.line = section.line();
   section.numbers({"center", "the middle [x, y] of the fountain on the floor in metres", true}, fountain.center);
   if (box_known && section.fine("center")) {
     const Eigen::Map<const Eigen::Vector2d> center(fountain.center);

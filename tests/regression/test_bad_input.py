@@ -171,8 +171,10 @@ class BadInput(ProgramTest):
             ("broken", ["cloud.h5"], file_of(broken, range(40))),
             ("twins", ["cloud.h5", "3"], file_of(inside, [*range(39), 3])),
             ("flat", ["cloud.h5"], file_of(inside[:, :2], range(40))),
-            ("missing", ["cloud.h5"], None),
+            ("missing", ["scene.toml:7: [[particles]] path: cloud.h5"], None),
         )])
+        self.assert_all_refused([("music", "\n".join(GOOD) + "\n[[fountain]]\ncenter = [1, 0.5]\nmusic = 'gone.txt'\n",
+                                  ["scene.toml"], ["scene.toml:16: [[fountain]] music: gone.txt: cannot be read"])])
 
 
 if __name__ == "__main__":

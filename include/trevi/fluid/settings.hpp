@@ -73,6 +73,7 @@ struct FountainSettings {
   Real speed = 10, jitter = 0;         ///< m/s; speed counts where there is no music
   Real start = 0, stop = 1e300;        ///< s
   std::optional<MusicSettings> music;
+  int line = 0;  ///< of the table in the scene file, for later messages
 
   /// The highest speed without jitter, m/s.
   Real top_speed() const { return music ? music->speed_range.second : speed; }
