@@ -1,12 +1,16 @@
+#include <optional>
+
 #include "trevi/app/run.hpp"
 
 int main(int argc, char** argv) {
-  const trevi::Session session(argc, argv);
+  const trevi::Mpi mpi(argc, argv);
+  std::optional<trevi::Session> session;  // outlives the report of an error, as its end needs all ranks
   try {
-    return static_cast<int>(trevi::run(session, argc, argv));
+    session.emplace(argc, argv);
+    return static_cast<int>(trevi::run(*session, argc, argv));
   } catch (const trevi::Error& error) {
-    return trevi::report_error(session, error);
+    return trevi::report_error(error);
   } catch (const std::exception& error) {  // out of memory, for instance
-    return trevi::report_error(session, trevi::RunError(error.what()));
+    return trevi::report_error(trevi::RunError(error.what()));
   }
 }

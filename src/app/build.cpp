@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "trevi/app/initial_particles.hpp"
+#include "trevi/app/scene_changes.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/fluid/kernels.hpp"
 #include "trevi/fluid/music.hpp"
@@ -40,7 +41,8 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
 
 std::optional<AnalyticWallDensity> build_wall_density(const Scene& scene) {
   if (scene.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.spacing, scene.fluid.kernel_radius);
+  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.density_kernel, scene.fluid.spacing,
+                             scene.fluid.kernel_radius);
 }
 
 ColourScale colour_scale(const Scene& scene, GlobalId particles) {
@@ -56,11 +58,12 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
 }
 
 // A run that is asked to stop leaves a checkpoint, whether the scene has a table for them or not.
-CheckpointOptions checkpoint_options(const Scene& scene, const std::string& directory,
+CheckpointOptions checkpoint_options(MPI_Comm comm, const Scene& scene, const std::string& directory,
                                      std::optional<std::int64_t> restart_step) {
   CheckpointOptions options;
   options.directory = directory;
-  options.info = {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides};
+  options.info = {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides,
+                  music_checksums(comm, scene)};
   options.restart_step = restart_step;
   options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
   if (scene.output.checkpoint) {
@@ -97,6 +100,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
+  if (options.lock != nullptr) options.lock->take();
   if (output.series) {
     observers.push_back(std::make_unique<SeriesWriter>(
         comm,
@@ -111,7 +115,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
                                                   colour_scale(scene, particles), restart_step}));
   }
   observers.push_back(
-      std::make_unique<CheckpointWriter>(comm, checkpoint_options(scene, options.directory, restart_step)));
+      std::make_unique<CheckpointWriter>(comm, checkpoint_options(comm, scene, options.directory, restart_step)));
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
@@ -165,8 +169,9 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 }  // namespace
 
 DensityModel density_model(const Scene& scene) {
-  return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
-          scene.density.epsilon / refinement(scene), scene.density.constraint};
+  return {particle_mass(scene.fluid), scene.fluid.rest_density,
+          scene.fluid.kernel_radius,  scene.density.epsilon / refinement(scene),
+          scene.density.constraint,   scene.fluid.density_kernel};
 }
 
 std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {

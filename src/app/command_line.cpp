@@ -14,6 +14,25 @@ bool is_petsc_option(const std::string& argument) {
   return argument.size() > 2 && argument[0] == '-' && std::isalpha(static_cast<unsigned char>(argument[1])) != 0;
 }
 
+std::string refuse_empty(const std::string& text) { return text.empty() ? "must not be empty" : ""; }
+
+// CLI11's own reading of numbers saturates, and its ranges are told with 309 digits.
+std::string refuse_step(const std::string& text) {
+  const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
+  return digits && !text.empty() && text.size() <= 15 ? "" : "must be a whole number from 0 to 999999999999999";
+}
+
+// A slip such as -steps would be taken for PETSc's and its wish be ignored.
+void refuse_single_dash(const CLI::App& app, int argc, const char* const* argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    const std::string meant = "-" + argument.substr(0, argument.find('='));
+    if (is_petsc_option(argument) && meant != "--help" && app.get_option_no_throw(meant) != nullptr) {
+      throw InputError(argument + ": did you mean -" + argument + "? A single dash is for options of PETSc");
+    }
+  }
+}
+
 // What is left for us once PETSc's options and their values are taken out; last first, as CLI11 wants it.
 std::vector<std::string> own_arguments(int argc, const char* const* argv) {
   std::vector<std::string> own;
@@ -34,20 +53,23 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   CLI::App app("Trevi: water by position based fluids, on any number of MPI ranks.", "trevi");
   app.footer("PETSc options such as -log_view may follow the scene.\n\nKeys of a scene:\n" + scene_reference());
   app.add_option("scene", line.scene, "scene file (.toml)")->required();
-  app.add_option("--output", line.output, "output directory, in place of the scene's");
+  app.add_option("--output", line.output, "output directory, in place of the scene's")->check(refuse_empty);
   app.add_option("--set", line.overrides, "table.key=value, in place of the scene's value; repeatable")
       ->expected(1)
       ->take_all();
-  app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest");
-  app.add_option("--steps", line.steps, "stop when the run's total step count is this")->check(CLI::NonNegativeNumber);
+  app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest")->check(refuse_empty);
+  app.add_option("--steps", line.steps, "stop when the run's total step count is this, before or past time.end")
+      ->check(refuse_step);
   app.add_flag("--dry-run", line.dry_run, "check the scene, print what the run would need, write nothing");
-  app.add_option("--preview", line.preview, "write the curves of the fountains to this .csv file, and do not run");
-  app.add_option("--view", line.view, "let trevi-view --listen HOST:PORT watch and steer the run");
+  app.add_option("--preview", line.preview, "write the curves of the fountains to this .csv file, and do not run")
+      ->check(refuse_empty);
+  app.add_option("--view", line.view, "let trevi-view --listen HOST:PORT watch and steer the run")->check(refuse_empty);
   app.add_option("--progress", line.progress, "auto, bar, lines or none")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic},
                                                                               {"bar", ProgressMode::bar},
                                                                               {"lines", ProgressMode::lines},
                                                                               {"none", ProgressMode::none}}));
+  refuse_single_dash(app, argc, argv);
   try {
     app.parse(own_arguments(argc, argv));
   } catch (const CLI::CallForHelp&) {

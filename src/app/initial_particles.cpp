@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <petscsys.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -10,6 +13,7 @@
 #include "trevi/app/lattice.hpp"
 #include "trevi/base/error.hpp"
 #include "trevi/domain/migrate.hpp"
+#include "trevi/parallel/collective.hpp"
 #include "trevi/parallel/reductions.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/particles/packed.hpp"
@@ -65,24 +69,25 @@ void append_rows(Particles& particles, const ParticleRows& rows, GlobalId first_
   }
 }
 
-void check_inside(MPI_Comm comm, const Scene& scene, const Particles& particles, const std::string& source) {
-  GlobalId outside = 0;
-  for (const Vec3& p : particles.position) {
-    const bool inside = (p.array() >= scene.domain_min.array()).all() && (p.array() <= scene.domain_max.array()).all();
-    if (!inside) ++outside;
-  }
-  outside = sum_over_ranks(comm, outside);
-  if (outside > 0) {
-    throw InputError(source + ": " + std::to_string(outside) +
-                     " particles are outside the box; enlarge [domain] or "
-                     "remove them");
-  }
+void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, const std::string& source) {
+  const auto is_outside = [&](const Vec3& p) {
+    return (p.array() < scene.domain_min.array()).any() || (p.array() > scene.domain_max.array()).any();
+  };
+  all_or_none(comm, [&] {
+    const auto bad = std::find_if(rows.position.begin(), rows.position.end(), is_outside);
+    if (bad == rows.position.end()) return;
+    throw InputError(fmt::format(
+        "{}: /particles/position: row {} is outside the box ({}, {}, {}); enlarge [domain] or move the particle",
+        source, rows.first + (bad - rows.position.begin()), bad->x(), bad->y(), bad->z()));
+  });
 }
 
 // Returns the ids that the rows take, from 0 to the largest.
-GlobalId append_file(MPI_Comm comm, const std::string& path, GlobalId first_id, Particles& particles) {
+GlobalId append_file(MPI_Comm comm, const Scene& scene, const std::string& path, GlobalId first_id,
+                     Particles& particles) {
   const ParticleRows rows = read_particle_file(comm, path);
   if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
+  check_inside(comm, scene, rows, path);
   append_rows(particles, rows, first_id);
   GlobalId last = -1;
   for (const GlobalId id : rows.id) last = std::max(last, id);
@@ -95,15 +100,15 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene) {
   GlobalId next_id = 0;
   for (const ParticleSource& source : scene.particles) {
     result.first_id.push_back(next_id);
-    next_id += source.type == ParticleSource::Type::block ? Lattice(source, scene.fluid.spacing).size()
-                                                          : append_file(comm, source.path, next_id, result.particles);
+    next_id += source.type == ParticleSource::Type::block
+                   ? Lattice(source, scene.fluid.spacing).size()
+                   : append_file(comm, scene, source.path, next_id, result.particles);
     if (next_id > end_of_ids) {
       throw InputError(scene.path +
                        ": ids of all [[particles]] together pass 2^62; leave /particles/id out of the files "
                        "to number their rows");
     }
   }
-  check_inside(comm, scene, result.particles, scene.path);
   return result;
 }
 
@@ -198,9 +203,9 @@ InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid
 }
 
 InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows) {
+  check_inside(comm, scene, rows, "the checkpoint");
   Particles particles = std::move(static_cast<Particles&>(rows));
   particles.predicted = particles.position;
-  check_inside(comm, scene, particles, "the checkpoint");
   const bool had_hue = particles.has_hue;
   particles.has_hue = scene.colour == Colour::rainbow_x;
   if (particles.has_hue && !had_hue) {

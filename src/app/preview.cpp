@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "trevi/app/build.hpp"
 #include "trevi/base/error.hpp"
@@ -11,9 +13,24 @@
 
 namespace trevi {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 std::string number(Real value) { return std::isnan(value) ? "nan" : fmt::format("{}", value); }
+
+constexpr const char* first_columns = "time,note_0,speed_0";
+
+// An older preview may be replaced, and nothing else: the file may be a mistyped name, the scene's own for instance.
+void check_target(const std::string& path) {
+  if (!fs::exists(path)) return;
+  std::ifstream file(path);
+  std::string line;
+  if (fs::is_regular_file(path)) std::getline(file, line);
+  if (!line.starts_with(first_columns)) {
+    throw InputError("--preview " + path + ": is there already and is no preview; choose another name");
+  }
+}
 
 }  // namespace
 
@@ -30,6 +47,7 @@ void write_preview(const Session& session, const Scene& scene, const PreviewOpti
     }
     for (const auto& forcing : forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
   }
+  on_root(session.comm(), [&] { check_target(options.file); });
   on_root(session.comm(), [&] { replace_file(options.file, text + "\n"); });
 }
 

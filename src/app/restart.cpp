@@ -36,7 +36,8 @@ std::optional<Restart> find_restart(const Session& session, const Scene& scene, 
   restart.file = wanted == "latest" ? latest_checkpoint(comm, directory) : wanted;
   restart.state = read_checkpoint(comm, restart.file);
   restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step);
-  const std::vector<std::string> changes = scene_changes(restart.state->info, restart.file, scene);
+  const std::vector<std::string> changes =
+      scene_changes(restart.state->info, restart.file, scene, music_checksums(comm, scene));
   for (const std::string& change : changes) restart.message += "\n  changed since: " + change;
   return restart;
 }

@@ -1,5 +1,8 @@
 #include "trevi/app/run.hpp"
 
+#include <fmt/format.h>
+
+#include <cerrno>
 #include <cstdio>
 
 #include "trevi/app/build.hpp"
@@ -9,6 +12,7 @@
 #include "trevi/app/report.hpp"
 #include "trevi/app/restart.hpp"
 #include "trevi/output/blowup.hpp"
+#include "trevi/output/files.hpp"
 #include "trevi/output/output_directory.hpp"
 #include "trevi/output/vtu.hpp"
 #include "trevi/parallel/collective.hpp"
@@ -19,6 +23,21 @@ namespace {
 
 void tell(const Session& session, const std::string& text) {
   if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", text.c_str());
+}
+
+// What a full disk or a closed pipe has not taken must not look like success.
+void flush_output(MPI_Comm comm) {
+  on_root(comm, [] {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw_file_error("standard output", "write", errno);
+  });
+}
+
+void warn_of_missed_tolerances(const Session& session, const Solver::Counters& counters) {
+  if (counters.unconverged == 0) return;
+  tell(session,
+       fmt::format("warning: {} of {} density solves missed density.tolerance; use more density.iterations or a "
+                   "smaller dt",
+                   counters.unconverged, counters.substeps));
 }
 
 // To the last step, or until somebody asks for a stop, which a run that is at its end anyway does not notice.
@@ -88,15 +107,32 @@ std::shared_ptr<ViewerLink> connect_on_root(MPI_Comm comm, const std::string& ad
   return link;
 }
 
+// Whether a restart has steps to do. One that would have to go back is refused: it would set aside what is newer.
+bool has_steps_left(const Restart& restart, const Scene& scene, const CommandLine& line) {
+  if (!restart.state) return true;
+  const std::int64_t step = restart.state->step, last = line.steps.value_or(scene.steps());
+  if (last >= step) return last > step;
+  const std::string at = restart.file + " is at step " + std::to_string(step) + " already; ";
+  if (line.steps) throw InputError("--steps " + std::to_string(last) + ": " + at + "give a later step");
+  throw InputError(scene.path + ": [time] end: the run ends at step " + std::to_string(last) + ", and " + at +
+                   "give a later end, for example with --set time.end");
+}
+
 ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine& line, const std::string& command) {
   BuildOptions options;
   options.directory = line.output.empty() ? scene.output.directory : line.output;
   options.progress = line.progress;
   options.last_step = line.steps.value_or(scene.steps());
+  OutputLock lock(session.comm(), options.directory);
+  options.lock = &lock;
   std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
   const bool goes_on = restart && restart->state;
   check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart) tell(session, restart->message);
+  if (restart && !has_steps_left(*restart, scene, line)) {
+    tell(session, "which is the last; nothing to do");
+    return ExitCode::done;
+  }
   for (const std::string& warning : envelope_warnings(scene)) tell(session, "warning: " + warning);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
@@ -108,9 +144,13 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
+  warn_of_missed_tolerances(session, solver->counters());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();
     tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);
+  }
+  for (const std::string& option : session.unused_options()) {
+    tell(session, "warning: " + option + " was not used; it is no option of the parts of PETSc that this run needs");
   }
   return outcome.code;
 }
@@ -121,6 +161,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
   const CommandLine line = parse_command_line(argc, argv);
   if (!line.help.empty()) {
     if (session.rank() == 0) std::fputs(line.help.c_str(), stdout);
+    flush_output(session.comm());
     return ExitCode::done;
   }
   const Scene scene = parse_scene(line.scene, read_file_everywhere(session.comm(), line.scene), line.overrides);
@@ -131,18 +172,20 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
   if (scene.output.vtu) require_vtk();
   if (line.dry_run) {
     print_dry_run(session, scene, line.output.empty() ? scene.output.directory : line.output);
+    flush_output(session.comm());
     return ExitCode::done;
   }
   return run_scene(session, scene, line, restart_command(session, argc, argv));
 }
 
-int report_error(const Session& session, const Error& error) {
+int report_error(const Error& error) {
+  const int rank = rank_of(MPI_COMM_WORLD);
   if (error.reach() == Reach::all_ranks) {
-    if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", error.what());
+    if (rank == 0) std::fprintf(stderr, "trevi: %s\n", error.what());
     return static_cast<int>(error.code());
   }
-  std::fprintf(stderr, "trevi: rank %d: %s\n", session.rank(), error.what());
-  MPI_Abort(session.comm(), static_cast<int>(error.code()));
+  std::fprintf(stderr, "trevi: rank %d: %s\n", rank, error.what());
+  MPI_Abort(MPI_COMM_WORLD, static_cast<int>(error.code()));
   return static_cast<int>(error.code());
 }
 

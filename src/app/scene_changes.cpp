@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <sstream>
 
 #include "scene_overrides.hpp"
 #include "trevi/base/error.hpp"
+#include "trevi/output/checksums.hpp"
+#include "trevi/parallel/session.hpp"
 
 namespace trevi {
 namespace {
@@ -88,6 +91,13 @@ bool may_change(const std::string& path) {
   return false;
 }
 
+/// Why not even --set may change it; empty when it may.
+std::string why_never(const std::string& path) {
+  if (path == "time.dt") return "steps of another length need a run of their own";
+  if (path.starts_with("particles.")) return "a restart has its particles from the checkpoint; put it back";
+  return {};
+}
+
 /// Sorts the changes into those that are fine and those that are not.
 class Comparison {
  public:
@@ -95,23 +105,32 @@ class Comparison {
     const std::string change =
         fmt::format("{}: {} -> {}", path, then ? then->text : "(absent)", now ? now->text : "(absent)");
     const bool asked_for = now && now->by_override;
-    if (may_change(path) || (asked_for && path != "time.dt")) {
+    const std::string never = why_never(path);
+    if (may_change(path) || (asked_for && never.empty())) {
       allowed.push_back(change);
       return;
     }
     const std::string where = now ? now->origin + ": " : "";
-    const std::string remedy = path == "time.dt" ? "steps of another length need a run of their own"
-                               : now             ? fmt::format("put it back, or say --set {}={}", path, now->text)
-                                                 : "put it back";
-    refused.push_back(fmt::format("{}{}; {}", where, change, remedy));
+    std::string remedy = then && then->by_override ? fmt::format("say {} again", then->origin) : "put it back";
+    if (now) remedy += fmt::format(", or say --set {}={}", path, now->text);
+    refused.push_back(fmt::format("{}{}; {}", where, change, never.empty() ? remedy : never));
   }
   std::vector<std::string> allowed, refused;
 };
 
 }  // namespace
 
+std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene) {
+  std::vector<std::int64_t> sums;
+  for (const FountainSettings& fountain : scene.fountains) {
+    const bool has_file = fountain.music && fountain.music->source != "-";
+    sums.push_back(has_file ? checksum(read_file_everywhere(comm, fountain.music->source)) : 0);
+  }
+  return sums;
+}
+
 std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,
-                                       const Scene& scene) {
+                                       const Scene& scene, const std::vector<std::int64_t>& music) {
   const Values then = values_of({checkpoint_path, info.scene_text, info.scene_overrides});
   const Values now = values_of({scene.path, scene.text, scene.overrides});
   Comparison comparison;
@@ -122,6 +141,17 @@ std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::st
   }
   for (const auto& [path, value] : then) {
     if (!now.contains(path)) comparison.add(path, &value, nullptr);
+  }
+  for (std::size_t k = 0; k < std::min(music.size(), info.music.size()); ++k) {
+    const std::string path = fmt::format("fountain.{}.music", k);
+    const auto old = then.find(path), name = now.find(path);
+    const bool same_name = old != then.end() && name != now.end() && old->second.text == name->second.text;
+    if (same_name && music[k] != info.music[k]) {
+      comparison.refused.push_back(
+          fmt::format("{}: {}: not what the run has played so far; put the file back, or say --set {} "
+                      "with a new name",
+                      scene.fountains[k].music->source, path, path));
+    }
   }
   if (comparison.refused.empty()) return comparison.allowed;
   std::string all = checkpoint_path + ": made with another scene; a restart may not change the physics:";

@@ -2,24 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <limits>
 
+#include "scene_fountain.hpp"
 #include "trevi/app/build.hpp"
 #include "trevi/fluid/kernels.hpp"
-#include "trevi/fluid/music.hpp"
 
 namespace trevi {
 namespace {
 
 /// Beyond this many of anything (steps, particles) a count is a slip of the pen, and no longer exact in a double.
 constexpr Real most_counted = 1e15;
+/// A request to stop is seen between two steps, so a step must not take hours.
+constexpr int most_iterations = 10000;
 
 std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
-
-std::string beside_scene(const std::string& scene_path, const std::string& path) {
-  return (std::filesystem::path(scene_path).parent_path() / path).string();
-}
 
 class PhysicsReader {
  public:
@@ -36,7 +35,7 @@ class PhysicsReader {
     read_density(density);
     read_forces();
     read_filters();
-    for (Section& fountain : root_.children("fountain")) read_fountain(fountain);
+    for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     domain_.reject_unknown();
     fluid_.reject_unknown();
     density.reject_unknown();
@@ -56,13 +55,10 @@ class PhysicsReader {
   void read_walls();
   void read_tensile();
   void read_filters();
-  void read_fountain(Section& section);
-  void read_jet(Section& section, FountainSettings& fountain);
-  void read_music(Section& section, FountainSettings& fountain);
-  void check_music(Section& section, const MusicSettings& music);
 
   bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
   void check_kernel_radius();
+  void check_coordinates();
 
   Section& root_;
   Scene& scene_;
@@ -113,7 +109,22 @@ void PhysicsReader::read_fluid() {
                 above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
+  fluid_.choice<Kernel>({"density_kernel", "the kernel of the density; spiky: the one the gradients are of, too"},
+                        fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
   check_kernel_radius();
+  check_coordinates();
+}
+
+// Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.
+void PhysicsReader::check_coordinates() {
+  constexpr Real finest = 1e-6;  // of the spacing
+  const Real farthest = std::max(scene_.domain_min.cwiseAbs().maxCoeff(), scene_.domain_max.cwiseAbs().maxCoeff());
+  if (!box_known() || !fluid_.fine("spacing")) return;
+  const char* corner = farthest > scene_.domain_max.cwiseAbs().maxCoeff() ? "min" : "max";
+  domain_.check(
+      corner, farthest * std::numeric_limits<Real>::epsilon() <= finest * scene_.fluid.spacing,
+      fmt::format("{} m from the origin, places are too coarse for a spacing of {} m; move the scene to the origin",
+                  farthest, scene_.fluid.spacing));
 }
 
 void PhysicsReader::check_kernel_radius() {
@@ -198,6 +209,10 @@ void PhysicsReader::read_time() {
   if (time.fine("dt")) {
     const Real steps = scene_.end / scene_.dt;
     time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
+    time.check("end", scene_.end == 0 || steps >= 0.5,
+               fmt::format("{} s is shorter than half a step of {} s, so nothing would move; give a later end or a "
+                           "smaller dt, or end = 0 for the start alone",
+                           scene_.end, scene_.dt));
   }
   time.reject_unknown();
 }
@@ -216,6 +231,8 @@ void PhysicsReader::read_density(Section& section) {
   }
   section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
                   density.iterations, 1);
+  section.check("iterations", density.iterations <= most_iterations,
+                fmt::format("must be at most {}; a step of more would hardly end", most_iterations));
   Real tolerance = 0;
   if (section.number({"tolerance", "the mean compression to stop at; default: never stop early"}, tolerance, above(0)))
     density.tolerance = tolerance;
@@ -239,8 +256,8 @@ void PhysicsReader::read_relaxation(Section& density) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   if (!report_ && fluid_.fine("spacing") && fluid_.fine("kernel_radius") && density.fine("epsilon")) {
     const DensityModel model = density_model(scene_);
-    const Real largest =
-        lattice_jacobi_eigenvalue(scene_.fluid.spacing, model.h, model.mass / model.rest_density, model.epsilon);
+    const Real largest = lattice_jacobi_eigenvalue(model.kernel, scene_.fluid.spacing, model.h,
+                                                   model.mass / model.rest_density, model.epsilon);
     const Real share = scene_.density.method == Method::chebyshev ? with_safeguard : without;
     scene_.density.relaxation = share * 2 / largest;
   }
@@ -298,99 +315,6 @@ void PhysicsReader::read_filters() {
   }
   vorticity.reject_unknown();
   viscosity.reject_unknown();
-}
-
-void PhysicsReader::read_fountain(Section& section) {
-  FountainSettings fountain;
-  section.numbers({"center", "the middle [x, y] of the fountain on the floor in metres", true}, fountain.center);
-  if (box_known() && section.fine("center")) {
-    const Eigen::Map<const Eigen::Vector2d> center(fountain.center);
-    const auto low = scene_.domain_min.head<2>(), high = scene_.domain_max.head<2>();
-    section.check("center", (center - low).minCoeff() >= 0 && (high - center).minCoeff() >= 0,
-                  fmt::format("the fountain is outside the floor, x {} to {} and y {} to {}; move it inside", low.x(),
-                              high.x(), low.y(), high.y()));
-  }
-  section.number({"diameter", "the diameter of the cylinder in metres"}, fountain.diameter, above(0));
-  section.number({"height", "the height of the cylinder above the floor in metres"}, fountain.height, above(0));
-  read_jet(section, fountain);
-  section.number({"start", "the time the fountain starts in seconds"}, fountain.start, at_least(0));
-  section.number({"stop", "the time the fountain stops in seconds"}, fountain.stop);
-  if (section.fine("start")) {
-    section.check("stop", fountain.stop > fountain.start,
-                  fmt::format("must be later than start, {} s; give the time the fountain stops", fountain.start));
-  }
-  section.reject_unknown();
-  scene_.fountains.push_back(fountain);
-}
-
-void PhysicsReader::read_jet(Section& section, FountainSettings& fountain) {
-  if (section.numbers({"direction", "the direction of the jet [x, y, z], of any length"},
-                      components(fountain.direction)) &&
-      section.check("direction", fountain.direction.stableNorm() > 0, "must not be zero; give the way the jet goes")) {
-    fountain.direction.stableNormalize();
-  }
-  section.number({"speed", "the speed of the jet in m/s"}, fountain.speed, at_least(0));
-  section.number({"jitter", "the largest random addition to speed in m/s"}, fountain.jitter, at_least(0));
-  read_music(section, fountain);
-}
-
-void PhysicsReader::read_music(Section& section, FountainSettings& fountain) {
-  MusicSettings music;
-  const bool given =
-      section.text({"music",
-                    "the music: a score (.txt), MIDI (.mid) or sound file (.wav .flac .ogg) relative to the "
-                    "scene's folder, or \"-\" for raw PCM on standard input; the pump is off where it is silent"},
-                   music.source);
-  Real range[2] = {fountain.speed / 2, fountain.speed};
-  if (section.numbers({"speed_range",
-                       "the speeds [low, high] in m/s of the lowest and highest note, or of silence and "
-                       "the loudest sound; default half the speed and the speed"},
-                      range)) {
-    section.check("speed_range", range[0] >= 0 && range[0] < range[1],
-                  "must increase and not be negative; give [low, high]");
-  }
-  music.speed_range = {range[0], range[1]};
-  section.choice<SpeedMapping>({"mapping",
-                                "what grows evenly with the note or the loudness: linear is the speed, energy "
-                                "its square and with it the height of the jet"},
-                               music.mapping, {{"linear", SpeedMapping::linear}, {"energy", SpeedMapping::energy}});
-  if (music_kind(music.source) == MusicKind::sound || music.source == "-") music.follow = Follow::loudness;
-  section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
-                         music.follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}});
-  section.integer({"track", "the track of a MIDI file, from 1; default all"}, music.track, 1);
-  section.integer({"channel", "the channel of a MIDI file, 1 to 16; default all but 10, the drums"}, music.channel, 1);
-  section.integer({"rate", "the rate of raw PCM on standard input in Hz (16 bits, little-endian, mono)"}, music.rate,
-                  1000);
-  if (given && music.source != "-") music.source = beside_scene(scene_.path, music.source);
-  if (given || !section.fine("music")) check_music(section, music);
-  for (const char* key : {"mapping", "follow", "track", "channel", "rate"}) {
-    section.check(key, section.given("music") || !section.given(key), "there is no music to use it for; add music");
-  }
-  if (given) fountain.music = music;
-}
-
-void PhysicsReader::check_music(Section& section, const MusicSettings& music) {
-  if (!section.fine("music")) return;
-  const std::optional<MusicKind> kind = music_kind(music.source);
-  if (!section.check("music", kind.has_value(), "unknown kind of music; give a file ending in " + music_endings()))
-    return;
-  const auto only_for = [&](const char* key, bool right, const std::string& words) {
-    section.check(key, right || !section.given(key), "is for " + words + "; leave it out");
-  };
-  only_for("follow", kind == MusicKind::sound || kind == MusicKind::live, "sound only, as a score has its pitches");
-  only_for("track", kind == MusicKind::midi, "MIDI files only");
-  only_for("channel", kind == MusicKind::midi, "MIDI files only");
-  only_for("rate", kind == MusicKind::live, "raw PCM on standard input only (music = \"-\")");
-  section.check("channel", music.channel <= 16, "must be from 1 to 16");
-  section.check("rate", music.rate <= 1000000, "must be at most 1000000 Hz");
-  section.check("speed", section.given("speed_range") || music.speed_range.second > 0,
-                "must be positive where music sets the speed; give speed_range");
-  for (const FountainSettings& other : scene_.fountains) {
-    section.check(
-        "rate",
-        kind != MusicKind::live || !other.music || other.music->source != "-" || other.music->rate == music.rate,
-        "must be the same for all fountains that follow standard input; there is only one");
-  }
 }
 
 }  // namespace

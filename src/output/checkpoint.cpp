@@ -26,7 +26,7 @@ constexpr const char* suffix = ".h5";
 
 constexpr std::int64_t format_version = 1;
 
-void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
+void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
   file.attribute("time", frame.clock.time());
@@ -46,6 +46,11 @@ void write_header(Hdf5Writer& file, const CheckpointInfo& info, const Frame& fra
   file.text("/scene", info.scene_text);
   file.attribute("scene_overrides", info.scene_overrides);
   file.attribute("scene_checksum", checksum(info.scene_text));
+  if (info.music.empty()) return;
+  const auto fountains = static_cast<std::int64_t>(info.music.size());
+  const bool writes = rank_of(comm) == 0;
+  file.write("/music", writes ? info.music : std::vector<std::int64_t>{},
+             {writes ? 0 : fountains, writes ? fountains : 0, fountains});
 }
 
 /// Block of rows `row` begins, or the number of blocks up to the end of the table.
@@ -145,6 +150,10 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
   state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
   state.info.scene_overrides = file.integer_attribute("scene_overrides");
+  if (file.has("/music")) {
+    const std::int64_t fountains = file.rows<std::int64_t>("/music");
+    state.info.music = file.read<std::int64_t>("/music", {0, fountains, fountains});
+  }
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);
@@ -157,7 +166,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointIn
   const std::string temporary = path + ".tmp";
   try {
     Hdf5Writer file(comm, temporary);
-    write_header(file, info, frame);
+    write_header(comm, file, info, frame);
     write_particles(comm, file, frame.particles);
     file.close();
   } catch (const Error&) {  // thrown by all ranks alike

@@ -62,6 +62,13 @@ void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) throw_file_error(to, "rename " + from + " to it", errno);
 }
 
+/// The digits that `text` begins with, which leave it.
+std::string_view take_digits(std::string_view& text) {
+  const std::string_view digits = text.substr(0, text.find_first_not_of("0123456789"));
+  text.remove_prefix(digits.size());
+  return digits;
+}
+
 void set_aside(const std::string& path) {
   std::string target = path + ".stale";
   for (int k = 1; fs::exists(target); ++k) target = fmt::format("{}.{}.stale", path, k);
@@ -184,14 +191,19 @@ std::string step_digits(std::int64_t step) { return fmt::format("{:06}", step); 
 std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view prefix, std::string_view suffix) {
   if (!name.starts_with(prefix)) return std::nullopt;
   name.remove_prefix(prefix.size());
-  if (!name.ends_with(suffix)) return std::nullopt;
-  name.remove_suffix(suffix.size());
+  const std::string_view digits = take_digits(name);
   std::int64_t step = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), step);
-  if (error != std::errc() || step < 0) return std::nullopt;
-  // Only another field may follow the digits, as the rank does in particles_000120_3.vtu.
-  const bool whole = end == name.data() + name.size() || *end == '_';
-  return whole ? std::optional(step) : std::nullopt;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), step);
+  if (error != std::errc() || digits != step_digits(step)) return std::nullopt;
+  const std::size_t mark = std::min(suffix.find('#'), suffix.size());
+  if (!name.starts_with(suffix.substr(0, mark))) return std::nullopt;
+  name.remove_prefix(mark);
+  suffix.remove_prefix(mark);
+  if (suffix.starts_with('#')) {
+    if (take_digits(name).empty()) return std::nullopt;
+    suffix.remove_prefix(1);
+  }
+  return name == suffix ? std::optional(step) : std::nullopt;
 }
 
 std::vector<SteppedFile> stepped_files(const std::string& directory, std::string_view prefix, std::string_view suffix) {

@@ -26,7 +26,8 @@ std::string trace_of_a_run(const std::string& directory) {
     const auto files = stepped_files(directory, prefix, suffix);
     if (!files.empty()) return fs::path(files.front().path).filename().string();
   }
-  return {};
+  const auto frames = stepped_files(directory + "/vtu", "particles_", ".pvtu");
+  return frames.empty() ? "" : "vtu/" + fs::path(frames.front().path).filename().string();
 }
 
 bool has_files_past_start(const std::string& folder, const char* prefix, const char* suffix) {
@@ -52,6 +53,15 @@ bool is_in(const std::string& file, const std::string& directory) {
 }
 
 void check(const std::string& directory, const std::optional<std::string>& restart_file) {
+  for (const std::string& folder : {directory, directory + "/vtu"}) {
+    std::error_code error;
+    const fs::file_type type = fs::status(folder, error).type();
+    if (type == fs::file_type::directory || type == fs::file_type::not_found) continue;
+    throw InputError(folder + ": cannot be the folder for the output (" + (error ? error.message() : "is a file") +
+                     "); choose another --output");
+  }
+  const std::string stop = directory + "/stop";
+  if (fs::is_regular_file(stop)) throw InputError(stop + ": would stop the run at once; remove it first");
   const std::string trace = trace_of_a_run(directory);
   if (trace.empty() || (restart_file && is_in(*restart_file, directory))) return;
   throw InputError(directory + ": holds another run (" + trace +

@@ -145,7 +145,7 @@ class VtuWriter : public Observer {
     std::filesystem::create_directories(folder());
     if (options_.restart_step) {
       set_aside_after(folder(), "particles_", ".pvtu", *options_.restart_step);
-      set_aside_after(folder(), "particles_", ".vtu", *options_.restart_step);
+      set_aside_after(folder(), "particles_", "_#.vtu", *options_.restart_step);
     }
     list_.emplace(options_.directory + "/particles.pvd", options_.restart_step);
     last_step_ = list_->last_step();

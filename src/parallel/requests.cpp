@@ -1,6 +1,6 @@
 #include "trevi/parallel/requests.hpp"
 
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -67,7 +67,8 @@ bool RequestWatch::out_of_time(double now) {
 bool RequestWatch::file_found(double now) {
   if (options_.stop_file.empty() || now - last_look_ < seconds_between_looks) return false;
   last_look_ = now;
-  return ::access(options_.stop_file.c_str(), F_OK) == 0;
+  struct stat status = {};
+  return ::stat(options_.stop_file.c_str(), &status) == 0 && S_ISREG(status.st_mode);
 }
 
 void RequestWatch::remove_stop_file() const {

@@ -2,10 +2,12 @@
 
 #include <petscsys.h>
 
+#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <fstream>
-#include <iterator>
+#include <string_view>
 
 #include "trevi/base/error.hpp"
 #include "trevi/base/simd.hpp"
@@ -21,22 +23,52 @@ void agree_on_instruction_set(MPI_Comm comm) {
   restrict_instruction_sets(sets);
 }
 
+// PETSc would fail on one rank alone, with a stack trace.
+void check_options_files(MPI_Comm comm, int argc, const char* const* argv) {
+  for (int k = 1; k + 1 < argc; ++k) {
+    if (std::string_view(argv[k]) == "-options_file") read_file_everywhere(comm, argv[k + 1]);
+  }
+}
+
 }  // namespace
 
-Session::Session(int& argc, char**& argv) {
-  MPI_Init(&argc, &argv);
+Mpi::Mpi(int& argc, char**& argv) {
+  int begun = 0;
+  MPI_Initialized(&begun);
+  owner_ = begun == 0;
+  if (owner_) MPI_Init(&argc, &argv);
+}
+
+Mpi::~Mpi() {
+  if (owner_) MPI_Finalize();
+}
+
+Session::Session(int& argc, char**& argv) : mpi_(argc, argv) {
+  check_options_files(comm(), argc, argv);
   MPI_Comm_rank(comm(), &rank_);
   MPI_Comm_size(comm(), &size_);
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
-  PetscLogDefaultBegin();  // run.json reads its phases from the log, -log_view or not
+  std::signal(SIGPIPE, SIG_IGN);  // a run goes on when nobody reads its progress any more
+  PetscLogDefaultBegin();         // run.json reads its phases from the log, -log_view or not
   agree_on_instruction_set(comm());
   flush_denormals();
 }
 
-Session::~Session() {
-  PetscFinalize();
-  MPI_Finalize();
+Session::~Session() { PetscFinalize(); }
+
+std::vector<std::string> Session::unused_options() const {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  std::vector<std::string> unused;
+  PetscBool given = PETSC_FALSE;
+  PetscOptionsHasName(nullptr, nullptr, "-options_left", &given);  // PETSc itself asks for it at its end only
+  if (PetscOptionsLeftGet(nullptr, &count, &names, &values) != 0) return unused;
+  for (PetscInt k = 0; k < count; ++k) {
+    if (names[k][0] != '-') unused.push_back(std::string("-") + names[k]);  // else it is ours: --name
+  }
+  PetscOptionsLeftRestore(nullptr, &count, &names, &values);
+  return unused;
 }
 
 int rank_of(MPI_Comm comm) {
@@ -57,8 +89,12 @@ std::string read_file_everywhere(MPI_Comm comm, const std::string& path) {
   if (rank_of(comm) == 0) {
     errno = 0;
     std::ifstream file(path, std::ios::binary);
-    if (file) text.assign(std::istreambuf_iterator<char>(file), {});
-    if (!file || file.bad()) status[0] = errno != 0 ? errno : EIO;
+    std::array<char, 1 << 16> block;
+    while (file) {  // read() makes a bad stream of what an iterator would throw, for a folder for instance
+      file.read(block.data(), block.size());
+      text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (!file.eof()) status[0] = errno != 0 ? errno : EIO;
     status[1] = static_cast<std::int64_t>(text.size());
   }
   MPI_Bcast(status, 2, MPI_INT64_T, 0, comm);

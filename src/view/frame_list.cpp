@@ -31,7 +31,7 @@ std::string list_in(const std::string& path) {
 
 std::int64_t step_of(const std::string& file, std::size_t place) {
   const std::string name = fs::path(file).filename().string();
-  for (const char* suffix : {".pvtu", ".vtu", ".hdf"}) {
+  for (const char* suffix : {".pvtu", ".vtu", "_#.vtu", ".hdf"}) {
     if (const auto step = step_in_name(name, "particles_", suffix)) return *step;
   }
   return static_cast<std::int64_t>(place);

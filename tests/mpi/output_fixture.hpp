@@ -26,7 +26,7 @@ inline const MPI_Comm world = MPI_COMM_WORLD;
 
 inline void barrier() { MPI_Barrier(world); }
 
-/// All ranks' particles, in a random order with ids that are neither dense nor positive only.
+/// All ranks' particles, in a random order with ids that are not dense, most of them past 32 bits.
 inline Particles whole_cloud(int count) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<Real> number(-1, 1);
@@ -35,7 +35,7 @@ inline Particles whole_cloud(int count) {
   all.resize(static_cast<std::size_t>(count));
   for (std::size_t k = 0; k < all.id.size(); ++k) {
     const auto i = static_cast<GlobalId>(k);
-    all.id[k] = i * i * i * 1000003 - 500000000;
+    all.id[k] = i * i * i * 1000003;
     all.position[k] = Vec3(number(random), number(random), number(random));
     all.velocity[k] = 10 * Vec3(number(random), number(random), number(random));
     all.hue[k] = static_cast<float>(k) / static_cast<float>(count);

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   try {
     const trevi::Scene scene = trevi::parse_scene("fuzz.toml", text, parts);
     const trevi::CheckpointInfo info{scene.text, "", 1, scene.overrides};
-    if (!trevi::scene_changes(info, "fuzz.h5", scene).empty() || scene.steps() < 0) std::abort();
+    if (!trevi::scene_changes(info, "fuzz.h5", scene, {}).empty() || scene.steps() < 0) std::abort();
   } catch (const trevi::InputError&) {
   }
   return 0;

@@ -103,7 +103,7 @@ PARTICLE_FILES = {
     "words": (replace("particles/position", numpy.full((COUNT, 3), b"abc")), ["wrong type of number"]),
     "a NaN": (element("particles/position", 17, [0.1, numpy.nan, 0.1]), ["/particles/position", "row 17", "not finite"]),
     "infinite": (element("particles/velocity", 599, numpy.inf), ["/particles/velocity", "row 599", "not finite"]),
-    "outside": (element("particles/position", 3, [9, 0, 0]), ["1 particles are outside the box"]),
+    "outside": (element("particles/position", 3, [9, 0, 0]), ["/particles/position: row 3 is outside the box"]),
     "short velocity": (replace("particles/velocity", PLACES[:-1]), ["/particles/velocity", "599 rows", "600"]),
     "ids twice": (element("particles/id", 5, 6), ["/particles/id", "6 occurs more than once"]),
     "an id below 0": (element("particles/id", 5, -6), ["/particles/id", "row 5 is -6", "from 0"]),
@@ -172,8 +172,7 @@ def check_particle_files(folder, ranks):
         cloud.unlink(missing_ok=True)
         damage(good, cloud, change)
         for n in ranks:
-            place = ["scene.toml"] if name == "outside" else ["cloud.h5"]
-            yield f"particle file, {name}, {n} ranks", problems(n, scene, folder.path(f"{name} {n}"), place + words, "--steps", 1)
+            yield f"particle file, {name}, {n} ranks", problems(n, scene, folder.path(f"{name} {n}"), ["cloud.h5"] + words, "--steps", 1)
 
 
 def check_checkpoints(folder, ranks):

@@ -96,9 +96,45 @@ class BadInput(ProgramTest):
             (["scene.toml", "--set", "fluid.colour=3"], ["fluid.colour"]),
             (["scene.toml", "--fast"], ["--fast"]),
             (["scene.toml", "--steps", "-3"], ["--steps:"]),
+            (["scene.toml", "--steps", "99999999999999999999"], ["--steps:", "999999999999999"]),
+            (["scene.toml", "--restart", ""], ["--restart:", "empty"]),
+            (["scene.toml", "-dry-run"], ["did you mean --dry-run?"]),
+            (["scene.toml", "-output=k"], ["did you mean --output=k?"]),
+            (["scene.toml", "-options_file", "none"], ["none: cannot be read"]),
+            (["."], [".: cannot be read", "Is a directory"]),
             (["scene.toml", "--restart", "none.h5"], ["none.h5"]),
             (["scene.toml", "--restart", "scene.toml"], ["scene.toml"]),
         ))])
+
+    def test_a_preview_replaces_previews_only(self):
+        text = "\n".join(GOOD) + "\n[[fountain]]\ncenter = [0.5, 0.5]\n"
+        self.assert_all_refused([("scene", text, ["scene.toml", "--preview", "scene.toml"],
+                                  ["--preview scene.toml", "is no preview"])])
+        (self.folder / "scene.toml").write_text(text)
+        for _ in range(2):
+            self.run_well(1, "scene.toml", "--preview", "curves.csv")
+
+    def test_a_forgotten_stop_file(self):
+        def prepare(folder):
+            (folder / "out/scene").mkdir(parents=True)
+            (folder / "out/scene/stop").touch()
+        self.assert_all_refused([("stop", "\n".join(GOOD), ["scene.toml"], ["out/scene/stop:", "remove it"], prepare)])
+
+    def test_output_that_cannot_be(self):
+        def file(name):
+            def prepare(folder):
+                path = folder / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.touch()
+            return prepare
+        self.assert_all_refused([(name, "\n".join(GOOD), ["scene.toml", *arguments], words, prepare)
+                                 for name, arguments, words, prepare in (
+            ("a file", ["--output", "o"], ["o: cannot be the folder", "is a file", "--output"], file("o")),
+            ("a file for frames", [], ["out/scene/vtu: cannot be the folder"], file("out/scene/vtu")),
+            ("too long", ["--output", "o" * 300], ["File name too long", "--output"], None),
+            ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"],
+             file("out/scene/vtu/particles_000000.pvtu")),
+        )])
 
     def test_more_ranks_than_planes(self):
         text = "\n".join(GOOD).replace("max = [2, 1, 1]", "max = [1, 1, 1]")

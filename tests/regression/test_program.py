@@ -4,9 +4,11 @@ touched by a dry run, and a profile that names the phases of the method."""
 
 import csv
 import json
+import os
 import re
+import subprocess
 
-from program import INPUTS, ProgramTest, main
+from program import INPUTS, MPI_SETTINGS, TIME_LIMIT, ProgramTest, main
 
 CUBE, FOUNTAIN = INPUTS / "falling_cube_small.toml", INPUTS / "fountain_small.toml"
 BASIN = INPUTS / "bench_rest.toml"
@@ -63,6 +65,13 @@ class Outputs(ProgramTest):
         report = json.loads((self.folder / "run" / "run.json").read_text())
         self.assertIn("done", json.dumps(report))
 
+    def test_missed_tolerances_are_told(self):
+        for name, tolerance in (("strict", 1e-9), ("loose", 0.5)):
+            result = self.run_well(2, CUBE, "--output", name, "--steps", 22, "--set", f"density.tolerance={tolerance}")
+            missed = json.loads((self.folder / name / "run.json").read_text())["unconverged_solves"]
+            self.assertEqual(missed > 0, name == "strict")  # it lands in frame 20, and in free fall all is well
+            self.assertEqual(f"{missed} of 22 density solves missed density.tolerance" in result.stderr, missed > 0)
+
     def test_time_of_a_pair_is_that_of_the_passes_made(self):
         self.run_well(2, CUBE, "--output", "run", "--steps", 3)  # the coarse grid's one pass, sweeps' two, those of rows
         report = json.loads((self.folder / "run" / "run.json").read_text())
@@ -107,6 +116,20 @@ class Outputs(ProgramTest):
         result = self.run_trevi(1, BASIN, "--dry-run", *[word.replace("12000.0", "120000.0") for word in depth])
         self.assertEqual(result.returncode, 2)
         self.assertIn("use more ranks", result.stderr)
+
+
+    def test_lost_output_is_told(self):
+        with open("/dev/full", "w") as full:
+            for arguments in ([CUBE, "--dry-run"], ["--help"]):
+                result = subprocess.run([self.trevi, *arguments], cwd=self.folder, stdout=full, stderr=subprocess.PIPE,
+                                        env={**os.environ, **MPI_SETTINGS}, text=True, timeout=TIME_LIMIT, check=False)
+                self.assertEqual(result.returncode, 3, result.stderr)
+                self.assertRegex(result.stderr, "^trevi: standard output: cannot write: .*\n$")
+
+    def test_slips_among_the_options_of_petsc_are_told(self):
+        told = self.run_well(2, CUBE, "--output", "run", "--steps", 1, "-np", 4, "-log_view").stderr
+        self.assertEqual(told.count("warning"), 1, told)
+        self.assertIn("-np was not used", told)
 
 
 class Profile(ProgramTest):

@@ -9,9 +9,13 @@ runs these two.
 import json
 import os
 import random
+import re
+import shutil
 import signal
+import socket
 import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
@@ -73,6 +77,38 @@ class Restart(unittest.TestCase):
         for name in names:
             self.assertTrue((output / f"{name}.stale").exists(), name)
 
+    def test_never_backwards(self):
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        text, output = CUBE + CHECKPOINTS.format(10, 10), folder.path("out")
+        scene = folder.scene(text)
+        runs.run_well(1, scene, output, "--steps", 30)
+        kept = {path: path.read_bytes() for path in output.iterdir()}
+        early = folder.scene(text.replace("end = 1.0", "end = 0.3"), "early.toml")
+        for ranks in (1, 2):
+            for path, arguments, expected, words in ((scene, ["--steps", 20], 2, "--steps 20: "), (early, [], 2, "[time] end"),
+                                                     (scene, ["--steps", 30], 0, "nothing to do")):
+                code, told = runs.run(ranks, path, output, "--restart", "latest", *arguments)
+                self.assertEqual(code, expected, told)
+                self.assertIn(words, told)
+                self.assertIn("checkpoint_000030.h5", told)
+                self.assertEqual({path: path.read_bytes() for path in output.iterdir()}, kept)
+
+    def test_copies_that_a_user_made_are_left_alone(self):
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        scene, output = folder.scene(CUBE + FRAMES + CHECKPOINTS.format(10, 1)), folder.path("out")
+        runs.run_well(1, scene, output, "--steps", 20)
+        copies = [(output / name, output / copy) for name, copy in (
+            ("checkpoint_000020.h5", "checkpoint_000005_good.h5"), ("checkpoint_000020.h5", "checkpoint_000099_final.h5"),
+            ("checkpoint_000020.h5", "checkpoint_21.h5"), ("vtu/particles_000020.pvtu", "vtu/particles_000099_mine.pvtu"),
+            ("particles_000020.hdf", "particles_000099_mine.hdf"))]
+        for name, copy in copies:
+            shutil.copyfile(name, copy)
+        runs.run_well(2, scene, output, "--steps", 40, "--restart", "latest")
+        self.assertEqual([copy.name for _, copy in copies if not copy.exists()], [])
+        self.assertEqual(sorted(path.name for path in output.glob("checkpoint_??????.h5")), ["checkpoint_000040.h5"])
+
 
 class SceneChanges(unittest.TestCase):
     def setUp(self):
@@ -109,7 +145,30 @@ class SceneChanges(unittest.TestCase):
         self.assertIn("tensile.k: 0.001 -> 0.002", told)
         code, told = self.restart(self.text)  # the override is part of the run now
         self.assertEqual(code, 2, told)
-        self.assertIn("--set tensile.k=0.001", told)
+        self.assertIn("say --set tensile.k=0.002 again, or say --set tensile.k=0.001", told)
+
+    def test_music_under_its_old_name(self):
+        scene, output = self.folder.scene(FOUNTAIN + MUSIC + CHECKPOINTS.format(10, 2)), self.folder.path("music")
+        self.folder.scene(SCORE, "score.txt")
+        runs.run_well(2, scene, output, "--steps", 10)
+        self.folder.scene(SCORE.replace("E4", "F4"), "score.txt")
+        code, told = runs.run(2, scene, output, "--restart", "latest", "--steps", 12)
+        self.assertEqual(code, 2, told)
+        self.assertIn("score.txt: fountain.0.music: not what the run has played so far", told)
+        os.rename(self.folder.path("score.txt"), self.folder.path("new.txt"))
+        runs.run_well(1, scene, output, "--restart", "latest", "--steps", 12, "--set", "fountain.0.music=new.txt")
+
+    def test_particles_never(self):
+        code, told = self.restart(self.text, "--set", "particles.0.velocity=[1,0,0]")
+        self.assertEqual(code, 2, told)
+        self.assertIn("particles.0.velocity: (absent) -> [1, 0, 0]; a restart has its particles from the checkpoint", told)
+
+    def test_an_override_that_is_left_out(self):
+        code, told = self.restart(self.text, "--set", "domain.slab_axis=y")
+        self.assertEqual(code, 0, told)
+        code, told = self.restart(self.text)
+        self.assertEqual(code, 2, told)
+        self.assertIn("say --set domain.slab_axis=y again", told)
 
     def test_length_of_a_step_never(self):
         code, told = self.restart(self.text, "--set", "time.dt=0.01")
@@ -178,14 +237,25 @@ class Signals(unittest.TestCase):
         self.assertIn("stopped", reason(self.output))
 
     def test_stop_file(self):
-        text = CUBE + CHECKPOINTS.format(1000, 2)
-        self.output.mkdir()
-        (self.output / "stop").touch()
-        code, told = runs.run(2, self.folder.scene(text), self.output, "--steps", 500)
+        def act(process):
+            (self.output / "stop").mkdir()  # no file, so no request
+            time.sleep(2)  # the run looks once a second
+            (self.output / "stop").rmdir()
+            (self.output / "stop").touch()
+        code, told = self.interrupt(CUBE + CHECKPOINTS.format(100000, 2), act, steps=10**7)
         self.assertEqual(code, 4, told)
         self.assertFalse((self.output / "stop").exists())
         self.assertEqual(reason(self.output), "stopped: the stop file")
-        self.go_on(told)
+        last = int(runs.column(self.output, "step")[-1])
+        runs.run_well(2, self.folder.path("scene.toml"), self.output, "--restart", "latest", "--steps", last + 5)
+
+    def test_nobody_reads_the_progress(self):
+        launched = [runs.TREVI, self.folder.scene(CUBE), "--output", self.output, "--steps", "50", "--progress", "bar"]
+        reading, writing = os.pipe()
+        os.close(reading)
+        done = subprocess.run(launched, stderr=writing, env=runs.environment(), timeout=runs.TIMEOUT, check=False)
+        os.close(writing)
+        self.assertEqual(done.returncode, 0)
 
     def test_wall_limit(self):
         code, told = runs.run(2, self.folder.scene(CUBE + '[run]\nwall_limit = "0.2s"\n'), self.output, "--steps", 5000)
@@ -312,6 +382,31 @@ class Failures(unittest.TestCase):
         code, told = runs.run(2, scene, output, "--steps", 1, "--restart", "latest")  # past step 0, no checkpoint
         self.assertEqual(code, 2, told)
         self.assertIn("no checkpoint", told)
+
+
+class TwoRuns(unittest.TestCase):
+    """In one folder at a time."""
+
+    def setUp(self):
+        self.folder = Folder()
+        self.addCleanup(self.folder.cleanup)
+        self.scene, self.output = self.folder.scene(CUBE + CHECKPOINTS.format(5, 2)), self.folder.path("out")
+
+    def test_beside_a_live_one_nothing_is_done_and_after_its_kill_all(self):
+        live = runs.start(2, self.scene, self.output, "--steps", 10**7)
+        runs.wait_for_row(self.output, 20, live)
+        for ranks, arguments in ((1, []), (2, ["--restart", "latest"])):
+            code, told = runs.run(ranks, self.scene, self.output, "--steps", 10, *arguments)
+            self.assertEqual(code, 2, told)
+            self.assertIn(f"another run is writing here (host {socket.gethostname()}, process ", told)
+            self.assertIn(int(re.search(r"process (\d+)", told)[1]), runs.ranks_of(live))
+        self.assertFalse(list(self.output.glob("*.stale")))
+        runs.kill_one(live, 0)
+        self.assertNotEqual(runs.finish(live)[0], 0)
+        steps = runs.column(self.output, "step")
+        self.assertEqual(steps, list(range(len(steps))))
+        runs.run_well(2, self.scene, self.output, "--steps", int(steps[-1]) + 10, "--restart", "latest")
+        self.assertFalse((self.output / "run.lock").exists())
 
 
 class Slurm(unittest.TestCase):

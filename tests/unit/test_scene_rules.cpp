@@ -83,6 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Time, BadSceneTest,
                                          BadScene{10, "dt = 0", "10: [time] dt", "must be positive, got 0"},
                                          BadScene{10, "dt = 1e-300", "11: [time] end", "steps are too many"},
                                          BadScene{11, "end = -1", "11: [time] end", "must not be negative, got -1"},
+                                         BadScene{11, "end = 0.004", "11: [time] end", "shorter than half a step"},
                                          BadScene{11, "end = 1\ncfl = -0.4", "12: [time] cfl",
                                                   "must not be negative"}));
 
@@ -94,6 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{appended, "[density]\niterations = 4.0", "13: [density] iterations",
                  "whole number without a decimal "
                  "point, got 4.0"},
+        BadScene{appended, "[density]\niterations = 10001", "13: [density] iterations", "at most 10000"},
         BadScene{appended, "[density]\niterations = 3000000000", "13: [density] iterations", "at most 2147483647"},
         BadScene{appended, "[density]\ntolerance = 0", "13: [density] tolerance", "must be positive"},
         BadScene{appended, "[density]\nrelaxation = 0", "13: [density] relaxation", "must lie in (0, 2], got 0"},
@@ -153,11 +155,13 @@ INSTANTIATE_TEST_SUITE_P(
                     bad_fountain("direction = [0, 0, 0]", "direction", "must not be zero"),
                     bad_fountain("diameter = 0", "diameter", "must be positive"),
                     bad_fountain("height = -1", "height", "must be positive"),
-                    bad_fountain("speed = -1", "speed", "must not be negative"),
-                    bad_fountain("jitter = -1", "jitter", "must not be negative"),
+                    bad_fountain("speed = -1", "speed", "must lie in [0, 10000]"),
+                    bad_fountain("speed = 1e308", "speed", "must lie in [0, 10000]"),
+                    bad_fountain("jitter = -1", "jitter", "must lie in [0, 10000]"),
                     bad_fountain("start = -1", "start", "must not be negative"),
                     bad_fountain("stop = 1\nstart = 1", "stop", "must be later than start, 1 s"),
                     bad_fountain("speed_range = [8, 8]", "speed_range", "must increase"),
+                    bad_fountain("speed_range = [8, 2e4]", "speed_range", "within 0 to 10000"),
                     bad_fountain("speed_range = [8]", "speed_range", "list of 2 finite numbers"),
                     bad_fountain("music = ''", "music", "not empty"),
                     bad_fountain("music = 'a.pdf'", "music", "unknown kind of music; give a file ending in .txt"),
@@ -204,6 +208,14 @@ INSTANTIATE_TEST_SUITE_P(Syntax, BadSceneTest,
                                          BadScene{1, "[domain", "1", "not valid TOML"},
                                          BadScene{4, "[fluid]\n" + std::string(200000, 'a') + " = 1", "5",
                                                   "a line of"}));
+
+TEST(SceneRules, TooFarFromTheOrigin) {
+  const std::string found =
+      problems(scene_plus(), {"domain.min=[1e9, 0, 0]", "domain.max=[1000000002, 1, 1]", "particles.0.min=[1e9, 0, 0]",
+                              "particles.0.max=[1000000001, 1, 0.5]"});
+  EXPECT_EQ(found.find("--set domain.max=[1000000002, 1, 1]: "), 0u) << found;
+  EXPECT_NE(found.find("too coarse for a spacing of 0.1 m"), std::string::npos) << found;
+}
 
 }  // namespace
 }  // namespace trevi::test

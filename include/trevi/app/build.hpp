@@ -11,6 +11,7 @@
 #include "trevi/app/command_line.hpp"
 #include "trevi/app/scene.hpp"
 #include "trevi/output/checkpoint.hpp"
+#include "trevi/output/output_lock.hpp"
 #include "trevi/output/viewer_link.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/solver/solver.hpp"
@@ -18,7 +19,8 @@
 namespace trevi {
 
 struct BuildOptions {
-  std::string directory;  ///< of the output; empty where no observer writes
+  std::string directory;       ///< of the output; empty where no observer writes
+  OutputLock* lock = nullptr;  ///< on it; taken once the folder is there
   ProgressMode progress = ProgressMode::automatic;
   std::int64_t last_step = 0;
   std::optional<CheckpointState> restart;

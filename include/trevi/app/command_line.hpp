@@ -1,5 +1,5 @@
 // The arguments of the program, as the user's contract lists them. The same on all ranks; not collective.
-// Arguments of the form -word go to PETSc, with the value that follows them, and are not looked at here.
+// Arguments of the form -word go to PETSc, with the value that follows them, unless --word is one of ours.
 #pragma once
 
 #include <cstdint>

@@ -16,7 +16,7 @@ struct PreviewOptions {
   std::int64_t last_step = 0;
 };
 
-/// InputError for a scene without fountains.
+/// InputError for a scene without fountains, and for a file that is there and is no preview.
 void write_preview(const Session& session, const Scene& scene, const PreviewOptions& options);
 
 }  // namespace trevi

@@ -10,6 +10,6 @@ namespace trevi {
 ExitCode run(const Session& session, int argc, const char* const* argv);
 
 /// Prints an error once and returns its exit code; a failure of one rank alone takes all ranks down.
-int report_error(const Session& session, const Error& error);
+int report_error(const Error& error);
 
 }  // namespace trevi

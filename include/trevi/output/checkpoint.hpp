@@ -1,5 +1,5 @@
 // Checkpoints: DIR/checkpoint_<step>.h5 holds all that a restart needs, rows sorted by id, the same on any rank count.
-// /particles/{id,position,velocity[,hue]}, /checksums/ of the same names (checksums.hpp), /scene (text), and at
+// /particles/{id,position,velocity[,hue]}, /checksums/ of the same names (checksums.hpp), /scene (text), /music, and at
 // the root format, step, time, dt, substeps, seed, program_version, scene_overrides, fountain_note,
 // fountain_speed. Random numbers and fountains are
 // functions of (seed, id, step), so these are their state. Written under a temporary name, synced, renamed; only then
@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "trevi/output/particle_file.hpp"
 #include "trevi/parallel/session.hpp"
@@ -20,7 +21,8 @@ namespace trevi {
 struct CheckpointInfo {
   std::string scene_text, program_version;
   std::int64_t seed = 1;
-  std::int64_t scene_overrides = 0;  ///< so many lines "# --set table.key=value" at the end of the text
+  std::int64_t scene_overrides = 0;   ///< so many lines "# --set table.key=value" at the end of the text
+  std::vector<std::int64_t> music{};  ///< checksum of each fountain's file, 0 without one; empty: not known
 };
 
 /// RunError on all ranks alike; a file of that name is then still the old one.

@@ -89,10 +89,11 @@ struct SteppedFile {
   std::string path;
 };
 
-/// The step in "<prefix><digits>...<suffix>"; nothing when `name` is not of that form.
+/// The step in "<prefix><digits><suffix>", where a # in the suffix stands for a number; nothing when `name` is not just
+/// what a run would write, as with a copy that somebody made: checkpoint_000120_good.h5.
 std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view prefix, std::string_view suffix);
 
-/// Files of `directory` named "<prefix><digits>...<suffix>", by step and name; empty when there is no such folder.
+/// Files of `directory` with such names, by step and name; empty when there is no such folder.
 std::vector<SteppedFile> stepped_files(const std::string& directory, std::string_view prefix, std::string_view suffix);
 
 /// Renames those of them past `step` to "<name>.stale" (".1.stale", ... when that is taken): a restart deletes nothing.

@@ -10,7 +10,7 @@
 
 namespace trevi {
 
-/// Writes nothing. InputError when the folder holds a run that `restart_file` is not part of.
+/// Writes nothing. InputError when the folder holds a run that `restart_file` is not part of, or a forgotten stop file.
 void check_output_directory(MPI_Comm comm, const std::string& directory,
                             const std::optional<std::string>& restart_file);
 

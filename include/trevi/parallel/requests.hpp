@@ -28,7 +28,7 @@ inline std::int64_t count_of(const RequestCounts& counts, Request kind) {
 std::optional<std::string> stop_reason(const RequestCounts& agreed);
 
 struct RequestOptions {
-  std::string stop_file;             ///< its appearance asks for a stop
+  std::string stop_file;             ///< the appearance of this file (no folder) asks for a stop
   std::optional<double> wall_limit;  ///< s since the watch began
 };
 

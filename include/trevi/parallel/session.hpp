@@ -1,4 +1,5 @@
-// MPI and PETSc for the life of the program: construct one Session first in main, let it go last.
+// MPI and PETSc for the life of the program: construct one Session first in main, let it go last. A program that is to
+// tell an error of the Session itself on one rank constructs Mpi before it.
 // Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as
 // the solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
 #pragma once
@@ -6,11 +7,25 @@
 #include <mpi.h>
 
 #include <string>
+#include <vector>
 
 namespace trevi {
 
+/// MPI for the life of the object, or what the program has of it already.
+class Mpi {
+ public:
+  Mpi(int& argc, char**& argv);
+  ~Mpi();
+  Mpi(const Mpi&) = delete;
+  Mpi& operator=(const Mpi&) = delete;
+
+ private:
+  bool owner_ = false;
+};
+
 class Session {
  public:
+  /// InputError on all ranks alike for an -options_file that cannot be read.
   Session(int& argc, char**& argv);
   ~Session();
   Session(const Session&) = delete;
@@ -20,7 +35,11 @@ class Session {
   int rank() const { return rank_; }
   int size() const { return size_; }
 
+  /// Options that PETSc was given and has not asked for, which tells slips of the pen; each as "-name".
+  std::vector<std::string> unused_options() const;
+
  private:
+  Mpi mpi_;
   int rank_ = 0;
   int size_ = 1;
 };
