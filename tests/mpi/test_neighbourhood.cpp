@@ -156,6 +156,7 @@ TYPED_TEST(NeighbourhoodOf, CellsAcross512RadiiHaveTheirNeighbours) {
   const Real border = 512 * radius;
   ASSERT_EQ(grid.plane_of(Vec3(border - 0.05, 0, 0)), grid.plane_of(Vec3(border + 0.05, 0, 0)));
   std::vector<Vec3> places;
+  places.reserve(20);
   for (int n = 0; n < 20; ++n) places.emplace_back(border - 0.29 + 0.03 * n, 0.3, 0.3);
   const NeighbourList list = list_of<TypeParam>(grid, places);  // within a cell by id, thus along x
   for (int i = 0; i < 20; ++i) EXPECT_EQ(list.count(i), std::min(i, 6) + std::min(19 - i, 6)) << "particle " << i;
