@@ -52,8 +52,12 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
                     "water at rest stable: shallow water warms up; use a longer dt, or {}",
                     scene.dt, shortest, remedy));
   }
-  if (scene.density.iterations < 2) {
-    warnings.emplace_back("density.iterations = 1: a column of 80 layers gained 0.8 % energy with it; use 2 or more");
+  const int fewest = fluid.density_kernel == Kernel::spiky ? 3 : 2;
+  if (scene.density.iterations < fewest) {
+    warnings.push_back(
+        fmt::format("density.iterations = {}: deep columns at rest gained 0.8 to 1.5 % energy with fewer "
+                    "than {}; use {} or more",
+                    scene.density.iterations, fewest, fewest));
   }
   return warnings;
 }
