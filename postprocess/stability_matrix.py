@@ -15,6 +15,8 @@ from matplotlib.patches import Patch, Rectangle  # noqa: E402
 COLOURS = {"stable": "#7FBF7B", "dissipative": "#F0E442", "energy gain": "#E69F00", "blow-up": "#C0392B",
            "refused": "#BBBBBB"}
 
+TITLES = {"report": "the report's preset", "default": "default", "spiky": "fluid.density_kernel = \"spiky\""}
+
 
 def read(path):
     with open(path, newline="", encoding="utf-8") as stream:
@@ -40,10 +42,10 @@ def main():
     arguments = parser.parse_args()
     rows = read(arguments.rows)
     groups = list(dict.fromkeys(row["group"] for row in rows))
-    figure, panels = plt.subplots(1, 2, figsize=(11, 5.4), sharey=True, layout="constrained")
-    for panel, preset in zip(panels, ("report", "default")):
+    figure, panels = plt.subplots(1, len(TITLES), figsize=(15, 6.4), sharey=True, layout="constrained")
+    for panel, (preset, title) in zip(panels, TITLES.items()):
         draw(panel, [row for row in rows if row["preset"] == preset], groups)
-        panel.set_title({"report": "the report's preset", "default": "default"}[preset])
+        panel.set_title(title)
     figure.legend(handles=[Patch(color=colour, label=name) for name, colour in COLOURS.items()],
                   loc="lower center", ncol=5, frameon=False)
     figure.get_layout_engine().set(rect=(0, 0.06, 1, 1 - 0.06))

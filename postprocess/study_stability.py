@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from study import GRAVITY, REPORT, STRESS, energy_gain, mean, parser_of, simulate, write_table
 
-PRESETS = {"report": REPORT, "default": []}
+PRESETS = {"report": REPORT, "default": [], "spiky": ["fluid.density_kernel=spiky"]}
 
 
 class Case(NamedTuple):
@@ -75,6 +75,14 @@ def time_steps():
         yield dam("dt, dam break", f"1/{rate} s", [f"time.dt={1 / rate!r}"])
 
 
+def shallow():
+    for rate in (60, 120, 240):
+        for layers in (5, 10, 20):
+            yield column(f"1/{rate} s, layers", f"{layers}", layers, steps_per_second=rate)
+    for ratio in (1.5, 1.8, 2.5, 3.0, 4.0):
+        yield column("h/s, 10 layers", f"{ratio}", 10, settings=[f"fluid.kernel_radius={ratio * 0.1:g}"])
+
+
 def sizes():
     for layers in (10, 20, 40, 80, 200):
         yield column("layers", f"{layers}", layers)
@@ -110,7 +118,7 @@ def oddities():
 
 
 def all_cases():
-    return [*time_steps(), *sizes(), *numbers(), *oddities()]
+    return [*time_steps(), *shallow(), *sizes(), *numbers(), *oddities()]
 
 
 def verdict(case, columns, code):
@@ -148,7 +156,7 @@ def row_of(case, preset, columns, code, message):
 def main():
     parser = parser_of(__doc__, "CSV")
     parser.add_argument("--only", default="", metavar="TEXT", help="cases whose group holds TEXT")
-    parser.add_argument("--preset", choices=PRESETS, action="append", help="default: both")
+    parser.add_argument("--preset", choices=PRESETS, action="append", help="default: all")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="in all runs, to try a remedy")
     parser.add_argument("--time-limit", type=float, default=60, metavar="S", help="of one run (default: %(default)s)")
     arguments = parser.parse_args()

@@ -42,7 +42,8 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
 
 std::optional<AnalyticWallDensity> build_wall_density(const Scene& scene) {
   if (scene.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.spacing, scene.fluid.kernel_radius);
+  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.density_kernel, scene.fluid.spacing,
+                             scene.fluid.kernel_radius);
 }
 
 ColourScale colour_scale(const Scene& scene, GlobalId particles) {
@@ -169,8 +170,9 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 }  // namespace
 
 DensityModel density_model(const Scene& scene) {
-  return {particle_mass(scene.fluid), scene.fluid.rest_density, scene.fluid.kernel_radius,
-          scene.density.epsilon / refinement(scene), scene.density.constraint};
+  return {particle_mass(scene.fluid), scene.fluid.rest_density,
+          scene.fluid.kernel_radius,  scene.density.epsilon / refinement(scene),
+          scene.density.constraint,   scene.fluid.density_kernel};
 }
 
 std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {

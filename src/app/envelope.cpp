@@ -6,6 +6,22 @@
 
 namespace trevi {
 
+namespace {
+
+// Down to what time step, at a spacing of 0.1 m and 9.8 m/s², and up to what h/spacing columns of 5 to 40 layers at
+// rest gained less than 0.5 % of energy in 2 s (postprocess/results/stability.md).
+struct Envelope {
+  Real shortest_step, widest;
+};
+
+Envelope envelope_of(const Scene& scene) {
+  const bool damped = scene.viscosity && *scene.viscosity * scene.fluid.rest_density >= 0.2;
+  const bool spiky = scene.fluid.density_kernel == Kernel::spiky;
+  return {damped ? 1.0 / 480 : spiky ? 1.0 / 200 : 1.0 / 60, spiky ? 4.0 : damped ? 3.0 : 2.0};
+}
+
+}  // namespace
+
 std::vector<std::string> envelope_warnings(const Scene& scene) {
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
   if (g == 0) return {};
@@ -15,22 +31,26 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
         "stability study; leave out density.preset and density.method, or set density.coarse_grid = true"};
   }
   std::vector<std::string> warnings;
+  const Envelope envelope = envelope_of(scene);
   const FluidSettings& fluid = scene.fluid;
   const Real ratio = fluid.kernel_radius / fluid.spacing;
   constexpr Real hair = 1e-9;
-  if (ratio < 1.5 * (1 - hair) || ratio > 3 * (1 + hair)) {
+  const std::string remedy = fmt::format(
+      "set {}[viscosity] c = {:g}, which damps it",
+      fluid.density_kernel == Kernel::spiky ? "" : "fluid.density_kernel = \"spiky\", or ", 0.2 / fluid.rest_density);
+  if (ratio < 1.5 * (1 - hair) || ratio > envelope.widest * (1 + hair)) {
     warnings.push_back(
-        fmt::format("kernel_radius is {:.3g} spacings; the stability study covers 1.5 to 3, and at 3.5 a "
-                    "column at rest gained 39 % energy; use a radius between",
-                    ratio));
+        fmt::format("kernel_radius is {:.3g} spacings; the stability study found water at rest stable "
+                    "from 1.5 to {:g}; use a radius between{}",
+                    ratio, envelope.widest, ratio > 2 ? ", or " + remedy : ""));
   }
-  // 1/240 s at a spacing of 0.1 m and 9.8 m/s², in units of the time in which a particle falls by a spacing.
-  const Real shortest = 1.0 / 240 * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
+  // In units of the time in which a particle falls by a spacing.
+  const Real shortest = envelope.shortest_step * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
   if (scene.dt < shortest * (1 - hair)) {
     warnings.push_back(
         fmt::format("dt = {:.3g} s is shorter than the {:.3g} s down to which the stability study found "
-                    "columns stable (at half of it one gained 5 % energy){}",
-                    scene.dt, shortest, scene.viscosity ? "" : "; use a longer dt, or [viscosity], which damps it"));
+                    "water at rest stable: shallow water warms up; use a longer dt, or {}",
+                    scene.dt, shortest, remedy));
   }
   if (scene.density.iterations < 2) {
     warnings.emplace_back("density.iterations = 1: a column of 80 layers gained 0.8 % energy with it; use 2 or more");

@@ -83,6 +83,7 @@ RunReport local_report(const Session& session, const RunContext& context, const 
   report.first_step = context.first_step;
   report.last_step = solver.clock().step;
   report.steps = report.last_step - report.first_step;
+  report.unconverged_solves = solver.counters().unconverged;
   report.simulated_seconds = static_cast<double>(report.steps) * solver.clock().dt;
   return report;
 }

@@ -1,5 +1,7 @@
 #include "trevi/app/run.hpp"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstdio>
 
@@ -28,6 +30,14 @@ void flush_output(MPI_Comm comm) {
   on_root(comm, [] {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw_file_error("standard output", "write", errno);
   });
+}
+
+void warn_of_missed_tolerances(const Session& session, const Solver::Counters& counters) {
+  if (counters.unconverged == 0) return;
+  tell(session,
+       fmt::format("warning: {} of {} density solves missed density.tolerance; use more density.iterations or a "
+                   "smaller dt",
+                   counters.unconverged, counters.substeps));
 }
 
 // To the last step, or until somebody asks for a stop, which a run that is at its end anyway does not notice.
@@ -134,6 +144,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
+  warn_of_missed_tolerances(session, solver->counters());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();
     tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);

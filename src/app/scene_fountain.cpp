@@ -77,7 +77,7 @@ void read_jet(Section& section, const Scene& scene, FountainSettings& fountain) 
       section.check("direction", fountain.direction.stableNorm() > 0, "must not be zero; give the way the jet goes")) {
     fountain.direction.stableNormalize();
   }
-  const Limits speeds{.low = 0, .high = highest_speed};
+  const Interval speeds{.low = 0, .high = highest_speed};
   section.number({"speed", "the speed of the jet in m/s"}, fountain.speed, speeds);
   section.number({"jitter", "the largest random addition to speed in m/s"}, fountain.jitter, speeds);
   read_music(section, scene, fountain);

@@ -109,6 +109,8 @@ void PhysicsReader::read_fluid() {
                 above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
+  fluid_.choice<Kernel>({"density_kernel", "the kernel of the density; spiky: the one the gradients are of, too"},
+                        fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
   check_kernel_radius();
   check_coordinates();
 }
@@ -254,8 +256,8 @@ void PhysicsReader::read_relaxation(Section& density) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   if (!report_ && fluid_.fine("spacing") && fluid_.fine("kernel_radius") && density.fine("epsilon")) {
     const DensityModel model = density_model(scene_);
-    const Real largest =
-        lattice_jacobi_eigenvalue(scene_.fluid.spacing, model.h, model.mass / model.rest_density, model.epsilon);
+    const Real largest = lattice_jacobi_eigenvalue(model.kernel, scene_.fluid.spacing, model.h,
+                                                   model.mass / model.rest_density, model.epsilon);
     const Real share = scene_.density.method == Method::chebyshev ? with_safeguard : without;
     scene_.density.relaxation = share * 2 / largest;
   }

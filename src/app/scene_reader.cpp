@@ -121,11 +121,11 @@ void Findings::throw_if_any() const {
   throw InputError(all);
 }
 
-bool Limits::contains(Real value) const {
+bool Interval::contains(Real value) const {
   return (with_low ? value >= low : value > low) && (with_high ? value <= high : value < high);
 }
 
-std::string Limits::rule() const {
+std::string Interval::rule() const {
   if (std::isfinite(high)) {
     return fmt::format("must lie in {}{}, {}{}", with_low ? '[' : '(', low, high, with_high ? ']' : ')');
   }
@@ -208,7 +208,7 @@ bool Section::check(const char* key, bool holds, const std::string& message) {
   return fine(key);
 }
 
-bool Section::number(const Key& key, Real& target, const Limits& range) {
+bool Section::number(const Key& key, Real& target, const Interval& range) {
   const toml::node* node = find(key, "number");
   if (!node) return false;
   const auto value = finite_number(*node);

@@ -59,14 +59,14 @@ struct Key {
 };
 
 /// Finite numbers from low to high, the ends included or not.
-struct Limits {
+struct Interval {
   Real low = -std::numeric_limits<Real>::infinity(), high = std::numeric_limits<Real>::infinity();
   bool with_low = true, with_high = true;
   bool contains(Real value) const;
   std::string rule() const;  ///< "must be positive"
 };
-inline Limits above(Real low) { return {.low = low, .with_low = false}; }
-inline Limits at_least(Real low) { return {.low = low}; }
+inline Interval above(Real low) { return {.low = low, .with_low = false}; }
+inline Interval at_least(Real low) { return {.low = low}; }
 
 class Section {
  public:
@@ -77,7 +77,7 @@ class Section {
   std::vector<Section> children(const std::string& name);
 
   /// These return whether the key was given and good; only then is the target written.
-  bool number(const Key& key, Real& target, const Limits& range = {});
+  bool number(const Key& key, Real& target, const Interval& range = {});
   bool numbers(const Key& key, std::span<Real> target);
   bool flag(const Key& key, bool& target);
   bool text(const Key& key, std::string& target);

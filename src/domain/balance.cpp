@@ -17,8 +17,8 @@ Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, Lo
   return static_cast<Real>(list.first(end) - list.first(begin)) + pairs_per_particle * (end - begin);
 }
 
-bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {
-  if (slabs.ranks() == 1 || step % interval != 0) return false;
+void Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {
+  if (slabs.ranks() == 1 || step % interval != 0) return;
   std::vector<Real> mine;
   mine.reserve(static_cast<std::size_t>(order.planes()));
   for (LocalId k = 0; k < order.planes(); ++k) mine.push_back(plane_work(order, list, k, k + 1));
@@ -29,10 +29,9 @@ bool Balance::update(std::int64_t step, const CellOrder& order, const NeighbourL
   history_.max = std::max(history_.max, now);
   Slabs even(work, slabs.ranks());
   // Where the water has gone a rank may get many empty planes, more than it can count the cells of.
-  if (even.imbalance(work) > now - least_gain_ || !even.cells_fit(order.grid().cells_per_plane())) return false;
+  if (even.imbalance(work) > now - least_gain_ || !even.cells_fit(order.grid().cells_per_plane())) return;
   slabs = std::move(even);
   ++history_.moves;
-  return true;
 }
 
 }  // namespace trevi

@@ -6,7 +6,7 @@ namespace trevi {
 
 template <class T>
 Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
-    : comm_(comm), order_(grid), halo_(comm), encoding_(origin, h) {}
+    : order_(grid), halo_(comm), encoding_(origin, h) {}
 
 template <class T>
 void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last) {
@@ -26,22 +26,21 @@ void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last
 }
 
 template <class T>
-void Neighbourhood<T>::encode(const std::vector<Vec3>& place, PlaneRun range) {
+void Neighbourhood<T>::encode(const std::vector<Vec3>& place, Range range) {
   for (LocalId i = range.begin; i < range.end; ++i) record(i) = encoding_(place[static_cast<std::size_t>(i)], T{0});
 }
 
 template <class T>
-std::vector<PlaneRun> Neighbourhood<T>::boundary() const {
-  const auto first = order_.owned_range(0, 1), last = order_.owned_range(order_.planes() - 1, order_.planes());
-  if (order_.planes() == 1) return {{first.first, first.second}};
-  return {{first.first, first.second}, {last.first, last.second}};
+std::vector<Range> Neighbourhood<T>::boundary() const {
+  const Range first = order_.owned_range(0, 1), last = order_.owned_range(order_.planes() - 1, order_.planes());
+  if (order_.planes() == 1) return {first};
+  return {first, last};
 }
 
 template <class T>
-PlaneRun Neighbourhood<T>::interior() const {
+Range Neighbourhood<T>::interior() const {
   if (order_.planes() <= 2) return {};
-  const auto range = order_.owned_range(1, order_.planes() - 1);
-  return {range.first, range.second};
+  return order_.owned_range(1, order_.planes() - 1);
 }
 
 template class Neighbourhood<float>;

@@ -1,23 +1,20 @@
 #include "trevi/fluid/density.hpp"
 
 #include <algorithm>
-#include <array>
 
+#include "fluid/for_each_sum.hpp"
 #include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
 
-namespace {
-// Particles summed before their sums are used: the sums stay in the first-level cache.
-constexpr LocalId chunk = 128;
-}  // namespace
-
 Real particle_mass(const FluidSettings& fluid) {
   if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
-  return fluid.rest_density / lattice_poly6_sum(fluid.spacing, fluid.kernel_radius);
+  return fluid.rest_density / lattice_density_sum(fluid.density_kernel, fluid.spacing, fluid.kernel_radius);
 }
 
-Real density(const DensityModel& model, Real poly6_sum) { return model.mass * poly6_factor(model.h) * (1 + poly6_sum); }
+Real density(const DensityModel& model, Real sum) {
+  return model.mass * density_factor(model.kernel, model.h) * (1 + sum);
+}
 
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
   Real c = rho / model.rest_density - 1;
@@ -33,6 +30,7 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
     : model_(model),
       gradient_factor_(model.mass / model.rest_density * spiky_gradient_factor(model.h)),
       loops_(pair_loops<T>()),
+      density_loop_(model.kernel == Kernel::poly6 ? loops_.density : loops_.spiky_density),
       delta_loop_(loops_.delta),
       walls_(std::move(walls)) {
   if (tensile) {
@@ -43,23 +41,10 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
 }
 
 template <class T>
-template <class Use>
-void DensityConstraint<T>::for_each_sum(const Pairs<T>& pairs, Range range, Use&& use) const {
-  std::array<Quad<T>, chunk> sums;
-  std::array<T, chunk> squares;
-  for (LocalId begin = range.begin; begin < range.end; begin += chunk) {
-    const Range part{begin, std::min(begin + chunk, range.end)};
-    loops_.density(pairs, part, sums.data(), squares.data());
-    for (LocalId k = 0; k < part.size(); ++k)
-      use(begin + k, sums[static_cast<std::size_t>(k)], squares[static_cast<std::size_t>(k)]);
-  }
-}
-
-template <class T>
 void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                      std::span<Real> rho) const {
-  for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T) {
-    const auto k = static_cast<std::size_t>(i);
+  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { density_loop_(pairs, part, sums, squares); };
+  for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T) {
     rho[k] = density(model_, sum.w);
     if (walls_) rho[k] += model_.rest_density * walls_->at(p[k]).density;
   });
@@ -68,8 +53,8 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
                                    std::vector<Packed<T>>& records) const {
-  for_each_sum(pairs, range, [&](LocalId i, const Quad<T>& sum, T squares) {
-    const auto k = static_cast<std::size_t>(i);
+  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { density_loop_(pairs, part, sums, squares); };
+  for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T squares) {
     rho[k] = density(model_, sum.w);
     Vec3 gradient = -gradient_factor_ * vector_of(sum);
     if (walls_) {

@@ -12,11 +12,29 @@ Real poly6(const Vec3& r, Real h) {
   return t > 0 ? poly6_factor(h) * t * t * t : 0;
 }
 
+Vec3 poly6_gradient(const Vec3& r, Real h) {
+  const Real t = 1 - r.squaredNorm() / (h * h);
+  return t > 0 ? Vec3(-6 * poly6_factor(h) / (h * h) * t * t * r) : Vec3::Zero();
+}
+
+Real spiky(const Vec3& r, Real h) {
+  const Real t = 1 - r.norm() / h;
+  return t > 0 ? spiky_factor(h) * t * t * t : 0;
+}
+
 Vec3 spiky_gradient(const Vec3& r, Real h) {
   const Real length = r.norm();
   if (length <= 0 || length >= h) return Vec3::Zero();
   const Real t = 1 - length / h;
   return -spiky_gradient_factor(h) * t * t / length * r;
+}
+
+Real density_kernel(Kernel kernel, const Vec3& r, Real h) {
+  return kernel == Kernel::poly6 ? poly6(r, h) : spiky(r, h);
+}
+
+Vec3 density_gradient(Kernel kernel, const Vec3& r, Real h) {
+  return kernel == Kernel::poly6 ? poly6_gradient(r, h) : spiky_gradient(r, h);
 }
 
 namespace {
@@ -38,10 +56,16 @@ void for_each_lattice_point(Real spacing, Real h, Visit&& visit) {
 
 }  // namespace
 
-Real lattice_poly6_sum(Real spacing, Real h) {
+Real lattice_density_sum(Kernel kernel, Real spacing, Real h) {
   Real sum = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3& offset) { sum += poly6(offset, h); });
+  for_each_lattice_point(spacing, h, [&](const Vec3& offset) { sum += density_kernel(kernel, offset, h); });
   return sum;
+}
+
+Real lattice_density_response(Kernel kernel, Real spacing, Real h) {
+  Real sum = 0;
+  for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum -= r.dot(density_gradient(kernel, r, h)); });
+  return sum / 3;
 }
 
 int lattice_neighbours(Real spacing, Real h) {
@@ -64,21 +88,19 @@ std::array<Real, 24> sines_of_twelfths() {
 
 }  // namespace
 
-Real lattice_jacobi_eigenvalue(Real spacing, Real h, Real volume, Real epsilon) {
+Real lattice_jacobi_eigenvalue(Kernel kernel, Real spacing, Real h, Real volume, Real epsilon) {
   struct Neighbour {
     std::array<int, 3> place;
-    Vec3 poly6_gradient, spiky_gradient;
+    Vec3 dense, push;
   };
   std::vector<Neighbour> neighbours;
   Real diagonal = epsilon;
   for_each_lattice_point(spacing, h, [&](const Vec3& r) {
-    if (r.squaredNorm() == 0) return;
-    const Real t = 1 - r.squaredNorm() / (h * h);
     const auto index = [&](Real x) { return static_cast<int>(std::lround(x / spacing)); };
     neighbours.push_back({{index(r.x()), index(r.y()), index(r.z())},
-                          -volume * 6 * poly6_factor(h) / (h * h) * t * t * r,
+                          volume * density_gradient(kernel, r, h),
                           volume * spiky_gradient(r, h)});
-    diagonal += neighbours.back().spiky_gradient.squaredNorm();
+    diagonal += neighbours.back().push.squaredNorm();
   });
   const std::array<Real, 24> sine = sines_of_twelfths();
   Real largest = 0;
@@ -90,8 +112,8 @@ Real lattice_jacobi_eigenvalue(Real spacing, Real h, Real volume, Real epsilon) 
         for (const Neighbour& n : neighbours) {
           const int q = (x * n.place[0] + y * n.place[1] + z * n.place[2]) % 24;
           const Real s = sine[static_cast<std::size_t>(q < 0 ? q + 24 : q)];
-          dense += s * n.poly6_gradient;
-          push += s * n.spiky_gradient;
+          dense += s * n.dense;
+          push += s * n.push;
         }
         largest = std::max(largest, dense.dot(push) / diagonal);
       }

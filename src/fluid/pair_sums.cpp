@@ -20,10 +20,10 @@ HWY_INLINE hn::Vec<D> poly6_base(D d, const PairVector<D>& pair) {
   return hn::Max(hn::Sub(hn::Set(d, hn::TFromD<D>{1}), pair.r2), hn::Zero(d));
 }
 
-// t² and t²/r with t = 1 − u; coincident particles get a finite factor of a zero vector.
+// t = 1 − u, t² and t²/r; coincident particles get a finite factor of a zero vector.
 template <class D>
 struct Spiky {
-  hn::Vec<D> t2, t2_per_r;
+  hn::Vec<D> t, t2, t2_per_r;
 };
 template <class D>
 HWY_INLINE Spiky<D> spiky(D d, const PairVector<D>& pair) {
@@ -31,7 +31,7 @@ HWY_INLINE Spiky<D> spiky(D d, const PairVector<D>& pair) {
   const auto r = hn::Sqrt(pair.r2);
   const auto t = hn::Max(hn::Sub(hn::Set(d, T{1}), r), hn::Zero(d));
   const auto t2 = hn::Mul(t, t);
-  return {t2, hn::Div(t2, hn::Max(r, hn::Set(d, static_cast<T>(1e-18))))};
+  return {t, t2, hn::Div(t2, hn::Max(r, hn::Set(d, static_cast<T>(1e-18))))};
 }
 
 // Sums of three components start at zero; what they are multiplied with at the end takes r̂ from record units to none.
@@ -58,7 +58,7 @@ struct VectorKernel {
   }
 };
 
-template <class T>
+template <class T, bool of_poly6>
 struct DensityKernel : VectorKernel<T> {
   T* squares;
 
@@ -73,9 +73,9 @@ struct DensityKernel : VectorKernel<T> {
   }
   template <class D>
   void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
-    const auto q = poly6_base(d, pair);
-    sums.vector.w = hn::MulAdd(hn::Mul(q, q), q, sums.vector.w);
     const Spiky<D> s = spiky(d, pair);
+    const auto q = of_poly6 ? poly6_base(d, pair) : s.t;
+    sums.vector.w = hn::MulAdd(hn::Mul(q, q), q, sums.vector.w);
     sums.squares = hn::MulAdd(s.t2, s.t2, sums.squares);
     this->add_along(sums.vector, pair, s.t2_per_r);
   }
@@ -194,7 +194,10 @@ struct SmoothingKernel : VelocityKernel<T> {
 template <class T>
 struct Loops {
   static void density(const Pairs<T>& pairs, Range range, Quad<T>* out, T* squares) {
-    for_each_particle(pairs, range, DensityKernel<T>{{out}, squares});
+    for_each_particle(pairs, range, DensityKernel<T, true>{{out}, squares});
+  }
+  static void spiky_density(const Pairs<T>& pairs, Range range, Quad<T>* out, T* squares) {
+    for_each_particle(pairs, range, DensityKernel<T, false>{{out}, squares});
   }
   static void delta(const Pairs<T>& pairs, Range range, Quad<T>* out) {
     for_each_particle(pairs, range, DeltaKernel<T>{{{out}, pairs.records.data()}});
@@ -218,8 +221,8 @@ struct Loops {
 
 template <class T>
 PairLoops<T> pair_loops() {
-  return {Loops<T>::density, Loops<T>::delta,    Loops<T>::tensile_delta,
-          Loops<T>::curl,    Loops<T>::gradient, Loops<T>::smoothing};
+  return {Loops<T>::density, Loops<T>::spiky_density, Loops<T>::delta,    Loops<T>::tensile_delta,
+          Loops<T>::curl,    Loops<T>::gradient,      Loops<T>::smoothing};
 }
 PairLoops<float> pair_loops_single() { return pair_loops<float>(); }
 PairLoops<double> pair_loops_double() { return pair_loops<double>(); }

@@ -1,29 +1,14 @@
 #include "trevi/fluid/velocity_filter.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
 
+#include "fluid/for_each_sum.hpp"
 #include "trevi/base/growth.hpp"
 #include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
 
 namespace {
-
-constexpr LocalId chunk = 128;
-
-// loop(part, sums) fills the sums of a part of the particles; use(i, sum) is then called for each of them.
-template <class T, class Loop, class Use>
-void for_each_sum(LocalId particles, Loop&& loop, Use&& use) {
-  std::array<Quad<T>, chunk> sums;
-  for (LocalId begin = 0; begin < particles; begin += chunk) {
-    const Range part{begin, std::min(begin + chunk, particles)};
-    loop(part, sums.data());
-    for (LocalId k = 0; k < part.size(); ++k)
-      use(static_cast<std::size_t>(begin + k), sums[static_cast<std::size_t>(k)]);
-  }
-}
 
 template <class T>
 Pairs<T> pairs_of(const Neighbourhood<T>& near) {
@@ -74,7 +59,7 @@ void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles
   near.halo().exchange(near.records());
   const Pairs<T> pairs = pairs_of(near);
   const auto gradients = [&](Range part, Quad<T>* out) { loops_.gradient(pairs, part, out); };
-  for_each_sum<T>(near.order().owned(), gradients, [&](std::size_t i, const Quad<T>& sum) {
+  for_each_sum<Quad<T>>(near.all(), gradients, [&](std::size_t i, const Quad<T>& sum) {
     // Only the direction of eta matters: minus that of the sum, as ∇_{p_i}W points from i to j.
     const Vec3 eta = -vector_of(sum);
     const Real length = eta.norm();
@@ -93,8 +78,8 @@ void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real)
   const Quad<T>* velocities = velocity_->refresh(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
   const auto smoothing = [&](Range part, Quad<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
-  for_each_sum<T>(near.order().owned(), smoothing,
-                  [&](std::size_t i, const Quad<T>& sum) { particles.velocity[i] += factor_ * vector_of(sum); });
+  for_each_sum<Quad<T>>(near.all(), smoothing,
+                        [&](std::size_t i, const Quad<T>& sum) { particles.velocity[i] += factor_ * vector_of(sum); });
   log_flops(static_cast<double>(near.list().pairs()) * 22);
 }
 

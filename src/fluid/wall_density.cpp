@@ -25,7 +25,7 @@ struct Missing {
   Real gradient = 0;  // Σ t² along the first axis
 };
 
-Missing behind_planes(const std::array<Real, 3>& d, int dimensions, Real spacing, Real h) {
+Missing behind_planes(const std::array<Real, 3>& d, int dimensions, Kernel kernel, Real spacing, Real h) {
   const int reach = static_cast<int>(h / spacing) + 1;
   Missing missing;
   for (int i = -reach; i <= reach; ++i) {
@@ -35,12 +35,12 @@ Missing behind_planes(const std::array<Real, 3>& d, int dimensions, Real spacing
         bool behind = offset.norm() < h * (1 - 1e-9);
         for (int a = 0; a < dimensions; ++a) behind = behind && offset[a] < -d[static_cast<std::size_t>(a)];
         if (!behind) continue;
-        missing.share += poly6(offset, h);
+        missing.share += density_kernel(kernel, offset, h);
         missing.gradient += spiky_gradient(offset, h).x();
       }
     }
   }
-  const Real whole = lattice_poly6_sum(spacing, h);
+  const Real whole = lattice_density_sum(kernel, spacing, h);
   return {missing.share / whole, missing.gradient / whole};
 }
 
@@ -48,7 +48,12 @@ Real quotient(Real a, Real b) { return b > 1e-12 ? a / b : 0; }
 
 }  // namespace
 
-Real half_space_share(Real d, Real h) { return d < h ? 315.0 / 256 * tail_integral(d / h) : 0; }
+Real half_space_share(Kernel kernel, Real d, Real h) {
+  if (d >= h) return 0;
+  if (kernel == Kernel::poly6) return 315.0 / 256 * tail_integral(d / h);
+  const Real t = 1 - d / h, t2 = t * t;
+  return t2 * t2 * t * (1.5 - t);
+}
 
 Real half_space_gradient(Real d, Real h) {
   if (d >= h) return 0;
@@ -56,9 +61,10 @@ Real half_space_gradient(Real d, Real h) {
   return 30 / h * t * t * t * t * (0.25 - t / 5);
 }
 
-AnalyticWallDensity::AnalyticWallDensity(const Box& box, Real spacing, Real h)
+AnalyticWallDensity::AnalyticWallDensity(const Box& box, Kernel kernel, Real spacing, Real h)
     : box_(box),
       interior_{box.min.array() + h, box.max.array() - h},
+      kernel_(kernel),
       h_(h),
       spacing_(spacing),
       per_spacing_(1 / spacing),
@@ -76,12 +82,12 @@ void AnalyticWallDensity::tabulate(int dimensions) {
     for (int a = dimensions - 1, rest = entry; a >= 0; --a, rest /= side) {
       d[static_cast<std::size_t>(a)] = (std::min(rest % side, layers_ - 1) + 0.5) * spacing_;
     }
-    const Missing lattice = behind_planes(d, dimensions, spacing_, h_);
+    const Missing lattice = behind_planes(d, dimensions, kernel_, spacing_, h_);
     Real share = 1, gradient = 1;
     for (int a = 0; a < dimensions; ++a) {
       const std::array<Real, most_planes> one = {d[static_cast<std::size_t>(a)], 0, 0};
-      const Missing plane = behind_planes(one, 1, spacing_, h_);
-      share *= dimensions == 1 ? half_space_share(one[0], h_) : plane.share;
+      const Missing plane = behind_planes(one, 1, kernel_, spacing_, h_);
+      share *= dimensions == 1 ? half_space_share(kernel_, one[0], h_) : plane.share;
       gradient *= a > 0 ? plane.share : dimensions == 1 ? half_space_gradient(one[0], h_) : plane.gradient;
     }
     table.share.push_back(quotient(lattice.share, share));
@@ -115,7 +121,7 @@ AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis
   const Real x = std::clamp(distance * per_spacing_ - 0.5, 0.0, static_cast<Real>(layers_ - 1));
   plane.layer = static_cast<int>(x);
   plane.fraction = x - plane.layer;
-  plane.share = half_space_share(distance, h_) * ratio<1>(tables_[0].share, {&plane});
+  plane.share = half_space_share(kernel_, distance, h_) * ratio<1>(tables_[0].share, {&plane});
   plane.gradient = half_space_gradient(distance, h_) * ratio<1>(tables_[0].gradient, {&plane});
   return plane;
 }

@@ -79,7 +79,7 @@ void CellOrder::add_ghosts(std::span<const LocalId> low_counts, std::span<const 
   high_ghosts_ = start_.back() - low_ghosts_ - owned_;
 }
 
-std::pair<LocalId, LocalId> CellOrder::owned_range(LocalId k, LocalId l) const {
+Range CellOrder::owned_range(LocalId k, LocalId l) const {
   return {start(k + 1, 0) - low_ghosts_, start(l + 1, 0) - low_ghosts_};
 }
 

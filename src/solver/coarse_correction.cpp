@@ -14,22 +14,6 @@ namespace {
 // Of the Jacobi sweep on the grid; keeps the checkerboard mode, which a full step only flips, out of the iteration.
 constexpr Real damping = 0.9;
 
-// b of "C changes by −b div u", on the lattice: Poly6's density under a linear displacement.
-Real density_response(const DensityModel& model, Real spacing) {
-  const int reach = static_cast<int>(model.h / spacing) + 1;
-  Real sum = 0;
-  for (int i = -reach; i <= reach; ++i) {
-    for (int j = -reach; j <= reach; ++j) {
-      for (int k = -reach; k <= reach; ++k) {
-        const Real r2 = spacing * spacing * (i * i + j * j + k * k), t = 1 - r2 / (model.h * model.h);
-        if (t > 0) sum += r2 * t * t;
-      }
-    }
-  }
-  // −r·∇W6 = 6 r²/h² W6(0) t², a third of it for each direction.
-  return model.mass / model.rest_density * 2 * poly6_factor(model.h) / (model.h * model.h) * sum;
-}
-
 }  // namespace
 
 CoarseCorrection::CoarseCorrection(MPI_Comm comm, const DensityModel& model, Real spacing, const CellGrid& grid,
@@ -40,7 +24,7 @@ CoarseCorrection::CoarseCorrection(MPI_Comm comm, const DensityModel& model, Rea
       slab_axis_(grid.slab_axis()),
       rows_(grid.rows()),
       columns_(grid.columns()),
-      per_b_(1 / density_response(model, spacing)) {
+      per_b_(model.rest_density / model.mass / lattice_density_response(model.kernel, spacing, model.h)) {
   const Vec3 extent = box.max - box.min;
   last_cell_ = {grid.planes() - 1.0, rows_ - 1.0, columns_ - 1.0};
   cell_ = {extent[slab_axis_] / grid.planes(), extent[1 - slab_axis_] / rows_, extent[2] / columns_};

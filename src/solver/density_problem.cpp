@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <utility>
 
 #include "trevi/base/growth.hpp"
@@ -13,16 +12,24 @@ namespace trevi {
 
 namespace {
 
-// Unit vector of a pair of ids, evenly spread over the sphere (splitmix64): the same on any rank count.
-Vec3 direction_of(GlobalId a, GlobalId b) {
-  std::uint64_t x = static_cast<std::uint64_t>(a) * 0x9E3779B97F4A7C15ull + static_cast<std::uint64_t>(b);
+// splitmix64
+std::uint64_t hash(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
   x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  x ^= x >> 31;
-  constexpr Real per_word = 1.0 / 4294967296.0;
-  const Real z = 2 * per_word * static_cast<Real>(x >> 32) - 1, r = std::sqrt(1 - z * z);
-  const Real angle = 2 * std::numbers::pi * per_word * static_cast<Real>(x & 0xFFFFFFFFu);
-  return {r * std::cos(angle), r * std::sin(angle), z};
+  return x ^ (x >> 31);
+}
+
+// Unit vector of a pair of ids, evenly spread over the sphere: from the first point of a hashed sequence in the cube
+// that is in the ball. The same on any machine, too, which the last bits of a sine are not.
+Vec3 direction_of(GlobalId a, GlobalId b) {
+  constexpr std::uint64_t next = 0x9E3779B97F4A7C15ull;
+  constexpr Real half = 1U << 20U;
+  const auto number = [](std::uint64_t bits) { return (static_cast<Real>(bits & 0x1FFFFFU) + 0.5) / half - 1; };
+  for (std::uint64_t x = static_cast<std::uint64_t>(a) * next + static_cast<std::uint64_t>(b);; x += next) {
+    const std::uint64_t bits = hash(x);
+    const Vec3 v(number(bits), number(bits >> 21U), number(bits >> 42U));
+    if (v.squaredNorm() <= 1) return v / std::sqrt(v.squaredNorm());
+  }
 }
 
 }  // namespace
@@ -40,13 +47,13 @@ void DensityProblem<T>::start(Particles& particles) {
 }
 
 template <class T>
-void DensityProblem<T>::lambda_of(PlaneRun run) {
-  constraint_.lambdas(pairs(), {run.begin, run.end}, particles_->predicted, rho_, near_.records());
+void DensityProblem<T>::lambda_of(Range run) {
+  constraint_.lambdas(pairs(), run, particles_->predicted, rho_, near_.records());
   count_pass(run, DensityConstraint<T>::density_flops);
 }
 
 template <class T>
-void DensityProblem<T>::count_pass(PlaneRun run, double flops_per_pair) {
+void DensityProblem<T>::count_pass(Range run, double flops_per_pair) {
   const auto pairs = static_cast<double>(near_.list().first(run.end) - near_.list().first(run.begin));
   pair_passes_ += pairs;
   log_flops(pairs * flops_per_pair);
@@ -55,7 +62,7 @@ void DensityProblem<T>::count_pass(PlaneRun run, double flops_per_pair) {
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
-  constraint_.deltas(pairs(), {0, near_.order().owned()}, particles_->predicted, delta_);
+  constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
@@ -97,7 +104,7 @@ void DensityProblem<T>::separate_coincident() {
 template <class T>
 void DensityProblem<T>::compute_density() {
   const ScopedEvent timed(lambda_event_);
-  constraint_.densities(pairs(), {0, near_.order().owned()}, particles_->predicted, rho_);
+  constraint_.densities(pairs(), near_.all(), particles_->predicted, rho_);
   count_pass(near_.all(), DensityConstraint<T>::density_flops);
 }
 

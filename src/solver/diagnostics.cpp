@@ -92,17 +92,15 @@ Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
   row.momentum = model_.mass * sum.momentum;
   row.com = sum.position / sum.count;
   add_maxima(input, row);
-  row.front_q99 = quantile(comm_, input.particles.position, 0, 0.99, box_);
+  const auto q99 = static_cast<GlobalId>(std::ceil(0.99 * sum.count));
+  row.front_q99 = nth_smallest(comm_, input.particles.position, 0, q99, box_);
   return row;
 }
 
-Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fraction, const Box& box) {
+Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalId n, const Box& box) {
   constexpr int digit = 12, rounds = 3;  // 4096 intervals in each round
   constexpr GlobalId bins = GlobalId{1} << digit, cells = GlobalId{1} << (digit * rounds);
-  const GlobalId all = sum_over_ranks(comm, static_cast<GlobalId>(places.size()));
-  if (all == 0) return std::numeric_limits<Real>::quiet_NaN();
-  auto wanted =
-      static_cast<GlobalId>(std::ceil(fraction * static_cast<Real>(all)));  // the how manieth in this interval
+  if (n == 0) return std::numeric_limits<Real>::quiet_NaN();
   // Places as whole numbers, so that each round sees a particle in the part of the interval it was counted in before.
   const Real per_metre = static_cast<Real>(cells) / (box.max[axis] - box.min[axis]);
   const auto cell = [&](const Vec3& p) {
@@ -117,7 +115,7 @@ Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fracti
     }
     MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, comm);
     std::size_t bin = 0;
-    while (bin + 1 < static_cast<std::size_t>(bins) && wanted > count[bin]) wanted -= count[bin++];
+    while (bin + 1 < static_cast<std::size_t>(bins) && n > count[bin]) n -= count[bin++];  // in this interval
     interval = interval * bins + static_cast<GlobalId>(bin);
   }
   return box.min[axis] + (static_cast<Real>(interval) + 0.5) / per_metre;

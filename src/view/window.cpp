@@ -144,6 +144,7 @@ void Window::render() {
   renderer_->ResetCameraClippingRange();
   painter_.size_points();
   window_->Render();
+  update_title();  // afterwards, so that what it says can be seen
 }
 
 void Window::measure() {
@@ -163,7 +164,11 @@ void Window::update_texts() {
                         .c_str());
   message_->SetInput(source_.message().c_str());
   message_->SetVisibility(!source_.message().empty());
+}
+
+void Window::update_title() {
   const std::string step = shown_ ? fmt::format("step {}", shown_->step) : "no frame";
+  const std::string style = style_names[static_cast<std::size_t>(painter_.style())];
   const std::string colour = colour_names[static_cast<std::size_t>(painter_.colour())];
   window_->SetWindowName(
       fmt::format("trevi-view: {}, {}, {}, {}, {}", source_.scene().name, step, source_.pace(), style, colour).c_str());

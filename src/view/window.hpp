@@ -47,6 +47,7 @@ class Window {
   bool press_steering(const std::string& key);
   bool press_looks(const std::string& key);
   void update_texts();
+  void update_title();
   void save_numbered();
   void measure();
 

@@ -26,7 +26,7 @@ inline const MPI_Comm world = MPI_COMM_WORLD;
 
 inline void barrier() { MPI_Barrier(world); }
 
-/// All ranks' particles, in a random order with ids that are not dense.
+/// All ranks' particles, in a random order with ids that are not dense, most of them past 32 bits.
 inline Particles whole_cloud(int count) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<Real> number(-1, 1);

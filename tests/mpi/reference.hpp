@@ -40,6 +40,11 @@ class Reference {
   Real poly6(Real r) const {
     return r < h() ? 315 / (64 * std::numbers::pi * std::pow(h(), 9)) * std::pow(h() * h() - r * r, 3) : 0;
   }
+  /// The kernel of the density.
+  Real density_kernel(Real r) const {
+    if (s_.fluid.density_kernel == Kernel::poly6) return poly6(r);
+    return r < h() ? 15 / (std::numbers::pi * std::pow(h(), 6)) * std::pow(h() - r, 3) : 0;
+  }
   /// ∇W of Spiky with respect to the first particle of the pair.
   Vec3 spiky(const Vec3& r) const {
     const Real d = r.norm();
@@ -53,7 +58,8 @@ class Reference {
     Real sum = 0;
     for (int x = -reach; x <= reach; ++x)
       for (int y = -reach; y <= reach; ++y)
-        for (int z = -reach; z <= reach; ++z) sum += poly6(s_.fluid.spacing * std::sqrt(x * x + y * y + z * z));
+        for (int z = -reach; z <= reach; ++z)
+          sum += density_kernel(s_.fluid.spacing * std::sqrt(x * x + y * y + z * z));
     return mass_ * sum;
   }
 
@@ -132,8 +138,8 @@ class Reference {
   void find_densities() {
     rho_.assign(size(), 0);
     for (std::size_t i = 0; i < size(); ++i) {
-      rho_[i] = mass_ * poly6(0);
-      for (const std::size_t j : near_[i]) rho_[i] += mass_ * poly6((p_[i] - p_[j]).norm());
+      rho_[i] = mass_ * density_kernel(0);
+      for (const std::size_t j : near_[i]) rho_[i] += mass_ * density_kernel((p_[i] - p_[j]).norm());
     }
   }
 

@@ -243,14 +243,17 @@ TEST_F(Output, ParticleFileDefaultsIdAndVelocity) {
   }
 }
 
-TEST_F(Output, ParticleFileRejectsDuplicatesAndNan) {
+TEST_F(Output, ParticleFileRejectsBadIdsAndNan) {
   write_cloud(path("twice.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, 7});
   write_cloud(path("nan.h5"), {0, 0, 0, 1, 2, 3, 4, NAN, 6}, {});
-  write_cloud(path("unique.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, 11});
+  write_cloud(path("unique.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, 0});
+  write_cloud(path("negative.h5"), std::vector<float>(15, 1.0f), {7, 3, 9, 4, -7});
   expect_mentions(input_error_of([&] { read_particle_file(world, path("twice.h5")); }),
                   {"twice.h5", "/particles/id", "7 occurs more than once"});
   expect_mentions(input_error_of([&] { read_particle_file(world, path("nan.h5")); }),
                   {"nan.h5", "/particles/position", "row 2", "not finite"});
+  expect_mentions(input_error_of([&] { read_particle_file(world, path("negative.h5")); }),
+                  {"negative.h5", "/particles/id", "row 4 is -7"});
   EXPECT_NO_THROW(read_particle_file(world, path("unique.h5")));
 }
 

@@ -27,7 +27,7 @@ Vec3 drift_of(GlobalId id) { return 0.3 * radius * velocity_of(3 * id); }
 struct Sums {
   Vec3 spiky = Vec3::Zero(), delta = Vec3::Zero(), tensile_delta = Vec3::Zero(), curl = Vec3::Zero(),
        gradient = Vec3::Zero(), smoothing = Vec3::Zero();
-  Real poly6 = 0, squares = 0, scale = 0.01;  // the scale is never nothing
+  Real poly6 = 0, spiky_sum = 0, squares = 0, scale = 0.01;  // the scale is never nothing
 
   void add(const Seen& i, const Seen& j) {
     const Vec3 d = i.place - j.place;
@@ -37,6 +37,7 @@ struct Sums {
     const Real s_corr = -tensile.k * std::pow(std::pow(q / (1 - tensile.dq * tensile.dq), 3), tensile.n);
     spiky += along;
     poly6 += q * q * q;
+    spiky_sum += t * t * t;
     squares += t * t * t * t;
     delta += (i.w + j.w) * along;
     tensile_delta += (i.w + j.w + s_corr) * along;
@@ -91,16 +92,18 @@ struct Drifted : Distributed<T> {
 /// What the loops of the instruction set in use write for the owned particles [begin, end).
 template <class T>
 struct Found {
-  std::vector<Quad<T>> density, delta, tensile_delta, curl, gradient, smoothing;
+  std::vector<Quad<T>> density, spiky_density, delta, tensile_delta, curl, gradient, smoothing;
   std::vector<T> squares;
 
   Found(const Drifted<T>& d, Range range) {
     const auto n = static_cast<std::size_t>(range.size());
-    for (auto* field : {&density, &delta, &tensile_delta, &curl, &gradient, &smoothing}) field->resize(n);
+    for (auto* field : {&density, &spiky_density, &delta, &tensile_delta, &curl, &gradient, &smoothing})
+      field->resize(n);
     squares.resize(n);
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     const PairLoops<T> loops = pair_loops<T>();
     loops.density(pairs, range, density.data(), squares.data());
+    loops.spiky_density(pairs, range, spiky_density.data(), squares.data());
     loops.delta(pairs, range, delta.data());
     loops.tensile_delta(pairs, range, tensile, tensile_delta.data());
     loops.curl(pairs, range, d.velocity.data(), curl.data());
@@ -122,8 +125,9 @@ void expect_brute_force(const Drifted<T>& d) {
     expect_near(found.curl[k], sums.curl, 3 * sums.scale);
     expect_near(found.gradient[k], sums.gradient, 2 * sums.scale);
     expect_near(found.smoothing[k], sums.smoothing, 3 * sums.scale);
-    const Quad<T> scalars{found.density[k].w, found.squares[k], 0, 0};
-    expect_near(scalars, Vec3(sums.poly6, sums.squares, 0), sums.scale);
+    expect_near(found.spiky_density[k], sums.spiky, sums.scale);
+    const Quad<T> scalars{found.density[k].w, found.squares[k], found.spiky_density[k].w, 0};
+    expect_near(scalars, Vec3(sums.poly6, sums.squares, sums.spiky_sum), sums.scale);
   }
 }
 

@@ -1,4 +1,4 @@
-// Sums with the same bits on any number of ranks, and the quantile without sorting against sorting.
+// Sums with the same bits on any number of ranks, and the n-th smallest without sorting against sorting.
 #include <cmath>
 
 #include "distributed.hpp"
@@ -34,50 +34,49 @@ TEST(Reductions, ExtremaAndCounts) {
   EXPECT_EQ(sum_over_ranks(world, (GlobalId{1} << 40) + rank), (GlobalId{1} << 40) * size + size * (size - 1) / 2);
 }
 
-/// The k-th smallest, with k = ceil(fraction n).
-Real by_sorting(std::vector<Real> values, Real fraction) {
-  std::sort(values.begin(), values.end());
-  const auto k = static_cast<std::size_t>(std::ceil(fraction * static_cast<Real>(values.size()) - 1e-9));
-  return values[std::max<std::size_t>(k, 1) - 1];
-}
+const Box places_box{Vec3(0.6778396292912645, 0, 0), Vec3(5.887519352086528, 1, 1)};
+const Real left = places_box.min.x(), width = places_box.max.x() - left;
 
-const Box quantile_box{Vec3(0.6778396292912645, 0, 0), Vec3(5.887519352086528, 1, 1)};
-const Real left = quantile_box.min.x(), width = quantile_box.max.x() - left;
-
-void expect_quantiles(const std::vector<Real>& x) {
+void expect_as_sorted(const std::vector<Real>& x) {
   std::vector<Vec3> mine;
   for (std::size_t k = 0; k < x.size(); ++k)
     if (static_cast<int>(k * k % 7) % size_of(world) == rank_of(world)) mine.emplace_back(x[k], 0.5, 0.5);
-  for (const Real fraction : {0.01, 0.5, 0.99, 1.0})
-    EXPECT_NEAR(quantile(world, mine, 0, fraction, quantile_box), by_sorting(x, fraction), 1e-10 * width) << fraction;
+  std::vector<Real> sorted = x;
+  std::sort(sorted.begin(), sorted.end());
+  for (const std::size_t k : {std::size_t{0}, x.size() / 2, x.size() * 99 / 100, x.size() - 1}) {
+    const Real found = nth_smallest(world, mine, 0, static_cast<GlobalId>(k) + 1, places_box);
+    EXPECT_NEAR(found, sorted[k], 1e-10 * width) << k << " of " << x.size();
+  }
 }
 
-TEST(Quantile, RandomPlaces) {
+TEST(NthSmallest, RandomPlaces) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<Real> number(left, left + width);
   for (const int n : {1, 2, 100, 1000}) {
     std::vector<Real> x(static_cast<std::size_t>(n));
     for (Real& value : x) value = number(random);
-    expect_quantiles(x);
+    expect_as_sorted(x);
   }
 }
 
 // Places within a rounding of the borders of its intervals, where a particle can be lost between two of them.
-TEST(Quantile, PlacesOnBorders) {
+TEST(NthSmallest, PlacesOnBorders) {
   for (const int parts : {10, 4096}) {
     std::vector<Real> x;
     for (int k = 0; k <= parts; ++k) x.push_back(std::min(left + width / parts * k, left + width));
-    expect_quantiles(x);
+    expect_as_sorted(x);
   }
   for (int k = 0; k < 4096; k += 457) {
     const Real border = left + width / 4096 * k;
-    expect_quantiles({border, border, border});
-    expect_quantiles({std::nextafter(border, left), std::nextafter(border, left + width)});
+    expect_as_sorted({border, border, border});
+    expect_as_sorted({std::nextafter(border, left), std::nextafter(border, left + width)});
   }
-  expect_quantiles({left + width, left + width});
+  expect_as_sorted({left + width, left + width});
 }
 
-TEST(Quantile, OfNothingIsNan) { EXPECT_TRUE(std::isnan(quantile(world, {}, 0, 0.99, {Vec3::Zero(), Vec3::Ones()}))); }
+TEST(NthSmallest, OfNothingIsNan) {
+  EXPECT_TRUE(std::isnan(nth_smallest(world, {}, 0, 0, {Vec3::Zero(), Vec3::Ones()})));
+}
 
 }  // namespace
 }  // namespace trevi::test

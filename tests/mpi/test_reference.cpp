@@ -85,6 +85,11 @@ TEST(Reference, EachFeatureAlone) {
   expect_reference(cloud_scene, {"walls.restitution=1", "walls.reflection='report'"});
 }
 
+TEST(Reference, DensityOfTheKernelOfTheGradients) {
+  expect_reference(cloud_scene, {"fluid.density_kernel='spiky'"});
+  expect_reference(cloud_scene, joined(joined(tensile, filters), {"fluid.density_kernel='spiky'"}));
+}
+
 TEST(Reference, OtherSlabAxisAndOddKernelRadius) {
   expect_reference(cloud_scene, joined(filters, {"domain.slab_axis='y'"}));
   expect_reference(cloud_scene, joined(tensile, {"fluid.kernel_radius=0.187"}));

@@ -65,6 +65,13 @@ class Outputs(ProgramTest):
         report = json.loads((self.folder / "run" / "run.json").read_text())
         self.assertIn("done", json.dumps(report))
 
+    def test_missed_tolerances_are_told(self):
+        for name, tolerance in (("strict", 1e-9), ("loose", 0.5)):
+            result = self.run_well(2, CUBE, "--output", name, "--steps", 22, "--set", f"density.tolerance={tolerance}")
+            missed = json.loads((self.folder / name / "run.json").read_text())["unconverged_solves"]
+            self.assertEqual(missed > 0, name == "strict")  # it lands in frame 20, and in free fall all is well
+            self.assertEqual(f"{missed} of 22 density solves missed density.tolerance" in result.stderr, missed > 0)
+
     def test_time_of_a_pair_is_that_of_the_passes_made(self):
         self.run_well(2, CUBE, "--output", "run", "--steps", 3)  # the coarse grid's one pass, sweeps' two, those of rows
         report = json.loads((self.folder / "run" / "run.json").read_text())

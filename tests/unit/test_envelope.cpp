@@ -17,21 +17,32 @@ std::vector<std::string> warnings(const std::vector<std::string>& overrides) {
 }
 
 TEST(Envelope, SaysNothingInside) {
-  EXPECT_THAT(warnings({}), IsEmpty());
-  EXPECT_THAT(warnings({"time.dt=0.0041666666667", "fluid.kernel_radius=0.15"}), IsEmpty());
-  EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.3", "density.iterations=2"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.1"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0166666666667", "fluid.kernel_radius=0.15"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.2", "density.iterations=2"}), IsEmpty());
   // A finer lattice falls by a spacing in less time.
-  EXPECT_THAT(warnings({"time.dt=0.00208334", "fluid.spacing=0.025", "fluid.kernel_radius=0.05"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.00833334", "fluid.spacing=0.025", "fluid.kernel_radius=0.05"}), IsEmpty());
 }
 
 TEST(Envelope, NamesWhatIsOutside) {
-  EXPECT_THAT(warnings({"time.dt=0.002"}), ElementsAre(HasSubstr("dt = 0.002 s is shorter than the 0.00417 s")));
-  EXPECT_THAT(warnings({"fluid.kernel_radius=0.35"}), ElementsAre(HasSubstr("kernel_radius is 3.5 spacings")));
-  EXPECT_THAT(warnings({"fluid.kernel_radius=0.14"}), ElementsAre(HasSubstr("kernel_radius is 1.4 spacings")));
-  EXPECT_THAT(warnings({"density.iterations=1"}), ElementsAre(HasSubstr("density.iterations = 1")));
+  EXPECT_THAT(warnings({"time.dt=0.01"}), ElementsAre(HasSubstr("dt = 0.01 s is shorter than the 0.0167 s")));
+  EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.25"}),
+              ElementsAre(HasSubstr("kernel_radius is 2.5 spacings")));
+  EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.14"}),
+              ElementsAre(HasSubstr("kernel_radius is 1.4 spacings")));
+  EXPECT_THAT(warnings({"time.dt=0.1", "density.iterations=1"}), ElementsAre(HasSubstr("density.iterations = 1")));
   EXPECT_THAT(warnings({"density.preset='report'"}), ElementsAre(HasSubstr("no coarse grid")));
   EXPECT_THAT(warnings({"density.method='jacobi'"}), ElementsAre(HasSubstr("no coarse grid")));
   EXPECT_EQ(warnings({"time.dt=0.002", "density.iterations=1"}).size(), 2U);
+}
+
+TEST(Envelope, GoesFurtherWithWhatTheWarningsAdvise) {
+  const std::string spiky = "fluid.density_kernel='spiky'", viscosity = "viscosity.c=0.0002";
+  EXPECT_THAT(warnings({"time.dt=0.005001", "fluid.kernel_radius=0.4", spiky}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0021", "fluid.kernel_radius=0.3", viscosity}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0021", "fluid.kernel_radius=0.4", viscosity, spiky}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0021", spiky}), ElementsAre(HasSubstr("[viscosity] c = 0.0002")));
+  EXPECT_EQ(warnings({"time.dt=0.0021", "viscosity.c=0.0001"}).size(), 1U) << "not enough";
 }
 
 TEST(Envelope, NothingFallsWithoutGravity) {

@@ -48,7 +48,7 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   EXPECT_EQ(scene.slab_axis, 0);
   EXPECT_EQ(scene.fluid.kernel_radius, FluidSettings{}.kernel_radius);
   EXPECT_EQ(scene.fluid.mass, FluidSettings{}.mass);
-  EXPECT_EQ(scene.density.relaxation, DensitySettings{}.relaxation);
+  EXPECT_NEAR(scene.density.relaxation, 0.7, 2e-3);  // h = 2 spacings
   EXPECT_EQ(scene.density.constraint, DensitySettings{}.constraint);
   EXPECT_FALSE(scene.density.tolerance);
   EXPECT_EQ(scene.walls.reflection, WallSettings{}.reflection);

@@ -24,8 +24,8 @@ class Balance {
   /// Cuts move when that lowers the imbalance by more than `least_gain`; each move sends a plane or more of particles.
   Balance(MPI_Comm comm, Real least_gain) : comm_(comm), least_gain_(least_gain) {}
 
-  /// Moves the cuts, if it is time (step) and worth it; the particles are where they were. True when cuts have moved.
-  bool update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs);
+  /// Moves the cuts, if it is time (step) and worth it; the particles are where they were.
+  void update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs);
 
   /// Imbalance max/mean of the work at the looks so far, before a move; 1 is even.
   struct History {

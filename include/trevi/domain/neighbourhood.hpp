@@ -13,11 +13,6 @@
 
 namespace trevi {
 
-/// Owned particles [begin, end) of a run of planes.
-struct PlaneRun {
-  LocalId begin = 0, end = 0;
-};
-
 template <class T>
 class Neighbourhood {
  public:
@@ -29,7 +24,7 @@ class Neighbourhood {
   void rebuild(Particles& particles, LocalId first, LocalId last);
 
   /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.
-  void encode(const std::vector<Vec3>& place, PlaneRun range);
+  void encode(const std::vector<Vec3>& place, Range range);
 
   /// Record of owned particle i.
   Packed<T>& record(LocalId i) { return records_[static_cast<std::size_t>(order_.low_ghosts() + i)]; }
@@ -41,14 +36,13 @@ class Neighbourhood {
   const Halo& halo() const { return halo_; }
 
   /// Particles whose records the neighbour ranks hold: those of the first and the last plane; and all others.
-  std::vector<PlaneRun> boundary() const;
-  PlaneRun interior() const;
-  PlaneRun all() const { return {0, order_.owned()}; }
+  std::vector<Range> boundary() const;
+  Range interior() const;
+  Range all() const { return {0, order_.owned()}; }
 
   std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes(); }
 
  private:
-  MPI_Comm comm_;
   CellOrder order_;
   Halo halo_;
   Encoding<T> encoding_;

@@ -34,7 +34,6 @@ class Slabs {
   /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts, or a
   /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, `record_bytes` each.
   void check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
-  const std::vector<LocalId>& cuts() const { return cuts_; }
 
  private:
   Real cells(int rank, LocalId cells_per_plane) const;  // ghost planes included

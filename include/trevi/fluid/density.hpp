@@ -1,5 +1,5 @@
 // The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
-//   rho_i = m Σ_j W6(p_ij),  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+//   rho_i = m Σ_j W(p_ij), W Poly6 or, by fluid.density_kernel, Spiky;  C_i = rho_i/rho0 − 1 (inequality: not below 0)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
 //   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of boundary
 //   terms]
@@ -24,6 +24,7 @@ struct DensityModel {
   Real h = 0.2;              ///< m
   Real epsilon = 1;          ///< 1/m²
   Constraint constraint = Constraint::equality;
+  Kernel kernel = Kernel::poly6;
   Real mirror_share = 0.6;  ///< of a particle's multiplier, given to its mirror image behind a wall
 };
 
@@ -31,8 +32,9 @@ struct DensityModel {
 /// density.
 Real particle_mass(const FluidSettings& fluid);
 
-/// `poly6_sum`: Σ (1 − u²)³ over the neighbours without i; the density in kg/m³ without boundary terms.
-Real density(const DensityModel& model, Real poly6_sum);
+/// `sum`: Σ (1 − u²)³, or with Spiky (1 − u)³, over the neighbours without i; the density in kg/m³ without boundary
+/// terms.
+Real density(const DensityModel& model, Real sum);
 
 /// Σ_k |∇_k C_i|² from gradient = ∇_i C_i and neighbours = Σ_j |∇_j C_i|², both in 1/m units; lambda in m².
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
@@ -60,12 +62,10 @@ class DensityConstraint {
   static constexpr double density_flops = 27, delta_flops = 24;
 
  private:
-  template <class Use>
-  void for_each_sum(const Pairs<T>& pairs, Range range, Use&& use) const;
-
   DensityModel model_;
   Real gradient_factor_;  // m/rho0 times that of Spiky, 1/m
   PairLoops<T> loops_;
+  decltype(PairLoops<T>::density) density_loop_;
   std::function<void(const Pairs<T>&, Range, Quad<T>*)> delta_loop_;
   std::optional<AnalyticWallDensity> walls_;
 };

@@ -1,6 +1,6 @@
 // The sums over neighbours that the method consists of, dimensionless (u = r/h, t = 1 − u, r̂ from j to i), vectorised.
 // This is where the run time goes. Each sum is one small kernel under one common traversal of the neighbour list
-// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp, vorticity.hpp and xsph.hpp.
+// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp and velocity_filter.hpp.
 // Pairs that have drifted beyond h on the frozen list contribute nothing. Terms are added in the order of the list,
 // lane by lane: the same bits wherever a particle is stored. Not collective.
 #pragma once
@@ -17,12 +17,6 @@ struct Pairs {
   LocalId low_ghosts;
 };
 
-/// Owned particles [begin, end).
-struct Range {
-  LocalId begin = 0, end = 0;
-  LocalId size() const { return end - begin; }
-};
-
 /// s_corr = −k ((1 − u²)/(1 − dq²))^(3n), the report's −k (W6(r)/W6(dq h))ⁿ; k in the unit of lambda, m².
 struct Tensile {
   Real k = 0;
@@ -36,6 +30,8 @@ template <class T>
 struct PairLoops {
   /// out = (Σ t² r̂, Σ (1 − u²)³), squares = Σ t⁴.
   void (*density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
+  /// The same with Σ (1 − u)³.
+  void (*spiky_density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
   /// out = Σ (lambda_i + lambda_j) t² r̂, with lambda the scalar of the records.
   void (*delta)(const Pairs<T>&, Range, Quad<T>* out);
   /// out = Σ (lambda_i + lambda_j + s_corr) t² r̂.

@@ -14,6 +14,7 @@
 namespace trevi {
 
 enum class Mass { calibrated, volume };
+enum class Kernel { poly6, spiky };
 enum class Method { jacobi, chebyshev, anderson };
 enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
@@ -27,6 +28,7 @@ struct FluidSettings {
   Real rest_density = 1000;  ///< kg/m³
   Real kernel_radius = 0.2;  ///< h, m
   Mass mass = Mass::calibrated;
+  Kernel density_kernel = Kernel::poly6;  ///< of rho; gradients are Spiky's with either
 };
 
 struct DensitySettings {

@@ -1,6 +1,6 @@
 // What a plane wall adds to the density of a particle near it, as if the fluid went on behind the plane (walls.density
 // = "analytic"). Closed form for a half space at distance d (u = d/h):
-//   share of rest density  F(d) = C6 π/4 ∫_d^h (h² − z²)⁴ dz,  C6 = 315/(64 π h⁹)
+//   share of rest density  F(d) = C6 π/4 ∫_d^h (h² − z²)⁴ dz,  C6 = 315/(64 π h⁹);  with Spiky ∫_d^h g(z) dz
 //   gradient magnitude     g(d) = 30/h⁶ [h (h − d)⁴/4 − (h − d)⁵/5]
 // scaled, by tables over the distances of the lattice layers, such that the start lattice has rest density and balanced
 // gradients at walls, edges and corners alike. Edges and corners by inclusion and exclusion. Not collective.
@@ -9,6 +9,7 @@
 #include <array>
 #include <vector>
 
+#include "trevi/fluid/settings.hpp"
 #include "trevi/fluid/walls.hpp"
 
 namespace trevi {
@@ -20,13 +21,13 @@ struct BoundaryShare {
 };
 
 /// Closed forms of one plane, d in [0, h].
-Real half_space_share(Real d, Real h);
+Real half_space_share(Kernel kernel, Real d, Real h);
 Real half_space_gradient(Real d, Real h);  ///< 1/m
 
 class AnalyticWallDensity {
  public:
   /// `spacing` and h define the lattice that shall be at rest; metres.
-  AnalyticWallDensity(const Box& box, Real spacing, Real h);
+  AnalyticWallDensity(const Box& box, Kernel kernel, Real spacing, Real h);
 
   /// Nearly all particles are more than h away from every wall: that test is made here, the rest behind a call.
   BoundaryShare at(const Vec3& p) const {
@@ -59,6 +60,7 @@ class AnalyticWallDensity {
   BoundaryShare union_of(const std::array<Plane, most_planes>& planes, std::size_t count) const;
 
   Box box_, interior_;
+  Kernel kernel_;
   Real h_, spacing_, per_spacing_;
   int layers_;                             // lattice layers with distance below h
   std::array<Table, most_planes> tables_;  // plane, edge, corner

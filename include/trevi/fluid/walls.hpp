@@ -35,7 +35,6 @@ class Walls {
   bool inside(const Vec3& p) const {
     return (p.array() >= box_.min.array()).all() && (p.array() <= box_.max.array()).all();
   }
-  const Box& box() const { return box_; }
 
  private:
   Vec3 stop_on_ray(const Vec3& p, const Vec3& shift) const;

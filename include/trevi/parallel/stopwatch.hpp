@@ -7,7 +7,6 @@ namespace trevi {
 
 class Stopwatch {
  public:
-  explicit Stopwatch(double start = 0) : total_(start) {}
   double seconds() const { return running_ ? total_ + MPI_Wtime() - since_ : total_; }
 
   /// The watch runs as long as this lives.
@@ -29,7 +28,7 @@ class Stopwatch {
   };
 
  private:
-  double total_, since_ = 0;
+  double total_ = 0, since_ = 0;
   bool running_ = false;
 };
 

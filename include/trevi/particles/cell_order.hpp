@@ -13,6 +13,12 @@
 
 namespace trevi {
 
+/// Owned particles [begin, end), counted without ghosts.
+struct Range {
+  LocalId begin = 0, end = 0;
+  LocalId size() const { return end - begin; }
+};
+
 class CellOrder {
  public:
   explicit CellOrder(const CellGrid& grid) : grid_(grid) {}
@@ -32,14 +38,13 @@ class CellOrder {
   LocalId planes() const { return planes_; }  ///< owned ones
   LocalId owned() const { return owned_; }
   LocalId low_ghosts() const { return low_ghosts_; }
-  LocalId high_ghosts() const { return high_ghosts_; }
   LocalId size() const { return low_ghosts_ + owned_ + high_ghosts_; }
 
   /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned
   /// one.
   LocalId start(LocalId k, LocalId c) const { return start_[static_cast<std::size_t>(k) * cells() + c]; }
-  /// Owned particles of the owned planes [k, l) counted from 0: first and one past the last, without ghosts.
-  std::pair<LocalId, LocalId> owned_range(LocalId k, LocalId l) const;
+  /// Owned particles of the owned planes [k, l) counted from 0.
+  Range owned_range(LocalId k, LocalId l) const;
   std::size_t bytes() const;
 
  private:

@@ -1,8 +1,9 @@
 // The state of the particles one rank owns: a structure of arrays, one contiguous array per field, all of one length.
 // Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count
 // changes. Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has
-// none. The one list of fields is for_each_field: sorting and migration go through it, and checkpoints through
-// for_each_saved_field, which names those that a restart needs beside the id.
+// none. The one list of fields is for_each_field: migration goes through it, sorting through for_each_kept_field (the
+// velocities have no value then), and checkpoints through for_each_saved_field, which names those that a restart needs
+// beside the id.
 #pragma once
 
 #include <cassert>

@@ -59,8 +59,8 @@ class DensityProblem {
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
-  void lambda_of(PlaneRun run);
-  void count_pass(PlaneRun run, double flops_per_pair);
+  void lambda_of(Range run);
+  void count_pass(Range run, double flops_per_pair);
   void separate_coincident();
 
   MPI_Comm comm_;
@@ -79,14 +79,14 @@ template <class Place>
 void DensityProblem<T>::move(Place&& place) {
   const ScopedEvent timed(move_event_);
   std::vector<Vec3>& p = particles_->predicted;
-  const auto update = [&](PlaneRun run) {
+  const auto update = [&](Range run) {
     for (LocalId i = run.begin; i < run.end; ++i) {
       const auto k = static_cast<std::size_t>(i);
       p[k] = place(k, p[k], vector_of(delta_[k]));
     }
     near_.encode(p, run);
   };
-  for (const PlaneRun& run : near_.boundary()) update(run);
+  for (const Range& run : near_.boundary()) update(run);
   near_.halo().start(near_.records());
   update(near_.interior());
   near_.halo().finish();
@@ -96,14 +96,14 @@ template <class T>
 template <class Use>
 void DensityProblem<T>::compute_lambda(Use&& use) {
   const ScopedEvent timed(lambda_event_);
-  const auto update = [&](PlaneRun run) {
+  const auto update = [&](Range run) {
     lambda_of(run);
     for (LocalId i = run.begin; i < run.end; ++i) {
       T& w = near_.record(i).w;
       w = static_cast<T>(use(static_cast<std::size_t>(i), static_cast<Real>(w)));
     }
   };
-  for (const PlaneRun& run : near_.boundary()) update(run);
+  for (const Range& run : near_.boundary()) update(run);
   near_.halo().start(near_.records());
   update(near_.interior());
   near_.halo().finish();

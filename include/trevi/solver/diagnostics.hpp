@@ -41,8 +41,8 @@ class DiagnosticsSum {
   Vec3 gravity_;
 };
 
-/// The smallest x such that at least `fraction` of all particles have a coordinate along `axis` of at most x, to 1e-10
-/// of the box. Three rounds of counting, no sorting. nan without particles. Collective.
-Real quantile(MPI_Comm comm, std::span<const Vec3> places, int axis, Real fraction, const Box& box);
+/// The n-th smallest (from 1) of the coordinates along `axis` of the places of all ranks, to 1e-10 of the box. Three
+/// rounds of counting, no sorting. nan where n is 0. Collective.
+Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalId n, const Box& box);
 
 }  // namespace trevi

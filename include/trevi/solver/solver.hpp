@@ -42,7 +42,6 @@ class Solver {
 
   virtual const Clock& clock() const = 0;
   virtual const Particles& particles() const = 0;
-  virtual const Slabs& slabs() const = 0;
 
   /// Work and traffic of this rank so far, for run.json.
   struct Counters {
@@ -94,7 +93,6 @@ class PbfSolver : public Solver {
 
   const Clock& clock() const override { return parts_.clock; }
   const Particles& particles() const override { return parts_.particles; }
-  const Slabs& slabs() const override { return *parts_.slabs; }
   Counters counters() const override;
   std::vector<FountainState> fountains() const override;
 
