@@ -15,7 +15,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 COLOURS = {"report's Jacobi": "#D55E00", "plain Jacobi": "#E69F00", "Jacobi 0.5, walls": "#CC79A7",
-           "Chebyshev alone": "#56B4E9", "Anderson": "#009E73", "default": "#0072B2"}
+           "Chebyshev alone": "#56B4E9", "Anderson": "#009E73", "default": "#0072B2",
+           "default, Spiky": "#000000"}
 TITLES = {"cube": "falling cube", "column": "column of 40 layers", "dam_break": "dam break", "fountain": "fountain"}
 LEAST = 1e-7  # smaller errors are drawn here
 
