@@ -34,21 +34,22 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
   const Envelope envelope = envelope_of(scene);
   const FluidSettings& fluid = scene.fluid;
   const Real ratio = fluid.kernel_radius / fluid.spacing;
-  constexpr Real hair = 1e-9;
+  // What is outside by less than this is a rounded number, such as 0.0166666 for 1/60, and no choice.
+  constexpr Real rounded = 0.01;
   const std::string remedy = fmt::format(
       "set {}[viscosity] c = {:g}, which damps it",
       fluid.density_kernel == Kernel::spiky ? "" : "fluid.density_kernel = \"spiky\", or ", 0.2 / fluid.rest_density);
-  if (ratio < 1.5 * (1 - hair) || ratio > envelope.widest * (1 + hair)) {
+  if (ratio < 1.5 * (1 - rounded) || ratio > envelope.widest * (1 + rounded)) {
     warnings.push_back(
-        fmt::format("kernel_radius is {:.3g} spacings; the stability study found water at rest stable "
+        fmt::format("kernel_radius is {:.4g} spacings; the stability study found water at rest stable "
                     "from 1.5 to {:g}; use a radius between{}",
                     ratio, envelope.widest, ratio > 2 ? ", or " + remedy : ""));
   }
   // In units of the time in which a particle falls by a spacing.
   const Real shortest = envelope.shortest_step * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
-  if (scene.dt < shortest * (1 - hair)) {
+  if (scene.dt < shortest * (1 - rounded)) {
     warnings.push_back(
-        fmt::format("dt = {:.3g} s is shorter than the {:.3g} s down to which the stability study found "
+        fmt::format("dt = {:.4g} s is shorter than the {:.4g} s down to which the stability study found "
                     "water at rest stable: shallow water warms up; use a longer dt, or {}",
                     scene.dt, shortest, remedy));
   }

@@ -24,8 +24,15 @@ TEST(Envelope, SaysNothingInside) {
   EXPECT_THAT(warnings({"time.dt=0.00833334", "fluid.spacing=0.025", "fluid.kernel_radius=0.05"}), IsEmpty());
 }
 
+TEST(Envelope, TakesRoundedNumbersForWhatTheyStandFor) {
+  EXPECT_THAT(warnings({"time.dt=0.0166666"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0166"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.1", "fluid.spacing=0.0999", "fluid.kernel_radius=0.2"}), IsEmpty());
+  EXPECT_THAT(warnings({"time.dt=0.0164"}), ElementsAre(HasSubstr("dt = 0.0164 s is shorter than the 0.01667 s")));
+}
+
 TEST(Envelope, NamesWhatIsOutside) {
-  EXPECT_THAT(warnings({"time.dt=0.01"}), ElementsAre(HasSubstr("dt = 0.01 s is shorter than the 0.0167 s")));
+  EXPECT_THAT(warnings({"time.dt=0.01"}), ElementsAre(HasSubstr("dt = 0.01 s is shorter than the 0.01667 s")));
   EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.25"}),
               ElementsAre(HasSubstr("kernel_radius is 2.5 spacings")));
   EXPECT_THAT(warnings({"time.dt=0.1", "fluid.kernel_radius=0.14"}),
