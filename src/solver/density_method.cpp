@@ -22,7 +22,7 @@ class Jacobi : public DensityMethod<T> {
         return problem.walls().collide(p, capped(settings_.relaxation * delta, longest_));
       });
     }
-    return {settings_.iterations, !settings_.tolerance};
+    return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }
 
  private:
@@ -57,7 +57,7 @@ class Chebyshev : public DensityMethod<T> {
         return problem.walls().collide(p, capped(delta, longest_));
       });
     }
-    return {settings_.iterations, !settings_.tolerance};
+    return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }
   std::size_t bytes() const override { return step_.capacity() * sizeof(T); }
 

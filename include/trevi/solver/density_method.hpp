@@ -39,13 +39,21 @@ struct MethodContext {
 template <class T>
 std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context);
 
-/// Whether the compression at the last multipliers meets the tolerance (mean; ten times it for the largest); never
+/// Whether the compression at the last densities meets the tolerance (mean; ten times it for the largest); never
 /// without one.
 template <class T>
 bool within_tolerance(const DensitySettings& settings, const DensityProblem<T>& problem) {
   if (!settings.tolerance) return false;
   const Compression c = problem.compression();
   return c.mean <= *settings.tolerance && c.max <= 10 * *settings.tolerance;
+}
+
+/// The same of where the last sweep has left p*, for which the density is summed once more; true without a tolerance.
+template <class T>
+bool ends_within_tolerance(const DensitySettings& settings, DensityProblem<T>& problem) {
+  if (!settings.tolerance) return true;
+  problem.compute_density();
+  return within_tolerance(settings, problem);
 }
 
 /// A shift shortened to `longest`, m; 0: as it is.

@@ -30,7 +30,7 @@ class DensityProblem {
   /// The same with lambda_i replaced by use(i, lambda_i).
   template <class Use>
   void compute_lambda(Use&& use);
-  /// Compression at the last compute_lambda(), the same bits on any rank count.
+  /// Compression at the last compute_lambda() or compute_density(), the same bits on any rank count.
   Compression compression() const;
   /// delta of all owned particles from the present lambda, m.
   void compute_delta();
