@@ -37,6 +37,7 @@ void PbfSolver<T>::step() {
   Clock& clock = parts_.clock;
   {
     const Stopwatch::Lap lap(stopwatch_);
+    iterations_before_step_ = counters_.iterations;
     for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
     clock.substeps = choose_substeps();
     const Real dt = clock.dt / clock.substeps;
@@ -152,7 +153,7 @@ void PbfSolver<T>::observe() {
   if (diagnose) {
     const ScopedEvent timed(diagnostics_event_);
     row = (*parts_.diagnostics)({parts_.particles, density, drift_, near_.order(), near_.list()});
-    row.iterations = last_solve_.iterations;
+    row.iterations = counters_.iterations - iterations_before_step_;
     row.wall_seconds = stopwatch_.seconds();
   }
   fountain_states_ = fountains();

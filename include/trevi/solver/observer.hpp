@@ -14,7 +14,7 @@ namespace trevi {
 /// wall_seconds). Units: SI; definitions in the user's contract, "Outputs". Undefined values are nan.
 struct Diagnostics {
   GlobalId particles = 0;
-  int iterations = 0;
+  std::int64_t iterations = 0;  ///< of the density solves of the step, its substeps added up
   Real density_mean = 0, density_max = 0, density_interior = 0;
   Real compression_mean = 0, compression_max = 0, compression_rms = 0;
   Real kinetic_energy = 0, potential_energy = 0;

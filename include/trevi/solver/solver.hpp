@@ -117,6 +117,7 @@ class PbfSolver : public Solver {
   Counters counters_;
   Stopwatch stopwatch_;
   SolveResult last_solve_;
+  std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // what the frames of observers point to
   Event predict_event_{"Predict"}, migrate_event_{"Migrate"}, update_event_{"UpdateVelocity"};
   Event diagnostics_event_{"Diagnostics"};
