@@ -2,6 +2,8 @@
 
 #include <Random123/philox.h>
 
+#include <algorithm>
+
 namespace trevi {
 
 void Gravity::apply(Particles& particles, const StepInfo& info) {
@@ -30,9 +32,11 @@ std::optional<FountainState> Fountain::pumped(Real time) const {
   return pump_->at(time);
 }
 
-Real Fountain::fastest(Real time) const {
-  const std::optional<FountainState> now = pumped(time);
-  return now ? now->speed + settings_.jitter : 0;
+Real Fountain::fastest(const TimeSpan& times) const {
+  const TimeSpan running{std::max(times.begin, settings_.start), std::min(times.end, settings_.stop)};
+  if (running.begin >= running.end) return 0;
+  const std::optional<Real> speed = pump_->fastest(running);
+  return speed ? *speed + settings_.jitter : 0;
 }
 
 bool Fountain::contains(const Vec3& p) const {

@@ -111,9 +111,21 @@ Real SpeedScale::speed(Real x) const {
 std::optional<FountainState> MelodyPump::at(Real time) const {
   const Tone* tone = melody_.at(time);
   if (tone == nullptr) return std::nullopt;
+  return FountainState{melody_.follow == Follow::pitch ? tone->height : NAN, speed_of(*tone)};
+}
+
+Real MelodyPump::speed_of(const Tone& tone) const {
   const Real range = melody_.highest - melody_.lowest;
-  const Real speed = scale_.speed(range > 0 ? (tone->height - melody_.lowest) / range : 1);
-  return FountainState{melody_.follow == Follow::pitch ? tone->height : NAN, speed};
+  return scale_.speed(range > 0 ? (tone.height - melody_.lowest) / range : 1);
+}
+
+std::optional<Real> MelodyPump::fastest(const TimeSpan& times) const {
+  std::optional<Real> speed;
+  auto tone = std::lower_bound(melody_.tones.begin(), melody_.tones.end(), times.begin,
+                               [](const Tone& past, Real t) { return past.stop <= t; });
+  for (; tone != melody_.tones.end() && tone->start < times.end; ++tone)
+    speed = std::max(speed.value_or(0), speed_of(*tone));
+  return speed;
 }
 
 std::unique_ptr<Pump> make_music_pump(MPI_Comm comm, const MusicSettings& settings, std::shared_ptr<LiveSound>& live) {

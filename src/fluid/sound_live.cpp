@@ -107,4 +107,10 @@ std::optional<FountainState> LivePump::at(Real) const {
   return FountainState{pitch, scale_.speed((pitch - voice_low) / (voice_high - voice_low))};
 }
 
+// What was heard before the step holds throughout it.
+std::optional<Real> LivePump::fastest(const TimeSpan& times) const {
+  const std::optional<FountainState> now = at(times.begin);
+  return now ? std::optional(now->speed) : std::nullopt;
+}
+
 }  // namespace trevi

@@ -121,7 +121,9 @@ int PbfSolver<T>::choose_substeps() const {
   Real v2 = 0;
   for (const Vec3& v : parts_.particles.velocity) v2 = std::max(v2, v.squaredNorm());
   Real v = std::sqrt(max_over_ranks(parts_.comm, v2));
-  for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest(parts_.clock.time()));
+  Clock next = parts_.clock;  // a pump that starts within the step counts
+  ++next.step;
+  for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest({parts_.clock.time(), next.time()}));
   const Real by_speed = dt * v / (parts_.substeps.cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
   if (!(std::max(by_speed, by_gravity) < 1e6)) {  // the same numbers on all ranks

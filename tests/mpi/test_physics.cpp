@@ -115,6 +115,7 @@ FountainSettings slanted_fountain() {
 class RisingPump : public Pump {
  public:
   std::optional<FountainState> at(Real time) const override { return FountainState{60, 8 + time}; }
+  std::optional<Real> fastest(const TimeSpan& times) const override { return 8 + times.end; }
 };
 
 TEST(Forcing, GravityAddsTheSameToAll) {
@@ -171,6 +172,16 @@ TEST(Forcing, FountainRunsFromStartUntilStop) {
     EXPECT_EQ(fountain.state(time)->speed, runs ? 8 + time : 0);
     EXPECT_EQ(std::isnan(fountain.state(time)->note), !runs) << "no note sounds";
   }
+}
+
+// A step that begins before the pump does must be short enough for it, too; and one that ends as it begins need not.
+TEST(Forcing, FastestSpeedIsThatOfAnyMomentOfTheStep) {
+  FountainSettings settings = slanted_fountain();  // from 0.5 to 0.75 s
+  settings.jitter = 3;
+  const Fountain fountain(settings, std::make_unique<ConstantPump>(8), 0, 1, 0);
+  for (const auto& [begin, end, speed] :
+       {std::tuple{0.3, 0.5, 0.0}, {0.3, 0.51, 11.0}, {0.6, 0.7, 11.0}, {0.74, 2.0, 11.0}, {0.75, 2.0, 0.0}})
+    EXPECT_EQ(fountain.fastest({begin, end}), speed) << begin << " s to " << end << " s";
 }
 
 TEST(Forcing, JitterIsTheUniformNumberOfIdAndStep) {

@@ -97,6 +97,16 @@ TEST(Pump, EqualEnergyIsLinearInTheSquareOfTheSpeed) {
   EXPECT_DOUBLE_EQ(linear.speed(2), 10);
 }
 
+TEST(Pump, FastestOfSomeTimeIsItsHighestNote) {
+  const MelodyPump pump(score("0 C4 1\n1 C5 0.5\n2 F#4 1"), scale_between(8, 20));
+  EXPECT_EQ(pump.fastest({0, 1}), 8);
+  EXPECT_EQ(pump.fastest({0.5, 1.01}), 20);
+  EXPECT_EQ(pump.fastest({1.5, 2}), std::nullopt);
+  EXPECT_EQ(pump.fastest({1.5, 2.5}), 14);
+  EXPECT_EQ(pump.fastest({1.2, 9}), 20);
+  EXPECT_EQ(pump.fastest({3, 9}), std::nullopt);
+}
+
 TEST(Pump, OneNotePlaysAtTheHighEnd) {
   const MelodyPump pump(score("0 C4 1"), scale_between(8, 20));
   EXPECT_EQ(pump.at(0.5)->speed, 20);

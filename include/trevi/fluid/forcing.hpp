@@ -23,6 +23,11 @@ struct StepInfo {
   Real dt = 0;    ///< of the substep, s
 };
 
+/// Times t with begin ≤ t < end, s.
+struct TimeSpan {
+  Real begin = 0, end = 0;
+};
+
 /// State of a fountain at a time, as series.csv reports it.
 struct FountainState {
   Real note = NAN;  ///< MIDI number of the note that sounds, fractional for a voice; nan when none
@@ -35,8 +40,8 @@ class Forcing {
   /// Once before each step, all its substeps in one. Collective.
   virtual void prepare(const StepInfo&) {}
   virtual void apply(Particles& particles, const StepInfo& info) = 0;
-  /// Speed it may give a particle at a time, m/s; for the choice of substeps.
-  virtual Real fastest(Real) const { return 0; }
+  /// Highest speed it may give a particle within the times, m/s; for the choice of substeps.
+  virtual Real fastest(const TimeSpan&) const { return 0; }
   /// What a fountain does at a time; nothing for a forcing that is no fountain.
   virtual std::optional<FountainState> state(Real) const { return std::nullopt; }
 };
@@ -76,12 +81,15 @@ class Pump {
   virtual void prepare(const StepInfo&) {}
   /// Note and speed at a time; nothing while the pump is off.
   virtual std::optional<FountainState> at(Real time) const = 0;
+  /// Highest speed within the times, m/s; nothing while the pump is off throughout.
+  virtual std::optional<Real> fastest(const TimeSpan& times) const = 0;
 };
 
 class ConstantPump : public Pump {
  public:
   explicit ConstantPump(Real speed) : speed_(speed) {}
   std::optional<FountainState> at(Real) const override { return FountainState{NAN, speed_}; }
+  std::optional<Real> fastest(const TimeSpan&) const override { return speed_; }
 
  private:
   Real speed_;
@@ -95,7 +103,7 @@ class Fountain : public Forcing {
   Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
   void prepare(const StepInfo& step) override { pump_->prepare(step); }
   void apply(Particles& particles, const StepInfo& info) override;
-  Real fastest(Real time) const override;
+  Real fastest(const TimeSpan& times) const override;
   std::optional<FountainState> state(Real time) const override { return pumped(time).value_or(FountainState{}); }
 
  private:

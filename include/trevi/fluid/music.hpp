@@ -73,8 +73,11 @@ class MelodyPump : public Pump {
  public:
   MelodyPump(Melody melody, const SpeedScale& scale) : melody_(std::move(melody)), scale_(scale) {}
   std::optional<FountainState> at(Real time) const override;
+  std::optional<Real> fastest(const TimeSpan& times) const override;
 
  private:
+  Real speed_of(const Tone& tone) const;
+
   Melody melody_;
   SpeedScale scale_;
 };

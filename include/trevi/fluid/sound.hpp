@@ -80,6 +80,7 @@ class LivePump : public Pump {
       : sound_(std::move(sound)), follow_(follow), scale_(scale) {}
   void prepare(const StepInfo& step) override { sound_->listen(step); }
   std::optional<FountainState> at(Real time) const override;
+  std::optional<Real> fastest(const TimeSpan& times) const override;
 
  private:
   std::shared_ptr<LiveSound> sound_;
