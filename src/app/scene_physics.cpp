@@ -204,7 +204,7 @@ void PhysicsReader::read_time() {
   time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
   time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
   cfl_given_ = time.number(
-      {"cfl", "the CFL number that splits a step; 0 never splits; default 2, and 0 where a method is named"},
+      {"cfl", "the CFL number that splits a step; 0 never splits; default 2, and 0 with another method than the default one"},
       scene_.cfl, at_least(0));
   if (time.fine("dt")) {
     const Real steps = scene_.end / scene_.dt;
@@ -222,10 +222,11 @@ void PhysicsReader::read_density(Section& section) {
   section.choice<Method>(
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
-  // Where the method is left to the solver, so is the splitting of steps that are too long for it.
-  if (!section.given("method") && !report_ && !cfl_given_) scene_.cfl = 2;
-  // Named in place of the default method, the others are what the literature calls them.
-  if (section.given("method") && density.method != Method::chebyshev && !report_) {
+  // By its value, not by whether it is written out, so that the default's name changes nothing.
+  const bool default_method = density.method == DensitySettings{}.method;
+  if (default_method && !report_ && !cfl_given_) scene_.cfl = 2;
+  // The other methods are what the literature calls them.
+  if (!default_method && !report_) {
     density.coarse_grid = false;
     density.max_shift = 0;
   }

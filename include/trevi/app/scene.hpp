@@ -19,6 +19,7 @@ struct ParticleSource {
   Vec3 velocity = Vec3::Zero();                 ///< m/s, block
   std::string path;                             ///< file, resolved against the scene's folder
   int line = 0;                                 ///< of the table in the scene file, for later messages
+  bool operator==(const ParticleSource&) const = default;
 };
 
 enum class Colour { rainbow_x, rainbow_height, rainbow_id, speed, blue };
@@ -26,11 +27,13 @@ enum class Colour { rainbow_x, rainbow_height, rainbow_id, speed, blue };
 struct FrameSettings {  ///< [output.vtu] and [output.vtkhdf]
   Schedule schedule;
   std::vector<std::string> fields = {"velocity", "density", "id"};
+  bool operator==(const FrameSettings&) const = default;
 };
 
 struct CheckpointSettings {
   Schedule schedule;  ///< may be never: then the start and the end only
   int keep = 2;
+  bool operator==(const CheckpointSettings&) const = default;
 };
 
 struct OutputSettings {
@@ -38,6 +41,7 @@ struct OutputSettings {
   std::optional<FrameSettings> vtu, vtkhdf;
   std::optional<CheckpointSettings> checkpoint;
   std::optional<Schedule> series;
+  bool operator==(const OutputSettings&) const = default;
 };
 
 /// Who owns which planes: as even a share of the work as whole planes allow, throughout; or as many planes each.
@@ -67,6 +71,8 @@ struct Scene {
   std::optional<Real> wall_limit;  ///< s
 
   std::int64_t steps() const;  ///< round(end/dt)
+
+  bool operator==(const Scene&) const = default;
 };
 
 /// Reads the text of a scene. `overrides` are "table.key=value" with TOML values, applied in order.

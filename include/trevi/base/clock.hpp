@@ -21,6 +21,7 @@ struct Schedule {
   Real every = 0;  ///< s
   std::int64_t every_steps = 0;
 
+  bool operator==(const Schedule&) const = default;
   bool due(const Clock& clock) const {
     if (every_steps > 0) return clock.step % every_steps == 0;
     if (every <= 0) return false;

@@ -29,6 +29,7 @@ struct FluidSettings {
   Real kernel_radius = 0.2;  ///< h, m
   Mass mass = Mass::calibrated;
   Kernel density_kernel = Kernel::poly6;  ///< of rho; gradients are Spiky's with either
+  bool operator==(const FluidSettings&) const = default;
 };
 
 struct DensitySettings {
@@ -42,6 +43,7 @@ struct DensitySettings {
   Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
+  bool operator==(const DensitySettings&) const = default;
 };
 
 struct WallSettings {
@@ -49,12 +51,14 @@ struct WallSettings {
   WallDensity density = WallDensity::analytic;
   Reflection reflection = Reflection::normal;
   Real floor_friction = 0;  ///< skin friction coefficient c_f of the floor; 0: none
+  bool operator==(const WallSettings&) const = default;
 };
 
 struct TensileSettings {
   Real k = 0.001;  ///< m² at spacing 0.1
   int n = 4;
   Real dq = 0.2;  ///< in units of h
+  bool operator==(const TensileSettings&) const = default;
 };
 
 struct MusicSettings {
@@ -64,6 +68,7 @@ struct MusicSettings {
   int rate = 44100;                          ///< of raw PCM, Hz
   std::pair<Real, Real> speed_range{5, 10};  ///< m/s, for the lowest and highest note, or silence and the loudest
   SpeedMapping mapping = SpeedMapping::linear;
+  bool operator==(const MusicSettings&) const = default;
 };
 
 struct FountainSettings {
@@ -77,6 +82,8 @@ struct FountainSettings {
 
   /// The highest speed without jitter, m/s.
   Real top_speed() const { return music ? music->speed_range.second : speed; }
+
+  bool operator==(const FountainSettings&) const = default;
 };
 
 }  // namespace trevi
