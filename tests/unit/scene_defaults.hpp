@@ -69,11 +69,23 @@ inline const std::string every_table =
     "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n";
 
 /// Of what `density.preset = "report"` changes.
-inline const std::vector<std::string> defaults_of_the_report = {
-    "density.method='jacobi'",    "density.iterations=4", "density.relaxation=1.0",        "density.coarse_grid=false",
-    "density.max_shift=0",        "density.epsilon=1.0",  "density.constraint='equality'", "fluid.mass='volume'",
-    "walls.restitution=0.5",      "walls.density='none'", "walls.reflection='report'",     "time.cfl=0",
-    "tensile={}",                 "tensile.k=0.001",      "tensile.n=4",                   "tensile.dq=0.2",
-    "vorticity={epsilon=0.002}",  "viscosity={c=0.001}"};
+inline const std::vector<std::string> defaults_of_the_report = {"density.method='jacobi'",
+                                                                "density.iterations=4",
+                                                                "density.relaxation=1.0",
+                                                                "density.coarse_grid=false",
+                                                                "density.max_shift=0",
+                                                                "density.epsilon=1.0",
+                                                                "density.constraint='equality'",
+                                                                "fluid.mass='volume'",
+                                                                "walls.restitution=0.5",
+                                                                "walls.density='none'",
+                                                                "walls.reflection='report'",
+                                                                "time.cfl=0",
+                                                                "tensile={}",
+                                                                "tensile.k=0.001",
+                                                                "tensile.n=4",
+                                                                "tensile.dq=0.2",
+                                                                "vorticity={epsilon=0.002}",
+                                                                "viscosity={c=0.001}"};
 
 }  // namespace trevi::test

@@ -72,10 +72,19 @@ std::string label_of(const std::string& assignment) {
 
 // A new key has a line in scene_defaults.hpp, or here.
 TEST(SceneDefaults, EveryKeyIsAmongThem) {
-  std::set<std::string> known = {"[density] tolerance",        "[[fountain]] music",        "[[fountain]] track",
-                                 "[[fountain]] channel",       "[output.vtu] every",        "[output.vtu] every_steps",
-                                 "[output.vtkhdf] every",      "[output.vtkhdf] every_steps", "[output.checkpoint] every",
-                                 "[output.checkpoint] every_steps", "[output.series] every",   "[run] wall_limit"};
+  std::set<std::string> known = {"[density] tolerance",
+                                 "[viscosity] nu",
+                                 "[[fountain]] music",
+                                 "[[fountain]] track",
+                                 "[[fountain]] channel",
+                                 "[output.vtu] every",
+                                 "[output.vtu] every_steps",
+                                 "[output.vtkhdf] every",
+                                 "[output.vtkhdf] every_steps",
+                                 "[output.checkpoint] every",
+                                 "[output.checkpoint] every_steps",
+                                 "[output.series] every",
+                                 "[run] wall_limit"};
   for (const auto& defaults : {defaults_of_all_scenes(meaning("")), defaults_of_features})
     std::transform(defaults.begin(), defaults.end(), std::inserter(known, known.end()), label_of);
   std::istringstream reference(scene_reference());
