@@ -36,7 +36,10 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   const auto velocity = std::make_shared<VelocityField<T>>();
   if (scene.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *scene.vorticity, velocity));
-  if (scene.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(model, *scene.viscosity, velocity));
+  std::optional<XsphFactor> xsph;
+  if (scene.viscosity) xsph = xsph_of_share(*scene.viscosity, model);
+  if (scene.kinematic_viscosity) xsph = xsph_of_viscosity(*scene.kinematic_viscosity, scene.fluid.spacing, model.h);
+  if (xsph) filters.push_back(std::make_unique<XsphViscosity<T>>(*xsph, model.h, velocity));
   return filters;
 }
 
@@ -160,7 +163,8 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing});
   parts.forcings = build_forcings(comm, scene);
   parts.filters = build_filters<T>(scene, model);
-  parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero())};
+  parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero()),
+                    longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, model.h)};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h), parts.substeps.gravity);
   parts.observers = build_observers(comm, scene, options, sum_over_ranks(comm, parts.particles.size()));

@@ -8,6 +8,7 @@
 #include "trevi/app/build.hpp"
 #include "trevi/app/envelope.hpp"
 #include "trevi/app/initial_particles.hpp"
+#include "trevi/fluid/velocity_filter.hpp"
 
 namespace trevi {
 
@@ -32,7 +33,8 @@ BytesEach bytes_each(const Scene& scene) {
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
   if (scene.density.coarse_grid) cell += 4 * 8;
   if (scene.vorticity) owned += quad, ghost += quad;
-  if (scene.vorticity || scene.viscosity) owned += quad, ghost += quad;  // velocities, which both use
+  if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
+    owned += quad, ghost += quad;  // velocities, which both use
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
   return {owned, ghost, cell};
 }
@@ -78,8 +80,11 @@ std::string time_text(const Scene& scene) {
   const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
   const Real cfl = scene.cfl > 0 ? scene.cfl : 0.4;
   const Real by_speed = v > 0 ? cfl * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
-  return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}\n", scene.steps(),
-                     scene.dt, cfl, std::min(by_speed, by_gravity), v, scene.cfl > 0 ? "; longer steps are split" : "");
+  const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, h);
+  return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}{}\n", scene.steps(),
+                     scene.dt, cfl, std::min(by_speed, by_gravity), v,
+                     std::isfinite(viscous) ? fmt::format(", by viscosity {:.3g} s", viscous) : "",
+                     scene.cfl > 0 ? "; longer steps are split" : "");
 }
 
 std::string output_text(const Scene& scene, const std::string& directory) {

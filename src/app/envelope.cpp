@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "trevi/fluid/velocity_filter.hpp"
 
 namespace trevi {
 
@@ -15,7 +18,10 @@ struct Envelope {
 };
 
 Envelope envelope_of(const Scene& scene) {
-  const bool damped = scene.viscosity && *scene.viscosity * scene.fluid.rest_density >= 0.2;
+  const FluidSettings& fluid = scene.fluid;
+  const Real viscous_step =
+      longest_viscous_step(scene.kinematic_viscosity.value_or(0), fluid.spacing, fluid.kernel_radius);
+  const bool damped = std::max(scene.viscosity.value_or(0) * fluid.rest_density, scene.dt / viscous_step) >= 0.2;
   const bool spiky = scene.fluid.density_kernel == Kernel::spiky;
   return {damped ? 1.0 / 480 : spiky ? 1.0 / 200 : 1.0 / 60, spiky ? 4.0 : damped ? 3.0 : 2.0};
 }

@@ -9,6 +9,7 @@
 #include "scene_fountain.hpp"
 #include "trevi/app/build.hpp"
 #include "trevi/fluid/kernels.hpp"
+#include "trevi/fluid/velocity_filter.hpp"
 
 namespace trevi {
 namespace {
@@ -17,6 +18,12 @@ namespace {
 constexpr Real most_counted = 1e15;
 /// A request to stop is seen between two steps, so a step must not take hours.
 constexpr int most_iterations = 10000;
+
+/// In three digits, for a message that names the most there may be.
+std::string rounded_down(Real positive) {
+  const Real unit = std::pow(10, std::floor(std::log10(positive)) - 2);
+  return fmt::format("{:.3g}", std::floor(positive / unit) * unit);
+}
 
 std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
 
@@ -55,6 +62,8 @@ class PhysicsReader {
   void read_walls();
   void read_tensile();
   void read_filters();
+  void read_viscosity();
+  void check_viscosity(Section& viscosity);
 
   bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
   void check_kernel_radius();
@@ -65,6 +74,7 @@ class PhysicsReader {
   Section domain_, fluid_;
   bool report_ = false;     // preset
   bool cfl_given_ = false;  // [time] cfl
+  bool dt_known_ = false;
 };
 
 void PhysicsReader::read_preset(Section& density) {
@@ -204,9 +214,11 @@ void PhysicsReader::read_time() {
   time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
   time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
   cfl_given_ = time.number(
-      {"cfl", "the CFL number that splits a step; 0 never splits; default 2, and 0 with another method than the default one"},
+      {"cfl",
+       "the CFL number that splits a step; 0 never splits; default 2, and 0 with another method than the default one"},
       scene_.cfl, at_least(0));
-  if (time.fine("dt")) {
+  dt_known_ = time.fine("dt");
+  if (dt_known_) {
     const Real steps = scene_.end / scene_.dt;
     time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
     time.check("end", scene_.end == 0 || steps >= 0.5,
@@ -300,22 +312,56 @@ void PhysicsReader::read_forces() {
 }
 
 void PhysicsReader::read_filters() {
-  Section vorticity = root_.child("vorticity"), viscosity = root_.child("viscosity");
-  // A table without its key means the values of the report.
-  Real epsilon = scene_.vorticity.value_or(0.002), c = scene_.viscosity.value_or(0.001);
+  Section vorticity = root_.child("vorticity");
+  Real epsilon = scene_.vorticity.value_or(0.002);  // a table without its key means the value of the report
   vorticity.number({"epsilon", "the strength of the vorticity confinement"}, epsilon, at_least(0));
-  viscosity.number({"c", "the XSPH viscosity in m³/kg"}, c, at_least(0));
   if (vorticity.present()) scene_.vorticity = epsilon;
-  if (viscosity.present()) scene_.viscosity = c;
-  if (scene_.viscosity && viscosity.fine("c") && fluid_.fine("rest_density")) {
-    const bool own = viscosity.given("c");
-    (own ? viscosity : fluid_)
-        .check(own ? "c" : "rest_density", c * scene_.fluid.rest_density <= 1 + 1e-12,
-               fmt::format("XSPH would overshoot: c * rest_density must not exceed 1, got {} * {}; lower [viscosity] c",
-                           c, scene_.fluid.rest_density));
-  }
   vorticity.reject_unknown();
-  viscosity.reject_unknown();
+  read_viscosity();
+}
+
+void PhysicsReader::read_viscosity() {
+  Section section = root_.child("viscosity");
+  Real c = scene_.viscosity.value_or(0.001), nu = 0;
+  section.number({"c", "the XSPH viscosity in m³/kg, a share per step; default 0.001 where nu is absent"}, c,
+                 at_least(0));
+  section.number({"nu", "the kinematic viscosity in m²/s, the same for any dt and spacing, in place of c"}, nu,
+                 at_least(0));
+  section.check("nu", !section.given("c") || !section.given("nu"),
+                "c is given, too; keep nu (m²/s, the same for any dt and spacing) or c (a share per step), not both");
+  if (section.given("nu")) {
+    scene_.viscosity.reset();  // that of the preset
+    scene_.kinematic_viscosity = nu;
+  } else if (section.present()) {
+    scene_.viscosity = c;
+  }
+  check_viscosity(section);
+  section.reject_unknown();
+}
+
+// XSPH must not take a velocity past the mean of its neighbours.
+void PhysicsReader::check_viscosity(Section& section) {
+  const FluidSettings& fluid = scene_.fluid;
+  if (scene_.viscosity && section.fine("c") && fluid_.fine("rest_density")) {
+    const Real c = *scene_.viscosity;
+    const bool own = section.given("c");
+    (own ? section : fluid_)
+        .check(own ? "c" : "rest_density", c * fluid.rest_density <= 1 + 1e-12,
+               fmt::format("XSPH would overshoot: c * rest_density must not exceed 1, got {} * {}; lower [viscosity] c",
+                           c, fluid.rest_density));
+  }
+  if (!scene_.kinematic_viscosity || !dt_known_ || !fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return;
+  constexpr int most_parts = 1000;  // of a step: more is a slip of the pen
+  const int parts = scene_.cfl > 0 ? most_parts : 1;
+  const Real nu = *scene_.kinematic_viscosity;
+  const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²
+  if (nu * scene_.dt <= largest * (1 + 1e-9)) return;
+  const std::string remedy =
+      fmt::format("lower nu to {} or dt to {}", rounded_down(largest / scene_.dt), rounded_down(largest / nu));
+  section.check("nu", false,
+                scene_.cfl > 0 ? fmt::format("would split steps into more than {} parts; {}", parts, remedy)
+                               : fmt::format("XSPH would overshoot in a step of {} s; {}, or let time.cfl split steps",
+                                             scene_.dt, remedy));
 }
 
 }  // namespace

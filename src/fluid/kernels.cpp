@@ -68,6 +68,12 @@ Real lattice_density_response(Kernel kernel, Real spacing, Real h) {
   return sum / 3;
 }
 
+Real lattice_laplacian_moment(Real spacing, Real h) {
+  Real sum = 0;
+  for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum += r.x() * r.x() * poly6(r, h); });
+  return sum / 2;
+}
+
 int lattice_neighbours(Real spacing, Real h) {
   int points = 0;
   for_each_lattice_point(spacing, h, [&](const Vec3&) { ++points; });

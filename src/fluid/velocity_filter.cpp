@@ -68,18 +68,29 @@ void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles
   log_flops(static_cast<double>(near.list().pairs()) * (34 + 25));
 }
 
-template <class T>
-XsphViscosity<T>::XsphViscosity(const DensityModel& model, Real c, std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(pair_loops<T>()), factor_(c * model.mass * poly6_factor(model.h)), velocity_(std::move(velocity)) {}
+XsphFactor xsph_of_share(Real c, const DensityModel& model) { return {.each_step = c * model.mass}; }
+
+XsphFactor xsph_of_viscosity(Real nu, Real spacing, Real h) {
+  return {.per_second = nu / lattice_laplacian_moment(spacing, h)};
+}
+
+Real longest_viscous_step(Real nu, Real spacing, Real h) {
+  return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(Kernel::poly6, spacing, h));
+}
 
 template <class T>
-void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
+XsphViscosity<T>::XsphViscosity(const XsphFactor& factor, Real h, std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(pair_loops<T>()), factor_(factor), kernel_factor_(poly6_factor(h)), velocity_(std::move(velocity)) {}
+
+template <class T>
+void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   const ScopedEvent timed(event_);
+  const Real factor = factor_.of_step(dt) * kernel_factor_;
   const Quad<T>* velocities = velocity_->refresh(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
   const auto smoothing = [&](Range part, Quad<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
   for_each_sum<Quad<T>>(near.all(), smoothing,
-                        [&](std::size_t i, const Quad<T>& sum) { particles.velocity[i] += factor_ * vector_of(sum); });
+                        [&](std::size_t i, const Quad<T>& sum) { particles.velocity[i] += factor * vector_of(sum); });
   log_flops(static_cast<double>(near.list().pairs()) * 22);
 }
 

@@ -126,11 +126,12 @@ int PbfSolver<T>::choose_substeps() const {
   for (const auto& forcing : parts_.forcings) v = std::max(v, forcing->fastest({parts_.clock.time(), next.time()}));
   const Real by_speed = dt * v / (parts_.substeps.cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
-  if (!(std::max(by_speed, by_gravity) < 1e6)) {  // the same numbers on all ranks
+  const Real parts = std::max({by_speed, by_gravity, dt / parts_.substeps.longest});
+  if (!(parts < 1e6)) {  // the same numbers on all ranks
     throw BlowUp("step " + std::to_string(parts_.clock.step + 1) + ": " + std::to_string(v) +
                  " m/s would need more than a million substeps: the run has become unstable; use a smaller dt");
   }
-  return std::max(1, static_cast<int>(std::ceil(std::max(by_speed, by_gravity) * (1 - 1e-9))));
+  return std::max(1, static_cast<int>(std::ceil(parts * (1 - 1e-9))));
 }
 
 template <class T>

@@ -50,6 +50,8 @@ TEST(Envelope, GoesFurtherWithWhatTheWarningsAdvise) {
   EXPECT_THAT(warnings({"time.dt=0.0021", "fluid.kernel_radius=0.4", viscosity, spiky}), IsEmpty());
   EXPECT_THAT(warnings({"time.dt=0.0021", spiky}), ElementsAre(HasSubstr("[viscosity] c = 0.0002")));
   EXPECT_EQ(warnings({"time.dt=0.0021", "viscosity.c=0.0001"}).size(), 1U) << "not enough";
+  EXPECT_THAT(warnings({"time.dt=0.0021", "viscosity.nu=0.2"}), IsEmpty()) << "0.23 of what a step can take";
+  EXPECT_EQ(warnings({"time.dt=0.0021", "viscosity.nu=0.1"}).size(), 1U) << "not enough";
   EXPECT_THAT(warnings({"time.dt=0.1", "density.iterations=2", spiky}), ElementsAre(HasSubstr("use 3 or more")));
 }
 

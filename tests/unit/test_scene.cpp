@@ -139,6 +139,17 @@ TEST(Scene, ReportPresetCreatesItsTablesAndYieldsToExplicitKeys) {
   EXPECT_FALSE(parse(scene_plus("[density]\npreset = 'default'")).vorticity);
 }
 
+TEST(Scene, ViscosityIsAShareOfAStepOrInUnits) {
+  const Scene share = parse(scene_plus("[viscosity]")), units = parse(scene_plus("[viscosity]\nnu = 0.01"));
+  EXPECT_TRUE(share.viscosity == 0.001 && !share.kinematic_viscosity);
+  EXPECT_TRUE(!units.viscosity && units.kinematic_viscosity == 0.01);
+  const Scene report = parse(scene_plus("[viscosity]\nnu = 0.01\n[density]\npreset = 'report'"));
+  EXPECT_TRUE(!report.viscosity && report.kinematic_viscosity == 0.01) << "an explicit key wins";
+  // What the messages for larger ones name is taken.
+  EXPECT_EQ(problems(scene_plus("cfl = 0\n[viscosity]\nnu = 0.19")), "");
+  EXPECT_EQ(problems(scene_plus("[viscosity]\nnu = 190")), "");
+}
+
 TEST(Scene, SlabAxisIsTheLongestHorizontalOne) {
   EXPECT_EQ(parse(scene_with(3, "max = [2, 2, 9]")).slab_axis, 0);
   EXPECT_EQ(parse(scene_with(3, "max = [2, 3, 9]")).slab_axis, 1);

@@ -63,7 +63,10 @@ struct Scene {
   WallSettings walls;
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
-  std::optional<Real> viscosity;  ///< c of XSPH
+  std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
+  /// nu, m²/s, by XSPH as well: at most one of the two. A step is at most longest_viscous_step(), or split by the CFL
+  /// rule.
+  std::optional<Real> kinematic_viscosity;
   std::vector<FountainSettings> fountains;
   OutputSettings output;
   std::optional<Colour> colour;

@@ -18,10 +18,12 @@
 
 namespace trevi {
 
-/// How a step is split: into n equal parts with dt v_max ≤ cfl h and dt ≤ 0.25 √(h/|g|); never, where cfl is 0.
+/// How a step is split: into n equal parts with dt v_max ≤ cfl h, dt ≤ 0.25 √(h/|g|) and dt ≤ longest; never, where cfl
+/// is 0.
 struct SubstepRule {
   Real cfl = 0;
   Vec3 gravity = Vec3::Zero();  ///< m/s²
+  Real longest = INFINITY;      ///< s, what viscosity allows
 };
 
 /// What the program sees of a solver, whatever its precision.
