@@ -106,9 +106,9 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (options.lock != nullptr) options.lock->take();
   if (output.series) {
+    const int fountains = static_cast<int>(scene.fountains.size());
     observers.push_back(std::make_unique<SeriesWriter>(
-        comm,
-        SeriesOptions{options.directory, *output.series, static_cast<int>(scene.fountains.size()), restart_step}));
+        comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy}));
   }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
@@ -177,6 +177,12 @@ DensityModel density_model(const Scene& scene) {
   return {particle_mass(scene.fluid), scene.fluid.rest_density,
           scene.fluid.kernel_radius,  scene.density.epsilon / refinement(scene),
           scene.density.constraint,   scene.fluid.density_kernel};
+}
+
+std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
+  if (!scene.output.series || !scene.fountains.empty()) return nullptr;
+  const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
+  return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
 }
 
 std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {

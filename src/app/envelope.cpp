@@ -26,6 +26,12 @@ Envelope envelope_of(const Scene& scene) {
   return {damped ? 1.0 / 480 : spiky ? 1.0 / 200 : 1.0 / 60, spiky ? 4.0 : damped ? 3.0 : 2.0};
 }
 
+std::string damping_of(const FluidSettings& fluid) {
+  return fmt::format("set {}[viscosity] c = {:g}, which damps it",
+                     fluid.density_kernel == Kernel::spiky ? "" : "fluid.density_kernel = \"spiky\", or ",
+                     0.2 / fluid.rest_density);
+}
+
 }  // namespace
 
 std::vector<std::string> envelope_warnings(const Scene& scene) {
@@ -42,9 +48,7 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
   const Real ratio = fluid.kernel_radius / fluid.spacing;
   // What is outside by less than this is a rounded number, such as 0.0166666 for 1/60, and no choice.
   constexpr Real rounded = 0.01;
-  const std::string remedy = fmt::format(
-      "set {}[viscosity] c = {:g}, which damps it",
-      fluid.density_kernel == Kernel::spiky ? "" : "fluid.density_kernel = \"spiky\", or ", 0.2 / fluid.rest_density);
+  const std::string remedy = damping_of(fluid);
   if (ratio < 1.5 * (1 - rounded) || ratio > envelope.widest * (1 + rounded)) {
     warnings.push_back(
         fmt::format("kernel_radius is {:.4g} spacings; the stability study found water at rest stable "
@@ -67,6 +71,15 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
                     scene.density.iterations, fewest, fewest));
   }
   return warnings;
+}
+
+std::vector<std::string> energy_warnings(const Scene& scene, Real share) {
+  constexpr Real mark = 0.005;
+  if (!(share > mark)) return {};
+  return {fmt::format(
+      "the total energy rose by {:.2g} % above its start although nothing pumps{}; use a longer dt, or {}", 100 * share,
+      scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
+      damping_of(scene.fluid))};
 }
 
 }  // namespace trevi

@@ -78,6 +78,11 @@ RunReport local_report(const Session& session, const RunContext& context, const 
   report.scene = context.scene.path;
   report.scene_hash = scene_hash(context.scene.text);
   report.warnings = envelope_warnings(context.scene);
+  if (context.energy != nullptr) {
+    report.energy_gain = context.energy->share();
+    for (std::string& warning : energy_warnings(context.scene, report.energy_gain))
+      report.warnings.push_back(std::move(warning));
+  }
   report.instruction_set = instruction_set_name();
   report.precision = context.scene.density.precision == Precision::single ? "single" : "double";
   report.first_step = context.first_step;

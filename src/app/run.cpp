@@ -139,12 +139,16 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   options.viewed = !line.view.empty();
   if (options.viewed) options.viewer = connect_on_root(session.comm(), line.view);
   options.requests = requests_of(watch, options.viewer);
-  const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on};
+  const std::shared_ptr<EnergyRise> energy = options.energy = make_energy_rise(scene);
+  const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on, energy.get()};
   const std::int64_t last_step = options.last_step;
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
   warn_of_missed_tolerances(session, solver->counters());
+  if (energy) {
+    for (const std::string& warning : energy_warnings(scene, energy->share())) tell(session, "warning: " + warning);
+  }
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();
     tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);

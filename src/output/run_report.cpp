@@ -41,6 +41,7 @@ Json report_json(const RunReport& report) {
   json["steps_per_second"] = report.steps_per_second;
   json["particle_steps_per_second"] = report.particle_steps_per_second;
   json["nanoseconds_per_pair"] = report.nanoseconds_per_pair;
+  json["energy_gain"] = report.energy_gain;
   json["unconverged_solves"] = report.unconverged_solves;
   json["halo_bytes_per_step"] = report.halo_bytes_per_step;
   json["halo_messages_per_step"] = report.halo_messages_per_step;

@@ -65,10 +65,12 @@ struct KeptRows {
   Real wall_seconds = 0;  ///< of the last row
 };
 
-/// The last of the fixed columns of a row.
-Real wall_seconds_of(const std::string& row) {
+/// One of the fixed columns of a row, by its name.
+Real column_of(const std::string& row, std::string_view name) {
+  const std::string columns = std::string(",") + fixed_columns + ",";
+  const std::size_t place = columns.find(fmt::format(",{},", name));
   std::size_t begin = 0;
-  for (const char c : std::string_view(fixed_columns)) {
+  for (const char c : columns.substr(1, place)) {
     if (c == ',') begin = row.find(',', begin) + 1;
   }
   return std::strtod(row.c_str() + begin, nullptr);
@@ -89,7 +91,7 @@ KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::strin
     if (result.ec != std::errc() || step > last) continue;
     kept.text += line + "\n";
     kept.last_step = step;
-    kept.wall_seconds = wall_seconds_of(line);
+    kept.wall_seconds = column_of(line, "wall_seconds");
   }
   return kept;
 }
@@ -105,6 +107,7 @@ std::string series_header(int fountains) {
 SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), options_(std::move(options)) {
   on_root(comm_, [&] { open(); });
   MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
+  if (options_.energy) MPI_Bcast(options_.energy.get(), sizeof(EnergyRise), MPI_BYTE, 0, comm_);
 }
 
 void SeriesWriter::open() {
@@ -115,12 +118,29 @@ void SeriesWriter::open() {
   replace_file(path, kept.text);
   last_step_ = kept.last_step;
   wall_seconds_before_ = kept.wall_seconds;
+  if (options_.energy) recall(kept.text);
   file_.emplace(path);
+}
+
+// The start of a run that goes on is the first row of its file.
+void SeriesWriter::recall(const std::string& rows) {
+  std::istringstream lines(rows);
+  std::string line;
+  std::getline(lines, line);  // the header
+  while (std::getline(lines, line)) {
+    Diagnostics row;
+    row.particles = std::llround(column_of(line, "particles"));
+    row.compression_max = column_of(line, "compression_max");
+    row.kinetic_energy = column_of(line, "kinetic_energy");
+    row.potential_energy = column_of(line, "potential_energy");
+    options_.energy->add(row);
+  }
 }
 
 void SeriesWriter::observe(const Frame& frame) {
   require(frame.diagnostics != nullptr, "series.csv: no diagnostics in this frame");
   on_root(comm_, [&] { file_->write(row(frame, wall_seconds_before_)); });
+  if (options_.energy) options_.energy->add(*frame.diagnostics);
   last_step_ = frame.clock.step;
 }
 

@@ -132,6 +132,63 @@ TEST_F(Output, SeriesContinuesAfterARestart) {
   expect_mentions(input_error_of([&] { SeriesWriter other(world, options); }), {"series.csv", "another --output"});
 }
 
+Diagnostics row_of_energies(Real kinetic, Real potential) {
+  Diagnostics row;
+  row.particles = 10;
+  row.kinetic_energy = kinetic;
+  row.potential_energy = potential;
+  return row;
+}
+
+TEST(EnergyRise, IsTheHighestAboveTheStartAsAShare) {
+  EnergyRise rise(4);  // 40 J for ten particles
+  EXPECT_TRUE(std::isnan(rise.share()));
+  for (const Real kinetic : {10.0, 12.0, 14.0, 6.0}) rise.add(row_of_energies(kinetic, 10));
+  EXPECT_DOUBLE_EQ(rise.share(), 0.1) << "shallow water counts by a kernel radius";
+  EnergyRise deep(1);
+  for (const Real potential : {50.0, 40.0, 51.0}) deep.add(row_of_energies(0, potential));
+  EXPECT_DOUBLE_EQ(deep.share(), 0.02);
+  EnergyRise fall(1);
+  for (const Real potential : {50.0, 40.0}) fall.add(row_of_energies(0, potential));
+  EXPECT_EQ(fall.share(), 0);
+}
+
+TEST(EnergyRise, WithoutGravityIsAShareOfTheMotionAtTheStart) {
+  EnergyRise moving(0), resting(0), compressed(1);
+  for (const Real kinetic : {2.0, 3.0}) moving.add(row_of_energies(kinetic, 0));
+  EXPECT_DOUBLE_EQ(moving.share(), 0.5);
+  for (const Real kinetic : {0.0, 3.0}) resting.add(row_of_energies(kinetic, 0));
+  EXPECT_TRUE(std::isnan(resting.share()));
+  Diagnostics dense = row_of_energies(1, 1);
+  dense.compression_max = 0.011;
+  compressed.add(dense);
+  compressed.add(row_of_energies(30, 1));
+  EXPECT_TRUE(std::isnan(compressed.share()));
+}
+
+// A run that goes on hears of the rows it keeps, on all ranks, and so knows its start.
+TEST_F(Output, SeriesRecallsTheEnergyOfItsStart) {
+  SeriesOptions options{folder(), Schedule{0, 1}, 2, std::nullopt};
+  const auto write = [&](std::int64_t first, const std::vector<Real>& energies) {
+    options.energy = std::make_shared<EnergyRise>(1);
+    SeriesWriter series(world, options);
+    const Particles particles;
+    const std::vector<FountainState> fountains(2);
+    for (const Real energy : energies) {
+      const Diagnostics row = row_of_energies(energy, 0.5);
+      series.observe(Frame{Clock{first++, 0.1, 1}, particles, {}, &row, fountains});
+    }
+    barrier();
+    return options.energy->share();
+  };
+  EXPECT_DOUBLE_EQ(write(0, {99.5, 97.5, 102.5, 109.5}), 0.1);
+  options.restart_step = 2;
+  EXPECT_DOUBLE_EQ(write(3, {}), 0.03);
+  EXPECT_DOUBLE_EQ(write(3, {100.5}), 0.03);
+  options.restart_step = 3;
+  EXPECT_DOUBLE_EQ(write(4, {103.5}), 0.04);
+}
+
 TEST_F(Output, SeriesReportsAFullDisk) {
   // /dev/full takes an open and refuses every write, as a full disk does.
   AppendFile full("/dev/full");

@@ -7,11 +7,16 @@ import json
 import os
 import re
 import subprocess
+import sys
+from pathlib import Path
 
 from program import INPUTS, MPI_SETTINGS, TIME_LIMIT, ProgramTest, main
 
+sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
+import study  # noqa: E402
+
 CUBE, FOUNTAIN = INPUTS / "falling_cube_small.toml", INPUTS / "fountain_small.toml"
-BASIN = INPUTS / "bench_rest.toml"
+BASIN, COLUMN = INPUTS / "bench_rest.toml", INPUTS / "stress" / "column.toml"
 
 
 def rows(run):
@@ -71,6 +76,30 @@ class Outputs(ProgramTest):
             missed = json.loads((self.folder / name / "run.json").read_text())["unconverged_solves"]
             self.assertEqual(missed > 0, name == "strict")  # it lands in frame 20, and in free fall all is well
             self.assertEqual(f"{missed} of 22 density solves missed density.tolerance" in result.stderr, missed > 0)
+
+    def test_energy_that_rose_is_told(self):
+        # Five layers of water at rest: with densities of Poly6 steps of 1/120 s gain energy, those of Spiky do not.
+        shallow = ["--set", "particles.0.max=[1.0,1.0,0.5]", "--set", "domain.max=[1.0,1.0,1.0]", "--set",
+                   f"time.dt={1 / 120!r}"]
+        for ranks, kernel in ((1, "poly6"), (2, "poly6"), (2, "spiky")):
+            run = f"{kernel}_{ranks}"
+            result = self.run_well(ranks, COLUMN, "--output", run, *shallow, "--set", f"fluid.density_kernel={kernel}")
+            report = json.loads((self.folder / run / "run.json").read_text())
+            gain = study.energy_gain(study.columns_of(self.folder / run / "series.csv"))
+            self.assertLess(abs(report["energy_gain"] - gain), 0.02 * gain + 1e-9)  # the mass is the calibrated one
+            self.assertEqual(gain > 0.005, kernel == "poly6")
+            told = re.findall(r"warning: the total energy rose by [\d.]+ % above .*\n", result.stderr)
+            self.assertEqual(len(told), gain > 0.005, result.stderr)
+            self.assertEqual([text for text in report["warnings"] if "energy rose" in text],
+                             [text[len("warning: "):-1] for text in told])
+
+    def test_energy_of_a_fountain_and_without_a_series_is_not_known(self):
+        (self.folder / "plain.toml").write_text(COLUMN.read_text().split("[output")[0])
+        small = ["--set", "particles.0.max=[1.0,1.0,0.5]", "--set", "domain.max=[1.0,1.0,1.0]"]
+        for scene, settings in ((FOUNTAIN, []), ("plain.toml", small)):
+            run = self.folder / f"run_{len(settings)}"
+            self.run_well(2, scene, "--output", run, "--steps", 3, *settings)
+            self.assertIsNone(json.loads((run / "run.json").read_text())["energy_gain"])
 
     def test_time_of_a_pair_is_that_of_the_passes_made(self):
         self.run_well(2, CUBE, "--output", "run", "--steps", 3)  # the coarse grid's one pass, sweeps' two, those of rows

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "scene_text.hpp"
 #include "trevi/app/envelope.hpp"
 
@@ -53,6 +55,16 @@ TEST(Envelope, GoesFurtherWithWhatTheWarningsAdvise) {
   EXPECT_THAT(warnings({"time.dt=0.0021", "viscosity.nu=0.2"}), IsEmpty()) << "0.23 of what a step can take";
   EXPECT_EQ(warnings({"time.dt=0.0021", "viscosity.nu=0.1"}).size(), 1U) << "not enough";
   EXPECT_THAT(warnings({"time.dt=0.1", "density.iterations=2", spiky}), ElementsAre(HasSubstr("use 3 or more")));
+}
+
+TEST(Envelope, TellsOfEnergyThatRose) {
+  const Scene scene = parse(scene_plus(), {"fluid.density_kernel='poly6'"});
+  EXPECT_THAT(energy_warnings(scene, 0.005), IsEmpty());
+  EXPECT_THAT(energy_warnings(scene, std::nan("")), IsEmpty());
+  EXPECT_THAT(energy_warnings(scene, 0.0567), ElementsAre(HasSubstr("rose by 5.7 % above its start")));
+  EXPECT_THAT(energy_warnings(scene, 0.0567), ElementsAre(HasSubstr("density_kernel = \"spiky\"")));
+  EXPECT_THAT(energy_warnings(parse(scene_plus(), {"vorticity.epsilon=1"}), 0.01),
+              ElementsAre(HasSubstr("[vorticity] adds; lower its epsilon")));
 }
 
 TEST(Envelope, NothingFallsWithoutGravity) {

@@ -1,5 +1,4 @@
 // An absent key and the same key with its default value written out are the same scene, for every key there is.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -11,6 +11,7 @@
 #include "trevi/app/command_line.hpp"
 #include "trevi/app/scene.hpp"
 #include "trevi/output/checkpoint.hpp"
+#include "trevi/output/energy_rise.hpp"
 #include "trevi/output/output_lock.hpp"
 #include "trevi/output/viewer_link.hpp"
 #include "trevi/parallel/session.hpp"
@@ -27,10 +28,14 @@ struct BuildOptions {
   std::function<RequestCounts()> requests;  ///< what the world outside asks of this rank
   bool viewed = false;                      ///< a viewer may watch the run
   std::shared_ptr<ViewerLink> viewer;       ///< to which rank 0 has this link
+  std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
 /// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
 DensityModel density_model(const Scene& scene);
+
+/// For the series of a scene in which nothing pumps; null for others.
+std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 
 /// Gravity and the fountains with their music, in the order of the scene.
 std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene);

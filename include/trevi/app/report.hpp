@@ -5,6 +5,7 @@
 
 #include "trevi/app/scene.hpp"
 #include "trevi/base/error.hpp"
+#include "trevi/output/energy_rise.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/solver/solver.hpp"
 
@@ -15,6 +16,7 @@ struct RunContext {
   std::string directory;
   std::int64_t first_step = 0;
   bool restarted = false;
+  const EnergyRise* energy = nullptr;  ///< null without a series, or where something pumps
 };
 
 struct Outcome {

@@ -31,7 +31,7 @@ struct RunReport {
     std::string trevi, mpi, petsc, hdf5, vtk;
   } versions;
   std::string scene, scene_hash;           ///< path as given; scene_hash() of the text
-  std::vector<std::string> warnings;       ///< settings outside the stability envelope
+  std::vector<std::string> warnings;       ///< settings outside the stability envelope, and a rise of the energy
   std::string instruction_set, precision;  ///< e.g. "AVX2", "double"
   std::int64_t first_step = 0, last_step = 0;
   std::int64_t steps = 0;  ///< done by this process, restarts not included
@@ -39,6 +39,7 @@ struct RunReport {
   double simulated_seconds = unknown, wall_seconds = unknown;
   double steps_per_second = unknown, particle_steps_per_second = unknown;
   double nanoseconds_per_pair = unknown;
+  double energy_gain = unknown;         ///< EnergyRise::share(); unknown without a series, or where something pumps
   std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
   std::vector<double> halo_wait_seconds;                                   ///< of each rank

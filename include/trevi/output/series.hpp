@@ -3,9 +3,11 @@
 // Rank 0 writes and hands each row to the system at once, so a killed run keeps its rows. Collective.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "trevi/output/energy_rise.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/parallel/session.hpp"
 #include "trevi/solver/observer.hpp"
@@ -17,6 +19,8 @@ struct SeriesOptions {
   Schedule schedule;
   int fountains = 0;                         ///< each adds note_<k>, speed_<k>, k from 0
   std::optional<std::int64_t> restart_step;  ///< append, after dropping rows past it
+  std::shared_ptr<EnergyRise> energy =
+      nullptr;  ///< hears of all rows, those of before a restart among them; may be null
 };
 
 /// The header line without its end: the fixed columns, then two for each fountain.
@@ -33,6 +37,7 @@ class SeriesWriter : public Observer {
 
  private:
   void open();
+  void recall(const std::string& rows);
 
   MPI_Comm comm_;
   SeriesOptions options_;
