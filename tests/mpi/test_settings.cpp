@@ -74,7 +74,7 @@ Solved solved(std::int64_t iterations, const std::vector<std::string>& method) {
 
 // As many sweeps as it takes are enough, and one fewer is not.
 TEST(Tolerance, MetByTheLastSweepIsMet) {
-  for (const char* method : {"density.method='jacobi'", "density.method='chebyshev'"}) {
+  for (const char* method : {"density.method='jacobi'", "density.method='chebyshev'", "density.method='anderson'"}) {
     for (const char* coarse : {"density.coarse_grid=false", "density.coarse_grid=true"}) {
       SCOPED_TRACE(std::string(method) + " " + coarse);
       const Solved enough = solved(500, {method, coarse});
