@@ -41,7 +41,9 @@ std::unique_ptr<Solver> solver_of(const Scene& scene) {
 TEST(Settings, DefaultsWrittenOutAreTheSameRun) {
   const Scene scene = scene_with(thrown_cube, {});
   const std::unique_ptr<Solver> absent = solver_of(scene);
-  const std::unique_ptr<Solver> written = solver_of(scene_with(thrown_cube, defaults_of_all_scenes(scene)));
+  std::vector<std::string> defaults = defaults_of_all_scenes(scene);
+  std::erase(defaults, "time.cfl=2");  // it would hide that another key changes cfl
+  const std::unique_ptr<Solver> written = solver_of(scene_with(thrown_cube, defaults));
   for (int k = 0; k < 15; ++k) {
     absent->step();
     written->step();
