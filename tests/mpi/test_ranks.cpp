@@ -189,8 +189,9 @@ TEST_F(Ranks, EveryMethodOfOurOwnWithEitherWall) {
 TEST_F(Ranks, WildCloud) {
   for (const char* precision : {"double", "single"}) {
     const std::string key = std::string("density.precision='") + precision + "'";
-    const Scene scene = scene_with(cloud_scene, {key, "tensile.k=0.001", "vorticity.epsilon=0.002",
-                                                 "walls.floor_friction=0.02", "fluid.density_kernel='spiky'"});
+    const Scene scene =
+        scene_with(cloud_scene, {key, "tensile.k=0.001", "vorticity.epsilon=0.002", "walls.floor_friction=0.02",
+                                 "fluid.density_kernel='spiky'", "viscosity.nu=0.05"});
     const Cloud cloud = random_cloud(900, box_of(scene), 6);
     const std::unique_ptr<Solver> many = solver_of(world, scene, cloud), one = solver_of(MPI_COMM_SELF, scene, cloud);
     for (int k = 0; k < 10; ++k) {

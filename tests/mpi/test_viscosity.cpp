@@ -26,7 +26,8 @@ Cloud lattice(const Scene& scene, Velocity&& velocity) {
   const Real s = scene.fluid.spacing;
   const Eigen::Array3i n = ((scene.domain_max - scene.domain_min) / s).array().round().cast<int>();
   for (int k = 0; k < n.prod(); ++k) {
-    const Vec3 p = s * Vec3(k % n.x() + 0.5, k / n.x() % n.y() + 0.5, k / n.x() / n.y() + 0.5);
+    const int row = k / n.x(), layer = row / n.y();
+    const Vec3 p = s * Vec3(k % n.x() + 0.5, row % n.y() + 0.5, layer + 0.5);
     cloud.add(k, p, velocity(p));
   }
   return cloud;
