@@ -89,6 +89,7 @@ void PhysicsReader::read_preset(Section& density) {
                     .epsilon = 1,
                     .constraint = Constraint::equality};
   scene_.fluid.mass = Mass::volume;
+  scene_.fluid.density_kernel = Kernel::poly6;
   scene_.walls = {.restitution = 0.5, .density = WallDensity::none, .reflection = Reflection::report};
   scene_.cfl = 0;
   scene_.tensile = {.k = 0.001, .n = 4, .dq = 0.2};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "trevi/fluid/kernels.hpp"
 
@@ -9,23 +10,13 @@ namespace trevi {
 
 namespace {
 
-// ∫ (1 − x²)⁴ dx from x to 1.
-Real tail_integral(Real x) {
-  const auto primitive = [](Real t) {
-    const Real t2 = t * t;
-    return t * (1 + t2 * (-4.0 / 3 + t2 * (6.0 / 5 + t2 * (-4.0 / 7 + t2 / 9))));
-  };
-  return primitive(1) - primitive(x);
-}
-
-// Sums over the lattice points around a particle that lie behind the planes at d (of the first `dimensions` axes, all
-// of them), as shares of the whole lattice sum.
+// The lattice points around a particle that lie behind all of the planes at distances d along the first axes.
 struct Missing {
-  Real share = 0;
-  Real gradient = 0;  // Σ t² along the first axis
+  Real share = 0;  // of the whole lattice sum
+  Real pull = 0;   // magnitude of its gradient along the first axis, 1/m
 };
 
-Missing behind_planes(const std::array<Real, 3>& d, int dimensions, Kernel kernel, Real spacing, Real h) {
+Missing behind_planes(std::span<const Real> d, Kernel kernel, Real spacing, Real h) {
   const int reach = static_cast<int>(h / spacing) + 1;
   Missing missing;
   for (int i = -reach; i <= reach; ++i) {
@@ -33,136 +24,140 @@ Missing behind_planes(const std::array<Real, 3>& d, int dimensions, Kernel kerne
       for (int k = -reach; k <= reach; ++k) {
         const Vec3 offset = spacing * Vec3(i, j, k);
         bool behind = offset.norm() < h * (1 - 1e-9);
-        for (int a = 0; a < dimensions; ++a) behind = behind && offset[a] < -d[static_cast<std::size_t>(a)];
+        for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
         if (!behind) continue;
         missing.share += density_kernel(kernel, offset, h);
-        missing.gradient += spiky_gradient(offset, h).x();
+        missing.pull += density_gradient(kernel, offset, h).x();
       }
     }
   }
   const Real whole = lattice_density_sum(kernel, spacing, h);
-  return {missing.share / whole, missing.gradient / whole};
+  return {missing.share / whole, std::abs(missing.pull) / whole};
 }
-
-Real quotient(Real a, Real b) { return b > 1e-12 ? a / b : 0; }
 
 }  // namespace
 
-Real half_space_share(Kernel kernel, Real d, Real h) {
-  if (d >= h) return 0;
-  if (kernel == Kernel::poly6) return 315.0 / 256 * tail_integral(d / h);
-  const Real t = 1 - d / h, t2 = t * t;
-  return t2 * t2 * t * (1.5 - t);
-}
-
-Real half_space_gradient(Real d, Real h) {
-  if (d >= h) return 0;
-  const Real t = 1 - d / h;
-  return 30 / h * t * t * t * t * (0.25 - t / 5);
-}
-
 AnalyticWallDensity::AnalyticWallDensity(const Box& box, Kernel kernel, Real spacing, Real h)
     : box_(box),
-      interior_{box.min.array() + h, box.max.array() - h},
       kernel_(kernel),
       h_(h),
       spacing_(spacing),
-      per_spacing_(1 / spacing),
-      layers_(static_cast<int>(std::ceil(h / spacing - 0.5 - 1e-9))) {
-  for (int dimensions = 1; dimensions <= most_planes; ++dimensions) tabulate(dimensions);
+      layers_(std::max(1, static_cast<int>(std::ceil(h / spacing - 1e-9)) - 1)) {
+  const Real reach = (layers_ + 0.5) * spacing;
+  interior_ = {box.min.array() + reach, box.max.array() - reach};
+  tabulate_shares();
+  tabulate_ratios();
 }
 
-void AnalyticWallDensity::tabulate(int dimensions) {
-  const int side = layers_ + 1;
-  const auto entries = static_cast<int>(std::lround(std::pow(side, dimensions)));
-  Table& table = tables_[static_cast<std::size_t>(dimensions) - 1];
-  for (int entry = 0; entry < entries; ++entry) {
-    // The first plane is the most significant digit.
-    std::array<Real, most_planes> d{};
-    for (int a = dimensions - 1, rest = entry; a >= 0; --a, rest /= side) {
-      d[static_cast<std::size_t>(a)] = (std::min(rest % side, layers_ - 1) + 0.5) * spacing_;
+void AnalyticWallDensity::tabulate_shares() {
+  for (int k = 0; k < layers_; ++k) {
+    const std::array<Real, 1> d = {(k + 0.5) * spacing_};
+    const Missing missing = behind_planes(d, kernel_, spacing_, h_);
+    share_.push_back(missing.share);
+    slope_.push_back(-wall_slope * missing.pull);
+  }
+  share_.push_back(0);
+  slope_.push_back(0);
+}
+
+void AnalyticWallDensity::tabulate_ratios() {
+  const auto share = [&](std::initializer_list<int> layers) {
+    std::vector<Real> d;
+    Real product = 1;
+    for (const int k : layers) {
+      d.push_back((std::min(k, layers_ - 1) + 0.5) * spacing_);
+      product *= share_[static_cast<std::size_t>(std::min(k, layers_ - 1))];
     }
-    const Missing lattice = behind_planes(d, dimensions, kernel_, spacing_, h_);
-    Real share = 1, gradient = 1;
-    for (int a = 0; a < dimensions; ++a) {
-      const std::array<Real, most_planes> one = {d[static_cast<std::size_t>(a)], 0, 0};
-      const Missing plane = behind_planes(one, 1, kernel_, spacing_, h_);
-      share *= dimensions == 1 ? half_space_share(kernel_, one[0], h_) : plane.share;
-      gradient *= a > 0 ? plane.share : dimensions == 1 ? half_space_gradient(one[0], h_) : plane.gradient;
+    return behind_planes(d, kernel_, spacing_, h_).share / product;
+  };
+  for (int a = 0; a <= layers_; ++a) {
+    for (int b = 0; b <= layers_; ++b) {
+      edge_.push_back(share({a, b}));
+      for (int c = 0; c <= layers_; ++c) corner_.push_back(share({a, b, c}));
     }
-    table.share.push_back(quotient(lattice.share, share));
-    table.gradient.push_back(quotient(lattice.gradient, gradient));
   }
 }
 
-// Multilinear in the distances; below the first lattice distance and beyond the last the end value holds.
-template <std::size_t Dimensions>
-Real AnalyticWallDensity::ratio(const std::vector<Real>& table,
-                                const std::array<const Plane*, Dimensions>& planes) const {
-  const auto side = static_cast<std::size_t>(layers_) + 1;
-  std::array<Real, std::size_t{1} << Dimensions> value;  // at the corners of the interval, the last plane fastest
-  for (std::size_t corner = 0; corner < value.size(); ++corner) {
-    std::size_t place = 0;
-    for (std::size_t a = 0; a < Dimensions; ++a) {
-      const std::size_t upper = corner >> (Dimensions - 1 - a) & 1U;
-      place = place * side + static_cast<std::size_t>(planes[a]->layer) + upper;
-    }
-    value[corner] = table[place];
-  }
-  for (std::size_t a = 0; a < Dimensions; ++a) {
-    const std::size_t half = value.size() >> (a + 1);
-    for (std::size_t k = 0; k < half; ++k) value[k] += planes[a]->fraction * (value[k + half] - value[k]);
-  }
-  return value[0];
-}
-
+// `side`: −1 for a plane below the particle, +1 above; the derivatives are along the axis, not the distance.
 AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis, Real side) const {
-  Plane plane{distance, axis, side};
-  const Real x = std::clamp(distance * per_spacing_ - 0.5, 0.0, static_cast<Real>(layers_ - 1));
-  plane.layer = static_cast<int>(x);
-  plane.fraction = x - plane.layer;
-  plane.share = half_space_share(kernel_, distance, h_) * ratio<1>(tables_[0].share, {&plane});
-  plane.gradient = half_space_gradient(distance, h_) * ratio<1>(tables_[0].gradient, {&plane});
+  Plane plane{.axis = axis};
+  const Real x = distance / spacing_ - 0.5, per = -side / spacing_;
+  if (x < 0) {
+    plane.share = share_[0] + slope_[0] * spacing_ * x;
+    plane.slope = -side * slope_[0];
+    return plane;
+  }
+  plane.layer = std::min(static_cast<int>(x), layers_ - 1);
+  const auto k = static_cast<std::size_t>(plane.layer);
+  const Real t = x - plane.layer, w0 = share_[k], w1 = share_[k + 1];
+  const Real m0 = slope_[k] * spacing_, m1 = slope_[k + 1] * spacing_, rise = w1 - w0, u = t * (1 - t);
+  const Real below = rise + (m0 + m1 - 2 * rise) * u;
+  plane.share = w0 + rise * (rise * t * t + m0 * u) / below;
+  plane.slope = per * rise * rise * (m1 * t * t + 2 * rise * u + m0 * (1 - t) * (1 - t)) / (below * below);
+  plane.blend = t * t * (3 - 2 * t);
+  plane.blend_slope = per * 6 * t * (1 - t);
   return plane;
 }
 
-// What lies behind any of the planes, by inclusion and exclusion: behind A or B = A + B − (A and B). Along the normal
-// of A the points behind B alone cancel; those behind both do not.
-BoundaryShare AnalyticWallDensity::union_of(const std::array<Plane, most_planes>& planes, std::size_t count) const {
-  BoundaryShare total;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Plane& a = planes[k];
-    Real share = a.share, along = 1;
-    for (std::size_t l = 0; l < count; ++l) {
-      if (l == k) continue;
-      const Plane& b = planes[l];
-      along -= b.share * ratio<2>(tables_[1].gradient, {&a, &b});
-      if (l > k) share -= a.share * b.share * ratio<2>(tables_[1].share, {&a, &b});
+// Multilinear in the blends of the planes.
+AnalyticWallDensity::Ratio AnalyticWallDensity::ratio(std::initializer_list<const Plane*> planes) const {
+  const std::vector<Real>& table = planes.size() == 2 ? edge_ : corner_;
+  Ratio result;
+  for (std::size_t corner = 0; corner < std::size_t{1} << planes.size(); ++corner) {
+    std::size_t place = 0, a = 0;
+    std::array<Real, 3> weight{1, 1, 1}, slope{};
+    for (const Plane* plane : planes) {
+      const bool upper = (corner >> a & 1U) != 0;
+      place = place * (static_cast<std::size_t>(layers_) + 1) + static_cast<std::size_t>(plane->layer) + (upper ? 1 : 0);
+      weight[a] = upper ? plane->blend : 1 - plane->blend;
+      slope[a] = upper ? plane->blend_slope : -plane->blend_slope;
+      ++a;
     }
-    if (count == 3) {
-      const Plane &b = planes[(k + 1) % 3], &c = planes[(k + 2) % 3];
-      along += b.share * c.share * ratio<3>(tables_[2].gradient, {&a, &b, &c});
-    }
-    total.density += share;
-    total.gradient[a.axis] = a.side * a.gradient * along;
+    result.value += table[place] * weight[0] * weight[1] * weight[2];
+    for (a = 0; a < 3; ++a) result.slope[a] += table[place] * slope[a] * weight[(a + 1) % 3] * weight[(a + 2) % 3];
   }
-  if (count == 3) {
-    const auto& [a, b, c] = planes;
-    total.density += a.share * b.share * c.share * ratio<3>(tables_[2].share, {&a, &b, &c});
-  }
-  return total;
+  return result;
+}
+
+void AnalyticWallDensity::add_edge(const Plane& a, const Plane& b, BoundaryShare& total) const {
+  const Ratio r = ratio({&a, &b});
+  total.density -= a.share * b.share * r.value;
+  total.gradient[a.axis] -= b.share * (a.slope * r.value + a.share * r.slope[0]);
+  total.gradient[b.axis] -= a.share * (b.slope * r.value + b.share * r.slope[1]);
+}
+
+void AnalyticWallDensity::add_corner(const Plane& a, const Plane& b, const Plane& c, BoundaryShare& total) const {
+  const Ratio r = ratio({&a, &b, &c});
+  total.density += a.share * b.share * c.share * r.value;
+  total.gradient[a.axis] += b.share * c.share * (a.slope * r.value + a.share * r.slope[0]);
+  total.gradient[b.axis] += a.share * c.share * (b.slope * r.value + b.share * r.slope[1]);
+  total.gradient[c.axis] += a.share * b.share * (c.slope * r.value + c.share * r.slope[2]);
 }
 
 BoundaryShare AnalyticWallDensity::near_walls(const Vec3& p) const {
-  std::array<Plane, most_planes> planes;
-  std::size_t count = 0;
+  Planes near;
+  const Real reach = (layers_ + 0.5) * spacing_;
   for (int axis = 0; axis < 3; ++axis) {
-    const Real low = p[axis] - box_.min[axis], high = box_.max[axis] - p[axis];
-    const Real distance = std::max(std::min(low, high), 0.0);
     // A NaN is nowhere near; the guards report it.
-    if (distance < h_) planes[count++] = plane_at(distance, axis, low < high ? -1 : 1);
+    const Real low = p[axis] - box_.min[axis], high = box_.max[axis] - p[axis];
+    if (low < reach) near.plane[static_cast<std::size_t>(near.count++)] = plane_at(std::max(low, 0.0), axis, -1);
+    if (high < reach) near.plane[static_cast<std::size_t>(near.count++)] = plane_at(std::max(high, 0.0), axis, 1);
   }
-  return union_of(planes, count);
+  BoundaryShare total;
+  const std::span<const Plane> planes(near.plane.data(), static_cast<std::size_t>(near.count));
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const Plane& a = planes[i];
+    total.density += a.share;
+    total.gradient[a.axis] += a.slope;
+    for (std::size_t j = i + 1; j < planes.size(); ++j) {
+      if (planes[j].axis == a.axis) continue;
+      add_edge(a, planes[j], total);
+      for (std::size_t k = j + 1; k < planes.size(); ++k) {
+        if (planes[k].axis != planes[j].axis) add_corner(a, planes[j], planes[k], total);
+      }
+    }
+  }
+  return total;
 }
 
 }  // namespace trevi

@@ -72,7 +72,8 @@ template <class T>
 class CoarseFirst : public DensityMethod<T> {
  public:
   CoarseFirst(const MethodContext& context, std::unique_ptr<DensityMethod<T>> fine)
-      : coarse_(context.comm, context.model, context.spacing, context.grid, context.box), fine_(std::move(fine)) {}
+      : coarse_(context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()}),
+        fine_(std::move(fine)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     problem.compute_coarse_delta(coarse_);
@@ -101,9 +102,11 @@ std::unique_ptr<DensityMethod<T>> make_fine(const DensitySettings& settings, con
 
 }  // namespace
 
+bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >= gravity.head<2>().norm(); }
+
 template <class T>
 std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context) {
-  if (!settings.coarse_grid) return make_fine<T>(settings, context);
+  if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
   DensitySettings rest = settings;
   rest.iterations = std::max(1, rest.iterations - 1);  // the coarse grid alone leaves noise that feeds on itself
   return std::make_unique<CoarseFirst<T>>(context, make_fine<T>(rest, context));

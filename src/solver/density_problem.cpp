@@ -40,8 +40,9 @@ DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const D
     : comm_(comm), near_(near), constraint_(constraint), walls_(walls) {}
 
 template <class T>
-void DensityProblem<T>::start(Particles& particles) {
+void DensityProblem<T>::start(Particles& particles, Real dt) {
   particles_ = &particles;
+  dt_ = dt;
   resize_tightly(rho_, particles.id.size());
   resize_tightly(delta_, particles.id.size());
 }
@@ -68,8 +69,7 @@ void DensityProblem<T>::compute_delta() {
 
 template <class T>
 void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
-  compute_density();
-  coarse.displacements<T>(near_.order(), near_.halo(), rho_, particles_->predicted, delta_);
+  coarse.displacements<T>(near_.order(), near_.halo(), dt_, particles_->position, particles_->predicted, delta_);
   if (near_.list().crowded() < 0) separate_coincident();  // of a crowd it would look at each pair
 }
 

@@ -25,7 +25,7 @@ void PbfSolver<T>::start() {
   last_substep_ = false;
   // Sorting costs the velocities, which nothing has used up yet: they take the place of the positions meanwhile.
   std::swap(particles.position, particles.velocity);
-  find_neighbours();
+  find_neighbours(parts_.clock.dt);
   std::swap(particles.position, particles.velocity);
   particles.position = particles.predicted;
   guard_.agree(particles, 0);
@@ -60,7 +60,7 @@ void PbfSolver<T>::advance(const StepInfo& info) {
   for (const auto& forcing : parts_.forcings) forcing->apply(parts_.particles, info);
   predict(info.dt);
   follow(&Particles::predicted);
-  find_neighbours();
+  find_neighbours(info.dt);
   last_solve_ = parts_.method->solve(problem_);
   update_velocities(info.dt);
   for (const auto& filter : parts_.filters) filter->apply(near_, parts_.particles, info.dt);
@@ -88,7 +88,7 @@ void PbfSolver<T>::follow(std::vector<Vec3> Particles::*place) {
 }
 
 template <class T>
-void PbfSolver<T>::find_neighbours() {
+void PbfSolver<T>::find_neighbours(Real dt) {
   const int rank = rank_of(parts_.comm);
   near_.rebuild(parts_.particles, parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank));
   if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: told when all agree
@@ -98,7 +98,7 @@ void PbfSolver<T>::find_neighbours() {
                     "time.cfl, or under-relaxation",
                     parts_.particles.id[static_cast<std::size_t>(i)], NeighbourList::most_neighbours));
   }
-  problem_.start(parts_.particles);
+  problem_.start(parts_.particles, dt);
   measure_drift_ = last_substep_ && wanted(&Observer::wants_diagnostics, parts_.clock.step + 1);
   if (measure_drift_) parts_.particles.velocity = parts_.particles.predicted;  // until the update, free to be used
 }

@@ -1,8 +1,8 @@
 // The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
 //   rho_i = m Σ_j W(p_ij), W Poly6 or, by fluid.density_kernel, Spiky;  C_i = rho_i/rho0 − 1 (inequality: not below 0)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
-//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of boundary
-//   terms]
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of the
+//   walls' share]
 // The functions of one particle (density, lambda) stand apart from the loops that drive them. Not collective: the
 // caller exchanges lambda, which lives in the scalar of the records, between the two loops.
 #pragma once
@@ -24,8 +24,7 @@ struct DensityModel {
   Real h = 0.2;              ///< m
   Real epsilon = 1;          ///< 1/m²
   Constraint constraint = Constraint::equality;
-  Kernel kernel = Kernel::poly6;
-  Real mirror_share = 0.6;  ///< of a particle's multiplier, given to its mirror image behind a wall
+  Kernel kernel = Kernel::spiky;
 };
 
 /// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest

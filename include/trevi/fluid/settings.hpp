@@ -28,7 +28,7 @@ struct FluidSettings {
   Real rest_density = 1000;  ///< kg/m³
   Real kernel_radius = 0.2;  ///< h, m
   Mass mass = Mass::calibrated;
-  Kernel density_kernel = Kernel::poly6;  ///< of rho; gradients are Spiky's with either
+  Kernel density_kernel = Kernel::spiky;  ///< of rho; gradients are Spiky's with either
   bool operator==(const FluidSettings&) const = default;
 };
 

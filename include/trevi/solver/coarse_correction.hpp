@@ -1,73 +1,54 @@
 // Coarse-grid correction of the density solve. Sweeps over particles move a disturbance by about h each, so deep water
-// needs as many of them as it has layers; the smooth part of the correction is found here instead, on the cell grid.
+// needs as many of them as it has layers; pressure over longer ways is found here instead, on the cell grid: from what the
+// grid can know without noise, the displacements that the particles mean to make (coarse_water.hpp), it finds those that
+// keep the volume (coarse_pressure.hpp). Densities are left to the sweeps; their sign is rectified there, and a grid that
+// followed them would lift deep water by their noise. Near to Kugelstadt et al., Implicit density projection for volume
+// conserving liquids, IEEE TVCG 2019.
 //
-// A displacement field u changes the constraint by −b div u (b of the start lattice). With u = ∇phi:
-//   ∇² phi = C/b  in cells that hold water,  phi = 0 in empty cells,  no flux through walls,
-// C the mean constraint of a cell, not below 0, as surface cells miss neighbours. Finite volumes, Chebyshev sweeps
-// whose number follows the depth of the water; no dot products, so the same bits on any rank count. Particles take the
-// face displacements of their cell, linear in between (lowest-order Raviart-Thomas), so div u is C/b in each cell.
-// Using the gradient instead of multipliers leaves out their geometric stiffness, which explodes at large dt.
-// Collective.
+// Particles take the face displacements of their cell, linear in between (lowest-order Raviart-Thomas). Using
+// displacements instead of multipliers leaves out their geometric stiffness, which explodes at large dt. In the top layer
+// of water the correction fades out above the surface, so that what is thrown up falls back. Besides, the motion of each
+// particle is drawn to that of its cell, with a time of `noise_time`: this takes the noise that no pressure acts on, and
+// from a wave only what it shears within a cell. For gravity along −z. Collective.
 #pragma once
 
-#include <array>
 #include <span>
-#include <vector>
 
-#include "trevi/domain/halo.hpp"
-#include "trevi/domain/slabs.hpp"
 #include "trevi/fluid/density.hpp"
 #include "trevi/parallel/log.hpp"
-#include "trevi/parallel/session.hpp"
+#include "trevi/solver/coarse_pressure.hpp"
 
 namespace trevi {
 
 class CoarseCorrection {
  public:
-  /// `spacing` of the start lattice, m, gives b.
-  CoarseCorrection(MPI_Comm comm, const DensityModel& model, Real spacing, const CellGrid& grid, const Box& box);
+  /// `spacing` of the start lattice, m; `gravity` downwards, m/s².
+  struct Model {
+    Real spacing, h, gravity;
+  };
+  CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model);
 
-  /// Displacements, m, of the owned particles at p* in `order`, from their densities rho (kg/m³).
+  /// Displacements, m, of the owned particles in `order`, which go from x to p in the time dt, s.
   template <class T>
-  void displacements(const CellOrder& order, Halo& halo, std::span<const Real> rho, std::span<const Vec3> p,
+  void displacements(const CellOrder& order, Halo& halo, Real dt, std::span<const Vec3> x, std::span<const Vec3> p,
                      std::span<Quad<T>> out);
 
-  std::size_t bytes() const { return 4 * phi_.capacity() * sizeof(Real) + depth_.capacity() * sizeof(LocalId); }
+  std::size_t bytes() const { return water_.bytes() + pressure_.bytes(); }
 
  private:
-  // Cells with a ring of empty ones around each plane, and a ghost plane on either side.
-  std::size_t stride_row() const { return static_cast<std::size_t>(columns_) + 2; }
-  std::size_t stride_plane() const { return (static_cast<std::size_t>(rows_) + 2) * stride_row(); }
-  std::size_t row_start(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k) * stride_plane() + (static_cast<std::size_t>(r) + 1) * stride_row() + 1;
-  }
-  bool holds_water(const CellOrder& order, LocalId k, LocalId c) const {
-    return static_cast<Real>(order.start(k, c + 1) - order.start(k, c)) >= least_particles_;
-  }
-  void fill_sources(const CellOrder& order, std::span<const Real> rho);
-  int deepest_water(const CellOrder& order) const;
-  void sweep_plane(LocalId k, Real omega);
-  void solve(const CellOrder& order, Halo& halo);
-  struct Faces;
+  // The displacements through the lower and upper faces of a cell: of the correction, and those of the particles.
+  struct Faces {
+    Vec3 low, high, mean_low, mean_high;
+    bool wet = false;
+    Real surface = 0;  // height above the floor of the box, in cells; far up where the water goes on above
+  };
   Faces faces_of(LocalId k, LocalId r, LocalId c) const;
-  Real through_face(std::size_t low, std::size_t high, Real per_length, bool& known) const;
+  Vec3 displacement(const Faces& faces, Real noise_share, const Vec3& x, const Vec3& p) const;
 
-  MPI_Comm comm_;
   Event event_{"CoarseGrid"};
-  DensityModel model_;
-  Box box_;
-  int slab_axis_;
-  LocalId rows_, columns_;
-  LocalId last_plane_ = 0;         // of this rank, in its own count
-  std::array<Real, 3> last_cell_;  // of the box, along slab axis, rows, columns
-  Vec3 cell_;                      // size along slab axis, rows, columns, m
-  Vec3 weight_;                    // 1/size², 1/m²
-  Real per_b_;
-  Real full_, least_particles_;
-  std::vector<Real> source_;          // C/b, 1
-  std::vector<Real> per_diagonal_;    // 1/Σ weights of the faces that are no walls, m²; 0 in empty cells
-  std::vector<Real> phi_, previous_;  // m²
-  std::vector<LocalId> depth_;        // per row of owned planes: columns to be swept
+  Model model_;
+  CoarseWater water_;
+  CoarsePressure pressure_;
 };
 
 }  // namespace trevi

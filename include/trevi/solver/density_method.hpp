@@ -4,7 +4,8 @@
 //   jacobi     p* += relaxation · delta (report, Algorithm 1; relaxation 1 there)
 //   chebyshev  the same accelerated by Chebyshev weights (Wang 2015), kept on the multipliers
 //   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options reach it)
-// With `coarse_grid` the first iteration of any of them is the coarse-grid correction.
+// With `coarse_grid` the first iteration of any of them is the coarse-grid correction, where gravity makes pressure over
+// longer ways: without it sweeps over pairs do as well, and keep momentum to rounding.
 #pragma once
 
 #include <memory>
@@ -34,7 +35,11 @@ struct MethodContext {
   const Box& box;
   const DensityModel& model;
   Real spacing;
+  Vec3 gravity;  ///< m/s²
 };
+
+/// Whether the coarse grid, whose columns stand upright, can serve: gravity down, and less of it sideways.
+bool is_downward(const Vec3& gravity);
 
 template <class T>
 std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context);

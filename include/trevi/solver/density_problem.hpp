@@ -20,8 +20,8 @@ class DensityProblem {
  public:
   DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls);
 
-  /// Starts a solve for the particles just sorted into `near`.
-  void start(Particles& particles);
+  /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
+  void start(Particles& particles, Real dt);
 
   /// rho and lambda of all particles from the present p*; ghosts receive lambda.
   void compute_lambda() {
@@ -34,7 +34,7 @@ class DensityProblem {
   Compression compression() const;
   /// delta of all owned particles from the present lambda, m.
   void compute_delta();
-  /// The same array from the coarse grid: displacements that undo the smooth part of the compression. Particles in one
+  /// The same array from the coarse grid: displacements that keep the volume over longer ways. Particles in one
   /// place, which no gradient would ever part, get a small shift of their own, too.
   void compute_coarse_delta(CoarseCorrection& coarse);
   template <class Visit>
@@ -68,6 +68,7 @@ class DensityProblem {
   const DensityConstraint<T>& constraint_;
   const Walls& walls_;
   Particles* particles_ = nullptr;
+  Real dt_ = 0;
   std::vector<Real> rho_;
   std::vector<Quad<T>> delta_;
   double pair_passes_ = 0;

@@ -102,7 +102,7 @@ class PbfSolver : public Solver {
   void advance(const StepInfo& info);
   void predict(Real dt);
   void follow(std::vector<Vec3> Particles::*place);
-  void find_neighbours();
+  void find_neighbours(Real dt);
   void update_velocities(Real dt);
   int choose_substeps() const;
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;

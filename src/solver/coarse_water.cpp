@@ -1,0 +1,200 @@
+#include "trevi/solver/coarse_water.hpp"
+
+namespace trevi {
+
+namespace {
+
+// A cell at the surface counts as wet from 0.6 of its volume on: then at least a tenth of a cell of water stands above
+// its middle, where its pressure is. Below the surface cells of disordered water may hold as little as a third.
+constexpr Real wet_fill = 0.6, submerged_fill = 0.3;
+// Keeps the regression line of a face from following noise, in cells²; a one-sided face has a variance of 0.05.
+constexpr Real regression_damping = 0.1;
+
+}  // namespace
+
+void CoarseWater::Moments::add(Real w, Real distance, Real u) {
+  weight += w;
+  offset += w * distance;
+  offset2 += w * distance * distance;
+  value += w * u;
+  offset_value += w * distance * u;
+}
+
+CoarseWater::Moments CoarseWater::Moments::operator+(const Moments& other) const {
+  return {weight + other.weight, offset + other.offset, offset2 + other.offset2, value + other.value,
+          offset_value + other.offset_value};
+}
+
+Real CoarseWater::Moments::at_face() const {
+  if (weight < 1e-9) return 0;
+  const Real u = value / weight, x = offset / weight;
+  const Real variance = offset2 / weight - x * x, covariance = offset_value / weight - x * u;
+  return u - x * covariance / (variance + regression_damping);
+}
+
+CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing)
+    : comm_(comm), grid_(comm, grid, box) {
+  half_ = (0.5 * spacing * Vec3::Ones()).cwiseQuotient(grid_.size());
+  per_full_ = 8 * half_.prod();
+  least_particles_ = static_cast<LocalId>(std::ceil(0.2 / per_full_));
+}
+
+void CoarseWater::measure(const CellOrder& order, Halo& halo, std::span<const Vec3> x, std::span<const Vec3> p) {
+  look_for_water(order);
+  sums_.assign(grid_.cells(), PlaneSums{});
+  for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
+  for (LocalId k = 1; k <= grid_.planes(); ++k) sum_plane(order, k, x, p);
+  halo.start_planes(sums_, grid_.step(0));
+  halo.finish();
+  fill_.assign(grid_.cells(), 0.0);
+  for (LocalId k = 1; k <= grid_.planes(); ++k) {
+    for (std::size_t at = grid_.index(k, 0, 0), end = grid_.index(k, grid_.rows(), 0); at < end; ++at) {
+      const std::size_t plane = grid_.step(0);
+      fill_[at] = sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
+    }
+  }
+  halo.start_planes(fill_, grid_.step(0));
+  for (LocalId k = 1; k <= grid_.planes() + 1; ++k) finish_faces(k);
+  halo.finish();
+  find_surface();
+}
+
+// Two columns above the highest cell that may hold water: its surface, and a dry one. What flies higher is not looked
+// at. What flies above the water does not press on its floor, so depth counts cells right above one another.
+void CoarseWater::look_for_water(const CellOrder& order) {
+  const LocalId columns = order.grid().columns();
+  LocalId found[] = {0, 0};  // depth, columns
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    LocalId run = 0;
+    for (LocalId c = 0; c < order.grid().cells_per_plane(); ++c) {
+      const LocalId column = c % columns;
+      if (column == 0) run = 0;
+      run = order.start(k, c + 1) - order.start(k, c) >= least_particles_ ? run + 1 : 0;
+      if (run == 0) continue;
+      found[0] = std::max(found[0], run);
+      found[1] = std::max(found[1], column + 1);
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, found, 2, MPI_INT32_T, MPI_MAX, comm_);
+  depth_ = found[0];
+  grid_.resize(order.planes(), found[1] + 2);
+}
+
+void CoarseWater::sum_plane(const CellOrder& order, LocalId k, std::span<const Vec3> x, std::span<const Vec3> p) {
+  row_faces_.assign(grid_.step(0), Moments{});
+  column_faces_.assign(grid_.step(0), Moments{});
+  const LocalId all_columns = order.grid().columns();
+  for (LocalId r = 0; r < grid_.rows(); ++r) {
+    for (LocalId c = 0; c < grid_.columns(); ++c) {
+      const LocalId cell = r * all_columns + c;
+      sum_cell({k, r, c, static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts()),
+                static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts())},
+               x, p);
+    }
+  }
+  for (std::size_t at = grid_.index(0, 0, 0), end = grid_.index(0, grid_.rows(), grid_.columns()); at <= end; ++at) {
+    const std::size_t here = static_cast<std::size_t>(k) * grid_.step(0) + at;
+    displacement_[1][here] = row_faces_[at].at_face();
+    displacement_[2][here] = column_faces_[at].at_face();
+  }
+}
+
+void CoarseWater::sum_cell(const CellParticles& cell, std::span<const Vec3> x, std::span<const Vec3> p) {
+  const std::size_t in_plane = grid_.index(0, cell.r, cell.c);
+  PlaneSums& sums = sums_[grid_.index(cell.k, cell.r, cell.c)];
+  const Vec3 own(0, cell.r, cell.c);
+  for (std::size_t i = cell.begin; i < cell.end; ++i) {
+    const Vec3 u = grid_.turned(p[i] - x[i]), place = grid_.in_cells(p[i]), f = grid_.fraction(place);
+    sums.low.add(1 - f[0], f[0], u[0]);
+    sums.high.add(f[0], f[0] - 1, u[0]);
+    row_faces_[in_plane].add(1 - f[1], f[1], u[1]);
+    row_faces_[in_plane + grid_.step(1)].add(f[1], f[1] - 1, u[1]);
+    column_faces_[in_plane].add(1 - f[2], f[2], u[2]);
+    column_faces_[in_plane + 1].add(f[2], f[2] - 1, u[2]);
+    add_volume(cell.k, surface_position(x[i], p[i]), Vec3(place[0] - f[0], own[1], own[2]));
+  }
+}
+
+Vec3 CoarseWater::surface_position(const Vec3& x, const Vec3& p) const {
+  constexpr Real farthest = 0.25;
+  const Vec3 way = grid_.turned(p - x).cwiseQuotient(grid_.size());
+  return grid_.in_cells(p) - way.cwiseMax(-farthest).cwiseMin(farthest);
+}
+
+// The cube of a particle in the middle of `mid`, inside the walls, shared among the cells it covers. `own` is the cell
+// that the particle is stored in, as far as planes are counted from the box.
+void CoarseWater::add_volume(LocalId k, const Vec3& mid, const Vec3& own) {
+  std::array<std::array<Real, 2>, 3> share{};
+  std::array<LocalId, 3> first{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    const Real half = half_[b], m = std::clamp(mid[b], half, grid_.count(a) - half);
+    const Real lowest = std::floor(m - half);
+    first[a] = static_cast<LocalId>(lowest - own[b]);  // −1 or 0, or 1 where rounding has it so
+    share[a][1] = std::clamp((m + half - lowest - 1) / (2 * half), 0.0, 1.0);
+    share[a][0] = 1 - share[a][1];
+  }
+  for (LocalId r = 0; r < 2; ++r) {
+    for (LocalId c = 0; c < 2; ++c) {
+      const Real part = share[1][static_cast<std::size_t>(r)] * share[2][static_cast<std::size_t>(c)] * per_full_;
+      const LocalId column = static_cast<LocalId>(own[2]) + first[2] + c;
+      if (part == 0 || column >= grid_.columns()) continue;
+      PlaneSums& sums = sums_[grid_.index(k, static_cast<LocalId>(own[1]) + first[1] + r, column)];
+      for (LocalId q = 0; q < 2; ++q) {
+        const LocalId plane = first[0] + q + 1;
+        if (share[0][static_cast<std::size_t>(q)] > 0)
+          sums.volume[static_cast<std::size_t>(plane)] += share[0][static_cast<std::size_t>(q)] * part;
+      }
+    }
+  }
+}
+
+void CoarseWater::finish_faces(LocalId k) {
+  const std::size_t begin = static_cast<std::size_t>(k) * grid_.step(0);
+  for (std::size_t at = begin; at < begin + grid_.step(0); ++at)
+    displacement_[0][at] = (sums_[at - grid_.step(0)].high + sums_[at].low).at_face();
+}
+
+void CoarseWater::find_surface() {
+  wet_.assign(grid_.cells(), 0);
+  height_.assign(grid_.cells(), 1.0);
+  for (LocalId k = 0; k < grid_.planes() + 2; ++k) {
+    for (LocalId r = 0; r < grid_.rows(); ++r) {
+      for (LocalId c = 0; c < grid_.columns(); ++c) {
+        const std::size_t at = grid_.index(k, r, c);
+        const bool submerged =
+            c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+        wet_[at] = fill_[at] >= wet_fill || submerged ? 1 : 0;
+      }
+      // Water under the ceiling has no surface.
+      const std::size_t end = grid_.index(k, r, grid_.columns());
+      if (static_cast<Real>(grid_.columns()) == grid_.count(2)) wet_[end] = wet_[end - 1];
+      find_tops(k, r);
+    }
+  }
+}
+
+void CoarseWater::find_tops(LocalId k, LocalId r) {
+  const std::size_t floor = grid_.index(k, r, 0);
+  bool standing = true;
+  Real excess = 0;  // volume in the cells of a standing column above their own, in cells
+  for (LocalId c = 0; c < grid_.columns(); ++c) {
+    const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (!is_wet(at)) {
+      standing = false;
+    } else if (is_top(at)) {
+      height_[at] = fill_[at] + fill_[at + 1] + (standing ? excess : 0);
+    } else {
+      excess += fill_[at] - 1;
+    }
+  }
+}
+
+std::size_t CoarseWater::bytes() const {
+  std::size_t values = fill_.capacity() + height_.capacity();
+  for (const auto& u : displacement_) values += u.capacity();
+  return values * sizeof(Real) + wet_.capacity() + sums_.capacity() * sizeof(PlaneSums) +
+         (row_faces_.capacity() + column_faces_.capacity()) * sizeof(Moments);
+}
+
+}  // namespace trevi
