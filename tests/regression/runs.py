@@ -15,10 +15,11 @@ from pathlib import Path
 import h5py
 import numpy
 
-from program import WITHOUT
+from program import WITHOUT, with_instruction_set
 
 ROOT = Path(__file__).resolve().parents[2]
-TREVI = os.environ.get("TREVI", str(ROOT / "build/release/trevi"))
+PROGRAM = os.environ.get("TREVI", str(ROOT / "build/release/trevi"))
+TREVI = str(with_instruction_set(PROGRAM))
 MPIEXEC = os.environ.get("MPIEXEC", "mpirun")
 TIMEOUT = 300  # s; a run of these tests takes a few, but sanitizers and busy machines are slow
 RANK_DEPENDENT = {"imbalance", "wall_seconds"}

@@ -12,10 +12,13 @@ import unittest
 from pathlib import Path
 
 import runs
+from program import INSTRUCTION_SET
 from runs import CHECKPOINTS, FOUNTAIN, Folder
 from screen import Screen, Viewer, VIEW, changed, like, wait_until, water
 
 SCENE = FOUNTAIN + CHECKPOINTS.format(1000, 2)
+if INSTRUCTION_SET:  # runs that the viewer starts must use it, too
+    SCENE += f'[run]\ninstruction_set = "{INSTRUCTION_SET}"\n'
 
 
 def free_address():
