@@ -29,14 +29,14 @@ def with_instruction_set(trevi):
         return trevi
     stand_in = Path(tempfile.mkdtemp()) / "trevi"  # named as the program, by which ranks are found
     atexit.register(shutil.rmtree, stand_in.parent)
-    setting = f"--set run.instruction_set={INSTRUCTION_SET}"
-    stand_in.write_text(f"#!/bin/sh\nexec '{Path(trevi).resolve()}' {setting} \"$@\"\n")
+    setting = f"--set run.instruction_set={INSTRUCTION_SET}"  # at the end, as --set takes all that follows
+    stand_in.write_text(f"#!/bin/sh\nexec '{Path(trevi).resolve()}' \"$@\" {setting}\n")
     stand_in.chmod(0o755)
     return stand_in
 
 
 class ProgramTest(unittest.TestCase):
-    trevi = mpirun = None  # set by main()
+    program = trevi = mpirun = None  # set by main(); trevi may be a stand-in for the program
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -64,5 +64,6 @@ def main():
     parser.add_argument("trevi", type=Path)
     parser.add_argument("mpirun")
     paths, rest = parser.parse_known_args()
-    ProgramTest.trevi, ProgramTest.mpirun = with_instruction_set(paths.trevi.resolve()), paths.mpirun
+    ProgramTest.program, ProgramTest.mpirun = paths.trevi.resolve(), paths.mpirun
+    ProgramTest.trevi = with_instruction_set(ProgramTest.program)
     unittest.main(module="__main__", argv=[sys.argv[0], *rest])

@@ -60,6 +60,10 @@ class SameResults(ProgramTest):
 
 
 class InstructionSets(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.trevi = self.program
+
     def names(self):
         """Those of this machine, as the refusal of another one lists them."""
         for ranks in (1, 2):
