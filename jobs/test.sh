@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# usage: jobs/test.sh [--preset PRESET] [--label REGEX] [more arguments of ctest]
+# usage: jobs/test.sh [--preset PRESET] [--label REGEX] [--instruction-set NAME] [more arguments of ctest]
 #
-# Installs what is missing, builds PRESET (default release) and runs all tests, or those with a matching label.
+# Installs what is missing, builds PRESET (default release) and runs all tests, or those with a matching label; with
+# the instruction set of the pair loops that is named (SSE4, AVX2 or AVX3, say) in place of the best.
 #
 #   jobs/test.sh
 #   jobs/test.sh --preset asan --label unit
 #   jobs/test.sh -R halo --verbose
+#   jobs/test.sh --instruction-set AVX2
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -19,6 +21,7 @@ main() {
       --preset=*) preset="${1#*=}" && shift ;;
       --label) arguments+=(-L "${2:?--label needs a pattern}") && shift 2 ;;
       --label=*) arguments+=(-L "${1#*=}") && shift ;;
+      --instruction-set) export TREVI_TEST_INSTRUCTION_SET="${2:?--instruction-set needs a name}" && shift 2 ;;
       *) arguments+=("$1") && shift ;;
     esac
   done

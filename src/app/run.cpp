@@ -11,6 +11,7 @@
 #include "trevi/app/preview.hpp"
 #include "trevi/app/report.hpp"
 #include "trevi/app/restart.hpp"
+#include "trevi/base/simd.hpp"
 #include "trevi/output/blowup.hpp"
 #include "trevi/output/files.hpp"
 #include "trevi/output/output_directory.hpp"
@@ -169,6 +170,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     return ExitCode::done;
   }
   const Scene scene = parse_scene(line.scene, read_file_everywhere(session.comm(), line.scene), line.overrides);
+  if (!scene.instruction_set.empty()) use_instruction_set(scene.instruction_set);
   if (!line.preview.empty()) {
     write_preview(session, scene, {line.preview, line.steps.value_or(scene.steps())});
     return ExitCode::done;

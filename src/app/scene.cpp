@@ -11,6 +11,7 @@
 #include "scene_overrides.hpp"
 #include "scene_physics.hpp"
 #include "scene_reader.hpp"
+#include "trevi/base/simd.hpp"
 
 namespace trevi {
 namespace {
@@ -35,7 +36,7 @@ std::optional<Real> seconds_of(std::string_view text) {
   return total;
 }
 
-void read_wall_limit(Section run, Scene& scene) {
+void read_wall_limit(Section& run, Scene& scene) {
   const Key key{"wall_limit", "the wall-clock time to stop at: \"3h\", \"90m\", \"45s\", \"1h30m\" or seconds"};
   if (const toml::node* node = run.find(key, "text or number")) {
     const auto* text = node->as_string();
@@ -46,6 +47,25 @@ void read_wall_limit(Section run, Scene& scene) {
       run.refuse(key, seconds ? "must be positive and finite" : "must be a time");
     }
   }
+}
+
+void read_instruction_set(Section& run, Scene& scene) {
+  const Key key{"instruction_set",
+                "the instruction set of the pair loops as run.json names it, \"SSE4\", \"AVX2\" or \"AVX3\" for "
+                "instance, or leave it out for the best"};
+  std::string name;
+  if (!run.text(key, name)) return;
+  const std::vector<std::string> names = instruction_set_names();
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    run.refuse(key, fmt::format("must be one that every machine of this run has ({})", fmt::join(names, ", ")));
+  } else {
+    scene.instruction_set = name;
+  }
+}
+
+void read_run(Section run, Scene& scene) {
+  read_wall_limit(run, scene);
+  read_instruction_set(run, scene);
   run.reject_unknown();
 }
 
@@ -134,7 +154,7 @@ void read_scene(const toml::table& document, Findings& findings, Scene& scene) {
   read_colour(std::move(colour), scene);
   read_output(root.child("output"), scene, has_colour);
   read_random(root.child("random"), scene);
-  read_wall_limit(root.child("run"), scene);
+  read_run(root.child("run"), scene);
   root.reject_unknown();
 }
 

@@ -17,6 +17,23 @@ std::string instruction_set_name() {
   return hwy::TargetName(sets & -sets);
 }
 
+std::vector<std::string> instruction_set_names() {
+  std::vector<std::string> names;
+  for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {
+    names.emplace_back(hwy::TargetName(rest & -rest));
+  }
+  return names;
+}
+
+bool use_instruction_set(const std::string& name) {
+  for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {
+    if (name != hwy::TargetName(rest & -rest)) continue;
+    restrict_instruction_sets(rest);
+    return true;
+  }
+  return false;
+}
+
 void flush_denormals() {
 #if defined(__SSE__)
   _mm_setcsr(_mm_getcsr() | 0x8040);  // flush to zero, denormals are zero

@@ -12,11 +12,13 @@ namespace trevi {
 
 namespace {
 
-Hdf5Handle string_type(std::size_t length) {
+/// ASCII where that does, as ParaView 5.11 takes the Type of a VTKHDF file in no other character set.
+Hdf5Handle string_type(const std::string& value) {
+  const bool ascii = std::all_of(value.begin(), value.end(), [](unsigned char c) { return c < 128; });
   Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.id(), std::max<std::size_t>(1, length));
+  H5Tset_size(type.id(), std::max<std::size_t>(1, value.size()));
   H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
-  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  H5Tset_cset(type.id(), ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
   return type;
 }
 
@@ -110,7 +112,7 @@ void Hdf5Writer::write_rows(const std::string& name, RowFormat format, RowSlice 
 }
 
 void Hdf5Writer::create_text(const std::string& name, const std::string& value) const {
-  const Hdf5Handle type = string_type(value.size()), space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Handle type = string_type(value), space(H5Screate(H5S_SCALAR), H5Sclose);
   const Hdf5Handle creation = timeless(H5P_DATASET_CREATE);
   create_groups(name);
   Hdf5Handle dataset(
@@ -160,7 +162,7 @@ void Hdf5Writer::attribute(const std::string& name, std::span<const Real> values
 }
 
 void Hdf5Writer::attribute(const std::string& name, const std::string& value) {
-  const Hdf5Handle type = string_type(value.size());
+  const Hdf5Handle type = string_type(value);
   write_attribute(name, type.id(), Hdf5Handle(H5Screate(H5S_SCALAR), H5Sclose), value.c_str());
 }
 

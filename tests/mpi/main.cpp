@@ -1,10 +1,13 @@
 // Runs GoogleTest under mpirun: every rank runs every test, rank 0 reports, the others only what fails on them.
-// The exit code is the maximum over ranks.
+// The exit code is the maximum over ranks. TREVI_TEST_INSTRUCTION_SET names the instruction set of the pair loops,
+// "AVX2" for instance, in place of the best.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 
+#include "trevi/base/simd.hpp"
 #include "trevi/parallel/session.hpp"
 
 namespace {
@@ -33,12 +36,21 @@ void silence_all_but_failures(int rank) {
   listeners.Append(new FailurePrinter(rank));  // GoogleTest takes ownership
 }
 
+bool instruction_set_as_asked() {
+  const char* name = std::getenv("TREVI_TEST_INSTRUCTION_SET");
+  return name == nullptr || *name == '\0' || trevi::use_instruction_set(name);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const trevi::Session session(argc, argv);
   if (session.rank() != 0) silence_all_but_failures(session.rank());
+  if (!instruction_set_as_asked()) {
+    std::cerr << "TREVI_TEST_INSTRUCTION_SET: this machine has no such instruction set" << std::endl;
+    return 1;
+  }
   int code = RUN_ALL_TESTS();
   MPI_Allreduce(MPI_IN_PLACE, &code, 1, MPI_INT, MPI_MAX, session.comm());
   return code;

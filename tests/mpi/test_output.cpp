@@ -1,4 +1,6 @@
 // Series, progress, report, folder, and what the output layer is built on; on any number of ranks.
+#include <hdf5.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +16,7 @@
 #include "trevi/output/pvd.hpp"
 #include "trevi/output/run_report.hpp"
 #include "trevi/output/series.hpp"
+#include "trevi/output/vtkhdf.hpp"
 #include "trevi/parallel/collective.hpp"
 
 namespace trevi {
@@ -31,6 +34,27 @@ TEST_F(Output, FailureOfOneRankReachesAllWithItsKind) {
   EXPECT_THROW(fail_on_last(RunError("disk")), RunError);
   EXPECT_EQ(input_error_of([&] { fail_on_last(InputError("bad key")); }), "bad key");
   EXPECT_NO_THROW(all_or_none(world, [] {}));
+}
+
+// ---- texts ------------------------------------------------------------------------------------------------------
+
+H5T_cset_t character_set(const std::string& path, const char* group, const char* name) {
+  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const Hdf5Handle attribute(H5Aopen_by_name(file.id(), group, name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  return H5Tget_cset(type.id());
+}
+
+// ParaView 5.11 refuses a VTKHDF file whose Type is in UTF-8, which the reader of VTK 9.1 takes.
+TEST_F(Output, TextAttributesAreAsciiWhereThatDoes) {
+  VtkHdfFile file(world, path("frame.hdf"), my_part(whole_cloud(20)).position);
+  file.file().attribute("plain", std::string("as it is"));
+  file.file().attribute("accent", std::string("\u00e0 l'eau"));
+  file.close();
+  if (rank_of(world) != 0) return;
+  EXPECT_EQ(character_set(path("frame.hdf"), "/VTKHDF", "Type"), H5T_CSET_ASCII);
+  EXPECT_EQ(character_set(path("frame.hdf"), "/", "plain"), H5T_CSET_ASCII);
+  EXPECT_EQ(character_set(path("frame.hdf"), "/", "accent"), H5T_CSET_UTF8);
 }
 
 // ---- order by id ------------------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 """What the tests of the whole program share: running it on some ranks, with a time limit, in a folder of its own."""
 
 import argparse
+import atexit
 import os
 import shutil
 import subprocess
@@ -16,13 +17,26 @@ if "VTK" in WITHOUT:  # then the frames of the scenes are VTKHDF
     INPUTS = Path(shutil.copytree(INPUTS, copies.name, dirs_exist_ok=True))
     for scene in INPUTS.rglob("*.toml"):
         scene.write_text(scene.read_text().replace("[output.vtu]", "[output.vtkhdf]"))
+INSTRUCTION_SET = os.environ.get("TREVI_TEST_INSTRUCTION_SET")  # of the pair loops, in all runs: "AVX2" for instance
 TIME_LIMIT = 100  # s, for one run: a rank that waits for ever is a failure
 MPI_SETTINGS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                 "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
 
+def with_instruction_set(trevi):
+    """The program, or a stand-in that names it the instruction set that the tests are asked to use."""
+    if not INSTRUCTION_SET:
+        return trevi
+    stand_in = Path(tempfile.mkdtemp()) / "trevi"  # named as the program, by which ranks are found
+    atexit.register(shutil.rmtree, stand_in.parent)
+    setting = f"--set run.instruction_set={INSTRUCTION_SET}"  # at the end, as --set takes all that follows
+    stand_in.write_text(f"#!/bin/sh\nexec '{Path(trevi).resolve()}' \"$@\" {setting}\n")
+    stand_in.chmod(0o755)
+    return stand_in
+
+
 class ProgramTest(unittest.TestCase):
-    trevi = mpirun = None  # set by main()
+    program = trevi = mpirun = None  # set by main(); trevi may be a stand-in for the program
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -50,5 +64,6 @@ def main():
     parser.add_argument("trevi", type=Path)
     parser.add_argument("mpirun")
     paths, rest = parser.parse_known_args()
-    ProgramTest.trevi, ProgramTest.mpirun = paths.trevi.resolve(), paths.mpirun
+    ProgramTest.program, ProgramTest.mpirun = paths.trevi.resolve(), paths.mpirun
+    ProgramTest.trevi = with_instruction_set(ProgramTest.program)
     unittest.main(module="__main__", argv=[sys.argv[0], *rest])

@@ -15,10 +15,11 @@ from pathlib import Path
 import h5py
 import numpy
 
-from program import WITHOUT
+from program import WITHOUT, with_instruction_set
 
 ROOT = Path(__file__).resolve().parents[2]
-TREVI = os.environ.get("TREVI", str(ROOT / "build/release/trevi"))
+PROGRAM = os.environ.get("TREVI", str(ROOT / "build/release/trevi"))
+TREVI = str(with_instruction_set(PROGRAM))
 MPIEXEC = os.environ.get("MPIEXEC", "mpirun")
 TIMEOUT = 300  # s; a run of these tests takes a few, but sanitizers and busy machines are slow
 RANK_DEPENDENT = {"imbalance", "wall_seconds"}
@@ -162,12 +163,16 @@ def ranks_of(process, program="trevi"):
     return sorted(found)
 
 
+class EndedBefore(AssertionError):
+    """A run ended before what was waited for."""
+
+
 def wait_for(condition, process, what):
     """Waits until condition() holds; fails when the run ends first."""
     end = time.monotonic() + TIMEOUT
     while not condition():
-        if process.poll() is not None:
-            raise AssertionError(f"the run ended before {what}: {process.communicate()[0]}")
+        if process.poll() is not None and not condition():  # which may have come true with the end
+            raise EndedBefore(f"the run ended before {what}")
         if time.monotonic() > end:
             process.kill()
             raise AssertionError(f"waited in vain for {what}")
@@ -212,6 +217,10 @@ def column(output, name):
     table = [line.split(",") for line in (Path(output) / "series.csv").read_text().splitlines()]
     place = table[0].index(name)
     return [float(row[place]) for row in table[1:]]
+
+
+def last_step(output):
+    return int(column(output, "step")[-1])
 
 
 def last_checkpoint(output):

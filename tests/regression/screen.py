@@ -11,9 +11,9 @@ import time
 import numpy
 from PIL import ImageGrab
 
-from runs import TREVI, environment
+from runs import PROGRAM, environment
 
-VIEW = os.environ.get("TREVI_VIEW", TREVI + "-view")
+VIEW = os.environ.get("TREVI_VIEW", PROGRAM + "-view")
 PATIENCE = 60  # s; for one condition
 SIZE = (480, 360)
 STATUS_ROWS = 60  # pixels at the bottom that hold the status line

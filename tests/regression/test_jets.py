@@ -1,8 +1,7 @@
 #!/usr/bin/python3
-"""Jets rise as they should: a sparse one to v²/2g, one through a pool ever nearer to it, and the higher the note, the
-higher the jet. And each of fountains, music and colour is in the profile of the scenes that use it, and of no other."""
+"""Jets rise as they should: a sparse one to v²/2g, one through a pool by the pool's depth more (Bernoulli), and the higher
+the note, the higher the jet. And each of fountains, music and colour is in the profile of the scenes that use it, and of no other."""
 
-import csv
 import json
 import re
 import sys
@@ -13,6 +12,7 @@ from program import INPUTS, ProgramTest, main
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
 import jet_heights  # noqa: E402
+from study import columns_of  # noqa: E402
 
 OCTAVE = "C4 D4 E4 F4 G4 A4 B4 C5".split()
 
@@ -25,16 +25,18 @@ class Jets(ProgramTest):
                 self.assertEqual(len(rise), 16)
                 self.assertAlmostEqual(np.percentile(rise, 99), 1, delta=0.1)
 
-    def test_jet_through_a_pool_nears_it_with_speed(self):
-        rise = [jet_heights.ratios(self.trevi, "pool", speed) for speed in (6, 10, 14)]
-        for share in (50, 99):
-            first, second, third = (np.percentile(ratio, share) for ratio in rise)
-            self.assertGreater(first, second)
-            self.assertGreater(second, third)
-            self.assertGreater(third, 0.9)
+    def test_jet_through_a_pool_rises_as_bernoulli_says(self):
+        # From the pressure under the pool and the speed at the nozzle. Over two disturbed starts on each instruction
+        # set, with densities of either kernel, the medians were off by -0.01 to 0.04.
+        pool = 0.2  # m above the nozzle
+        for speed in (6, 10, 14):
+            with self.subTest(speed=speed):
+                rise = jet_heights.ratios(self.trevi, "pool", speed)
+                self.assertAlmostEqual(np.median(rise), 1 + pool / (speed**2 / (2 * jet_heights.GRAVITY)), delta=0.1)
 
     def test_higher_note_higher_jet(self):
-        tops = []
+        nozzle = 0.4  # m
+        tops, ballistic = [], []
         for name in OCTAVE:
             # The ends of the octave, after the run's end, fix the range of the notes.
             score = f"0 {name} 3\n10 {OCTAVE[0]} 1\n11 {OCTAVE[-1]} 1\n"
@@ -43,11 +45,15 @@ class Jets(ProgramTest):
             music = f"music = \"{name}.txt\"\nspeed_range = [6.0, 10.0]"
             (self.folder / f"{name}.toml").write_text(scene.replace("speed = 8.0", music), encoding="utf-8")
             self.run_well(1, f"{name}.toml", "--output", name, "--set", "output.vtkhdf.every_steps=1000")
-            with open(self.folder / name / "series.csv", newline="", encoding="utf-8") as file:
-                tops.append(max(float(row["top"]) for row in csv.DictReader(file)))
+            columns = columns_of(self.folder / name / "series.csv")
+            tops.append(max(columns["top"]) - nozzle)
+            ballistic.append(max(columns["speed_0"])**2 / (2 * jet_heights.GRAVITY))
+        # From note to note the heights grow by 8 % at least; the sparse jets' miss theirs by 1 to 2 %, whatever the start.
+        self.assertEqual(ballistic, sorted(set(ballistic)))
         self.assertEqual(tops, sorted(set(tops)), "the jets' heights are not in the order of the notes")
-        nozzle = 0.4
-        self.assertAlmostEqual((tops[-1] - nozzle) / (tops[0] - nozzle), (10 / 6)**2, delta=0.2)
+        for top, height in zip(tops, ballistic):
+            self.assertAlmostEqual(top / height, 1, delta=0.05)
+        self.assertAlmostEqual(ballistic[-1] / ballistic[0], (10 / 6)**2, places=6)
 
 
 FRAMES = '[output.vtkhdf]\nevery_steps = 1\nfields = ["id"]\n'

@@ -14,7 +14,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from program import INPUTS, WITHOUT
+from program import INPUTS, WITHOUT, with_instruction_set
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = INPUTS / "musical_fountain_small.toml"
@@ -120,5 +120,5 @@ class MusicRun(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    TREVI, MPIEXEC = sys.argv[1:3]
+    TREVI, MPIEXEC = with_instruction_set(sys.argv[1]), sys.argv[2]
     unittest.main(argv=sys.argv[:1])

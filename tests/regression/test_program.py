@@ -64,6 +64,34 @@ class SameResults(ProgramTest):
                 self.assert_same(parts, whole, last)
 
 
+class InstructionSets(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.trevi = self.program
+
+    def names(self):
+        """Those of this machine, as the refusal of another one lists them."""
+        for ranks in (1, 2):
+            refused = self.run_trevi(ranks, CUBE, "--output", "none", "--set", "run.instruction_set=MMX")
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            listed = re.findall(r"^trevi: --set run.instruction_set=MMX: must be .*\((.*)\), got .MMX.; give", refused.stderr,
+                                re.MULTILINE)
+            self.assertEqual(len(listed), 1, refused.stderr)
+        return listed[0].split(", ")
+
+    def test_each_can_be_named_and_none_changes_a_free_fall(self):
+        steps = 18  # it lands in frame 20
+        heights = []
+        for name in self.names():
+            text = CUBE.read_text() + f"\n[run]\ninstruction_set = '{name}'\n"
+            (self.folder / f"{name}.toml").write_text(text)
+            self.run_well(2, f"{name}.toml", "--output", name, "--steps", steps)
+            report = json.loads((self.folder / name / "run.json").read_text())
+            self.assertEqual(report["instruction_set"], name)
+            heights.append(float(rows(self.folder / name)[-1]["com_z"]))
+        self.assertLess(max(heights) - min(heights), 1e-6)
+
+
 class Outputs(ProgramTest):
     def test_run_json_tells_how_it_ended(self):
         self.run_well(2, CUBE, "--output", "run", "--steps", 2)

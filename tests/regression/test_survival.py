@@ -26,30 +26,36 @@ def reason(output):
     return json.loads((output / "run.json").read_text())["exit_reason"]
 
 
+ENDLESS = 10**7  # steps: a run that is interrupted must not end first, however late that comes
+
+
 class Signals(unittest.TestCase):
-    """500 steps, interrupted; what is printed is typed in, and the end compared with a run that was left alone."""
+    """Runs without end, interrupted; what is printed is typed in with an end that is near, and what then comes out
+    compared with a run that was left alone."""
 
     def setUp(self):
         self.folder = Folder()
         self.addCleanup(self.folder.cleanup)
         self.output = self.folder.path("out")
 
-    def interrupt(self, text, act, ranks=2, extra=None, steps=500):
+    def interrupt(self, text, act, ranks=2, extra=None):
         scene = self.folder.scene(text)
-        process = runs.start(ranks, scene, self.output, "--steps", steps, extra=extra)
+        process = runs.start(ranks, scene, self.output, "--steps", ENDLESS, extra=extra)
         runs.wait_for_row(self.output, 20, process)
         act(process)
         return runs.finish(process)
 
     def go_on(self, told):
         line = told.splitlines()[[k for k, line in enumerate(told.splitlines()) if "go on with" in line][0] + 1]
+        self.assertIn(f"--steps {ENDLESS}", line)
+        line = line.replace(f"--steps {ENDLESS}", f"--steps {runs.last_step(self.output) + 30}")
         done = subprocess.run(line, shell=True, env=runs.environment(), capture_output=True, text=True, timeout=runs.TIMEOUT)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(reason(self.output), "done")
 
     def check_against_undisturbed(self, text):
         undisturbed = self.folder.path("undisturbed")
-        runs.run_well(1, self.folder.scene(text), undisturbed, "--steps", 500)
+        runs.run_well(1, self.folder.scene(text), undisturbed, "--steps", runs.last_step(self.output))
         self.assertEqual(runs.rows(undisturbed), runs.rows(self.output))
 
     def test_usr2_without_checkpoints_in_the_scene(self):
@@ -64,10 +70,13 @@ class Signals(unittest.TestCase):
         def act(process):
             process.send_signal(signal.SIGUSR1)
             runs.wait_for(lambda: list(self.output.glob("checkpoint_*.h5")), process, "the checkpoint")
+            saved = int(runs.last_checkpoint(self.output).stem[-6:])
+            runs.wait_for_row(self.output, saved + 20, process)
+            self.assertEqual(len(list(self.output.glob("checkpoint_*.h5"))), 1)
+            process.send_signal(signal.SIGUSR2)
         code, told = self.interrupt(CUBE, act)
-        self.assertEqual(code, 0, told)
-        self.assertEqual(len(list(self.output.glob("checkpoint_*.h5"))), 1)
-        self.assertEqual(reason(self.output), "done")
+        self.assertEqual(code, 4, told)
+        self.assertEqual(len(list(self.output.glob("checkpoint_*.h5"))), 2)
 
     def test_usr2_to_one_rank_alone(self):
         code, told = self.interrupt(CUBE, lambda process: os.kill(runs.ranks_of(process)[-1], signal.SIGUSR2), ranks=3)
@@ -80,7 +89,7 @@ class Signals(unittest.TestCase):
 
     def test_term_to_mpirun_with_time_to_stop(self):
         # Open MPI waits that many seconds, sends SIGTERM to the ranks, and waits as many again before it kills them.
-        code, told = self.interrupt(CUBE, lambda process: process.terminate(), steps=10**7,
+        code, told = self.interrupt(CUBE, lambda process: process.terminate(),
                                     extra={"OMPI_MCA_odls_base_sigkill_timeout": "4"})
         self.assertNotEqual(code, 0, told)
         self.assertTrue(list(self.output.glob("checkpoint_*.h5")), told)
@@ -92,12 +101,12 @@ class Signals(unittest.TestCase):
             time.sleep(2)  # the run looks once a second
             (self.output / "stop").rmdir()
             (self.output / "stop").touch()
-        code, told = self.interrupt(CUBE + CHECKPOINTS.format(100000, 2), act, steps=10**7)
+        code, told = self.interrupt(CUBE + CHECKPOINTS.format(ENDLESS, 2), act)
         self.assertEqual(code, 4, told)
         self.assertFalse((self.output / "stop").exists())
         self.assertEqual(reason(self.output), "stopped: the stop file")
-        last = int(runs.column(self.output, "step")[-1])
-        runs.run_well(2, self.folder.path("scene.toml"), self.output, "--restart", "latest", "--steps", last + 5)
+        more = ["--restart", "latest", "--steps", runs.last_step(self.output) + 5]
+        runs.run_well(2, self.folder.path("scene.toml"), self.output, *more)
 
     def test_nobody_reads_the_progress(self):
         launched = [runs.TREVI, self.folder.scene(CUBE), "--output", self.output, "--steps", "50", "--progress", "bar"]
@@ -108,7 +117,8 @@ class Signals(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
 
     def test_wall_limit(self):
-        code, told = runs.run(2, self.folder.scene(CUBE + '[run]\nwall_limit = "0.2s"\n'), self.output, "--steps", 5000)
+        scene = self.folder.scene(CUBE + '[run]\nwall_limit = "0.2s"\n')
+        code, told = runs.run(2, scene, self.output, "--steps", ENDLESS)
         self.assertEqual(code, 4, told)
         self.assertEqual(reason(self.output), "stopped: the wall limit")
         self.assertEqual(len(list(self.output.glob("checkpoint_*.h5"))), 1)
@@ -129,16 +139,27 @@ class Kill(unittest.TestCase):
         cls.folder.cleanup()
 
     def survive(self, name, moment, which):
-        """moment(output, process) returns when it is time to kill."""
+        """moment(output, process) returns when it is time to kill. Tells whether there was still a run to kill, and
+        what the restart said."""
         output = self.folder.path(name)
         process = runs.start(2, self.scene, output, "--steps", 60)
-        moment(output, process)
-        killed = runs.kill_one(process, which)
+        try:
+            moment(output, process)
+            killed = runs.kill_one(process, which)
+        except runs.EndedBefore:
+            killed = False
         code, told = runs.finish(process)
         self.assertTrue(not killed or code != 0, told)
         told = runs.run_well(2 + which, self.scene, output, "--steps", 60, "--restart", "latest")
         self.assertEqual(runs.differences(self.undisturbed, output), [], told)
-        return told.splitlines()[0] if told else ""
+        return killed, told.splitlines()[0] if told else ""
+
+    def survive_when_there(self, name, pattern, which):
+        """A checkpoint is under way for a millisecond or two, which a busy machine may let pass unseen."""
+        for attempt in range(10):
+            if self.survive(f"{name}_{attempt}", self.when_there(pattern), which)[0]:
+                return
+        self.skipTest(f"{pattern} was not caught in ten runs")
 
     def when_there(self, pattern):
         def moment(output, process):
@@ -152,16 +173,16 @@ class Kill(unittest.TestCase):
         self.survive("step_0", self.when_there("series.csv"), 1)
 
     def test_during_the_first_checkpoint(self):
-        self.survive("first", self.when_there("checkpoint_000000.h5.tmp"), 0)
+        self.survive_when_there("first", "checkpoint_000000.h5.tmp", 0)
 
     def test_during_a_checkpoint(self):
-        self.survive("later", self.when_there("checkpoint_0000[1-5]?.h5.tmp"), 1)
+        self.survive_when_there("later", "checkpoint_0000[1-5]?.h5.tmp", 1)
 
     def test_at_random_moments(self):
         generator = random.Random(int(os.environ.get("TREVI_KILL_SEED", "1")))
         for k in range(int(os.environ.get("TREVI_KILLS", "3"))):
             row, which = generator.randrange(60), generator.randrange(2)
-            told = self.survive(f"random_{k}", lambda output, process: runs.wait_for_row(output, row, process), which)
+            _, told = self.survive(f"random_{k}", lambda output, process: runs.wait_for_row(output, row, process), which)
             print(f"killed rank {which} after row {row}: {told}", flush=True)
 
 
@@ -205,7 +226,7 @@ class Failures(unittest.TestCase):
     def fill(self, disk, text):
         output = self.folder.path("full") if disk is None else runs.Path(disk) / "out"
         scene = self.folder.scene(text)
-        code, told = runs.run(2, scene, output, "--steps", 5000)
+        code, told = runs.run(2, scene, output, "--steps", ENDLESS)
         self.assertEqual(code, 3, told)
         self.assertRegex(told, r"trevi: (rank \d: )?/\S+: cannot")
         self.assertNotIn("Signal", told)
@@ -243,7 +264,7 @@ class TwoRuns(unittest.TestCase):
         self.scene, self.output = self.folder.scene(CUBE + CHECKPOINTS.format(5, 2)), self.folder.path("out")
 
     def test_beside_a_live_one_nothing_is_done_and_after_its_kill_all(self):
-        live = runs.start(2, self.scene, self.output, "--steps", 10**7)
+        live = runs.start(2, self.scene, self.output, "--steps", ENDLESS)
         runs.wait_for_row(self.output, 20, live)
         for ranks, arguments in ((1, []), (2, ["--restart", "latest"])):
             code, told = runs.run(ranks, self.scene, self.output, "--steps", 10, *arguments)
@@ -270,8 +291,8 @@ class Slurm(unittest.TestCase):
         extra = {"PATH": f"{folder.name}:{os.environ['PATH']}", "TREVI": runs.TREVI, "MPIRUN": runs.MPIEXEC,
                  "SLURM_NTASKS": "2", "SLURM_JOB_ID": "77"}
         job = ["bash", str(runs.ROOT / "jobs/trevi.sbatch"), str(scene), "--output", str(output), "--progress", "none",
-               "--steps", "300"]
-        process = subprocess.Popen(job, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+               "--steps"]
+        process = subprocess.Popen([*job, str(ENDLESS)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                    env=runs.environment(extra))
         runs.wait_for_row(output, 20, process)
         process.send_signal(signal.SIGUSR2)
@@ -279,11 +300,13 @@ class Slurm(unittest.TestCase):
         self.assertEqual(code, 0, told)
         self.assertIn("scontrol requeue 77", told)
         self.assertEqual(reason(output), "stopped: SIGUSR2")
-        done = subprocess.run(job, env=runs.environment(extra), capture_output=True, text=True, timeout=runs.TIMEOUT)
+        last = runs.last_step(output) + 30
+        done = subprocess.run([*job, str(last)], env=runs.environment(extra), capture_output=True, text=True,
+                              timeout=runs.TIMEOUT)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("scontrol", done.stdout)
         straight = folder.path("straight")
-        runs.run_well(1, scene, straight, "--steps", 300)
+        runs.run_well(1, scene, straight, "--steps", last)
         self.assertEqual(runs.rows(straight), runs.rows(output))
 
 

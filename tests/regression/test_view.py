@@ -80,7 +80,7 @@ class Keys(ViewTest):
         wait_until(lambda: viewer.step() >= 6, "the picture to move on", viewer.process)
         viewer.press("space", "paused")
         after, step = viewer.settled(), viewer.step()
-        self.assertGreater(changed(before, after), 0.05)
+        self.assertGreater(changed(before, after), 0.02)
         self.assertEqual(changed(after, viewer.settled()), 0)
         self.assertEqual(viewer.step(), step)
         for _ in range(8):

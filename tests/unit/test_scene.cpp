@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scene_text.hpp"
+#include "trevi/base/simd.hpp"
 
 namespace trevi::test {
 namespace {
@@ -165,6 +166,14 @@ TEST(Scene, WallLimitHasUnits) {
                                                                                {"12", 12},
                                                                                {"1.5", 1.5}})
     EXPECT_EQ(parse(scene_plus("[run]\nwall_limit = " + text)).wall_limit, seconds) << text;
+}
+
+TEST(Scene, InstructionSetIsOneOfThisMachine) {
+  EXPECT_EQ(parse(scene_plus()).instruction_set, "");
+  EXPECT_EQ(instruction_set_names().front(), instruction_set_name());
+  for (const std::string& name : instruction_set_names()) {
+    EXPECT_EQ(parse(scene_plus("[run]\ninstruction_set = '" + name + "'")).instruction_set, name);
+  }
 }
 
 TEST(SceneOverrides, AreAppliedInOrderAndKeptInTheText) {

@@ -72,6 +72,7 @@ struct Scene {
   std::optional<Colour> colour;
   std::uint64_t seed = 1;
   std::optional<Real> wall_limit;  ///< s
+  std::string instruction_set;     ///< one of instruction_set_names(); empty: the best
 
   std::int64_t steps() const;  ///< round(end/dt)
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace trevi {
 
@@ -16,6 +17,12 @@ void restrict_instruction_sets(std::int64_t allowed);
 
 /// Name of the instruction set in use, "AVX3" for instance.
 std::string instruction_set_name();
+
+/// Names of all that are supported and not ruled out, the one in use first.
+std::vector<std::string> instruction_set_names();
+
+/// Rules out all that are better than the named one; false, and nothing changed, when it is not among the names above.
+bool use_instruction_set(const std::string& name);
 
 /// Denormal numbers become zero in this thread: they slow the high powers of s_corr by a factor of ten and add nothing.
 void flush_denormals();

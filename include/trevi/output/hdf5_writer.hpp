@@ -42,7 +42,7 @@ class Hdf5Writer {
                {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(T)});
   }
 
-  void text(const std::string& name, const std::string& value);  ///< a dataset that is one UTF-8 string
+  void text(const std::string& name, const std::string& value);  ///< a dataset that is one string, UTF-8
 
   /// An attribute of the root group, or "/group/name" for one of another group, which is created.
   void attribute(const std::string& name, std::int64_t value);
