@@ -150,8 +150,8 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   parts.requests = options.requests;
   parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
   parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_wall_density(scene));
-  parts.method = make_density_method<T>(scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing,
-                                                        scene.gravity.value_or(Vec3::Zero())});
+  parts.method = make_density_method<T>(
+      scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing, scene.gravity.value_or(Vec3::Zero())});
   parts.forcings = build_forcings(comm, scene);
   parts.filters = build_filters<T>(scene, model);
   parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero()),

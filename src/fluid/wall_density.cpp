@@ -108,7 +108,8 @@ AnalyticWallDensity::Ratio AnalyticWallDensity::ratio(std::initializer_list<cons
     std::array<Real, 3> weight{1, 1, 1}, slope{};
     for (const Plane* plane : planes) {
       const bool upper = (corner >> a & 1U) != 0;
-      place = place * (static_cast<std::size_t>(layers_) + 1) + static_cast<std::size_t>(plane->layer) + (upper ? 1 : 0);
+      place =
+          place * (static_cast<std::size_t>(layers_) + 1) + static_cast<std::size_t>(plane->layer) + (upper ? 1 : 0);
       weight[a] = upper ? plane->blend : 1 - plane->blend;
       slope[a] = upper ? plane->blend_slope : -plane->blend_slope;
       ++a;

@@ -26,9 +26,9 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
   Faces faces;
   faces.wet = water_.is_wet(own);
   const bool follows = !faces.wet && water_.is_wet(own - 1);  // the little above a top cell
-  faces.surface = follows               ? c - 1 + water_.height(own - 1)
+  faces.surface = follows              ? c - 1 + water_.height(own - 1)
                   : water_.is_top(own) ? c + water_.height(own)
-                                        : std::numeric_limits<Real>::infinity();
+                                       : std::numeric_limits<Real>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t at = follows && a < 2 ? own - 1 : own, above = at + grid.step(a);
     const auto through = [&](std::size_t face, bool wall, bool& known) {

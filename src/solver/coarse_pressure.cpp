@@ -55,8 +55,7 @@ void CoarsePressure::weigh_row(const CoarseWater& water, LocalId k, LocalId r) {
       if (a == 2) {
         weight_[a][at] = low && !high ? 1 / water.above_middle(below) : 1;
       } else {
-        weight_[a][at] = low && high ? (water.height(below) + water.height(at)) / 2
-                                     : water.height(low ? below : at);
+        weight_[a][at] = low && high ? (water.height(below) + water.height(at)) / 2 : water.height(low ? below : at);
       }
     }
   }

@@ -5,8 +5,12 @@ namespace trevi {
 namespace {
 
 // A cell at the surface counts as wet from 0.6 of its volume on: then at least a tenth of a cell of water stands above
-// its middle, where its pressure is. Below the surface cells of disordered water may hold as little as a third.
+// its middle, where its pressure is. Below the surface cells of disordered water may hold as little as a third, and on
+// the floor a sheet of one layer shall be carried, too.
 constexpr Real wet_fill = 0.6, submerged_fill = 0.3;
+// Volume that the rest of a column may give to its top or take from it, in cells. Torn water has far less than full
+// cells; without a bound its surface would lie below its top cell.
+constexpr Real most_excess = 0.25;
 // Keeps the regression line of a face from following noise, in cells²; a one-sided face has a variance of 0.05.
 constexpr Real regression_damping = 0.1;
 
@@ -164,7 +168,8 @@ void CoarseWater::find_surface() {
         const std::size_t at = grid_.index(k, r, c);
         const bool submerged =
             c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-        wet_[at] = fill_[at] >= wet_fill || submerged ? 1 : 0;
+        const bool on_floor = c == 0 && fill_[at] >= submerged_fill;
+        wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
       }
       // Water under the ceiling has no surface.
       const std::size_t end = grid_.index(k, r, grid_.columns());
@@ -183,7 +188,8 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = false;
     } else if (is_top(at)) {
-      height_[at] = fill_[at] + fill_[at + 1] + (standing ? excess : 0);
+      const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
+      height_[at] = std::max(fill_[at] + fill_[at + 1] + more, submerged_fill);
     } else {
       excess += fill_[at] - 1;
     }

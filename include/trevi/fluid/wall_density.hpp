@@ -1,6 +1,6 @@
 // What the walls of the box add to the density of a particle near them, as if the start lattice went on behind
-// (walls.density = "analytic"). One function of the position and its exact derivative, so that what a wall gives back is
-// what it took: pushes that are no constraint's gradient would warm the water for ever.
+// (walls.density = "analytic"). One function of the position and its exact derivative, so that what a wall gives back
+// is what it took: pushes that are no constraint's gradient would warm the water for ever.
 //
 // One plane at distance d adds the share w(d) of rest density. At the distances d_k = (k + 1/2) spacing of the lattice
 // layers w is what the lattice misses behind the plane, so that the start is at rest density; the slopes there are
@@ -47,8 +47,8 @@ class AnalyticWallDensity {
   // between the layers: weight 1 − blend on `layer`, blend on the next one.
   struct Plane {
     int axis = 0, layer = 0;
-    Real share = 0, slope = 0;         // 1, 1/m
-    Real blend = 0, blend_slope = 0;   // 1, 1/m
+    Real share = 0, slope = 0;        // 1, 1/m
+    Real blend = 0, blend_slope = 0;  // 1, 1/m
   };
   struct Planes {
     std::array<Plane, most_planes> plane;

@@ -1,15 +1,15 @@
 // Coarse-grid correction of the density solve. Sweeps over particles move a disturbance by about h each, so deep water
-// needs as many of them as it has layers; pressure over longer ways is found here instead, on the cell grid: from what the
-// grid can know without noise, the displacements that the particles mean to make (coarse_water.hpp), it finds those that
-// keep the volume (coarse_pressure.hpp). Densities are left to the sweeps; their sign is rectified there, and a grid that
-// followed them would lift deep water by their noise. Near to Kugelstadt et al., Implicit density projection for volume
-// conserving liquids, IEEE TVCG 2019.
+// needs as many of them as it has layers; pressure over longer ways is found here instead, on the cell grid: from what
+// the grid can know without noise, the displacements that the particles mean to make (coarse_water.hpp), it finds those
+// that keep the volume (coarse_pressure.hpp). Densities are left to the sweeps; their sign is rectified there, and a
+// grid that followed them would lift deep water by their noise. Near to Kugelstadt et al., Implicit density projection
+// for volume conserving liquids, IEEE TVCG 2019.
 //
 // Particles take the face displacements of their cell, linear in between (lowest-order Raviart-Thomas). Using
-// displacements instead of multipliers leaves out their geometric stiffness, which explodes at large dt. In the top layer
-// of water the correction fades out above the surface, so that what is thrown up falls back. Besides, the motion of each
-// particle is drawn to that of its cell, with a time of `noise_time`: this takes the noise that no pressure acts on, and
-// from a wave only what it shears within a cell. For gravity along −z. Collective.
+// displacements instead of multipliers leaves out their geometric stiffness, which explodes at large dt. In the top
+// layer of water the correction fades out above the surface, so that what is thrown up falls back. Besides, the motion
+// of each particle is drawn to that of its cell, with a time of `noise_time`: this takes the noise that no pressure
+// acts on, and from a wave only what it shears within a cell. For gravity along −z. Collective.
 #pragma once
 
 #include <span>

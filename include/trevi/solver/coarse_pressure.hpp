@@ -2,13 +2,13 @@
 // free of divergence,
 //   div(u + d) = r  in wet cells,   phi = 0 at the free surface,   u + d = 0 through walls,
 // with d the displacements of the faces and r a slow return of each cell to its volume. The surface is where the water
-// ends, not at the edge of a cell: the face above a top cell has the weight 1/theta, theta the height of the surface above
-// the middle of the cell in cells (the ghost-fluid method: Gibou et al., J. Comput. Phys. 176, 2002; Enright et al. 2003),
-// and the faces at its sides the area that is under water.
+// ends, not at the edge of a cell: the face above a top cell has the weight 1/theta, theta the height of the surface
+// above the middle of the cell in cells (the ghost-fluid method: Gibou et al., J. Comput. Phys. 176, 2002; Enright et
+// al. 2003), and the faces at its sides the area that is under water.
 //
 // Chebyshev semi-iteration over damped Jacobi sweeps, whose number follows the depth of the water, from the hydrostatic
-// pressure of each column, so that water at rest is solved exactly from the start: no dot products, thus the same bits on
-// any rank count. Where water is torn apart phi would pull; it is cut at 0. Collective.
+// pressure of each column, so that water at rest is solved exactly from the start: no dot products, thus the same bits
+// on any rank count. Where water is torn apart phi would pull; it is cut at 0. Collective.
 #pragma once
 
 #include "trevi/solver/coarse_water.hpp"

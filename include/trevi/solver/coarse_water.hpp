@@ -42,8 +42,8 @@ class CoarseWater {
   /// Mean displacement through face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
-  /// Where the particle is as far as the surface is concerned: where the step began, or a quarter of a cell from p where
-  /// it came further. In units of cells.
+  /// Where the particle is as far as the surface is concerned: where the step began, or a quarter of a cell from p
+  /// where it came further. In units of cells.
   Vec3 surface_position(const Vec3& x, const Vec3& p) const;
 
   std::size_t bytes() const;
