@@ -2,34 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
-#include "trevi/fluid/velocity_filter.hpp"
+#include "trevi/solver/density_method.hpp"
 
 namespace trevi {
 
 namespace {
 
-// Down to what time step, at a spacing of 0.1 m and 9.8 m/s², and up to what h/spacing columns of 5 to 40 layers at
-// rest gained less than 0.5 % of energy in 2 s (postprocess/results/stability.md).
-struct Envelope {
-  Real shortest_step, widest;
-};
+// Where pools of 1 to 200 layers kept their energy within 0.5 % for 20 s (postprocess/results/stability.md): down to
+// this time step at a spacing of 0.1 m and 9.8 m/s², and at these h/spacing.
+constexpr Real shortest_step = 1.0 / 960, narrowest = 1.5, widest = 4.0;
 
-Envelope envelope_of(const Scene& scene) {
-  const FluidSettings& fluid = scene.fluid;
-  const Real viscous_step =
-      longest_viscous_step(scene.kinematic_viscosity.value_or(0), fluid.spacing, fluid.kernel_radius);
-  const bool damped = std::max(scene.viscosity.value_or(0) * fluid.rest_density, scene.dt / viscous_step) >= 0.2;
-  const bool spiky = scene.fluid.density_kernel == Kernel::spiky;
-  return {damped ? 1.0 / 480 : spiky ? 1.0 / 200 : 1.0 / 60, spiky ? 4.0 : damped ? 3.0 : 2.0};
-}
-
-std::string damping_of(const FluidSettings& fluid) {
-  return fmt::format("set {}[viscosity] c = {:g}, which damps it",
-                     fluid.density_kernel == Kernel::spiky ? "" : "fluid.density_kernel = \"spiky\", or ",
-                     0.2 / fluid.rest_density);
+// m²/s; 0.015 at a spacing of 0.1 m and 9.8 m/s². A disturbed pool of 10 layers rests below 1e-5 m²/s² with it, and a
+// wave of 4 m loses 3 % of its amplitude in half a period (postprocess/results/water.md).
+Real quieting_viscosity(const Scene& scene) {
+  const Real s = scene.fluid.spacing, g = scene.gravity.value_or(Vec3::Zero()).norm();
+  return 0.15 * std::sqrt(g * s * s * s);
 }
 
 }  // namespace
@@ -42,33 +31,30 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
         "the density solve has no coarse grid, and without it water at rest gained energy in most cases of the "
         "stability study; leave out density.preset and density.method, or set density.coarse_grid = true"};
   }
+  if (!is_downward(*scene.gravity)) {
+    return {
+        "gravity does not point down, along -z, and the coarse grid serves no other direction: without it deep water "
+        "at "
+        "rest gains energy; turn the scene"};
+  }
   std::vector<std::string> warnings;
-  const Envelope envelope = envelope_of(scene);
   const FluidSettings& fluid = scene.fluid;
   const Real ratio = fluid.kernel_radius / fluid.spacing;
   // What is outside by less than this is a rounded number, such as 0.0166666 for 1/60, and no choice.
   constexpr Real rounded = 0.01;
-  const std::string remedy = damping_of(fluid);
-  if (ratio < 1.5 * (1 - rounded) || ratio > envelope.widest * (1 + rounded)) {
-    warnings.push_back(
-        fmt::format("kernel_radius is {:.4g} spacings; the stability study found water at rest stable "
-                    "from 1.5 to {:g}; use a radius between{}",
-                    ratio, envelope.widest, ratio > 2 ? ", or " + remedy : ""));
+  if (ratio < narrowest * (1 - rounded) || ratio > widest * (1 + rounded)) {
+    warnings.push_back(fmt::format(
+        "kernel_radius is {:.4g} spacings; the stability study found water at rest stable from {:g} to {:g}; "
+        "use a radius between",
+        ratio, narrowest, widest));
   }
   // In units of the time in which a particle falls by a spacing.
-  const Real shortest = envelope.shortest_step * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
+  const Real shortest = shortest_step * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
   if (scene.dt < shortest * (1 - rounded)) {
     warnings.push_back(
-        fmt::format("dt = {:.4g} s is shorter than the {:.4g} s down to which the stability study found "
-                    "water at rest stable: shallow water warms up; use a longer dt, or {}",
-                    scene.dt, shortest, remedy));
-  }
-  const int fewest = fluid.density_kernel == Kernel::spiky ? 3 : 2;
-  if (scene.density.iterations < fewest) {
-    warnings.push_back(
-        fmt::format("density.iterations = {}: deep columns at rest gained 0.8 to 1.5 % energy with fewer "
-                    "than {}; use {} or more",
-                    scene.density.iterations, fewest, fewest));
+        fmt::format("dt = {:.4g} s is shorter than the {:.4g} s down to which the stability study looked; use "
+                    "a longer dt, or watch the energy",
+                    scene.dt, shortest));
   }
   return warnings;
 }
@@ -77,9 +63,11 @@ std::vector<std::string> energy_warnings(const Scene& scene, Real share) {
   constexpr Real mark = 0.005;
   if (!(share > mark)) return {};
   return {fmt::format(
-      "the total energy rose by {:.2g} % above its start although nothing pumps{}; use a longer dt, or {}", 100 * share,
-      scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
-      damping_of(scene.fluid))};
+      "the total energy rose by {:.2g} % above its start although nothing pumps{}; set [viscosity] nu = {:.2g} m²/s, "
+      "which "
+      "damps it",
+      100 * share, scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
+      quieting_viscosity(scene))};
 }
 
 }  // namespace trevi

@@ -1,25 +1,38 @@
 #include "trevi/solver/density_method.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "solver/anderson.hpp"
+#include "solver/free_flight.hpp"
+#include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
 
 namespace {
 
+// The cap on shifts, as one on multipliers: a shift that is cut for each particle on its own would not be paid back by
+// its neighbours, and momentum would be lost wherever water meets at speed. No pair is pushed apart by more than
+// max_shift then, from the largest gradient that two particles can have.
+Real largest_multiplier(const DensitySettings& settings, const DensityModel& model) {
+  if (settings.max_shift == 0) return std::numeric_limits<Real>::infinity();
+  return settings.max_shift * model.h / (2 * model.mass / model.rest_density * spiky_gradient_factor(model.h));
+}
+
 template <class T>
 class Jacobi : public DensityMethod<T> {
  public:
-  Jacobi(const DensitySettings& settings, Real h) : settings_(settings), longest_(settings.max_shift * h) {}
+  Jacobi(const DensitySettings& settings, const DensityModel& model)
+      : settings_(settings), largest_(largest_multiplier(settings, model)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     for (int k = 0; k < settings_.iterations; ++k) {
-      problem.compute_lambda();
+      problem.compute_lambda(
+          [&](std::size_t, Real lambda) { return std::max(lambda, -largest_ / settings_.relaxation); });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();
       problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) {
-        return problem.walls().collide(p, capped(settings_.relaxation * delta, longest_));
+        return problem.walls().collide(p, settings_.relaxation * delta);
       });
     }
     return {settings_.iterations, ends_within_tolerance(settings_, problem)};
@@ -27,7 +40,7 @@ class Jacobi : public DensityMethod<T> {
 
  private:
   DensitySettings settings_;
-  Real longest_;
+  Real largest_;
 };
 
 // Chebyshev semi-iteration. Wang combines positions; here the multipliers are combined,
@@ -38,7 +51,8 @@ class Jacobi : public DensityMethod<T> {
 template <class T>
 class Chebyshev : public DensityMethod<T> {
  public:
-  Chebyshev(const DensitySettings& settings, Real h) : settings_(settings), longest_(settings.max_shift * h) {}
+  Chebyshev(const DensitySettings& settings, const DensityModel& model)
+      : settings_(settings), largest_(largest_multiplier(settings, model)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     step_.assign(problem.density().size(), T{0});
@@ -48,14 +62,13 @@ class Chebyshev : public DensityMethod<T> {
       weight = k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
       problem.compute_lambda([&](std::size_t i, Real lambda) {
         const Real memory = lambda * static_cast<Real>(step_[i]) > 0 ? (weight - 1) * static_cast<Real>(step_[i]) : 0;
-        step_[i] = static_cast<T>(weight * settings_.relaxation * lambda + memory);
+        step_[i] = static_cast<T>(std::max(weight * settings_.relaxation * lambda + memory, -largest_));
         return static_cast<Real>(step_[i]);
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();
-      problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) {
-        return problem.walls().collide(p, capped(delta, longest_));
-      });
+      if (k == 0) problem.separate_coincident();
+      problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) { return problem.walls().collide(p, delta); });
     }
     return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }
@@ -63,7 +76,7 @@ class Chebyshev : public DensityMethod<T> {
 
  private:
   DensitySettings settings_;
-  Real longest_;
+  Real largest_;
   std::vector<T> step_;  // m², of the owned particles
 };
 
@@ -92,11 +105,11 @@ template <class T>
 std::unique_ptr<DensityMethod<T>> make_fine(const DensitySettings& settings, const MethodContext& context) {
   switch (settings.method) {
     case Method::chebyshev:
-      return std::make_unique<Chebyshev<T>>(settings, context.model.h);
+      return std::make_unique<Chebyshev<T>>(settings, context.model);
     case Method::anderson:
       return std::make_unique<Anderson<T>>(context.comm, settings, context.model.h);
     default:
-      return std::make_unique<Jacobi<T>>(settings, context.model.h);
+      return std::make_unique<Jacobi<T>>(settings, context.model);
   }
 }
 
@@ -106,6 +119,8 @@ bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >
 
 template <class T>
 std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context) {
+  if (settings.coarse_grid && context.gravity.isZero())
+    return std::make_unique<FreeFlight<T>>(context, make_fine<T>(settings, context));
   if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
   DensitySettings rest = settings;
   rest.iterations = std::max(1, rest.iterations - 1);  // the coarse grid alone leaves noise that feeds on itself

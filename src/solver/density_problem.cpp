@@ -70,13 +70,13 @@ void DensityProblem<T>::compute_delta() {
 template <class T>
 void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
   coarse.displacements<T>(near_.order(), near_.halo(), dt_, particles_->position, particles_->predicted, delta_);
-  if (near_.list().crowded() < 0) separate_coincident();  // of a crowd it would look at each pair
 }
 
 // Opposite shifts for the two, so that the momentum stays. Coincident particles share a cell, but for rounding; the
 // sweeps that follow push them apart as soon as they have a direction.
 template <class T>
 void DensityProblem<T>::separate_coincident() {
+  if (near_.list().crowded() >= 0) return;  // of a crowd it would look at each pair
   const std::vector<Vec3>& p = particles_->predicted;
   const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
   const auto part = [&](std::size_t i, std::size_t j) {

@@ -28,7 +28,7 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "density.iterations=4",
           "density.spectral_radius=0.95",
           "density.coarse_grid=true",
-          "density.max_shift=0.2",
+          "density.max_shift=0.1",
           "density.epsilon=1",
           fmt::format("density.relaxation={}", scene.density.relaxation),
           "density.constraint='inequality'",

@@ -39,7 +39,7 @@ struct DensitySettings {
   Real relaxation = 0.7;          ///< default: a share of what the kernel allows (lattice_jacobi_eigenvalue)
   Real spectral_radius = 0.95;    ///< chebyshev: assumed of the relaxed Jacobi iteration
   bool coarse_grid = true;        ///< the smooth part of the correction from the cell grid
-  Real max_shift = 0.2;           ///< cap on a particle's shift in a sweep, in units of h; 0: none
+  Real max_shift = 0.1;           ///< cap on what a pair is pushed apart in a sweep, in units of h; 0: none
   Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;

@@ -4,8 +4,8 @@
 //   jacobi     p* += relaxation · delta (report, Algorithm 1; relaxation 1 there)
 //   chebyshev  the same accelerated by Chebyshev weights (Wang 2015), kept on the multipliers
 //   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options reach it)
-// With `coarse_grid` the first iteration of any of them is the coarse-grid correction, where gravity makes pressure over
-// longer ways: without it sweeps over pairs do as well, and keep momentum to rounding.
+// With `coarse_grid` the first iteration of any of them is the coarse-grid correction, where gravity makes pressure
+// over longer ways: without it sweeps over pairs do as well, and keep momentum to rounding.
 #pragma once
 
 #include <memory>

@@ -34,9 +34,10 @@ class DensityProblem {
   Compression compression() const;
   /// delta of all owned particles from the present lambda, m.
   void compute_delta();
-  /// The same array from the coarse grid: displacements that keep the volume over longer ways. Particles in one
-  /// place, which no gradient would ever part, get a small shift of their own, too.
+  /// The same array from the coarse grid: displacements that keep the volume over longer ways.
   void compute_coarse_delta(CoarseCorrection& coarse);
+  /// Adds to delta a small shift of particles in one place, which no gradient would ever part; opposite for the two.
+  void separate_coincident();
   template <class Visit>
   void for_each_delta(Visit&& visit) const {
     for (std::size_t i = 0; i < delta_.size(); ++i) visit(i, vector_of(delta_[i]));
@@ -61,7 +62,6 @@ class DensityProblem {
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
   void lambda_of(Range run);
   void count_pass(Range run, double flops_per_pair);
-  void separate_coincident();
 
   MPI_Comm comm_;
   Neighbourhood<T>& near_;

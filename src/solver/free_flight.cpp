@@ -1,0 +1,63 @@
+#include "solver/free_flight.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "trevi/parallel/reductions.hpp"
+
+namespace trevi {
+
+template <class T>
+FreeFlight<T>::FreeFlight(const MethodContext& context, std::unique_ptr<DensityMethod<T>> method)
+    : comm_(context.comm),
+      interior_{context.box.min.array() + 2 * context.model.h, context.box.max.array() - 2 * context.model.h},
+      method_(std::move(method)) {}
+
+template <class T>
+typename FreeFlight<T>::Sums FreeFlight<T>::sums_of(DensityProblem<T>& problem) const {
+  constexpr int columns = sizeof(Sums) / sizeof(Real);
+  const Particles& particles = problem.particles();
+  std::vector<Real> partial;
+  for (LocalId plane = 0; plane < problem.order().planes(); ++plane) {
+    Sums sums;
+    const auto [begin, end] = problem.order().owned_range(plane, plane + 1);
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      const Vec3 &x = particles.position[i], &p = particles.predicted[i];
+      sums.count += 1;
+      const bool free = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
+      sums.near_walls += free ? 0 : 1;
+      sums.x += x;
+      sums.moment += x.cross(p);
+      sums.xx += x * x.transpose();
+    }
+    const auto* first = reinterpret_cast<const Real*>(&sums);
+    partial.insert(partial.end(), first, first + columns);
+  }
+  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
+  Sums sums;
+  std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sums));
+  return sums;
+}
+
+template <class T>
+SolveResult FreeFlight<T>::solve(DensityProblem<T>& problem) {
+  const Sums before = sums_of(problem);
+  const SolveResult result = method_->solve(problem);
+  const Sums after = sums_of(problem);
+  if (before.near_walls + after.near_walls > 0 || before.count == 0) return result;
+  const Vec3 centre = before.x / before.count;
+  const Eigen::Matrix3d spread = before.xx - before.count * centre * centre.transpose();
+  const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
+  // A lone particle and a line have no inertia about some axis, and nothing that could turn about it.
+  const Real size = inertia.trace();
+  if (inertia.determinant() <= 1e-9 * size * size * size) return result;
+  const Vec3 turn = inertia.inverse() * (after.moment - before.moment);
+  const std::vector<Vec3>& x = problem.particles().position;
+  problem.move([&](std::size_t i, const Vec3& p, const Vec3&) { return Vec3(p - turn.cross(x[i] - centre)); });
+  return result;
+}
+
+template class FreeFlight<float>;
+template class FreeFlight<double>;
+
+}  // namespace trevi
