@@ -39,6 +39,7 @@ Real CoarseWater::Moments::at_face() const {
 CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing)
     : comm_(comm), grid_(comm, grid, box) {
   half_ = (0.5 * spacing * Vec3::Ones()).cwiseQuotient(grid_.size());
+  per_cube_ = (2 * half_).cwiseInverse();
   per_full_ = 8 * half_.prod();
   least_particles_ = static_cast<LocalId>(std::ceil(0.2 / per_full_));
 }
@@ -121,7 +122,7 @@ void CoarseWater::sum_cell(const CellParticles& cell, std::span<const Vec3> x, s
 
 Vec3 CoarseWater::surface_position(const Vec3& x, const Vec3& p) const {
   constexpr Real farthest = 0.25;
-  const Vec3 way = grid_.turned(p - x).cwiseQuotient(grid_.size());
+  const Vec3 way = grid_.way_in_cells(p - x);
   return grid_.in_cells(p) - way.cwiseMax(-farthest).cwiseMin(farthest);
 }
 
@@ -135,7 +136,7 @@ void CoarseWater::add_volume(LocalId k, const Vec3& mid, const Vec3& own) {
     const Real half = half_[b], m = std::clamp(mid[b], half, grid_.count(a) - half);
     const Real lowest = std::floor(m - half);
     first[a] = static_cast<LocalId>(lowest - own[b]);  // −1 or 0, or 1 where rounding has it so
-    share[a][1] = std::clamp((m + half - lowest - 1) / (2 * half), 0.0, 1.0);
+    share[a][1] = std::clamp((m + half - lowest - 1) * per_cube_[b], 0.0, 1.0);
     share[a][0] = 1 - share[a][1];
   }
   for (LocalId r = 0; r < 2; ++r) {

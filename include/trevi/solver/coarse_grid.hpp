@@ -65,6 +65,8 @@ class CoarseGrid {
     for (std::size_t a = 0; a < 3; ++a) result[axis_[a]] = v[static_cast<Eigen::Index>(a)];
     return result;
   }
+  /// A way in units of cells.
+  Vec3 way_in_cells(const Vec3& way) const { return turned(way).cwiseProduct(per_length_); }
   /// A position in units of cells, counted in the grid's directions from the corner of the box.
   Vec3 in_cells(const Vec3& p) const { return (turned(p) - origin_).cwiseProduct(per_length_); }
   /// Where in its cell a particle is, 0 at the lower face and 1 at the upper; what is on an upper wall is in the last.

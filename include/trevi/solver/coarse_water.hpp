@@ -77,7 +77,7 @@ class CoarseWater {
 
   MPI_Comm comm_;
   CoarseGrid grid_;
-  Vec3 half_;                // half a spacing in units of cells
+  Vec3 half_, per_cube_;     // half a spacing in units of cells; cubes in a cell's length
   Real per_full_;            // of a particle's volume, in a cell's
   LocalId least_particles_;  // of a cell that may hold water
   int depth_ = 0;
