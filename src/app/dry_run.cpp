@@ -9,6 +9,7 @@
 #include "trevi/app/envelope.hpp"
 #include "trevi/app/initial_particles.hpp"
 #include "trevi/fluid/velocity_filter.hpp"
+#include "trevi/solver/density_method.hpp"
 
 namespace trevi {
 
@@ -31,12 +32,23 @@ BytesEach bytes_each(const Scene& scene) {
   double ghost = quad;
   double cell = 2 * 4;  // counts and starts
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
-  if (scene.density.coarse_grid) cell += 4 * 8;
   if (scene.vorticity) owned += quad, ghost += quad;
   if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
     owned += quad, ghost += quad;  // velocities, which both use
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
   return {owned, ghost, cell};
+}
+
+// Of the coarse grid in a plane: its columns reach two cells above the water, as far as the scene tells.
+double coarse_bytes(const Scene& scene, const CellGrid& grid) {
+  if (!scene.density.coarse_grid || !is_downward(scene.gravity.value_or(Vec3::Zero()))) return 0;
+  constexpr double sums = 13 * 8, fields = 2 * 8 + 1 + 3 * 8, pressure = 7 * 8;
+  Real top = scene.domain_min.z();
+  for (const ParticleSource& source : scene.particles)
+    top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain_max.z());
+  const Real cell = (scene.domain_max.z() - scene.domain_min.z()) / grid.columns();
+  const Real columns = std::min<Real>(std::ceil((top - scene.domain_min.z()) / cell) + 2, grid.columns());
+  return (grid.rows() + 2.0) * (columns + 2.0) * (sums + fields + pressure);
 }
 
 // The fastest a particle may get: pumped, thrown, or fallen from the top of the water.
@@ -68,7 +80,8 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
     // The coarse grid has a ring of empty cells around each plane.
     const double cells = (grid.rows() + 2.0) * (grid.columns() + 2.0) * static_cast<double>(last - first + 2);
-    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell;
+    const double coarse = coarse_bytes(scene, grid) * static_cast<double>(last - first + 2);
+    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + coarse;
     text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
                         slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts,
                         owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
