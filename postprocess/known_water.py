@@ -114,6 +114,14 @@ def rest_figures(columns, water, seconds=5.0):
             "com_error": off / level, "com_error_spacings": off / water.spacing}
 
 
+def later_gain(columns, spacing=0.1, since=1.0):
+    """As energy_gain(), above the total energy at the time `since`, s, instead of the start. A disturbed lattice is
+    compressed here and there, which is energy that the sums do not know and that the first steps set free."""
+    start = sum(time < since for time in columns["time"])
+    later = {name: values[start:] for name, values in columns.items()}
+    return energy_gain(later, spacing) if later["time"] else math.nan
+
+
 def tilt_of(columns, water):
     """m, where the centre of mass is, against the tank's middle, along x or the diagonal."""
     x = np.array(columns["com_x"]) - water.length / 2
@@ -163,8 +171,10 @@ def momentum_figures(states):
 
 def figures_of(columns, states, water):
     """All figures that the water's kind has, by name."""
-    figures = {"energy_gain": energy_gain(columns, water.spacing), "compression_mean": mean(columns["compression_mean"][1:])}
+    figures = {"energy_gain": energy_gain(columns, water.spacing), "compression_start": columns["compression_max"][0],
+               "compression_mean": mean(columns["compression_mean"][1:])}
     if water.layers:
+        figures["later_gain"] = later_gain(columns, water.spacing)
         figures |= rest_figures(columns, water)
     else:
         figures |= momentum_figures(states)

@@ -15,7 +15,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 COLOURS = {1.5: "#CC79A7", 2: "#0072B2", 2.5: "#009E73", 3: "#E69F00", 4: "#D55E00"}  # by kernel radius over spacing
-STYLES = {"pools": "o-", "pools, disturbed": "x--", "wells": "s:"}
+STYLES = {"pools": "o-", "pools, disturbed": "x--", "wells": "s", "wells, disturbed": "D"}
 MARKERS = {1: "o", 0.5: "s", 0.25: "^"}  # by amplitude, spacings
 LEAST_MOTION, LEAST_GAIN, LEAST_OFF = 1e-8, 1e-5, 1e-2
 STANDARD = 60  # steps per second
@@ -56,7 +56,7 @@ def waves(panel, rows, figure, factor, marks, title):
     series(panel, others, "layers", figure, format="+", color="0.3", label="other tanks, time steps")
     for values in marks:
         panel.plot(*values, color="0.6", linewidth=4, alpha=0.5, zorder=0)
-    panel.set(xscale="log", xlabel="layers", title=title)
+    panel.set(xscale="log", xlim=(4, 50), xlabel="layers", title=title)
     panel.set_xticks([5, 10, 20, 40], ["5", "10", "20", "40"], minor=False)
     panel.set_xticks([], minor=True)
 
@@ -65,7 +65,7 @@ def depths(panel, rows, figure, least, mark, title):
     for group, style in STYLES.items():
         for ratio, colour in COLOURS.items():
             chosen = of(rows, group=group, ratio=ratio, steps_per_second=STANDARD)
-            series(panel, chosen, "layers", figure, least, format=style if group != "wells" else "s", color=colour,
+            series(panel, chosen, "layers", figure, least, format=style, color=colour,
                    label=f"{group}, h {ratio:g}")
     panel.axhline(mark, color="0.6", linewidth=4, alpha=0.5, zorder=0)
     panel.set(xscale="log", yscale="log", xlabel="layers", title=title)
@@ -75,7 +75,7 @@ def time_steps(panel, rows):
     colours = {5: "#D55E00", 9: "#E69F00", 10: "#0072B2"}
     for group in ("pools", "pools, disturbed"):
         for layers, colour in colours.items():
-            chosen = of(rows, group=group, ratio=2, layers=layers, length=1)
+            chosen = of(rows, group=group, ratio=2, layers=layers, length=1.0)
             series(panel, chosen, "steps_per_second", "kinetic_per_mass", LEAST_MOTION, format=STYLES[group], color=colour,
                    label=f"{group}, {layers} layers")
     panel.axhline(1e-3, color="0.6", linewidth=4, alpha=0.5, zorder=0)
@@ -91,8 +91,9 @@ def viscosity(panel, rows):
     series(panel, lossy, "nu", "loss_per_half", LEAST_MOTION, color="#D55E00", label="share of a wave lost per half-period")
     panel.axhline(1e-5, color="#0072B2", linewidth=4, alpha=0.3, zorder=0)
     panel.axhline(0.15, color="#D55E00", linewidth=4, alpha=0.3, zorder=0)
-    panel.set(yscale="log", xlabel="nu (m²/s)", title="10 layers with viscosity")
     panel.set_xscale("symlog", linthresh=3e-4)
+    panel.set(yscale="log", xlim=(-5e-5, 2e-2), xlabel="nu (m²/s)", title="10 layers with viscosity")
+    panel.set_xticks([0, 1e-3, 1e-2], ["0", "0.001", "0.01"])
 
 
 def legend(panel, columns):
@@ -108,7 +109,7 @@ def draw(rows, path):
     waves(loss, rows, "loss_per_half", 100, [((10, 40, 40, 50), (10, 10, 5, 5))], "lost per half-period (%)")
     waves(left, rows, "tilt_left", 100, [((4, 50), (2, 2))], "tilt left standing (% of the first swing)")
     depths(rest, rows, "kinetic_per_mass", LEAST_MOTION, 1e-3, "motion at rest, KE/m (m²/s²)")
-    depths(gain, rows, "energy_gain", LEAST_GAIN, 1e-3, "energy gain (share)")
+    depths(gain, rows, "energy_gain", LEAST_GAIN, 1e-3, "energy gain from the start (share)")
     depths(off, rows, "com_error_spacings", LEAST_OFF, 0.1, "centre of mass off (spacings)")
     time_steps(steps, rows)
     viscosity(calm, rows)
