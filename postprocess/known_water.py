@@ -14,6 +14,9 @@ import numpy as np
 from study import GRAVITY, STRESS, energy_gain, mass_of, mean
 
 
+STATES = ["output.checkpoint={every=0.1,keep=1000}"]  # the setting that keeps what momentum_figures() reads
+
+
 class Water(NamedTuple):
     scene: str
     settings: list
@@ -81,8 +84,7 @@ def wave(tank, amplitude, diagonal=False):
 
 
 def in_the_air(ratio, steps_per_second):
-    return [f"fluid.kernel_radius={ratio * 0.1:g}", f"time.dt={1 / steps_per_second!r}",
-            "output.checkpoint={every=0.1,keep=1000}"]
+    return [f"fluid.kernel_radius={ratio * 0.1:g}", f"time.dt={1 / steps_per_second!r}"]
 
 
 def jets(ratio=2, steps_per_second=60):

@@ -12,8 +12,8 @@ layers, 5 % from 40; mean tilt over the last two periods below 2 % of the first 
 the last 5 s at most 1e-3 m²/s², and at 1/480 s at most 1.5 times that at 1/60 s. Both: centre of mass within 0.5 % or
 0.1 spacings, total energy never above its start by more than 0.1 % of max(E0, m g h N). Wells: energy within 0.2 %,
 centre of mass within 1 %. A disturbed lattice starts compressed, which its first steps turn into motion: its energy is
-judged against that at 1 s (later_gain), and energy_gain tells the rest. Momentum within 1e-6 of sum |m v|, angular momentum of sum |m r||v|. Viscosity: 1e-5 m²/s²,
-15 % lost. A free wave of little loss still sways at the end: wave_left is that, tilt_left what does not swing back.
+judged against that at 1 s (later_gain), and energy_gain tells the rest. Momentum within 1e-6 of sum |m v|, angular
+momentum of sum |m r||v|. Viscosity: 1e-5 m²/s², 15 % lost. A free wave of little loss still sways at the end: wave_left is that, tilt_left what does not swing back.
 The rows go to a CSV file; plot_water.py draws them.
 """
 
@@ -21,9 +21,10 @@ import math
 import sys
 from typing import NamedTuple
 
-from known_water import Tank, Water, figures_of, jets, pool, turning_ball, wave
+from known_water import STATES, Tank, Water, figures_of, jets, pool, turning_ball, wave
 from study import parser_of, simulate_states, two_at_a_time, write_table
 
+PARAMETERS = ("layers", "length", "ratio", "steps_per_second", "amplitude", "nu")
 FIGURES = ("period_ratio", "loss_per_half", "wave_left", "tilt_left", "kinetic_per_mass", "kinetic_over_60",
            "com_error", "com_error_spacings", "energy_gain", "later_gain", "momentum_error", "angular_error",
            "compression_start", "compression_mean")
@@ -116,7 +117,7 @@ def in_the_air():
     for make, name in ((jets, "two jets"), (turning_ball, "turning ball")):
         for ratio, rate in ((2, 60), (2, 240), (2, 960), (2.5, 60), (3, 60)):
             parameters = {"layers": 0, "ratio": ratio, "steps_per_second": rate}
-            yield Case("momentum", f"{name}, h {ratio}, 1/{rate} s", make(ratio, rate), AIR_MARKS, parameters)
+            yield Case("momentum", f"{name}, h {ratio}, 1/{rate} s", make(ratio, rate), AIR_MARKS, parameters, tuple(STATES))
 
 
 def viscous():
@@ -137,7 +138,7 @@ def all_cases():
 
 def row_of(case, columns, states, code, message):
     row = {"group": case.group, "name": case.name, "verdict": "fail", "failed": "run"}
-    row |= {name: case.parameters.get(name, "") for name in ("layers", "length", "ratio", "steps_per_second", "amplitude", "nu")}
+    row |= {name: case.parameters.get(name, "") for name in PARAMETERS}
     row |= dict.fromkeys(FIGURES, "")
     row |= {"settings": " ".join([*case.water.settings, *case.settings]), "wall_seconds": "",
             "message": message.splitlines()[-1][:200] if code != 0 and message else ""}
