@@ -95,7 +95,8 @@ def main():
         axis.set_axis_off()
     for axis, (scene, column, exact, title, least) in zip(axes.flat, panels):
         draw(axis, errors([row for row in rows if row["scene"] == scene], column, exact, least), title)
-    figure.supxlabel("run time (s)")
+    for axis in axes[-1]:
+        axis.set_xlabel("run time (s)")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncol=9, frameon=False)
     figure.get_layout_engine().set(rect=(0, 0.5 / size[1], 1, 1 - 0.5 / size[1]))
     figure.savefig(arguments.output, dpi=110)
