@@ -141,19 +141,31 @@ def zeros_of(time, tilt, half_period):
     return zeros
 
 
+def end_of(time, tilt, half_period):
+    """Mean and amplitude of the last two periods, by least squares: a constant and a wave that grows or fades evenly.
+    (The plain mean of a fading wave is not zero.)"""
+    chosen = time > time[-1] - 4 * half_period
+    since = time[chosen] - time[chosen].mean()
+    cosine, sine = np.cos(math.pi * since / half_period), np.sin(math.pi * since / half_period)
+    terms = np.stack([np.ones_like(since), cosine, sine, since * cosine, since * sine], axis=1)
+    mean_tilt, a, b, *_ = np.linalg.lstsq(terms, tilt[chosen], rcond=None)[0]
+    return mean_tilt, math.hypot(a, b)
+
+
 def wave_figures(columns, water, halves=6):
-    """Mean of the first half-periods over linear theory's, share lost in each of them, share of the first swing that is
-    left in the last two periods, and the mean tilt of those as a share of it: what stands and does not swing back."""
+    """Mean of the first half-periods over linear theory's, share lost in each of them, and as shares of the first swing
+    what is left of the wave in the last two periods and about which tilt it swings there: what stands for good."""
     time, tilt = np.array(columns["time"]), tilt_of(columns, water)
     zeros = zeros_of(time, tilt, water.half_period)[:halves + 1]
     figures = dict.fromkeys(("period_ratio", "loss_per_half", "wave_left", "tilt_left"), math.nan)
     if len(zeros) < 3:
         return figures
     swings = [np.abs(tilt[(time >= a) & (time <= b)]).max() for a, b in zip(zeros, zeros[1:])]
-    end = tilt[time > time[-1] - 4 * water.half_period]
-    return {"period_ratio": zeros[-1] / (len(zeros) - 1) / water.half_period,
-            "loss_per_half": 1 - (swings[-1] / swings[0]) ** (1 / (len(swings) - 1)),
-            "wave_left": np.abs(end - end.mean()).max() / swings[0], "tilt_left": abs(end.mean()) / swings[0]}
+    half_period = zeros[-1] / (len(zeros) - 1)
+    standing, left = end_of(time, tilt, half_period)
+    each = np.exp(np.polyfit(np.arange(len(swings)), np.log(swings), 1)[0])
+    return {"period_ratio": half_period / water.half_period, "loss_per_half": 1 - each, "wave_left": left / swings[0],
+            "tilt_left": abs(standing) / swings[0]}
 
 
 def momentum_figures(states):

@@ -45,7 +45,8 @@ def of(rows, **wanted):
     return [row for row in rows if all(row[name] == value for name, value in wanted.items())]
 
 
-def waves(panel, rows, figure, factor, marks, title):
+def waves(panel, rows, figure, title, marks):
+    factor = 1 if figure == "period_ratio" else 100  # the others in %
     rows = [row | {figure: factor * row[figure]} for row in of(rows, group="waves") if isinstance(row[figure], float)]
     plain = [row for row in of(rows, steps_per_second=STANDARD, length=4)]
     for ratio, colour in COLOURS.items():
@@ -61,7 +62,9 @@ def waves(panel, rows, figure, factor, marks, title):
     panel.set_xticks([], minor=True)
 
 
-def depths(panel, rows, figure, least, mark, title):
+def depths(panel, rows, figure, title, bounds):
+    """bounds: the least figure drawn, and the mark."""
+    least, mark = bounds
     for group, style in STYLES.items():
         for ratio, colour in COLOURS.items():
             chosen = of(rows, group=group, ratio=ratio, steps_per_second=STANDARD)
@@ -105,12 +108,12 @@ def draw(rows, path):
     plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
     figure, panels = plt.subplots(2, 4, figsize=(17, 8), layout="constrained")
     (period, loss, left, rest), (steps, off, gain, calm) = panels
-    waves(period, rows, "period_ratio", 1, [((4, 50), (0.98, 0.98)), ((4, 50), (1.02, 1.02))], "half-period / linear theory")
-    waves(loss, rows, "loss_per_half", 100, [((10, 40, 40, 50), (10, 10, 5, 5))], "lost per half-period (%)")
-    waves(left, rows, "tilt_left", 100, [((4, 50), (2, 2))], "tilt left standing (% of the first swing)")
-    depths(rest, rows, "kinetic_per_mass", LEAST_MOTION, 1e-3, "motion at rest, KE/m (m²/s²)")
-    depths(gain, rows, "energy_gain", LEAST_GAIN, 1e-3, "energy gain from the start (share)")
-    depths(off, rows, "com_error_spacings", LEAST_OFF, 0.1, "centre of mass off (spacings)")
+    waves(period, rows, "period_ratio", "half-period / linear theory", [((4, 50), (0.98, 0.98)), ((4, 50), (1.02, 1.02))])
+    waves(loss, rows, "loss_per_half", "lost per half-period (%)", [((10, 40, 40, 50), (10, 10, 5, 5))])
+    waves(left, rows, "tilt_left", "tilt left standing (% of the first swing)", [((4, 50), (2, 2))])
+    depths(rest, rows, "kinetic_per_mass", "motion at rest, KE/m (m²/s²)", (LEAST_MOTION, 1e-3))
+    depths(gain, rows, "energy_gain", "energy gain from the start (share)", (LEAST_GAIN, 1e-3))
+    depths(off, rows, "com_error_spacings", "centre of mass off (spacings)", (LEAST_OFF, 0.1))
     time_steps(steps, rows)
     viscosity(calm, rows)
     for panel in panels.flat:

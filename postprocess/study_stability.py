@@ -136,7 +136,7 @@ def numbers():
         yield column("iterations, pool", f"{iterations}", 10, settings=[f"density.iterations={iterations}"])
     yield column("epsilon 0", "column", settings=["density.epsilon=0.0"])
     yield cube("epsilon 0", "cube", settings=["density.epsilon=0.0"])
-    yield few("ε = 0, one", "[0.4,0.4,1.0]", "[0.5,0.5,1.1]", ["density.epsilon=0.0"])._replace(group="epsilon 0", name="one")
+    yield few("one", "[0.4,0.4,1.0]", "[0.5,0.5,1.1]", ["density.epsilon=0.0"])._replace(group="epsilon 0")
     for ratio in (1.5, 1.8, 2.0, 2.5, 3.0):
         yield column("h/s", f"{ratio}", settings=[f"fluid.kernel_radius={ratio * 0.1:g}"])
 

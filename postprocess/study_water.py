@@ -8,13 +8,13 @@ momentum   jets that collide and a ball that turns, without gravity
 viscosity  what [viscosity] nu does to a disturbed pool and to a wave; names the least that calms without damping
 
 Marks: waves: first half-periods within 2 % of omega² = g k tanh(k d) in the mean; at most 10 % lost in each from 10
-layers, 5 % from 40; mean tilt over the last two periods below 2 % of the first swing. Pools: kinetic energy per mass of
-the last 5 s at most 1e-3 m²/s², and at 1/480 s at most 1.5 times that at 1/60 s (or 1e-4, if that is more). Both:
-centre of mass within 0.5 % or 0.1 spacings, total energy never above its start by more than 0.1 % of max(E0, m g h N).
-Wells: energy within 0.2 %, centre of mass within 1 %. A disturbed lattice starts compressed, which its first steps turn
-into motion: its energy is judged against that at 1 s (later_gain), and energy_gain tells the rest. Momentum within 1e-6
-of sum |m v|, angular momentum of sum |m r||v|. Viscosity: 1e-5 m²/s², 15 % lost. A free wave of little loss still sways
-at the end: wave_left is that, tilt_left what does not swing back.
+layers, 5 % from 40; the tilt about which it swings in the last two periods below 2 % of the first swing. Pools: kinetic
+energy per mass of the last 5 s at most 1e-3 m²/s², and at 1/480 s at most 1.5 times that at 1/60 s (or 1e-4, if that is
+more). Both: centre of mass within 0.5 % or 0.1 spacings, total energy never above its start by more than 0.1 % of
+max(E0, m g h N). Wells: energy within 0.2 %, centre of mass within 1 %. A disturbed lattice starts compressed, which
+its first steps turn into motion: its energy is judged against that at 1 s (later_gain), and energy_gain tells the rest.
+Momentum within 1e-6 of sum |m v|, angular momentum of sum |m r||v|. Viscosity: 1e-5 m²/s², 15 % lost. A free wave of
+little loss still sways at the end: wave_left is that, tilt_left what does not swing back.
 The rows go to a CSV file; plot_water.py draws them.
 """
 
