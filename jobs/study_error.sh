@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # usage: jobs/study_error.sh [more arguments of postprocess/study_error.py]
 #
-# Error against run time of all density methods: some 15 minutes on one core, which should have nothing else to do.
+# Errors against run time of all density methods: some 8 minutes on one core, which should have nothing else to do.
 # Writes postprocess/results/error_against_run_time.csv and its drawing.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh

@@ -4,6 +4,7 @@
 import argparse
 import csv
 import sys
+from collections import Counter
 from pathlib import Path
 
 import matplotlib
@@ -15,7 +16,7 @@ from matplotlib.patches import Patch, Rectangle  # noqa: E402
 COLOURS = {"stable": "#7FBF7B", "dissipative": "#F0E442", "energy gain": "#E69F00", "blow-up": "#C0392B",
            "refused": "#BBBBBB"}
 
-TITLES = {"report": "the report's preset", "default": "default", "spiky": "fluid.density_kernel = \"spiky\""}
+TITLES = {"report": "the report's preset", "default": "default", "poly6": "fluid.density_kernel = \"poly6\""}
 
 
 def read(path):
@@ -23,16 +24,21 @@ def read(path):
         return list(csv.DictReader(stream))
 
 
-def draw(panel, rows, groups):
+def draw(panel, rows, groups, widest):
     for y, group in enumerate(groups):
         for x, row in enumerate(row for row in rows if row["group"] == group):
             panel.add_patch(Rectangle((x, y), 0.96, 0.9, color=COLOURS[row["verdict"]]))
-            panel.text(x + 0.48, y + 0.45, row["case"], ha="center", va="center", fontsize=7)
-    panel.set(xlim=(0, 7), ylim=(len(groups), 0), xticks=[])
+            panel.text(x + 0.48, y + 0.47, row["case"], ha="center", va="center", fontsize=6.5)
+    panel.set(xlim=(0, widest), ylim=(len(groups), 0), xticks=[])
     panel.set_yticks([y + 0.45 for y in range(len(groups))], groups)
     for side in panel.spines.values():
         side.set_visible(False)
     panel.tick_params(length=0)
+
+
+def most_cases(rows):
+    """In a group, of one preset."""
+    return max(Counter((row["group"], row["preset"]) for row in rows).values())
 
 
 def main():
@@ -42,13 +48,15 @@ def main():
     arguments = parser.parse_args()
     rows = read(arguments.rows)
     groups = list(dict.fromkeys(row["group"] for row in rows))
-    figure, panels = plt.subplots(1, len(TITLES), figsize=(15, 6.4), sharey=True, layout="constrained")
+    widest = most_cases(rows)
+    size = (2.2 + len(TITLES) * 0.62 * widest, 1 + 0.26 * len(groups))
+    figure, panels = plt.subplots(1, len(TITLES), figsize=size, sharey=True, layout="constrained")
     for panel, (preset, title) in zip(panels, TITLES.items()):
-        draw(panel, [row for row in rows if row["preset"] == preset], groups)
+        draw(panel, [row for row in rows if row["preset"] == preset], groups, widest)
         panel.set_title(title)
     figure.legend(handles=[Patch(color=colour, label=name) for name, colour in COLOURS.items()],
                   loc="lower center", ncol=5, frameon=False)
-    figure.get_layout_engine().set(rect=(0, 0.06, 1, 1 - 0.06))
+    figure.get_layout_engine().set(rect=(0, 0.4 / size[1], 1, 1 - 0.4 / size[1]))
     figure.savefig(arguments.output, dpi=110)
     print(arguments.output)
     return 0
