@@ -4,9 +4,11 @@ namespace trevi {
 
 namespace {
 
-// A cell at the surface counts as wet from 0.6 of its volume on: then at least a tenth of a cell of water stands above
-// its middle, where its pressure is. Below the surface cells of disordered water may hold as little as a third.
-constexpr Real wet_fill = 0.6, submerged_fill = 0.3;
+// A cell at the surface counts as wet from this share of its volume on: then a twelfth of a cell of water at least
+// stands above its middle, where its pressure is. Not 0.6, which the top layer of a lattice fills at h = 2.5 spacings:
+// rounding would have its cells wet here and dry there, and a pool at rest moves at 0.1 m/s. Below the surface cells of
+// disordered water may hold as little as a third.
+constexpr Real wet_fill = 0.585, submerged_fill = 0.3;
 // Keeps the regression line of a face from following noise, in cells²; a one-sided face has a variance of 0.05.
 constexpr Real regression_damping = 0.1;
 

@@ -144,7 +144,7 @@ class ReferenceCoarse {
     for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
-      (*wet_)[c] = (*fill_)[c] >= 0.6 || submerged;
+      (*wet_)[c] = (*fill_)[c] >= 0.585 || submerged;
     });
     // Water under the ceiling has no surface.
     for_each_cell([&](const Cell& c) {
