@@ -185,7 +185,9 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = false;
     } else if (is_top(at)) {
-      height_[at] = fill_[at] + fill_[at + 1] + (standing ? excess : 0);
+      // A splash that is mostly air has less volume than its column has cells, and a height below 0 would be a negative
+      // area of the faces at the side, of which the sweeps for the pressure run away.
+      height_[at] = std::max(fill_[at] + fill_[at + 1] + (standing ? excess : 0), 0.5 + least_height);
     } else {
       excess += fill_[at] - 1;
     }

@@ -151,7 +151,7 @@ class ReferenceCoarse {
       if (c.z() + 1 == count_.z()) (*wet_)[c + unit(2)] = (*wet_)[c];
     });
     for_each_cell([&](const Cell& c) {
-      if (is_top(c)) (*height_)[c] = height_of_top(c);
+      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.55);
     });
     find_depth();
   }
@@ -167,7 +167,7 @@ class ReferenceCoarse {
     }
     return own + excess;
   }
-  Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
+  Real above_middle(const Cell& c) const { return (*height_)[c] - 0.5; }
 
   // Cells above one another that hold a fifth of what fills them; fills are not known yet when the solver counts them.
   void find_depth() {

@@ -156,6 +156,29 @@ TEST(Reference, DefaultStep) {
   expect_reference_of_pool({}, 0.05, 0.3);
 }
 
+/// Water of the given density in layers of the given shares of the box's height.
+Cloud layered(const Scene& scene, const std::vector<std::pair<Real, Real>>& layers, int count) {
+  const Cloud all = random_cloud(count, box_of(scene), 0.3, 0.06);
+  Cloud some;
+  for (std::size_t k = 0; k < all.id.size(); ++k) {
+    const Real z = (all.position[k].z() - scene.domain_min.z()) / (scene.domain_max.z() - scene.domain_min.z());
+    for (const auto& [low, high] : layers)
+      if (z >= low && z < high) some.add(all.id[k], all.position[k], all.velocity[k]);
+  }
+  return some;
+}
+
+// A slab of water above the pool, with nothing in between; and a column of thin spray from the floor on.
+TEST(Reference, DefaultStepOfWaterInTheAir) {
+  const Scene scene = scene_with(default_scene, {"domain.max=[1.2, 1.25, 1.6]"});
+  for (const Cloud& cloud : {layered(scene, {{0, 0.2}, {0.5, 0.75}}, 2200), layered(scene, {{0, 0.8}}, 900)}) {
+    for (const Deviation& d : deviations(scene, cloud)) {
+      EXPECT_LT(d.position, 1e-11);
+      EXPECT_LT(d.velocity, 1e-9);
+    }
+  }
+}
+
 TEST(Reference, DefaultStepWithWiderKernelsAndEitherKernel) {
   expect_reference_of_pool({"fluid.kernel_radius=0.25"});
   expect_reference_of_pool({"fluid.kernel_radius=0.187", "fluid.density_kernel='poly6'"});
