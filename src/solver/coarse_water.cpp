@@ -4,10 +4,11 @@ namespace trevi {
 
 namespace {
 
-// A cell at the surface counts as wet from 0.6 of its volume on: then at least a tenth of a cell of water stands above
-// its middle, where its pressure is. Below the surface cells of disordered water may hold as little as a third, and on
-// the floor a sheet of one layer shall be carried, too.
-constexpr Real wet_fill = 0.6, submerged_fill = 0.3;
+// A cell at the surface counts as wet from this share of its volume on: then a twelfth of a cell of water at least
+// stands above its middle, where its pressure is. Not 0.6, which the top layer of a lattice fills at h = 2.5 spacings:
+// rounding would have its cells wet here and dry there, and a pool at rest moves at 0.1 m/s. Below the surface cells of
+// disordered water may hold as little as a third, and on the floor a sheet of one layer shall be carried, too.
+constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
 // Volume that the rest of a column may give to its top or take from it, in cells. Torn water has far less than full
 // cells; without a bound its surface would lie below its top cell.
 constexpr Real most_excess = 0.25;
@@ -169,7 +170,7 @@ void CoarseWater::find_surface() {
         const std::size_t at = grid_.index(k, r, c);
         const bool submerged =
             c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-        const bool on_floor = c == 0 && fill_[at] >= submerged_fill;
+        const bool on_floor = c == 0 && fill_[at] >= floor_fill;
         wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
       }
       // Water under the ceiling has no surface.
@@ -189,8 +190,14 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = false;
     } else if (is_top(at)) {
+<<<<<<< HEAD
       const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
-      height_[at] = std::max(fill_[at] + fill_[at + 1] + more, submerged_fill);
+      height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
+=======
+      // A splash that is mostly air has less volume than its column has cells, and a height below 0 would be a negative
+      // area of the faces at the side, of which the sweeps for the pressure run away.
+      height_[at] = std::max(fill_[at] + fill_[at + 1] + (standing ? excess : 0), 0.5 + least_height);
+>>>>>>> reference
     } else {
       excess += fill_[at] - 1;
     }

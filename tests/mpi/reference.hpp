@@ -1,6 +1,7 @@
 // The method by brute force in double precision, O(n²), one rank, no cells: Algorithm 1 of the report with the exact
-// definitions of the user's contract. Written from those texts alone and shares no numerical code with the solver,
-// except for the uniform random numbers of the fountain. Not collective.
+// definitions of the user's contract, the walls' share of density (reference_walls.hpp), the coarse-grid correction
+// (reference_coarse.hpp), the Chebyshev weights and the cap on shifts. Written from those texts alone and shares no
+// numerical code with the solver, except for the uniform random numbers of the fountain. Not collective.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -8,13 +9,20 @@
 #include <numbers>
 
 #include "cloud.hpp"
+#include "reference_coarse.hpp"
+#include "reference_walls.hpp"
 #include "trevi/fluid/forcing.hpp"
 
 namespace trevi::test {
 
 class Reference {
  public:
-  Reference(const Scene& scene, const Cloud& cloud) : s_(scene), cloud_(sorted_by_id(cloud)) {
+  Reference(const Scene& scene, const Cloud& cloud)
+      : s_(scene),
+        cloud_(sorted_by_id(cloud)),
+        density_kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
+        walls_(scene),
+        coarse_(scene) {
     const Real ratio = scene.fluid.spacing / 0.1;
     epsilon_ = scene.density.epsilon / (ratio * ratio);
     if (scene.tensile) k_ = scene.tensile->k * ratio * ratio;
@@ -37,13 +45,12 @@ class Reference {
 
   std::size_t size() const { return cloud_.id.size(); }
   Real h() const { return s_.fluid.kernel_radius; }
-  Real poly6(Real r) const {
-    return r < h() ? 315 / (64 * std::numbers::pi * std::pow(h(), 9)) * std::pow(h() * h() - r * r, 3) : 0;
-  }
-  /// The kernel of the density.
-  Real density_kernel(Real r) const {
-    if (s_.fluid.density_kernel == Kernel::poly6) return poly6(r);
-    return r < h() ? 15 / (std::numbers::pi * std::pow(h(), 6)) * std::pow(h() - r, 3) : 0;
+  Real poly6(Real r) const { return reference_poly6(r, h()); }
+  bool has_walls() const { return s_.walls.density == WallDensity::analytic; }
+  /// The coarse grid serves where gravity is more downward than sideways.
+  bool is_coarse() const {
+    if (!s_.density.coarse_grid || !s_.gravity) return false;
+    return s_.gravity->z() < 0 && -s_.gravity->z() >= std::hypot(s_.gravity->x(), s_.gravity->y());
   }
   /// ∇W of Spiky with respect to the first particle of the pair.
   Vec3 spiky(const Vec3& r) const {
@@ -59,7 +66,7 @@ class Reference {
     for (int x = -reach; x <= reach; ++x)
       for (int y = -reach; y <= reach; ++y)
         for (int z = -reach; z <= reach; ++z)
-          sum += density_kernel(s_.fluid.spacing * std::sqrt(x * x + y * y + z * z));
+          sum += density_kernel_(s_.fluid.spacing * std::sqrt(x * x + y * y + z * z));
     return mass_ * sum;
   }
 
@@ -68,7 +75,14 @@ class Reference {
     p_.resize(size());
     for (std::size_t i = 0; i < size(); ++i) p_[i] = fly(cloud_.position[i], cloud_.velocity[i], dt_);
     find_neighbours();
-    for (int k = 0; k < s_.density.iterations; ++k) iterate();
+    int sweeps = s_.density.iterations;
+    if (is_coarse()) {
+      const Vectors u = coarse_.displacements(cloud_.position, p_, dt_);
+      for (std::size_t i = 0; i < size(); ++i) p_[i] = shifted(p_[i], u[i]);
+      sweeps = std::max(1, sweeps - 1);
+    }
+    step_.assign(size(), 0);
+    for (int k = 0; k < sweeps; ++k) iterate(k);
     for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] = (p_[i] - cloud_.position[i]) / dt_;
     if (s_.vorticity) confine_vorticity();
     if (s_.viscosity) smooth();
@@ -138,15 +152,17 @@ class Reference {
   void find_densities() {
     rho_.assign(size(), 0);
     for (std::size_t i = 0; i < size(); ++i) {
-      rho_[i] = mass_ * density_kernel(0);
-      for (const std::size_t j : near_[i]) rho_[i] += mass_ * density_kernel((p_[i] - p_[j]).norm());
+      rho_[i] = mass_ * density_kernel_(0);
+      for (const std::size_t j : near_[i]) rho_[i] += mass_ * density_kernel_((p_[i] - p_[j]).norm());
+      if (has_walls()) rho_[i] += s_.fluid.rest_density * walls_.at(p_[i]).density;
     }
   }
 
   Real lambda_of(std::size_t i) const {
     Real c = rho_[i] / s_.fluid.rest_density - 1;
     if (s_.density.constraint == Constraint::inequality) c = std::max(c, 0.0);
-    Vec3 own = Vec3::Zero();
+    if (c == 0) return 0;
+    Vec3 own = has_walls() ? walls_.at(p_[i]).gradient : Vec3::Zero();
     Real sum = 0;
     for (const std::size_t j : near_[i]) {
       const Vec3 gradient = mass_ / s_.fluid.rest_density * spiky(p_[i] - p_[j]);
@@ -156,11 +172,24 @@ class Reference {
     return -c / (own.squaredNorm() + sum + epsilon_);
   }
 
-  /// One Jacobi iteration: all from the old p*.
-  void iterate() {
+  /// What a sweep moves along: of Chebyshev the multipliers with a memory of the last step, which a particle drops
+  /// whose multiplier opposes it.
+  void find_steps(int sweep) {
+    const bool chebyshev = s_.density.method == Method::chebyshev;
+    const Real r2 = std::pow(s_.density.spectral_radius, 2);
+    weight_ = sweep == 0 || !chebyshev ? 1 : sweep == 1 ? 1 / (1 - r2 / 2) : 1 / (1 - r2 * weight_ / 4);
+    for (std::size_t i = 0; i < size(); ++i) {
+      const Real lambda = lambda_of(i);
+      const Real memory = lambda * step_[i] > 0 ? (weight_ - 1) * step_[i] : 0;
+      step_[i] = weight_ * s_.density.relaxation * lambda + memory;
+    }
+  }
+
+  /// One iteration: all from the old p*. The relaxation is in the steps, but not in s_corr, which jacobi relaxes too.
+  void iterate(int sweep) {
     find_densities();
-    std::vector<Real> lambda(size());
-    for (std::size_t i = 0; i < size(); ++i) lambda[i] = lambda_of(i);
+    find_steps(sweep);
+    const Real share = s_.density.method == Method::chebyshev ? 1 : s_.density.relaxation;
     Vectors moved(size());
     for (std::size_t i = 0; i < size(); ++i) {
       Vec3 delta = Vec3::Zero();
@@ -168,9 +197,12 @@ class Reference {
         const Vec3 r = p_[i] - p_[j];
         const Real s_corr =
             s_.tensile ? -k_ * std::pow(poly6(r.norm()) / poly6(s_.tensile->dq * h()), s_.tensile->n) : 0;
-        delta += (lambda[i] + lambda[j] + s_corr) * spiky(r);
+        delta += mass_ / s_.fluid.rest_density * (step_[i] + step_[j] + share * s_corr) * spiky(r);
       }
-      moved[i] = shifted(p_[i], s_.density.relaxation * mass_ / s_.fluid.rest_density * delta);
+      if (has_walls()) delta += step_[i] * walls_.at(p_[i]).gradient;
+      const Real longest = s_.density.max_shift * h();
+      if (longest > 0 && delta.norm() > longest) delta *= longest / delta.norm();
+      moved[i] = shifted(p_[i], delta);
     }
     p_ = moved;
   }
@@ -196,11 +228,14 @@ class Reference {
 
   Scene s_;
   Cloud cloud_;
-  Real mass_ = 0, epsilon_ = 0, k_ = 0, dt_ = 0;
+  ReferenceKernel density_kernel_;
+  ReferenceWalls walls_;
+  ReferenceCoarse coarse_;
+  Real mass_ = 0, epsilon_ = 0, k_ = 0, dt_ = 0, weight_ = 1;
   std::int64_t steps_ = 0;
   Vectors p_;
   std::vector<std::vector<std::size_t>> near_;
-  std::vector<Real> rho_;
+  std::vector<Real> rho_, step_;
 };
 
 }  // namespace trevi::test

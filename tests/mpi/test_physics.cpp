@@ -43,45 +43,63 @@ class ByHand : public testing::Test {
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(ByHand, Precisions);
 
-const DensityModel equality{1, 1000, 0.2, 1, Constraint::equality};
-const DensityModel inequality{1, 1000, 0.2, 1, Constraint::inequality};
+DensityModel model_of(Constraint constraint, Kernel kernel = Kernel::poly6) {
+  return {1, 1000, 0.2, 1, constraint, kernel};
+}
 
-// rho = W6(0) = 315/(64 π h³); no gradients, so lambda = −C/epsilon.
+// rho = W(0), 315/(64 π h³) of Poly6 and 15/(π h³) of Spiky; no gradients, so lambda = −C/epsilon.
 TYPED_TEST(ByHand, OneParticle) {
-  for (const auto& [model, lambda] : {std::pair{equality, 0.8041648161}, std::pair{inequality, 0.0}}) {
-    const auto one = this->solve({0}, model, Tensile{0.001, 4, 0.2});
+  struct Expected {
+    Constraint constraint;
+    Kernel kernel;
+    Real rho, lambda;
+  };
+  for (const auto& [constraint, kernel, rho, lambda] :
+       {Expected{Constraint::equality, Kernel::poly6, 195.8351839, 0.8041648161},
+        Expected{Constraint::inequality, Kernel::poly6, 195.8351839, 0},
+        Expected{Constraint::equality, Kernel::spiky, 596.8310366, 0.4031689634},
+        Expected{Constraint::inequality, Kernel::spiky, 596.8310366, 0}}) {
+    const auto one = this->solve({0}, model_of(constraint, kernel), Tensile{0.001, 4, 0.2});
     for (std::size_t k = 0; k < one.id.size(); ++k) {
-      EXPECT_NEAR(one.rho[k], 195.8351839, 1e-7);
+      EXPECT_NEAR(one.rho[k], rho, 1e-7);
       EXPECT_NEAR(one.lambda[k], lambda, 1e-7);
       EXPECT_EQ(one.delta[k], Vec3::Zero());
     }
   }
 }
 
-// At r = h/2: W6 = W6(0) (3/4)³; each gradient is a = (m/rho0) 45/(π h⁴) (1/2)², once as ∇_i and once as ∇_j.
+// At r = h/2: W6 = W6(0) (3/4)³ and W_spiky = W_spiky(0) (1/2)³; each gradient is a = (m/rho0) 45/(π h⁴) (1/2)², once
+// as ∇_i and once as ∇_j.
 TYPED_TEST(ByHand, TwoParticles) {
-  const Real w0 = 315 / (64 * std::numbers::pi * 0.008), a = 45 / (std::numbers::pi * 0.0016) / 4 / 1000;
-  const Real rho = w0 * (1 + 27.0 / 64), lambda = -(rho / 1000 - 1) / (2 * a * a + 1);
-  const Real s_corr = -0.001 * std::pow(0.75 / 0.96, 12);
-  const auto plain = this->solve({0, 0.1}, equality, std::nullopt);
-  const auto tensile = this->solve({0, 0.1}, equality, Tensile{0.001, 4, 0.2});
-  for (std::size_t k = 0; k < plain.id.size(); ++k) {
-    const Vec3 towards(plain.id[k] == 0 ? 1 : -1, 0, 0);  // a deficit of density attracts
-    EXPECT_NEAR(plain.rho[k], rho, 1000 * this->digits);
-    EXPECT_NEAR(plain.lambda[k], lambda, this->digits);
-    EXPECT_LT((plain.delta[k] - a * 2 * lambda * towards).norm(), this->digits);
-    EXPECT_LT((tensile.delta[k] - a * (2 * lambda + s_corr) * towards).norm(), this->digits);
+  const Real a = 45 / (std::numbers::pi * 0.0016) / 4 / 1000, s_corr = -0.001 * std::pow(0.75 / 0.96, 12);
+  for (const Kernel kernel : {Kernel::poly6, Kernel::spiky}) {
+    const Real w0 = (kernel == Kernel::poly6 ? 315.0 / 64 : 15) / (std::numbers::pi * 0.008);
+    const Real rho = w0 * (1 + (kernel == Kernel::poly6 ? 27.0 / 64 : 1.0 / 8));
+    const Real lambda = -(rho / 1000 - 1) / (2 * a * a + 1);
+    const DensityModel model = model_of(Constraint::equality, kernel);
+    const auto plain = this->solve({0, 0.1}, model, std::nullopt);
+    const auto tensile = this->solve({0, 0.1}, model, Tensile{0.001, 4, 0.2});
+    for (std::size_t k = 0; k < plain.id.size(); ++k) {
+      const Vec3 towards(plain.id[k] == 0 ? 1 : -1, 0, 0);  // a deficit of density attracts
+      EXPECT_NEAR(plain.rho[k], rho, 1000 * this->digits);
+      EXPECT_NEAR(plain.lambda[k], lambda, this->digits);
+      EXPECT_LT((plain.delta[k] - a * 2 * lambda * towards).norm(), this->digits);
+      EXPECT_LT((tensile.delta[k] - a * (2 * lambda + s_corr) * towards).norm(), this->digits);
+    }
   }
 }
 
 // Seven in a row: too dense, so that the inequality constraint pushes, and the middle one has no direction to go.
 TYPED_TEST(ByHand, CrowdPushesApart) {
-  const auto crowd = this->solve({-0.03, -0.02, -0.01, 0, 0.01, 0.02, 0.03}, inequality, std::nullopt);
-  for (std::size_t k = 0; k < crowd.id.size(); ++k) {
-    EXPECT_GT(crowd.rho[k], 1000);
-    EXPECT_LT(crowd.lambda[k], 0);
-    const auto side = static_cast<Real>(crowd.id[k]) - 3;
-    EXPECT_TRUE(side == 0 ? crowd.delta[k].norm() < 10 * this->digits : crowd.delta[k].x() * side > 0);
+  for (const Kernel kernel : {Kernel::poly6, Kernel::spiky}) {
+    const DensityModel model = model_of(Constraint::inequality, kernel);
+    const auto crowd = this->solve({-0.03, -0.02, -0.01, 0, 0.01, 0.02, 0.03}, model, std::nullopt);
+    for (std::size_t k = 0; k < crowd.id.size(); ++k) {
+      EXPECT_GT(crowd.rho[k], 1000);
+      EXPECT_LT(crowd.lambda[k], 0);
+      const auto side = static_cast<Real>(crowd.id[k]) - 3;
+      EXPECT_TRUE(side == 0 ? crowd.delta[k].norm() < 10 * this->digits : crowd.delta[k].x() * side > 0);
+    }
   }
 }
 

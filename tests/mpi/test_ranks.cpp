@@ -36,6 +36,21 @@ c = 0.001
 every_steps = 1
 )";
 
+const std::string default_pool_scene = R"(
+[domain]
+min = [0.0, 0.0, 0.0]
+max = [1.6, 1.6, 1.4]
+[fluid]
+spacing = 0.1
+[[particles]]
+[time]
+dt = 0.0166666667
+end = 1.0
+[gravity]
+[output.series]
+every_steps = 1
+)";
+
 const std::string fountain_scene = R"(
 [domain]
 min = [0.0, 0.0, 0.0]
@@ -160,6 +175,19 @@ TEST_F(Ranks, FountainTellsItsSpeed) {
 }
 
 TEST_F(Ranks, FountainInSinglePrecision) { expect_same_on_one_rank(fountain_scene, {"density.precision='single'"}); }
+
+// A pool that sloshes along both horizontal axes, its coarse grid with cells that are no multiple of the spacing.
+TEST_F(Ranks, SloshingPool) {
+  const std::vector<std::string> pool = {"gravity.acceleration=[4, -2.5, -9.8]", "particles.0.min=[0, 0, 0]",
+                                         "particles.0.max=[1.6, 1.6, 0.5]", "particles.0.velocity=[0, 0, 0]"};
+  for (const char* key : {"density.precision='double'", "density.precision='single'", "fluid.kernel_radius=0.25",
+                          "domain.slab_axis='y'"}) {
+    SCOPED_TRACE(key);
+    std::vector<std::string> overrides = pool;
+    overrides.emplace_back(key);
+    expect_same_on_one_rank(default_pool_scene, overrides);
+  }
+}
 
 TEST_F(Ranks, PresetOfTheReport) { expect_same_on_one_rank(cube_scene, {"density.preset='report'"}); }
 

@@ -1,5 +1,5 @@
 // What the halos send in a step is what the formula of postprocess/results/scaling.md says, to the byte. The water is
-// a lattice at rest without gravity, so that the planes keep their particles.
+// a lattice at rest, so that the planes keep their particles.
 #include <gtest/gtest.h>
 
 #include "cloud.hpp"
@@ -9,31 +9,37 @@
 namespace trevi::test {
 namespace {
 
-constexpr int rows = 2, columns = 3, water_columns = 2;
+// Cells of the box and of the water, and those that the coarse grid looks at: two above the water, and a ring.
+constexpr int rows = 2, columns = 8, water_columns = 5;
+constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (water_columns + 2 + 2);
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
 const std::string still_scene = R"(
 [domain]
 min = [0.0, 0.0, 0.0]
-max = [3.4, 0.4, 0.6]
+max = [3.4, 0.4, 1.6]
 [fluid]
 spacing = 0.1
 [[particles]]
 min = [0.0, 0.0, 0.0]
-max = [3.4, 0.4, 0.4]
+max = [3.4, 0.4, 1.0]
 [time]
 dt = 0.0166666667
 end = 1.0
+[gravity]
 )";
 
 /// Bytes over all ranks in a substep. `record`: bytes of a packed record; `velocity_exchanges`: of the filters.
 std::int64_t formula(int ranks, std::int64_t record, int iterations, bool coarse, int filter_exchanges) {
   const std::int64_t messages = 2 * (ranks - 1);  // of one exchange: both ways through every cut
   const std::int64_t counts = 4 * rows * columns;
-  // The records once with the list; lambda and place in every sweep, but for the coarse grid, which only moves.
+  // The records once with the list; lambda and place in every sweep, but for the coarse grid, which asks for no
+  // densities and only moves.
   const std::int64_t exchanges = 1 + (coarse ? 1 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
-  const std::int64_t grid_plane = 8 * (rows + 2) * (columns + 2), sweeps = coarse ? 6 * 4 : 0;
-  return messages * (counts + exchanges * particles_per_plane * record + sweeps * grid_plane);
+  // For each of its cells: the volume in three planes and five moments of either face; the fill; phi in each sweep.
+  const std::int64_t sweeps = 4 * (water_columns + 1), coarse_cell = 8 * (3 + 2 * 5) + 8 + 8 * sweeps;
+  return messages *
+         (counts + exchanges * particles_per_plane * record + (coarse ? coarse_cells_per_plane * coarse_cell : 0));
 }
 
 class Traffic : public Output {
@@ -60,6 +66,12 @@ TEST_F(Traffic, IsAsTheFormulaSays) {
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}), formula(ranks, 16, 4, false, 0));
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
             formula(ranks, 16, 4, true, 3));
+}
+
+TEST_F(Traffic, CoarseGridIsThatOfDownwardGravityAlone) {
+  const int ranks = size_of(world);
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "gravity.acceleration=[0, 0, 0]"}),
+            formula(ranks, 16, 4, false, 0));
 }
 
 }  // namespace

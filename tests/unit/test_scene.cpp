@@ -49,7 +49,7 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   EXPECT_EQ(scene.slab_axis, 0);
   EXPECT_EQ(scene.fluid.kernel_radius, FluidSettings{}.kernel_radius);
   EXPECT_EQ(scene.fluid.mass, FluidSettings{}.mass);
-  EXPECT_NEAR(scene.density.relaxation, 0.7, 2e-3);  // h = 2 spacings
+  EXPECT_NEAR(scene.density.relaxation, 0.9587 * 2 / 2.70368, 1e-5);  // Spiky, h = 2 spacings
   EXPECT_EQ(scene.density.constraint, DensitySettings{}.constraint);
   EXPECT_FALSE(scene.density.tolerance);
   EXPECT_EQ(scene.walls.reflection, WallSettings{}.reflection);

@@ -35,10 +35,10 @@ class CoarseWater {
   bool is_wet(std::size_t at) const { return wet_[at] != 0; }
   /// A wet cell below a dry one. What little is in the dry one follows the wet one.
   bool is_top(std::size_t at) const { return is_wet(at) && !is_wet(at + 1); }
-  /// Height of the water above the lower face of a top cell, in cells.
+  /// Height of the water above the lower face of a top cell, in cells, at least to `least_height` above its middle.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
-  /// Height of the surface above the middle of a top cell, in cells, at least `least_height`.
-  Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, least_height); }
+  /// Height of the surface above the middle of a top cell, in cells.
+  Real above_middle(std::size_t at) const { return height_[at] - 0.5; }
   /// Mean displacement through face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 

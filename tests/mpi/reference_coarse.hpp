@@ -1,0 +1,297 @@
+// The coarse-grid correction by brute force, serially and over the whole box: every cell and every face looks at every
+// particle. Written from what coarse_water.hpp, coarse_pressure.hpp and coarse_correction.hpp say of themselves and the
+// constants of their sources; shares no code with them. Cells are counted along x, y and z, whatever the slab axis.
+// Not collective.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "trevi/app/scene.hpp"
+
+namespace trevi::test {
+
+using Cell = Eigen::Vector3i;
+
+/// A value for each cell of the box and a ring of one around it.
+template <class T>
+class CellArray {
+ public:
+  CellArray(const Cell& count, const T& value)
+      : size_(count + Cell::Constant(2)), values_(static_cast<std::size_t>(size_.prod()), value) {}
+  T& operator[](const Cell& c) { return values_[place(c)]; }
+  const T& operator[](const Cell& c) const { return values_[place(c)]; }
+
+ private:
+  std::size_t place(const Cell& c) const {
+    return static_cast<std::size_t>(((c.x() + 1) * size_.y() + c.y() + 1) * size_.z() + c.z() + 1);
+  }
+  Cell size_;
+  std::vector<T> values_;
+};
+
+class ReferenceCoarse {
+ public:
+  explicit ReferenceCoarse(const Scene& scene)
+      : min_(scene.domain_min), s_(scene.fluid.spacing), h_(scene.fluid.kernel_radius) {
+    const Vec3 extent = scene.domain_max - scene.domain_min;
+    for (int a = 0; a < 3; ++a) count_[a] = std::max(1, static_cast<int>(std::floor(extent[a] / h_ * (1 + 1e-12))));
+    size_ = extent.cwiseQuotient(count_.cast<Real>());
+    if (scene.gravity) gravity_ = -scene.gravity->z();
+  }
+
+  /// Of particles that go from x to p in the time dt.
+  std::vector<Vec3> displacements(const std::vector<Vec3>& x, const std::vector<Vec3>& p, Real dt) {
+    gather(x, p);
+    find_means();
+    find_water();
+    const Real time = dt * std::sqrt(gravity_ / h_);
+    solve(gravity_ * dt * dt, std::min(1.0, time / 6));
+    std::vector<Vec3> result;
+    for (const Particle& particle : particles_) result.push_back(displacement(particle, std::min(1.0, time / 3.5)));
+    return result;
+  }
+
+ private:
+  struct Particle {
+    Vec3 way;      // from x to p, m
+    Vec3 place;    // p, in cells
+    Vec3 surface;  // where it counts as volume, in cells
+    Cell cell;     // of p
+  };
+  template <class T>
+  using Faces = std::array<CellArray<T>, 3>;  // the lower one of a cell in each direction
+
+  static Cell unit(int a) { return Cell::Unit(a); }
+  template <class Visit>
+  void for_each_cell(Visit&& visit) const {
+    for (int x = 0; x < count_.x(); ++x)
+      for (int y = 0; y < count_.y(); ++y)
+        for (int z = 0; z < count_.z(); ++z) visit(Cell(x, y, z));
+  }
+  template <class Visit>
+  void for_each_face(Visit&& visit) const {
+    for (int a = 0; a < 3; ++a)
+      for_each_cell([&](const Cell& c) {
+        visit(a, c);
+        if (c[a] == count_[a] - 1) visit(a, Cell(c + unit(a)));
+      });
+  }
+  template <class T>
+  Faces<T> faces(const T& value) const {
+    return {CellArray<T>(count_, value), CellArray<T>(count_, value), CellArray<T>(count_, value)};
+  }
+  bool is_wall(int a, const Cell& c) const { return c[a] == 0 || c[a] == count_[a]; }
+
+  void gather(const std::vector<Vec3>& x, const std::vector<Vec3>& p) {
+    particles_.clear();
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      Particle one;
+      one.way = p[i] - x[i];
+      one.place = (p[i] - min_).cwiseQuotient(size_);
+      for (int a = 0; a < 3; ++a) {
+        one.cell[a] = std::clamp(static_cast<int>(std::floor(one.place[a])), 0, count_[a] - 1);
+        one.surface[a] = one.place[a] - std::clamp(one.way[a] / size_[a], -0.25, 0.25);
+      }
+      particles_.push_back(one);
+    }
+  }
+
+  // Linear weights, and along their regression line from the mean place to the face.
+  Real mean_at(int a, const Cell& face) const {
+    Real w = 0, wx = 0, wxx = 0, wu = 0, wxu = 0;
+    for (const Particle& i : particles_) {
+      if (i.cell != face && i.cell != face - unit(a)) continue;
+      const Real x = i.place[a] - face[a], share = 1 - std::abs(x), u = i.way[a];
+      w += share;
+      wx += share * x;
+      wxx += share * x * x;
+      wu += share * u;
+      wxu += share * x * u;
+    }
+    if (w < 1e-9) return 0;
+    const Real x = wx / w, variance = wxx / w - x * x, covariance = wxu / w - x * wu / w;
+    return wu / w - x * covariance / (variance + 0.1);
+  }
+  void find_means() {
+    mean_ = faces(0.0);
+    for_each_face([&](int a, const Cell& c) { (*mean_)[static_cast<std::size_t>(a)][c] = mean_at(a, c); });
+  }
+  Real mean(int a, const Cell& c) const { return (*mean_)[static_cast<std::size_t>(a)][c]; }
+
+  // ---- the water and its surface ---------------------------------------------------------------------------------
+
+  Real volume_in(const Cell& c) const {
+    Real volume = 0;
+    for (const Particle& i : particles_) {
+      Real part = 1;
+      for (int a = 0; a < 3; ++a) {
+        const Real half = s_ / (2 * size_[a]), middle = std::clamp(i.surface[a], half, count_[a] - half);
+        part *= std::max(0.0, std::min(middle + half, c[a] + 1.0) - std::max(middle - half, Real(c[a])));
+      }
+      volume += part;
+    }
+    return volume;
+  }
+
+  void find_water() {
+    fill_.emplace(count_, 0);
+    wet_.emplace(count_, 0);
+    height_.emplace(count_, 1);
+    for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
+    for_each_cell([&](const Cell& c) {
+      const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
+      (*wet_)[c] = (*fill_)[c] >= 0.585 || submerged;
+    });
+    // Water under the ceiling has no surface.
+    for_each_cell([&](const Cell& c) {
+      if (c.z() + 1 == count_.z()) (*wet_)[c + unit(2)] = (*wet_)[c];
+    });
+    for_each_cell([&](const Cell& c) {
+      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.55);
+    });
+    find_depth();
+  }
+  bool wet(const Cell& c) const { return (*wet_)[c] != 0; }
+  bool is_top(const Cell& c) const { return wet(c) && !wet(c + unit(2)); }
+  // A column that stands on the floor has all of its volume below its surface.
+  Real height_of_top(const Cell& c) const {
+    const Real own = (*fill_)[c] + (*fill_)[c + unit(2)];
+    Real excess = 0;
+    for (Cell below = c - unit(2); below.z() >= 0; below -= unit(2)) {
+      if (!wet(below)) return own;
+      excess += (*fill_)[below] - 1;
+    }
+    return own + excess;
+  }
+  Real above_middle(const Cell& c) const { return (*height_)[c] - 0.5; }
+
+  // Cells above one another that hold a fifth of what fills them; fills are not known yet when the solver counts them.
+  void find_depth() {
+    const Real least = std::ceil(0.2 * size_.prod() / (s_ * s_ * s_));
+    CellArray<int> run(count_, 0), held(count_, 0);
+    for (const Particle& i : particles_) ++held[i.cell];
+    depth_ = 0;
+    for_each_cell([&](const Cell& c) {
+      run[c] = held[c] >= least ? run[c - unit(2)] + 1 : 0;
+      depth_ = std::max(depth_, run[c]);
+    });
+  }
+
+  // ---- the pressure -------------------------------------------------------------------------------------------
+
+  // Area under water over the distance between what is on either side; 0 where nothing passes.
+  Real weight(int a, const Cell& c) const {
+    const Cell below = c - unit(a);
+    if (is_wall(a, c) || (!wet(below) && !wet(c))) return 0;
+    if (a == 2) return is_top(below) ? 1 / above_middle(below) : 1;
+    if (wet(below) && wet(c)) return ((*height_)[below] + (*height_)[c]) / 2;
+    return (*height_)[wet(c) ? c : below];
+  }
+  Real area(int a, const Cell& c) const {
+    const Real w = weight(a, c);
+    return a == 2 && w > 0 ? 1 : w;
+  }
+
+  Real source(const Cell& c, Real return_share) const {
+    Real divergence = 0;
+    for (int a = 0; a < 3; ++a) {
+      const Cell up = c + unit(a);
+      divergence += (area(a, up) * mean(a, up) - area(a, c) * mean(a, c)) / size_[a];
+    }
+    const Real covered = is_top(c) ? std::min(1.0, 2 * (*fill_)[c + unit(2)]) : 1;
+    return return_share * covered * ((*fill_)[c] - 1) - divergence;
+  }
+
+  /// Of a column that stands on the floor and has a surface: what water at rest would have.
+  void start_at_rest(Real fall) {
+    for_each_cell([&](const Cell& c) {
+      Cell top = c;
+      for (Cell below = c; below.z() >= 0; below -= unit(2))
+        if (!wet(below)) return;
+      while (wet(top) && !is_top(top) && top.z() < count_.z()) top += unit(2);
+      if (top.z() < count_.z()) (*phi_)[c] = -fall * size_.z() * (above_middle(top) + top.z() - c.z());
+    });
+  }
+
+  void solve(Real fall, Real return_share) {
+    phi_.emplace(count_, 0);
+    start_at_rest(fall);
+    CellArray<Real> before = *phi_, right(count_, 0);
+    for_each_cell([&](const Cell& c) { right[c] = source(c, return_share); });
+    Faces<Real> weights = faces(0.0);
+    for_each_face([&](int a, const Cell& c) { weights[static_cast<std::size_t>(a)][c] = weight(a, c); });
+    const Vec3 stiffness = size_.cwiseAbs2().cwiseInverse();
+    const int depth = std::max(depth_ + 1, 4);
+    const Real angle = std::numbers::pi / 2 / depth;
+    const Real radius = 1 - 0.9 / 2 * angle * angle * stiffness.z() / stiffness.sum();
+    Real omega = 1;
+    for (int sweep = 0; sweep < 4 * depth; ++sweep) {
+      if (sweep == 1) omega = 1 / (1 - radius * radius / 2);
+      if (sweep > 1) omega = 1 / (1 - radius * radius * omega / 4);
+      CellArray<Real> next = *phi_;
+      for_each_cell([&](const Cell& c) {
+        Real diagonal = 0, sum = -right[c];
+        for (int a = 0; a < 3; ++a) {
+          for (const auto& [face, other] :
+               {std::pair(c, Cell(c - unit(a))), std::pair(Cell(c + unit(a)), Cell(c + unit(a)))}) {
+            diagonal += stiffness[a] * weights[static_cast<std::size_t>(a)][face];
+            sum += stiffness[a] * weights[static_cast<std::size_t>(a)][face] * (*phi_)[other];
+          }
+        }
+        if (!wet(c) || diagonal == 0) return;
+        const Real relaxed = (*phi_)[c] + 0.9 * (sum / diagonal - (*phi_)[c]);
+        next[c] = omega * (relaxed - before[c]) + before[c];
+      });
+      before = *phi_;
+      phi_ = next;
+    }
+    for_each_cell([&](const Cell& c) { (*phi_)[c] = std::min((*phi_)[c], 0.0); });
+  }
+
+  // ---- what the particles take from it ------------------------------------------------------------------------
+
+  /// Through a face, m; nothing where neither side is wet.
+  std::optional<Real> through(int a, const Cell& face) const {
+    const Cell below = face - unit(a);
+    if (is_wall(a, face)) {
+      const Cell inner = face[a] == 0 ? face : below;
+      return wet(inner) ? std::optional(-mean(a, face)) : std::nullopt;
+    }
+    if (!wet(face) && !wet(below)) return std::nullopt;
+    const Real u = ((*phi_)[face] - (*phi_)[below]) / size_[a];
+    return a == 2 && is_top(below) ? u / above_middle(below) : u;
+  }
+
+  Vec3 displacement(const Particle& i, Real noise_share) const {
+    const Cell& c = i.cell;
+    const bool follows = !wet(c) && c.z() > 0 && wet(c - unit(2));  // what little is above a top cell
+    Vec3 u;
+    for (int a = 0; a < 3; ++a) {
+      const Cell cell = follows && a < 2 ? Cell(c - unit(2)) : c;
+      const std::optional<Real> low = through(a, cell), high = through(a, cell + unit(a));
+      const Real from = low.value_or(high.value_or(0)), to = high.value_or(from), f = i.place[a] - c[a];
+      u[a] = from + f * (to - from);
+      if (wet(c)) u[a] += noise_share * (mean(a, c) + f * (mean(a, c + unit(a)) - mean(a, c)) - i.way[a]);
+    }
+    if (!follows && !is_top(c)) return u;
+    const Cell top = follows ? Cell(c - unit(2)) : c;
+    const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
+    return u * std::clamp((below + 0.25) / 2 + 1, 0.0, 1.0);
+  }
+
+  Vec3 min_;
+  Real s_, h_, gravity_ = 0;
+  Cell count_;
+  Vec3 size_;
+  std::vector<Particle> particles_;
+  std::optional<Faces<Real>> mean_;
+  std::optional<CellArray<Real>> fill_, height_, phi_;
+  std::optional<CellArray<char>> wet_;
+  int depth_ = 0;
+};
+
+}  // namespace trevi::test
