@@ -10,7 +10,8 @@ namespace {
 // disordered water may hold as little as a third, and on the floor a sheet of one layer shall be carried, too.
 constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
 // Volume that the rest of a column may give to its top or take from it, in cells. Torn water has far less than full
-// cells; without a bound its surface would lie below its top cell.
+// cells; without a bound its surface would lie below its top cell, and negative areas of faces make the sweeps run
+// away.
 constexpr Real most_excess = 0.25;
 // Keeps the regression line of a face from following noise, in cells²; a one-sided face has a variance of 0.05.
 constexpr Real regression_damping = 0.1;
@@ -190,14 +191,8 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = false;
     } else if (is_top(at)) {
-<<<<<<< HEAD
       const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
-=======
-      // A splash that is mostly air has less volume than its column has cells, and a height below 0 would be a negative
-      // area of the faces at the side, of which the sweeps for the pressure run away.
-      height_[at] = std::max(fill_[at] + fill_[at + 1] + (standing ? excess : 0), 0.5 + least_height);
->>>>>>> reference
     } else {
       excess += fill_[at] - 1;
     }
