@@ -38,7 +38,7 @@ class CoarseWater {
   /// Height of the water above the lower face of a top cell, in cells, at least to `least_height` above its middle.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells.
-  Real above_middle(std::size_t at) const { return height_[at] - 0.5; }
+  Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, least_height); }
   /// Mean displacement through face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
