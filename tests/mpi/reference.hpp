@@ -182,6 +182,9 @@ class Reference {
       const Real lambda = lambda_of(i);
       const Real memory = lambda * step_[i] > 0 ? (weight_ - 1) * step_[i] : 0;
       step_[i] = weight_ * s_.density.relaxation * lambda + memory;
+      // The cap: no pair is pushed apart by more than max_shift h, at the largest gradient there is.
+      const Real steepest = mass_ / s_.fluid.rest_density * 45 / (std::numbers::pi * std::pow(h(), 4));
+      if (s_.density.max_shift > 0) step_[i] = std::max(step_[i], -s_.density.max_shift * h() / (2 * steepest));
     }
   }
 
@@ -200,8 +203,6 @@ class Reference {
         delta += mass_ / s_.fluid.rest_density * (step_[i] + step_[j] + share * s_corr) * spiky(r);
       }
       if (has_walls()) delta += step_[i] * walls_.at(p_[i]).gradient;
-      const Real longest = s_.density.max_shift * h();
-      if (longest > 0 && delta.norm() > longest) delta *= longest / delta.norm();
       moved[i] = shifted(p_[i], delta);
     }
     p_ = moved;

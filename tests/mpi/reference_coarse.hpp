@@ -51,6 +51,7 @@ class ReferenceCoarse {
     const Real time = dt * std::sqrt(gravity_ / h_);
     solve(gravity_ * dt * dt, std::min(1.0, time / 6));
     std::vector<Vec3> result;
+    noise_ = 0.2 * time * h_;
     for (const Particle& particle : particles_) result.push_back(displacement(particle, std::min(1.0, time / 3.5)));
     return result;
   }
@@ -144,14 +145,14 @@ class ReferenceCoarse {
     for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
-      (*wet_)[c] = (*fill_)[c] >= 0.585 || submerged;
+      (*wet_)[c] = (*fill_)[c] >= 0.585 || submerged || (c.z() == 0 && (*fill_)[c] >= 0.2);
     });
     // Water under the ceiling has no surface.
     for_each_cell([&](const Cell& c) {
       if (c.z() + 1 == count_.z()) (*wet_)[c + unit(2)] = (*wet_)[c];
     });
     for_each_cell([&](const Cell& c) {
-      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.55);
+      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.2);
     });
     find_depth();
   }
@@ -165,9 +166,9 @@ class ReferenceCoarse {
       if (!wet(below)) return own;
       excess += (*fill_)[below] - 1;
     }
-    return own + excess;
+    return own + std::clamp(excess, -0.25, 0.25);
   }
-  Real above_middle(const Cell& c) const { return (*height_)[c] - 0.5; }
+  Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
 
   // Cells above one another that hold a fifth of what fills them; fills are not known yet when the solver counts them.
   void find_depth() {
@@ -269,14 +270,15 @@ class ReferenceCoarse {
   Vec3 displacement(const Particle& i, Real noise_share) const {
     const Cell& c = i.cell;
     const bool follows = !wet(c) && c.z() > 0 && wet(c - unit(2));  // what little is above a top cell
-    Vec3 u;
+    Vec3 u, off;
     for (int a = 0; a < 3; ++a) {
       const Cell cell = follows && a < 2 ? Cell(c - unit(2)) : c;
       const std::optional<Real> low = through(a, cell), high = through(a, cell + unit(a));
       const Real from = low.value_or(high.value_or(0)), to = high.value_or(from), f = i.place[a] - c[a];
       u[a] = from + f * (to - from);
-      if (wet(c)) u[a] += noise_share * (mean(a, c) + f * (mean(a, c + unit(a)) - mean(a, c)) - i.way[a]);
+      off[a] = mean(a, c) + f * (mean(a, c + unit(a)) - mean(a, c)) - i.way[a];
     }
+    if (wet(c)) u += noise_share / (1 + off.squaredNorm() / std::pow(noise_, 2)) * off;
     if (!follows && !is_top(c)) return u;
     const Cell top = follows ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
@@ -284,7 +286,7 @@ class ReferenceCoarse {
   }
 
   Vec3 min_;
-  Real s_, h_, gravity_ = 0;
+  Real s_, h_, gravity_ = 0, noise_ = 0;
   Cell count_;
   Vec3 size_;
   std::vector<Particle> particles_;

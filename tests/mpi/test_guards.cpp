@@ -56,7 +56,7 @@ SolverParts<double> parts_with(Sabotage sabotage) {
   DensitySettings settings;
   settings.method = Method::jacobi;
   settings.coarse_grid = false;
-  parts.method = make_density_method<double>(settings, {world, *parts.grid, parts.box, model, h / 2});
+  parts.method = make_density_method<double>(settings, {world, *parts.grid, parts.box, model, h / 2, Vec3::Zero()});
   parts.forcings.push_back(std::make_unique<Saboteur>(std::move(sabotage)));
   parts.clock.dt = 0.01;
   parts.particles = block(*parts.grid, *parts.slabs);

@@ -43,7 +43,11 @@ class CoarseCorrection {
     Real surface = 0;  // height above the floor of the box, in cells; far up where the water goes on above
   };
   Faces faces_of(LocalId k, LocalId r, LocalId c) const;
-  Vec3 displacement(const Faces& faces, Real noise_share, const Vec3& x, const Vec3& p) const;
+  // The share of its motion against the cell that a slow particle loses, and how far it comes, m, with half of that.
+  struct Damping {
+    Real share, noise;
+  };
+  Vec3 displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const;
 
   Event event_{"CoarseGrid"};
   Model model_;
