@@ -7,10 +7,18 @@
 
 namespace trevi {
 
+namespace {
+
+// How far walls can act, in units of h: their share of density ends there for the narrowest kernel.
+constexpr Real wall_reach = 1.25;
+
+}  // namespace
+
 template <class T>
 FreeFlight<T>::FreeFlight(const MethodContext& context, std::unique_ptr<DensityMethod<T>> method)
     : comm_(context.comm),
-      interior_{context.box.min.array() + 2 * context.model.h, context.box.max.array() - 2 * context.model.h},
+      interior_{context.box.min.array() + wall_reach * context.model.h,
+                context.box.max.array() - wall_reach * context.model.h},
       method_(std::move(method)) {}
 
 template <class T>
