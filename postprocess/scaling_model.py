@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 RECORD = 16  # bytes of a packed record in single precision
 ITERATIONS = 4  # of the default, the first on the coarse grid
-SWEEPS_PER_CELL = 6  # of depth
+SWEEPS_PER_CELL = 4
+GATHERED = 8 * (3 + 2 * 5) + 8  # bytes of a coarse cell before the sweeps: volumes and moments, fill
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1)  # records, coarse move, lambda and place of each sweep over particles
 REDUCTIONS = 4  # depth of the water, guard, two migrations
 LOOK = 10  # steps between two looks at the balance
@@ -31,7 +32,7 @@ class Basin(NamedTuple):
         return self.particles() / 8
 
     def sweeps(self):
-        return SWEEPS_PER_CELL * max(4, math.ceil(self.depth / 2))
+        return SWEEPS_PER_CELL * max(4, math.ceil(self.depth / 2) + 1)
 
 
 class Costs(NamedTuple):
@@ -56,9 +57,9 @@ class Step(NamedTuple):
 def exchange_bytes(basin, filters=0):
     """Bytes through one cut in one direction and step: counts, records, coarse planes. The same formula as in
     tests/mpi/test_traffic.cpp. `filters`: exchanges of the velocity filters."""
-    rows, columns = basin.width / 2, (basin.depth + basin.air) / 2
+    rows, columns = basin.width / 2, min((basin.depth + basin.air) / 2, math.ceil(basin.depth / 2) + 2)
     return rebuild_bytes(basin) + (EXCHANGES - 1 + filters) * plane_bytes(basin) + \
-        basin.sweeps() * 8 * (rows + 2) * (columns + 2)
+        (GATHERED + 8 * basin.sweeps()) * (rows + 2) * (columns + 2)
 
 
 def rebuild_bytes(basin):
@@ -72,7 +73,7 @@ def plane_bytes(basin):
 
 def messages(basin, filters=0):
     """Through one cut in one direction and step; two of them at the start of a run."""
-    return 1 + EXCHANGES + filters + basin.sweeps()
+    return 1 + EXCHANGES + filters + 2 + basin.sweeps()
 
 
 def slabs(basin, ranks, costs):

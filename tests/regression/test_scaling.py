@@ -74,10 +74,11 @@ class Model(unittest.TestCase):
     COSTS = Costs(particle=500e-9, cell=1e-9, latency=2e-6, bandwidth=12e9, reduction=2e-6)
 
     def test_traffic_is_that_of_test_traffic_cpp(self):
-        basin = Basin(length=34, width=4, depth=4, air=2)  # its still_scene
-        self.assertEqual(exchange_bytes(basin), 24 + 8 * 32 * 16 + 24 * 160)
-        self.assertEqual(exchange_bytes(basin, filters=3), 24 + 11 * 32 * 16 + 24 * 160)
-        self.assertEqual(messages(basin), 1 + 8 + 24)
+        basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
+        coarse = 36 * (112 + 8 * 24)
+        self.assertEqual(exchange_bytes(basin), 64 + 8 * 80 * 16 + coarse)
+        self.assertEqual(exchange_bytes(basin, filters=3), 64 + 11 * 80 * 16 + coarse)
+        self.assertEqual(messages(basin), 1 + 8 + 2 + 24)
 
     def test_slabs_end_at_one_plane_a_rank(self):
         basin = Basin(100, 100, 100)
