@@ -142,7 +142,8 @@ TEST(Reference, WallsShareOfDensity) {
 TEST(Reference, AccelerationByChebyshevWeights) {
   expect_reference(cloud_scene,
                    {"density.method='chebyshev'", "density.constraint='inequality'", "density.iterations=6"});
-  expect_reference(cloud_scene, {"density.method='chebyshev'", "density.constraint='inequality'", "density.max_shift=0.002"});
+  expect_reference(cloud_scene,
+                   {"density.method='chebyshev'", "density.constraint='inequality'", "density.max_shift=0.002"});
 }
 
 TEST(Reference, CoarseGridAlone) {
