@@ -120,7 +120,7 @@ void PhysicsReader::read_fluid() {
                 above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
-  fluid_.choice<Kernel>({"density_kernel", "the kernel of the density; spiky: the one the gradients are of, too"},
+  fluid_.choice<Kernel>({"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
                         fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
   check_kernel_radius();
   check_coordinates();
