@@ -17,6 +17,7 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
   const CoarseGrid& grid = water.grid();
   for (auto& weight : weight_) weight.assign(grid.cells(), 0.0);
   for (auto* field : {&source_, &per_diagonal_, &phi_, &previous_}) field->assign(grid.cells(), 0.0);
+  wet_columns_.assign((static_cast<std::size_t>(grid.planes()) + 2) * static_cast<std::size_t>(grid.rows()), 0);
   weigh_faces(water);
   find_sources(water, return_share);
   start_at_rest(water, fall);
@@ -75,6 +76,7 @@ void CoarsePressure::find_sources(const CoarseWater& water, Real return_share) {
           diagonal += stiffness[static_cast<Eigen::Index>(a)] * (weight_[a][at] + weight_[a][at + grid.step(a)]);
         if (diagonal == 0) continue;
         per_diagonal_[at] = 1 / diagonal;
+        wet_columns_[row_of(grid, k, r)] = static_cast<std::size_t>(c) + 1;
         const Real covered = water.is_top(at) ? std::min(2 * water.fill(at + 1), 1.0) : 1;
         source_[at] = return_share * covered * (water.fill(at) - 1) - divergence(water, at);
       }
@@ -126,7 +128,7 @@ void CoarsePressure::sweep_plane(const CoarseGrid& grid, LocalId k, Real omega) 
     const Real *wx = weight_[0].data() + start, *wy = weight_[1].data() + start, *wz = weight_[2].data() + start;
     Real* next = previous_.data() + start;
 #pragma GCC ivdep
-    for (std::size_t c = 0; c < static_cast<std::size_t>(grid.columns()); ++c) {
+    for (std::size_t c = 0; c < wet_columns_[row_of(grid, k, r)]; ++c) {
       const Real sum = sx * (wx[c] * phi[c - plane] + wx[c + plane] * phi[c + plane]) +
                        sy * (wy[c] * phi[c - row] + wy[c + row] * phi[c + row]) +
                        sz * (wz[c] * phi[c - 1] + wz[c + 1] * phi[c + 1]);
@@ -142,7 +144,7 @@ Real CoarsePressure::displacement(const CoarseWater& water, std::size_t a, std::
 }
 
 std::size_t CoarsePressure::bytes() const {
-  std::size_t values = 0;
+  std::size_t values = wet_columns_.capacity();
   for (const auto* field : {&source_, &per_diagonal_, &phi_, &previous_}) values += field->capacity();
   for (const auto& weight : weight_) values += weight.capacity();
   return values * sizeof(Real);

@@ -33,13 +33,17 @@ class CoarsePressure {
   Real divergence(const CoarseWater& water, std::size_t at) const;
   void start_at_rest(const CoarseWater& water, Real fall);
   void sweep_plane(const CoarseGrid& grid, LocalId k, Real omega);
+  static std::size_t row_of(const CoarseGrid& grid, LocalId k, LocalId r) {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid.rows()) + static_cast<std::size_t>(r);
+  }
 
   // Area of each face under water, in shares of the whole, over the distance between what is on either side, in cells.
   // 0 where nothing passes.
   std::array<std::vector<Real>, 3> weight_;
-  std::vector<Real> source_;          // div u, 1
-  std::vector<Real> per_diagonal_;    // 1/Σ weights of the faces over their size², m²; 0 in dry cells
-  std::vector<Real> phi_, previous_;  // m²
+  std::vector<std::size_t> wet_columns_;  // of each row: those that a sweep must look at; phi is 0 above them
+  std::vector<Real> source_;              // div u, 1
+  std::vector<Real> per_diagonal_;        // 1/Σ weights of the faces over their size², m²; 0 in dry cells
+  std::vector<Real> phi_, previous_;      // m²
 };
 
 }  // namespace trevi
