@@ -62,12 +62,6 @@ Real lattice_density_sum(Kernel kernel, Real spacing, Real h) {
   return sum;
 }
 
-Real lattice_density_response(Kernel kernel, Real spacing, Real h) {
-  Real sum = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum -= r.dot(density_gradient(kernel, r, h)); });
-  return sum / 3;
-}
-
 Real lattice_laplacian_moment(Real spacing, Real h) {
   Real sum = 0;
   for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum += r.x() * r.x() * poly6(r, h); });

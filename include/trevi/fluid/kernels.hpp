@@ -35,8 +35,6 @@ Vec3 density_gradient(Kernel kernel, const Vec3& r, Real h);
 
 /// Sum of the kernel over a cubic lattice around one of its points, itself included, 1/m³; spacing and h in metres.
 Real lattice_density_sum(Kernel kernel, Real spacing, Real h);
-/// What div u takes from that sum when the lattice is displaced by u(r), linear in r: −1/3 Σ r·∇W, 1/m³.
-Real lattice_density_response(Kernel kernel, Real spacing, Real h);
 /// ½ Σ W6(r) x² over the same points, 1/m: Σ_j (v_j − v_i) W6(p_ij) is this times ∇²v, to the second order of v's
 /// Taylor series (the first vanishes by symmetry, and x², y², z² have the same sums).
 Real lattice_laplacian_moment(Real spacing, Real h);
