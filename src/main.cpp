@@ -1,6 +1,6 @@
 #include <optional>
 
-#include "trevi/app/run.hpp"
+#include "app/run.hpp"
 
 int main(int argc, char** argv) {
   const trevi::Mpi mpi(argc, argv);

@@ -1,20 +1,23 @@
-#include "trevi/app/build.hpp"
+#include "app/build.hpp"
 
 #include <filesystem>
 #include <limits>
 
-#include "trevi/app/initial_particles.hpp"
-#include "trevi/app/scene_changes.hpp"
-#include "trevi/app/scene_place.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/fluid/kernels.hpp"
-#include "trevi/fluid/music.hpp"
-#include "trevi/output/live_view.hpp"
-#include "trevi/output/output_directory.hpp"
-#include "trevi/output/series.hpp"
-#include "trevi/output/vtkhdf.hpp"
-#include "trevi/output/vtu.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "app/initial_particles.hpp"
+#include "app/scene_changes.hpp"
+#include "app/scene_place.hpp"
+#include "fluid/floor_friction.hpp"
+#include "fluid/fountain.hpp"
+#include "fluid/gravity.hpp"
+#include "fluid/kernels.hpp"
+#include "io/output_directory.hpp"
+#include "io/series.hpp"
+#include "io/vtkhdf.hpp"
+#include "io/vtu.hpp"
+#include "live/live_view.hpp"
+#include "music/music.hpp"
+#include "parallel/reductions.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -1,10 +1,10 @@
-#include "trevi/app/command_line.hpp"
+#include "app/command_line.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cctype>
 
-#include "trevi/app/scene.hpp"
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi {
 

@@ -1,15 +1,15 @@
-#include "trevi/app/dry_run.hpp"
+#include "app/dry_run.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numeric>
 
-#include "trevi/app/build.hpp"
-#include "trevi/app/envelope.hpp"
-#include "trevi/app/initial_particles.hpp"
-#include "trevi/fluid/velocity_filter.hpp"
-#include "trevi/solver/density_method.hpp"
+#include "app/build.hpp"
+#include "app/envelope.hpp"
+#include "app/initial_particles.hpp"
+#include "fluid/velocity_filter.hpp"
+#include "solver/density_method.hpp"
 
 namespace trevi {
 

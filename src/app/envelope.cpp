@@ -1,10 +1,10 @@
-#include "trevi/app/envelope.hpp"
+#include "app/envelope.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "trevi/solver/density_method.hpp"
+#include "solver/density_method.hpp"
 
 namespace trevi {
 

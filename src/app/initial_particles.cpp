@@ -1,4 +1,4 @@
-#include "trevi/app/initial_particles.hpp"
+#include "app/initial_particles.hpp"
 
 #include <fmt/format.h>
 #include <petscsys.h>
@@ -10,14 +10,14 @@
 #include <cmath>
 #include <numeric>
 
-#include "trevi/app/lattice.hpp"
-#include "trevi/app/scene_place.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/domain/migrate.hpp"
-#include "trevi/parallel/collective.hpp"
-#include "trevi/parallel/reductions.hpp"
-#include "trevi/parallel/session.hpp"
-#include "trevi/particles/packed.hpp"
+#include "app/lattice.hpp"
+#include "app/scene_place.hpp"
+#include "domain/migrate.hpp"
+#include "parallel/collective.hpp"
+#include "parallel/reductions.hpp"
+#include "particles/packed.hpp"
+#include "trevi/error.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "trevi/app/preview.hpp"
+#include "app/preview.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "trevi/app/build.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/parallel/collective.hpp"
+#include "app/build.hpp"
+#include "io/files.hpp"
+#include "parallel/collective.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

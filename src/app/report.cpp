@@ -1,14 +1,14 @@
-#include "trevi/app/report.hpp"
+#include "app/report.hpp"
 
 #include <petscsys.h>
 #include <sys/resource.h>
 
-#include "trevi/app/envelope.hpp"
-#include "trevi/base/simd.hpp"
-#include "trevi/output/hdf5_rows.hpp"
-#include "trevi/output/run_report.hpp"
-#include "trevi/output/vtu.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "app/envelope.hpp"
+#include "base/simd.hpp"
+#include "io/hdf5_rows.hpp"
+#include "io/run_report.hpp"
+#include "io/vtu.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 

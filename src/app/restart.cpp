@@ -1,11 +1,11 @@
-#include "trevi/app/restart.hpp"
+#include "app/restart.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <string_view>
 
-#include "trevi/app/scene_changes.hpp"
-#include "trevi/output/output_directory.hpp"
+#include "app/scene_changes.hpp"
+#include "io/output_directory.hpp"
 
 namespace trevi {
 

@@ -1,22 +1,22 @@
-#include "trevi/app/run.hpp"
+#include "app/run.hpp"
 
 #include <fmt/format.h>
 
 #include <cerrno>
 #include <cstdio>
 
-#include "trevi/app/build.hpp"
-#include "trevi/app/dry_run.hpp"
-#include "trevi/app/envelope.hpp"
-#include "trevi/app/preview.hpp"
-#include "trevi/app/report.hpp"
-#include "trevi/app/restart.hpp"
-#include "trevi/base/simd.hpp"
-#include "trevi/output/blowup.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/output/output_directory.hpp"
-#include "trevi/output/vtu.hpp"
-#include "trevi/parallel/collective.hpp"
+#include "app/build.hpp"
+#include "app/dry_run.hpp"
+#include "app/envelope.hpp"
+#include "app/preview.hpp"
+#include "app/report.hpp"
+#include "app/restart.hpp"
+#include "base/simd.hpp"
+#include "io/blowup.hpp"
+#include "io/files.hpp"
+#include "io/output_directory.hpp"
+#include "io/vtu.hpp"
+#include "parallel/collective.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "trevi/app/scene.hpp"
+#include "trevi/scene.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "scene_overrides.hpp"
-#include "scene_physics.hpp"
-#include "scene_reader.hpp"
-#include "trevi/base/simd.hpp"
+#include "app/scene_overrides.hpp"
+#include "app/scene_physics.hpp"
+#include "app/scene_reader.hpp"
+#include "base/simd.hpp"
 
 namespace trevi {
 namespace {

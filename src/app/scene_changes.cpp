@@ -1,4 +1,4 @@
-#include "trevi/app/scene_changes.hpp"
+#include "app/scene_changes.hpp"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <map>
 #include <sstream>
 
-#include "scene_overrides.hpp"
-#include "trevi/app/scene_place.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/output/checksums.hpp"
-#include "trevi/parallel/session.hpp"
+#include "app/scene_overrides.hpp"
+#include "app/scene_place.hpp"
+#include "io/checksums.hpp"
+#include "trevi/error.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 namespace {

@@ -1,10 +1,10 @@
-#include "scene_fountain.hpp"
+#include "app/scene_fountain.hpp"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 
-#include "trevi/fluid/music.hpp"
+#include "music/music.hpp"
 
 namespace trevi {
 namespace {

@@ -1,8 +1,8 @@
 // The tables [[fountain]] of a scene, with their music.
 #pragma once
 
-#include "scene_reader.hpp"
-#include "trevi/app/scene.hpp"
+#include "app/scene_reader.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi {
 

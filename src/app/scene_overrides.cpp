@@ -1,4 +1,4 @@
-#include "scene_overrides.hpp"
+#include "app/scene_overrides.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <charconv>
 #include <optional>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scene_reader.hpp"
+#include "app/scene_reader.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "scene_physics.hpp"
+#include "app/scene_physics.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "scene_fountain.hpp"
-#include "trevi/app/build.hpp"
-#include "trevi/fluid/kernels.hpp"
-#include "trevi/fluid/velocity_filter.hpp"
+#include "app/build.hpp"
+#include "app/scene_fountain.hpp"
+#include "fluid/kernels.hpp"
+#include "fluid/velocity_filter.hpp"
 
 namespace trevi {
 namespace {
@@ -120,8 +120,9 @@ void PhysicsReader::read_fluid() {
                 above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
-  fluid_.choice<Kernel>({"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
-                        fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
+  fluid_.choice<Kernel>(
+      {"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
+      fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
   check_kernel_radius();
   check_coordinates();
 }

@@ -2,8 +2,8 @@
 // Problems go to the findings of `root`; what cannot be used keeps its default, so checks go on to the end.
 #pragma once
 
-#include "scene_reader.hpp"
-#include "trevi/app/scene.hpp"
+#include "app/scene_reader.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "scene_reader.hpp"
+#include "app/scene_reader.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 namespace {

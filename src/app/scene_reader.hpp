@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "trevi/base/types.hpp"
+#include "trevi/types.hpp"
 
 namespace trevi {
 

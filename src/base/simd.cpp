@@ -1,4 +1,4 @@
-#include "trevi/base/simd.hpp"
+#include "base/simd.hpp"
 
 #include <hwy/targets.h>
 

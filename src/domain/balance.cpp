@@ -1,8 +1,8 @@
-#include "trevi/domain/balance.hpp"
+#include "domain/balance.hpp"
 
 #include <algorithm>
 
-#include "trevi/parallel/reductions.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 

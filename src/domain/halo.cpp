@@ -1,8 +1,8 @@
-#include "trevi/domain/halo.hpp"
+#include "domain/halo.hpp"
 
-#include "trevi/base/error.hpp"
-#include "trevi/domain/slabs.hpp"
-#include "trevi/parallel/session.hpp"
+#include "domain/slabs.hpp"
+#include "trevi/error.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 

@@ -1,11 +1,11 @@
-#include "trevi/domain/migrate.hpp"
+#include "domain/migrate.hpp"
 
 #include <array>
 #include <cstdlib>
 #include <cstring>
 
-#include "trevi/base/growth.hpp"
-#include "trevi/parallel/session.hpp"
+#include "base/growth.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 

@@ -1,6 +1,6 @@
-#include "trevi/domain/neighbourhood.hpp"
+#include "domain/neighbourhood.hpp"
 
-#include "trevi/base/growth.hpp"
+#include "base/growth.hpp"
 
 namespace trevi {
 

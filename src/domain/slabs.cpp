@@ -1,4 +1,4 @@
-#include "trevi/domain/slabs.hpp"
+#include "domain/slabs.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -1,9 +1,9 @@
-#include "trevi/fluid/density.hpp"
+#include "fluid/density.hpp"
 
 #include <algorithm>
 
 #include "fluid/for_each_sum.hpp"
-#include "trevi/fluid/kernels.hpp"
+#include "fluid/kernels.hpp"
 
 namespace trevi {
 

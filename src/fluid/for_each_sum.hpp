@@ -5,7 +5,7 @@
 #include <array>
 #include <tuple>
 
-#include "trevi/particles/cell_order.hpp"
+#include "particles/cell_order.hpp"
 
 namespace trevi {
 

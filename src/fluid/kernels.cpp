@@ -1,4 +1,4 @@
-#include "trevi/fluid/kernels.hpp"
+#include "fluid/kernels.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // The kernels of the pair loops: what one vector of pairs adds to the sums of its particle.
 // Compiled once per instruction set (Highway's foreach_target), chosen at run time.
-#include "trevi/fluid/pair_sums.hpp"
+#include "fluid/pair_sums.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid/pair_sums.cpp"

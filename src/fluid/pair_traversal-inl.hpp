@@ -10,7 +10,7 @@
 
 #include <hwy/highway.h>
 
-#include "trevi/fluid/pair_sums.hpp"
+#include "fluid/pair_sums.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace trevi {

@@ -1,10 +1,10 @@
-#include "trevi/fluid/velocity_filter.hpp"
+#include "fluid/velocity_filter.hpp"
 
 #include <Eigen/Geometry>
 
+#include "base/growth.hpp"
 #include "fluid/for_each_sum.hpp"
-#include "trevi/base/growth.hpp"
-#include "trevi/fluid/kernels.hpp"
+#include "fluid/kernels.hpp"
 
 namespace trevi {
 

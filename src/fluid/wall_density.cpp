@@ -1,10 +1,10 @@
-#include "trevi/fluid/wall_density.hpp"
+#include "fluid/wall_density.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-#include "trevi/fluid/kernels.hpp"
+#include "fluid/kernels.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "trevi/fluid/walls.hpp"
+#include "fluid/walls.hpp"
 
 namespace trevi {
 

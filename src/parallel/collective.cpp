@@ -1,9 +1,9 @@
-#include "trevi/parallel/collective.hpp"
+#include "parallel/collective.hpp"
 
 #include <exception>
 #include <string>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -1,8 +1,8 @@
-#include "trevi/parallel/log.hpp"
+#include "parallel/log.hpp"
 
 #include <algorithm>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -1,8 +1,8 @@
-#include "trevi/parallel/reductions.hpp"
+#include "parallel/reductions.hpp"
 
 #include <numeric>
 
-#include "trevi/parallel/session.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "trevi/parallel/requests.hpp"
+#include "trevi/requests.hpp"
 
 #include <sys/stat.h>
 

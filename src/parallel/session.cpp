@@ -1,4 +1,4 @@
-#include "trevi/parallel/session.hpp"
+#include "trevi/session.hpp"
 
 #include <petscsys.h>
 
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string_view>
 
-#include "trevi/base/error.hpp"
-#include "trevi/base/simd.hpp"
+#include "base/simd.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

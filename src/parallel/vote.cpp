@@ -1,4 +1,4 @@
-#include "trevi/parallel/vote.hpp"
+#include "parallel/vote.hpp"
 
 #include <algorithm>
 #include <type_traits>

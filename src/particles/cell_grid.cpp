@@ -1,4 +1,4 @@
-#include "trevi/particles/cell_grid.hpp"
+#include "particles/cell_grid.hpp"
 
 #include <cassert>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "trevi/particles/cell_order.hpp"
+#include "particles/cell_order.hpp"
 
 #include <cassert>
 #include <numeric>
 #include <type_traits>
 
-#include "trevi/base/growth.hpp"
+#include "base/growth.hpp"
 
 namespace trevi {
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "particles/compress-inl.hpp"
-#include "trevi/particles/neighbour_list.hpp"
+#include "particles/neighbour_list.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace trevi {

@@ -2,7 +2,7 @@
 
 #include <petscsnes.h>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

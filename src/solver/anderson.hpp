@@ -3,7 +3,7 @@
 // Collective.
 #pragma once
 
-#include "trevi/solver/density_method.hpp"
+#include "solver/density_method.hpp"
 
 namespace trevi {
 

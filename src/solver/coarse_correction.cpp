@@ -1,4 +1,4 @@
-#include "trevi/solver/coarse_correction.hpp"
+#include "solver/coarse_correction.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "trevi/solver/coarse_pressure.hpp"
+#include "solver/coarse_pressure.hpp"
 
 #include <numbers>
 

@@ -1,4 +1,4 @@
-#include "trevi/solver/coarse_water.hpp"
+#include "solver/coarse_water.hpp"
 
 namespace trevi {
 

@@ -1,11 +1,11 @@
-#include "trevi/solver/density_method.hpp"
+#include "solver/density_method.hpp"
 
 #include <algorithm>
 #include <limits>
 
+#include "fluid/kernels.hpp"
 #include "solver/anderson.hpp"
 #include "solver/free_flight.hpp"
-#include "trevi/fluid/kernels.hpp"
 
 namespace trevi {
 

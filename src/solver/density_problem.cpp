@@ -1,12 +1,12 @@
-#include "trevi/solver/density_problem.hpp"
+#include "solver/density_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
-#include "trevi/base/growth.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "base/growth.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 

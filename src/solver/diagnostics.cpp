@@ -1,11 +1,11 @@
-#include "trevi/solver/diagnostics.hpp"
+#include "solver/diagnostics.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "trevi/parallel/reductions.hpp"
-#include "trevi/parallel/session.hpp"
+#include "parallel/reductions.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "trevi/parallel/reductions.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 

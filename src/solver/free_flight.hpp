@@ -4,7 +4,8 @@
 // turn of all the water, which changes no density. Linear momentum is kept by the pairs themselves. Collective.
 #pragma once
 
-#include "trevi/solver/density_method.hpp"
+#include "solver/density_method.hpp"
+#include "trevi/box.hpp"
 
 namespace trevi {
 

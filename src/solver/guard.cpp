@@ -1,9 +1,9 @@
-#include "trevi/solver/guard.hpp"
+#include "solver/guard.hpp"
 
 #include <fmt/format.h>
 
-#include "trevi/base/error.hpp"
-#include "trevi/parallel/collective.hpp"
+#include "parallel/collective.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -1,13 +1,13 @@
-#include "trevi/solver/solver.hpp"
+#include "trevi/solver.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "trevi/base/error.hpp"
-#include "trevi/parallel/reductions.hpp"
-#include "trevi/parallel/session.hpp"
+#include "parallel/reductions.hpp"
+#include "trevi/error.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 

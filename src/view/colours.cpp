@@ -1,4 +1,4 @@
-#include "colours.hpp"
+#include "view/colours.hpp"
 
 #include <fmt/format.h>
 

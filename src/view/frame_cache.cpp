@@ -1,4 +1,4 @@
-#include "frame_cache.hpp"
+#include "view/frame_cache.hpp"
 
 #include <algorithm>
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "trevi/output/viewer_messages.hpp"
+#include "live/viewer_messages.hpp"
 
 namespace trevi {
 

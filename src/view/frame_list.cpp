@@ -1,11 +1,11 @@
-#include "frame_list.hpp"
+#include "view/frame_list.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "trevi/base/error.hpp"
-#include "trevi/output/files.hpp"
+#include "io/files.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -1,8 +1,8 @@
-#include "frame_reader.hpp"
+#include "view/frame_reader.hpp"
 
-#include "trevi/base/error.hpp"
-#include "trevi/output/colour.hpp"
-#include "trevi/output/visible.hpp"
+#include "io/colour.hpp"
+#include "live/visible.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "frame_list.hpp"
-#include "trevi/output/viewer_messages.hpp"
+#include "live/viewer_messages.hpp"
+#include "view/frame_list.hpp"
 
 namespace trevi {
 

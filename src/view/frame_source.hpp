@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "trevi/output/viewer_messages.hpp"
+#include "live/viewer_messages.hpp"
 
 namespace trevi {
 

@@ -1,7 +1,7 @@
 // VTKHDF frames. A partition is a rank that had particles.
-#include "frame_reader.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/output/hdf5_reader.hpp"
+#include "io/hdf5_reader.hpp"
+#include "trevi/error.hpp"
+#include "view/frame_reader.hpp"
 
 namespace trevi {
 

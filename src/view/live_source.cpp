@@ -1,4 +1,4 @@
-#include "live_source.hpp"
+#include "view/live_source.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <zmq.hpp>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

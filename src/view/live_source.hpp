@@ -5,8 +5,8 @@
 
 #include <optional>
 
-#include "child.hpp"
-#include "frame_source.hpp"
+#include "view/child.hpp"
+#include "view/frame_source.hpp"
 
 namespace trevi {
 

@@ -1,6 +1,6 @@
 // Stands in for live_source.cpp where ZeroMQ is not built in.
-#include "live_source.hpp"
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
+#include "view/live_source.hpp"
 
 namespace trevi {
 

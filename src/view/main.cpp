@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <thread>
 
-#include "live_source.hpp"
-#include "playback.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/output/files.hpp"
-#include "window.hpp"
+#include "io/files.hpp"
+#include "trevi/error.hpp"
+#include "view/live_source.hpp"
+#include "view/playback.hpp"
+#include "view/window.hpp"
 
 namespace trevi {
 

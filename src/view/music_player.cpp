@@ -1,4 +1,4 @@
-#include "music_player.hpp"
+#include "view/music_player.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "trevi/output/files.hpp"
+#include "io/files.hpp"
 
 namespace trevi {
 

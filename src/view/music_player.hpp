@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "child.hpp"
-#include "trevi/app/scene.hpp"
+#include "trevi/scene.hpp"
+#include "view/child.hpp"
 
 namespace trevi {
 

@@ -4,9 +4,9 @@
 #include <numbers>
 #include <set>
 
-#include "music_player.hpp"
-#include "trevi/fluid/sound.hpp"
-#include "trevi/output/files.hpp"
+#include "io/files.hpp"
+#include "music/sound.hpp"
+#include "view/music_player.hpp"
 
 namespace trevi {
 

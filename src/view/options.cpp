@@ -1,9 +1,9 @@
-#include "options.hpp"
+#include "view/options.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include "status.hpp"
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
+#include "view/status.hpp"
 
 namespace trevi {
 

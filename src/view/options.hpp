@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "painter.hpp"
+#include "view/painter.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "painter.hpp"
+#include "view/painter.hpp"
 
 #include <vtkActor.h>
 #include <vtkCamera.h>

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "colours.hpp"
+#include "view/colours.hpp"
 
 class vtkActor;
 class vtkOpenGLFluidMapper;

@@ -1,4 +1,4 @@
-#include "picture_file.hpp"
+#include "view/picture_file.hpp"
 
 #include <vtkNew.h>
 #include <vtkPNGWriter.h>
@@ -6,7 +6,7 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
-#include "trevi/output/files.hpp"
+#include "io/files.hpp"
 
 namespace trevi {
 

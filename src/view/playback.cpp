@@ -1,10 +1,10 @@
-#include "playback.hpp"
+#include "view/playback.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

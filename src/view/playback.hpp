@@ -2,11 +2,11 @@
 // for the screen are left out. A directory that grows is followed.
 #pragma once
 
-#include "frame_cache.hpp"
-#include "frame_list.hpp"
-#include "frame_reader.hpp"
-#include "frame_source.hpp"
-#include "run_folder.hpp"
+#include "view/frame_cache.hpp"
+#include "view/frame_list.hpp"
+#include "view/frame_reader.hpp"
+#include "view/frame_source.hpp"
+#include "view/run_folder.hpp"
 
 namespace trevi {
 

@@ -1,13 +1,13 @@
-#include "run_folder.hpp"
+#include "view/run_folder.hpp"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "frame_reader.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/output/hdf5_reader.hpp"
+#include "io/files.hpp"
+#include "io/hdf5_reader.hpp"
+#include "trevi/error.hpp"
+#include "view/frame_reader.hpp"
 
 namespace trevi {
 

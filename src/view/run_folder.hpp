@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "frame_list.hpp"
-#include "trevi/app/scene.hpp"
-#include "trevi/output/viewer_messages.hpp"
+#include "live/viewer_messages.hpp"
+#include "trevi/scene.hpp"
+#include "view/frame_list.hpp"
 
 namespace trevi {
 

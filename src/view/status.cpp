@@ -1,4 +1,4 @@
-#include "status.hpp"
+#include "view/status.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "frame_source.hpp"
+#include "view/frame_source.hpp"
 
 namespace trevi {
 

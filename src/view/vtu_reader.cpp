@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <regex>
 
-#include "frame_reader.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/output/files.hpp"
+#include "io/files.hpp"
+#include "trevi/error.hpp"
+#include "view/frame_reader.hpp"
 
 namespace trevi {
 

@@ -1,4 +1,4 @@
-#include "window.hpp"
+#include "view/window.hpp"
 
 #include <X11/Xlib.h>
 #include <fmt/format.h>
@@ -15,9 +15,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "picture_file.hpp"
-#include "status.hpp"
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
+#include "view/picture_file.hpp"
+#include "view/status.hpp"
 
 namespace trevi {
 

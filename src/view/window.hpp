@@ -6,9 +6,9 @@
 
 #include <chrono>
 
-#include "frame_source.hpp"
-#include "music_player.hpp"
-#include "options.hpp"
+#include "view/frame_source.hpp"
+#include "view/music_player.hpp"
+#include "view/options.hpp"
 
 class vtkRenderer;
 class vtkRenderWindow;

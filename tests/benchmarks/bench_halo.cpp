@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-#include "trevi/parallel/session.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 namespace {

@@ -12,12 +12,12 @@
 #include <random>
 #include <string>
 
-#include "trevi/base/error.hpp"
-#include "trevi/output/checkpoint.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/output/output_directory.hpp"
-#include "trevi/output/vtkhdf.hpp"
-#include "trevi/parallel/session.hpp"
+#include "io/checkpoint.hpp"
+#include "io/files.hpp"
+#include "io/output_directory.hpp"
+#include "io/vtkhdf.hpp"
+#include "trevi/error.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 namespace {

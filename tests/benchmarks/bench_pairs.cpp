@@ -13,9 +13,9 @@
 #include <limits>
 #include <string_view>
 
+#include "base/simd.hpp"
 #include "table.hpp"
-#include "trevi/base/simd.hpp"
-#include "trevi/parallel/session.hpp"
+#include "trevi/session.hpp"
 #include "water.hpp"
 
 namespace trevi::bench {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <random>
 
-#include "trevi/domain/neighbourhood.hpp"
-#include "trevi/fluid/pair_sums.hpp"
+#include "domain/neighbourhood.hpp"
+#include "fluid/pair_sums.hpp"
 
 namespace trevi::bench {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "trevi/app/build.hpp"
-#include "trevi/parallel/session.hpp"
+#include "app/build.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi::test {
 

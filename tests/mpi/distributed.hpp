@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "cloud.hpp"
-#include "trevi/domain/migrate.hpp"
-#include "trevi/domain/neighbourhood.hpp"
+#include "domain/migrate.hpp"
+#include "domain/neighbourhood.hpp"
 
 namespace trevi::test {
 

@@ -7,8 +7,8 @@
 #include <iostream>
 #include <memory>
 
-#include "trevi/base/simd.hpp"
-#include "trevi/parallel/session.hpp"
+#include "base/simd.hpp"
+#include "trevi/session.hpp"
 
 namespace {
 

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "trevi/base/error.hpp"
-#include "trevi/parallel/session.hpp"
-#include "trevi/solver/observer.hpp"
+#include "trevi/error.hpp"
+#include "trevi/observer.hpp"
+#include "trevi/session.hpp"
 
 namespace fs = std::filesystem;
 

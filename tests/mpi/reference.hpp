@@ -11,7 +11,7 @@
 #include "cloud.hpp"
 #include "reference_coarse.hpp"
 #include "reference_walls.hpp"
-#include "trevi/fluid/forcing.hpp"
+#include "trevi/forcing.hpp"
 
 namespace trevi::test {
 

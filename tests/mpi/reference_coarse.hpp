@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "trevi/app/scene.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi::test {
 

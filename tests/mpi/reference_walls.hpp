@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/AutoDiff>
 #include <vector>
 
-#include "trevi/app/scene.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi::test {
 

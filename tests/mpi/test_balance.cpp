@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "distributed.hpp"
-#include "trevi/domain/balance.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "domain/balance.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi::test {
 namespace {

@@ -8,10 +8,10 @@
 #include <limits>
 #include <thread>
 
+#include "io/checkpoint.hpp"
+#include "io/hdf5_reader.hpp"
+#include "io/particle_file.hpp"
 #include "output_fixture.hpp"
-#include "trevi/output/checkpoint.hpp"
-#include "trevi/output/hdf5_reader.hpp"
-#include "trevi/output/particle_file.hpp"
 
 namespace trevi {
 namespace {

@@ -2,10 +2,10 @@
 // BlowUp in that very step, and none may wait for another for ever. And what the step hands to observers.
 #include <functional>
 
+#include "fluid/kernels.hpp"
 #include "output_fixture.hpp"
-#include "trevi/fluid/kernels.hpp"
-#include "trevi/parallel/vote.hpp"
-#include "trevi/solver/solver.hpp"
+#include "parallel/vote.hpp"
+#include "trevi/solver.hpp"
 
 namespace trevi {
 namespace {

@@ -5,14 +5,14 @@
 
 #include <numeric>
 
+#include "app/initial_particles.hpp"
+#include "app/lattice.hpp"
+#include "io/hdf5_reader.hpp"
+#include "io/hdf5_writer.hpp"
+#include "io/id_order.hpp"
 #include "output_fixture.hpp"
-#include "trevi/app/initial_particles.hpp"
-#include "trevi/app/lattice.hpp"
-#include "trevi/fluid/forcing.hpp"
-#include "trevi/output/hdf5_reader.hpp"
-#include "trevi/output/hdf5_writer.hpp"
-#include "trevi/output/id_order.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "parallel/reductions.hpp"
+#include "trevi/forcing.hpp"
 
 namespace trevi::test {
 namespace {

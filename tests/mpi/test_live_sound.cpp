@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdio>
 
-#include "trevi/base/error.hpp"
-#include "trevi/fluid/sound.hpp"
+#include "music/sound.hpp"
+#include "trevi/error.hpp"
 #include "unit/music_files.hpp"
 
 namespace trevi::test {

@@ -3,8 +3,8 @@
 #include <set>
 
 #include "distributed.hpp"
-#include "trevi/output/live_view.hpp"
-#include "trevi/output/visible.hpp"
+#include "live/live_view.hpp"
+#include "live/visible.hpp"
 
 namespace trevi {
 namespace {

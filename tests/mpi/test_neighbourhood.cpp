@@ -3,9 +3,9 @@
 #include <map>
 #include <set>
 
+#include "base/simd.hpp"
 #include "distributed.hpp"
-#include "trevi/base/simd.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi::test {
 namespace {

@@ -7,17 +7,17 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "io/colour.hpp"
+#include "io/files.hpp"
+#include "io/id_order.hpp"
+#include "io/output_directory.hpp"
+#include "io/progress.hpp"
+#include "io/pvd.hpp"
+#include "io/run_report.hpp"
+#include "io/series.hpp"
+#include "io/vtkhdf.hpp"
 #include "output_fixture.hpp"
-#include "trevi/output/colour.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/output/id_order.hpp"
-#include "trevi/output/output_directory.hpp"
-#include "trevi/output/progress.hpp"
-#include "trevi/output/pvd.hpp"
-#include "trevi/output/run_report.hpp"
-#include "trevi/output/series.hpp"
-#include "trevi/output/vtkhdf.hpp"
-#include "trevi/parallel/collective.hpp"
+#include "parallel/collective.hpp"
 
 namespace trevi {
 namespace {

@@ -4,9 +4,9 @@
 #include <Eigen/Geometry>
 #include <map>
 
+#include "base/simd.hpp"
 #include "distributed.hpp"
-#include "trevi/base/simd.hpp"
-#include "trevi/fluid/pair_sums.hpp"
+#include "fluid/pair_sums.hpp"
 
 namespace trevi::test {
 namespace {

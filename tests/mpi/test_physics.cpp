@@ -3,8 +3,11 @@
 #include <cmath>
 
 #include "distributed.hpp"
-#include "trevi/fluid/density.hpp"
-#include "trevi/fluid/forcing.hpp"
+#include "fluid/density.hpp"
+#include "fluid/floor_friction.hpp"
+#include "fluid/fountain.hpp"
+#include "fluid/gravity.hpp"
+#include "trevi/forcing.hpp"
 
 namespace trevi::test {
 namespace {

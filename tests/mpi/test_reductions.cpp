@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "distributed.hpp"
-#include "trevi/parallel/reductions.hpp"
-#include "trevi/solver/diagnostics.hpp"
+#include "parallel/reductions.hpp"
+#include "solver/diagnostics.hpp"
 
 namespace trevi::test {
 namespace {

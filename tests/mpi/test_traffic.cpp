@@ -4,7 +4,7 @@
 
 #include "cloud.hpp"
 #include "output_fixture.hpp"
-#include "trevi/parallel/reductions.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi::test {
 namespace {

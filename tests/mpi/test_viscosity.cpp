@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cloud.hpp"
-#include "trevi/fluid/velocity_filter.hpp"
+#include "fluid/velocity_filter.hpp"
 
 namespace trevi::test {
 namespace {

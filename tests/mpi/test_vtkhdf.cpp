@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "io/blowup.hpp"
+#include "io/vtkhdf.hpp"
 #include "output_fixture.hpp"
-#include "trevi/output/blowup.hpp"
-#include "trevi/output/vtkhdf.hpp"
 
 namespace trevi {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 
+#include "io/files.hpp"
+#include "io/vtu.hpp"
 #include "output_fixture.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/output/vtu.hpp"
 
 namespace trevi {
 namespace {

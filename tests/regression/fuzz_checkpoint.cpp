@@ -9,10 +9,10 @@
 #include <random>
 #include <string>
 
-#include "trevi/base/error.hpp"
-#include "trevi/output/checkpoint.hpp"
-#include "trevi/output/files.hpp"
-#include "trevi/output/hdf5_rows.hpp"
+#include "io/checkpoint.hpp"
+#include "io/files.hpp"
+#include "io/hdf5_rows.hpp"
+#include "trevi/error.hpp"
 
 namespace {
 

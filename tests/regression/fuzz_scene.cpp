@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "trevi/app/scene_changes.hpp"
-#include "trevi/base/error.hpp"
+#include "app/scene_changes.hpp"
+#include "trevi/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   std::vector<std::string> parts = {""};

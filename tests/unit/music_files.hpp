@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "trevi/base/error.hpp"
-#include "trevi/fluid/music.hpp"
+#include "music/music.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi::test {
 

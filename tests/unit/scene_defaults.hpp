@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "trevi/app/scene.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi::test {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "trevi/app/scene.hpp"
-#include "trevi/base/error.hpp"
+#include "trevi/error.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi::test {
 

@@ -5,12 +5,12 @@
 #include <numeric>
 #include <random>
 
-#include "trevi/base/clock.hpp"
-#include "trevi/base/error.hpp"
-#include "trevi/domain/slabs.hpp"
-#include "trevi/fluid/forcing.hpp"
-#include "trevi/particles/cell_grid.hpp"
-#include "trevi/particles/packed.hpp"
+#include "domain/slabs.hpp"
+#include "particles/cell_grid.hpp"
+#include "particles/packed.hpp"
+#include "trevi/clock.hpp"
+#include "trevi/error.hpp"
+#include "trevi/forcing.hpp"
 
 namespace trevi {
 namespace {

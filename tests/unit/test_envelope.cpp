@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "app/envelope.hpp"
 #include "scene_text.hpp"
-#include "trevi/app/envelope.hpp"
 
 namespace trevi::test {
 namespace {

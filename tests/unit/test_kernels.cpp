@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "trevi/fluid/density.hpp"
-#include "trevi/fluid/kernels.hpp"
+#include "fluid/density.hpp"
+#include "fluid/kernels.hpp"
 
 namespace trevi {
 namespace {

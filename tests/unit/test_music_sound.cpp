@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "music/sound.hpp"
 #include "music_files.hpp"
-#include "trevi/fluid/sound.hpp"
 
 namespace trevi::test {
 namespace {

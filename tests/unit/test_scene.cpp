@@ -6,8 +6,8 @@
 #include <random>
 #include <sstream>
 
+#include "base/simd.hpp"
 #include "scene_text.hpp"
-#include "trevi/base/simd.hpp"
 
 namespace trevi::test {
 namespace {

@@ -5,9 +5,9 @@
 #include <random>
 #include <set>
 
-#include "trevi/base/error.hpp"
-#include "trevi/output/viewer_messages.hpp"
-#include "trevi/output/visible.hpp"
+#include "live/viewer_messages.hpp"
+#include "live/visible.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "trevi/fluid/walls.hpp"
+#include "fluid/walls.hpp"
 
 namespace trevi {
 namespace {

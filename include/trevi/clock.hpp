@@ -1,0 +1,38 @@
+// Simulated time, and when something is due. Steps are counted, never accumulated, so that a restart sees the same
+// times. An output is due at the first step whose time is at least its due time − dt/2 (contract, "Time").
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "trevi/types.hpp"
+
+namespace trevi {
+
+struct Clock {
+  std::int64_t step = 0;  ///< steps done since the start of the run, restarts included
+  Real dt = 0;            ///< length of a step, s
+  int substeps = 1;       ///< equal parts the last step was split into
+  Real time() const { return static_cast<Real>(step) * dt; }
+};
+
+/// Every so many seconds or every so many steps; `every_steps` wins when both are set; neither set: never due.
+struct Schedule {
+  Real every = 0;  ///< s
+  std::int64_t every_steps = 0;
+
+  bool operator==(const Schedule&) const = default;
+  bool due(const Clock& clock) const {
+    if (every_steps > 0) return clock.step % every_steps == 0;
+    if (every <= 0) return false;
+    return clock.step == 0 || outputs_until(clock.step, clock.dt) > outputs_until(clock.step - 1, clock.dt);
+  }
+
+ private:
+  std::int64_t outputs_until(std::int64_t step, Real dt) const {
+    // The small allowance keeps a due time that is hit to rounding (every = n dt + dt/2) on the earlier step.
+    return static_cast<std::int64_t>(std::floor((static_cast<Real>(step) + 0.5) * dt / every + 1e-9));
+  }
+};
+
+}  // namespace trevi

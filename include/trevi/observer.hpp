@@ -1,0 +1,50 @@
+// Observers look at a run and write; they never change it. Each has its own schedule; the solver notifies them at the
+// end of a step, while the particles still stand in the frozen cell order of that step.
+#pragma once
+
+#include <span>
+
+#include "trevi/clock.hpp"
+#include "trevi/forcing.hpp"
+#include "trevi/particles.hpp"
+
+namespace trevi {
+
+/// One row of series.csv, sums and maxima over all ranks, the same bits on any rank count (but imbalance,
+/// wall_seconds). Units: SI; definitions in the user's contract, "Outputs". Undefined values are nan.
+struct Diagnostics {
+  GlobalId particles = 0;
+  std::int64_t iterations = 0;  ///< of the density solves of the step, its substeps added up
+  Real density_mean = 0, density_max = 0, density_interior = 0;
+  Real compression_mean = 0, compression_max = 0, compression_rms = 0;
+  Real kinetic_energy = 0, potential_energy = 0;
+  Vec3 momentum = Vec3::Zero(), com = Vec3::Zero();
+  Real speed_max = 0, top = 0, front = 0, front_q99 = 0, drift_max = 0;
+  Real imbalance = 1, wall_seconds = 0;
+};
+
+/// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
+struct Frame {
+  const Clock& clock;
+  const Particles& particles;
+  std::span<const Real> density;             ///< kg/m³ at the final positions; empty unless an observer wanted it
+  const Diagnostics* diagnostics;            ///< null unless an observer wanted it
+  std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene
+};
+
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  /// Whether to be called at this step. The same answer on all ranks.
+  virtual bool due(const Clock& clock) const = 0;
+  virtual bool wants_density() const { return false; }
+  virtual bool wants_diagnostics() const { return false; }
+  /// Collective.
+  virtual void observe(const Frame& frame) = 0;
+  /// Asked for from outside (SIGUSR1, a request to stop), due or not: put on disk what a restart needs. Collective.
+  virtual void save(const Frame&) {}
+  /// Once at the end of the run, whatever its reason. Collective.
+  virtual void finish(const Frame&) {}
+};
+
+}  // namespace trevi

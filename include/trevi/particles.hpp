@@ -1,0 +1,78 @@
+// The state of the particles one rank owns: a structure of arrays, one contiguous array per field, all of one length.
+// Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count
+// changes. Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has
+// none. The one list of fields is for_each_field: migration goes through it, sorting through for_each_kept_field (the
+// velocities have no value then), and checkpoints through for_each_saved_field, which names those that a restart needs
+// beside the id.
+#pragma once
+
+#include <cassert>
+#include <vector>
+
+#include "trevi/types.hpp"
+
+namespace trevi {
+
+struct Particles {
+  std::vector<GlobalId> id;     ///< unique over all ranks, from 0
+  std::vector<Vec3> position;   ///< p at the start of the step, m
+  std::vector<Vec3> predicted;  ///< p*, m
+  std::vector<Vec3> velocity;   ///< v, m/s
+  std::vector<float> hue;       ///< start position on the rainbow, 0 to 1; empty unless the scene's colour asks for it
+  bool has_hue = false;
+
+  LocalId size() const { return static_cast<LocalId>(id.size()); }
+
+  /// Calls visit(array) for each field that exists.
+  template <class Visit>
+  void for_each_field(Visit&& visit) {
+    for_each_field_of(*this, visit);
+  }
+  template <class Visit>
+  void for_each_field(Visit&& visit) const {
+    for_each_field_of(*this, visit);
+  }
+
+  /// The same for those that live on between the prediction and the update of the velocities: all but these.
+  template <class Visit>
+  void for_each_kept_field(Visit&& visit) {
+    for_each_kept_field_of(*this, visit);
+  }
+
+  /// Calls visit(name, array) for each field, but for the id, that a checkpoint must hold: predicted positions are
+  /// those of the particles between two steps.
+  template <class Visit>
+  void for_each_saved_field(Visit&& visit) {
+    for_each_saved_field_of(*this, visit);
+  }
+  template <class Visit>
+  void for_each_saved_field(Visit&& visit) const {
+    for_each_saved_field_of(*this, visit);
+  }
+
+  void resize(std::size_t n) {
+    for_each_field([n](auto& field) { field.resize(n); });
+  }
+
+ private:
+  template <class Self, class Visit>
+  static void for_each_kept_field_of(Self& self, Visit&& visit) {
+    visit(self.id);
+    visit(self.position);
+    visit(self.predicted);
+    if (self.has_hue) visit(self.hue);
+  }
+  template <class Self, class Visit>
+  static void for_each_field_of(Self& self, Visit&& visit) {
+    for_each_kept_field_of(self, visit);
+    visit(self.velocity);
+  }
+  template <class Self, class Visit>
+  static void for_each_saved_field_of(Self& self, Visit&& visit) {
+    visit("position", self.position);
+    visit("velocity", self.velocity);
+    if (self.has_hue) visit("hue", self.hue);
+  }
+};
+
+}  // namespace trevi

@@ -1,0 +1,47 @@
+// From a scene to objects: the one place where features are chosen. What a scene does not name is not built: no
+// forcing, no filter, no array, no event. Collective; throws InputError on all ranks alike for what this program cannot
+// do.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/command_line.hpp"
+#include "io/checkpoint.hpp"
+#include "io/energy_rise.hpp"
+#include "io/output_lock.hpp"
+#include "live/viewer_link.hpp"
+#include "trevi/scene.hpp"
+#include "trevi/session.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi {
+
+struct BuildOptions {
+  std::string directory;       ///< of the output; empty where no observer writes
+  OutputLock* lock = nullptr;  ///< on it; taken once the folder is there
+  ProgressMode progress = ProgressMode::automatic;
+  std::int64_t last_step = 0;
+  std::optional<CheckpointState> restart;
+  std::function<RequestCounts()> requests;  ///< what the world outside asks of this rank
+  bool viewed = false;                      ///< a viewer may watch the run
+  std::shared_ptr<ViewerLink> viewer;       ///< to which rank 0 has this link
+  std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
+};
+
+/// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
+DensityModel density_model(const Scene& scene);
+
+/// For the series of a scene in which nothing pumps; null for others.
+std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
+
+/// Gravity and the fountains with their music, in the order of the scene.
+std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene);
+
+/// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any
+/// communicator will do, so that a test can set one rank beside many.
+std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options);
+
+}  // namespace trevi

@@ -1,0 +1,14 @@
+// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, planned output.
+// Collective.
+#pragma once
+
+#include <string>
+
+#include "trevi/scene.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+void print_dry_run(const Session& session, const Scene& scene, const std::string& directory);
+
+}  // namespace trevi

@@ -1,0 +1,20 @@
+// The stability envelope: settings under which the stress study found the solver stable
+// (postprocess/results/stability.md). Outside of it a run is not refused, as short or damped runs may well be fine, but
+// it says so at its start and in run.json. Not collective.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+/// A sentence with the remedy for each setting outside the envelope; none for a scene without gravity.
+std::vector<std::string> envelope_warnings(const Scene& scene);
+
+/// What is said at the end of a run without pumps whose energy rose by this share (EnergyRise): one sentence with
+/// remedies above 0.5 %, the mark of the stability study, else none.
+std::vector<std::string> energy_warnings(const Scene& scene, Real share);
+
+}  // namespace trevi

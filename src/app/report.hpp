@@ -1,0 +1,33 @@
+// run.json of a run: totals over ranks of time, work, traffic and memory, and how it ended.
+#pragma once
+
+#include <string>
+
+#include "io/energy_rise.hpp"
+#include "trevi/error.hpp"
+#include "trevi/scene.hpp"
+#include "trevi/session.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi {
+
+struct RunContext {
+  const Scene& scene;
+  std::string directory;
+  std::int64_t first_step = 0;
+  bool restarted = false;
+  const EnergyRise* energy = nullptr;  ///< null without a series, or where something pumps
+};
+
+struct Outcome {
+  ExitCode code = ExitCode::done;
+  std::string reason = "done";  ///< "stopped: SIGUSR2", "failed: ...", for run.json
+};
+
+/// Collective.
+void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
+
+/// The part of it that one rank knows, when it fails alone and the others cannot be asked. Not collective.
+void write_last_words(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
+
+}  // namespace trevi

@@ -1,0 +1,72 @@
+// Ghost exchange with the two neighbour slabs. Particles are in cell order, so what a neighbour needs, and where its
+// answer goes, are contiguous slices of an array [low ghosts | owned | high ghosts]: no index list, no packing.
+// rebuild() makes the plan once a step; then any array of that layout is exchanged by start() and finish(), with work
+// that needs no ghosts in between. Whole planes of a grid travel the same way. Collective over neighbours: all ranks
+// call the same exchanges in the same order.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <cassert>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "parallel/log.hpp"
+#include "particles/cell_order.hpp"
+
+namespace trevi {
+
+class Halo {
+ public:
+  explicit Halo(MPI_Comm comm);
+  Halo(const Halo&) = delete;
+  Halo& operator=(const Halo&) = delete;
+
+  /// Exchanges the cell counts of the boundary planes and adds the ghost planes to `order`.
+  void rebuild(CellOrder& order);
+
+  template <class T>
+  void start(std::vector<T>& field) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    assert(field.size() == static_cast<std::size_t>(owned_.end_high));
+    start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(T));
+  }
+  /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each.
+  template <class T>
+  void start_planes(std::vector<T>& grid, std::size_t per_plane) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    start_plane_bytes(reinterpret_cast<std::byte*>(grid.data()), per_plane * sizeof(T), grid.size() / per_plane);
+  }
+  void finish();
+
+  template <class T>
+  void exchange(std::vector<T>& field) {
+    start(field);
+    finish();
+  }
+
+  /// Sent by this rank since the beginning.
+  std::int64_t bytes() const { return bytes_; }
+  std::int64_t messages() const { return messages_; }
+
+ private:
+  // Borders of the slices, as indices into an array with ghosts.
+  struct Borders {
+    LocalId begin = 0, end_first_plane = 0, begin_last_plane = 0, end = 0, end_high = 0;
+  };
+  void start_bytes(std::byte* field, std::size_t size);
+  void start_plane_bytes(std::byte* grid, std::size_t plane, std::size_t planes);
+  void send_receive(const void* send, std::size_t send_bytes, void* receive, std::size_t receive_bytes, int side);
+
+  MPI_Comm comm_;
+  std::array<int, 2> neighbour_;  // low, high; MPI_PROC_NULL where the box ends
+  Borders owned_;
+  std::vector<LocalId> low_counts_, high_counts_;
+  std::vector<MPI_Request> requests_;
+  std::int64_t bytes_ = 0, messages_ = 0;
+  Event wait_event_{"HaloWait"};
+};
+
+}  // namespace trevi

@@ -1,0 +1,57 @@
+// Everything about who is near whom in one step: cell order, ghosts, packed records, neighbour list.
+// rebuild() follows the prediction; list, ghosts and order are frozen until the end of the step, while the records
+// follow the particles: write the owned ones, then exchange() them. Interior work may go on between start() and
+// finish() of the halo. Collective: rebuild and everything that exchanges.
+#pragma once
+
+#include <mpi.h>
+
+#include "domain/halo.hpp"
+#include "domain/slabs.hpp"
+#include "parallel/log.hpp"
+#include "particles/neighbour_list.hpp"
+
+namespace trevi {
+
+template <class T>
+class Neighbourhood {
+ public:
+  Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
+
+  /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
+  /// particles must be in the planes [first, last). A particle may have too many neighbours, on the rank concerned
+  /// alone (list().crowded()); the list then lacks it and those after it, and the collective calls may go on.
+  void rebuild(Particles& particles, LocalId first, LocalId last);
+
+  /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.
+  void encode(const std::vector<Vec3>& place, Range range);
+
+  /// Record of owned particle i.
+  Packed<T>& record(LocalId i) { return records_[static_cast<std::size_t>(order_.low_ghosts() + i)]; }
+  std::vector<Packed<T>>& records() { return records_; }
+  const std::vector<Packed<T>>& records() const { return records_; }
+  const NeighbourList& list() const { return list_; }
+  const CellOrder& order() const { return order_; }
+  Halo& halo() { return halo_; }
+  const Halo& halo() const { return halo_; }
+
+  /// Particles whose records the neighbour ranks hold: those of the first and the last plane; and all others.
+  std::vector<Range> boundary() const;
+  Range interior() const;
+  Range all() const { return {0, order_.owned()}; }
+
+  std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes(); }
+
+ private:
+  CellOrder order_;
+  Halo halo_;
+  Encoding<T> encoding_;
+  std::vector<Packed<T>> records_;
+  NeighbourList list_;
+  Event sort_event_{"CellSort"}, halo_event_{"HaloRebuild"}, search_event_{"NeighbourSearch"};
+};
+
+extern template class Neighbourhood<float>;
+extern template class Neighbourhood<double>;
+
+}  // namespace trevi

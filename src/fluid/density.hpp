@@ -1,0 +1,75 @@
+// The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
+//   rho_i = m Σ_j W(p_ij), W Poly6 or, by fluid.density_kernel, Spiky;  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+//   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of the
+//   walls' share]
+// The functions of one particle (density, lambda) stand apart from the loops that drive them. Not collective: the
+// caller exchanges lambda, which lives in the scalar of the records, between the two loops.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "fluid/pair_sums.hpp"
+#include "fluid/wall_density.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// Physical constants of the constraint, already scaled to the resolution of the scene.
+struct DensityModel {
+  Real mass = 1;             ///< of a particle, kg
+  Real rest_density = 1000;  ///< kg/m³
+  Real h = 0.2;              ///< m
+  Real epsilon = 1;          ///< 1/m²
+  Constraint constraint = Constraint::equality;
+  Kernel kernel = Kernel::spiky;
+};
+
+/// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest
+/// density.
+Real particle_mass(const FluidSettings& fluid);
+
+/// `sum`: Σ (1 − u²)³, or with Spiky (1 − u)³, over the neighbours without i; the density in kg/m³ without boundary
+/// terms.
+Real density(const DensityModel& model, Real sum);
+
+/// Σ_k |∇_k C_i|² from gradient = ∇_i C_i and neighbours = Σ_j |∇_j C_i|², both in 1/m units; lambda in m².
+Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
+
+template <class T>
+class DensityConstraint {
+ public:
+  /// Without `walls` a particle at a wall misses neighbours, as in the report.
+  DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
+                    std::optional<AnalyticWallDensity> walls);
+
+  const DensityModel& model() const { return model_; }
+
+  /// Writes rho_i (kg/m³, all owned particles' array) for the range.
+  void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
+
+  /// Writes rho_i and puts lambda_i into the scalar of the records of the range.
+  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
+               std::vector<Packed<T>>& records) const;
+
+  /// Writes delta_i in metres for the range (arrays of all owned particles).
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Quad<T>> delta) const;
+
+  /// Floating-point operations of a pair in each loop, for the log.
+  static constexpr double density_flops = 27, delta_flops = 24;
+
+ private:
+  DensityModel model_;
+  Real gradient_factor_;  // m/rho0 times that of Spiky, 1/m
+  PairLoops<T> loops_;
+  decltype(PairLoops<T>::density) density_loop_;
+  std::function<void(const Pairs<T>&, Range, Quad<T>*)> delta_loop_;
+  std::optional<AnalyticWallDensity> walls_;
+};
+
+extern template class DensityConstraint<float>;
+extern template class DensityConstraint<double>;
+
+}  // namespace trevi

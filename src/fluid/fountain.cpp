@@ -1,0 +1,39 @@
+#include "fluid/fountain.hpp"
+
+#include <algorithm>
+
+namespace trevi {
+
+Fountain::Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed,
+                   int index)
+    : event_("Fountain"), settings_(settings), pump_(std::move(pump)), floor_(floor), seed_(seed), index_(index) {}
+
+std::optional<FountainState> Fountain::pumped(Real time) const {
+  if (time < settings_.start || time >= settings_.stop) return std::nullopt;
+  return pump_->at(time);
+}
+
+Real Fountain::fastest(const TimeSpan& times) const {
+  const TimeSpan running{std::max(times.begin, settings_.start), std::min(times.end, settings_.stop)};
+  if (running.begin >= running.end) return 0;
+  const std::optional<Real> speed = pump_->fastest(running);
+  return speed ? *speed + settings_.jitter : 0;
+}
+
+bool Fountain::contains(const Vec3& p) const {
+  const Real x = p.x() - settings_.center[0], y = p.y() - settings_.center[1], r = settings_.diameter / 2;
+  return x * x + y * y <= r * r && p.z() - floor_ <= settings_.height;
+}
+
+void Fountain::apply(Particles& particles, const StepInfo& info) {
+  const ScopedEvent timed(event_);
+  const std::optional<FountainState> now = pumped(info.time);
+  if (!now) return;
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    if (!contains(particles.position[i])) continue;
+    const Real u = uniform(seed_, particles.id[i], info, index_);
+    particles.velocity[i] = settings_.direction * (now->speed + settings_.jitter * u);
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,59 @@
+// Fountains, and the pumps that drive them (report, section 3). Collective: prepare() only.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "parallel/log.hpp"
+#include "trevi/forcing.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// What sets the speed of a fountain: a constant, or music (src/music).
+class Pump {
+ public:
+  virtual ~Pump() = default;
+  /// As Forcing::prepare. Collective.
+  virtual void prepare(const StepInfo&) {}
+  /// Note and speed at a time; nothing while the pump is off.
+  virtual std::optional<FountainState> at(Real time) const = 0;
+  /// Highest speed within the times, m/s; nothing while the pump is off throughout.
+  virtual std::optional<Real> fastest(const TimeSpan& times) const = 0;
+};
+
+class ConstantPump : public Pump {
+ public:
+  explicit ConstantPump(Real speed) : speed_(speed) {}
+  std::optional<FountainState> at(Real) const override { return FountainState{NAN, speed_}; }
+  std::optional<Real> fastest(const TimeSpan&) const override { return speed_; }
+
+ private:
+  Real speed_;
+};
+
+/// Pumps the particles inside an upright cylinder on the floor: v = direction (speed + jitter u) in place of gravity.
+/// While the pump is off it leaves them alone.
+class Fountain : public Forcing {
+ public:
+  /// `index` tells fountains apart in the random numbers; `floor` is the height of the floor, m.
+  Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
+  void prepare(const StepInfo& step) override { pump_->prepare(step); }
+  void apply(Particles& particles, const StepInfo& info) override;
+  Real fastest(const TimeSpan& times) const override;
+  std::optional<FountainState> state(Real time) const override { return pumped(time).value_or(FountainState{}); }
+
+ private:
+  bool contains(const Vec3& p) const;
+  std::optional<FountainState> pumped(Real time) const;
+
+  Event event_;
+  FountainSettings settings_;
+  std::unique_ptr<Pump> pump_;
+  Real floor_;
+  std::uint64_t seed_;
+  int index_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,244 @@
+#include "io/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include "io/checksums.hpp"
+#include "io/files.hpp"
+#include "io/hdf5_writer.hpp"
+#include "io/id_order.hpp"
+#include "parallel/collective.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr const char* prefix = "checkpoint_";
+constexpr const char* suffix = ".h5";
+
+constexpr std::int64_t format_version = 1;
+
+void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
+  file.attribute("format", format_version);
+  file.attribute("step", frame.clock.step);
+  file.attribute("time", frame.clock.time());
+  file.attribute("dt", frame.clock.dt);
+  file.attribute("substeps", static_cast<std::int64_t>(frame.clock.substeps));
+  file.attribute("seed", info.seed);
+  file.attribute("program_version", info.program_version);
+  if (!frame.fountains.empty()) {
+    std::vector<Real> notes, speeds;
+    for (const FountainState& fountain : frame.fountains) {
+      notes.push_back(fountain.note);
+      speeds.push_back(fountain.speed);
+    }
+    file.attribute("fountain_note", std::span<const Real>(notes));
+    file.attribute("fountain_speed", std::span<const Real>(speeds));
+  }
+  file.text("/scene", info.scene_text);
+  file.attribute("scene_overrides", info.scene_overrides);
+  file.attribute("scene_checksum", checksum(info.scene_text));
+  if (info.music.empty()) return;
+  const auto fountains = static_cast<std::int64_t>(info.music.size());
+  const bool writes = rank_of(comm) == 0;
+  file.write("/music", writes ? info.music : std::vector<std::int64_t>{},
+             {writes ? 0 : fountains, writes ? fountains : 0, fountains});
+}
+
+/// Block of rows `row` begins, or the number of blocks up to the end of the table.
+std::int64_t block_at(std::int64_t row) { return (row + rows_per_block - 1) / rows_per_block; }
+
+RowSlice blocks_of(RowSlice rows) {
+  const std::int64_t first = block_at(rows.first);
+  return {first, block_at(rows.first + rows.count) - first, block_at(rows.total)};
+}
+
+template <class T>
+void write_column(Hdf5Writer& file, const std::string& name, const std::vector<T>& rows, RowSlice slice) {
+  file.write("/particles/" + name, rows, slice);
+  file.write("/checksums/" + name, block_checksums(std::span<const T>(rows)), blocks_of(slice));
+}
+
+void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles) {
+  const IdOrder order(comm, particles.id, rows_per_block);
+  const RowSlice slice{order.first_row(), static_cast<std::int64_t>(order.ids().size()), order.total()};
+  write_column(file, "id", order.ids(), slice);
+  particles.for_each_saved_field(
+      [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
+}
+
+bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
+  const auto finite = [](const Vec3& row) { return row.allFinite(); };
+  int good = std::all_of(particles.position.begin(), particles.position.end(), finite) &&
+             std::all_of(particles.velocity.begin(), particles.velocity.end(), finite);
+  MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, comm);
+  return good != 0;
+}
+
+[[noreturn]] void fail_damaged(const std::string& path, const std::string& what) {
+  throw InputError(
+      fmt::format("{}: {}: not what its checksum says; the file is damaged, use another copy or an older "
+                  "checkpoint",
+                  path, what));
+}
+
+/// What a restart reads from, on one rank: the file and the rows that this rank looks after.
+struct Source {
+  std::string path;
+  Hdf5Reader file;
+  RowSlice slice;
+};
+
+template <class T>
+void check_column(const Source& source, const std::string& name, const std::vector<T>& rows) {
+  const auto written = source.file.read<std::int64_t>("/checksums/" + name, blocks_of(source.slice));
+  const auto found = block_checksums(std::span<const T>(rows));
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k] == written[k]) continue;
+    const std::int64_t first = source.slice.first + static_cast<std::int64_t>(k) * rows_per_block;
+    const std::int64_t last = std::min(first + rows_per_block, source.slice.total) - 1;
+    fail_damaged(source.path, fmt::format("/particles/{}: rows {} to {}", name, first, last));
+  }
+}
+
+ParticleRows read_checked_rows(const Source& source) {
+  for (const char* name : {"/particles/id", "/particles/velocity"}) {  // which a particle file may lack
+    if (source.file.has(name)) continue;
+    throw InputError(
+        fmt::format("{}: {}: missing; a restart needs a whole checkpoint, use another file", source.path, name));
+  }
+  ParticleRows rows = read_particle_rows(source.file, source.slice);
+  check_column(source, "id", rows.id);
+  rows.for_each_saved_field([&](const char* name, const auto& field) { check_column(source, name, field); });
+  return rows;
+}
+
+void check_header(const std::string& path, const CheckpointState& state) {
+  const auto refuse = [&](const char* name, const auto& value) {
+    throw InputError(fmt::format("{}: attribute {}: cannot be {}; use another checkpoint", path, name, value));
+  };
+  if (state.step < 0) refuse("step", state.step);
+  if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
+  if (state.substeps < 1) refuse("substeps", state.substeps);
+  const auto& text = state.info.scene_text;
+  const auto lines = std::count(text.begin(), text.end(), '\n');
+  if (state.info.scene_overrides < 0 || state.info.scene_overrides > lines)
+    refuse("scene_overrides", state.info.scene_overrides);
+}
+
+CheckpointState read_slice(const std::string& path, int rank, int size) {
+  Source source{path, Hdf5Reader(path), {}};
+  const Hdf5Reader& file = source.file;
+  source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
+  CheckpointState state;
+  if (file.integer_attribute("format") != format_version) {
+    throw InputError(path + ": written by another version of trevi, in a format that this one does not know");
+  }
+  state.step = file.integer_attribute("step");
+  state.dt = file.real_attribute("dt");
+  state.time = file.real_attribute("time");
+  state.substeps = static_cast<int>(file.integer_attribute("substeps"));
+  state.info.seed = file.integer_attribute("seed");
+  state.info.program_version = file.text_attribute("program_version");
+  state.info.scene_text = file.text("/scene");
+  state.info.scene_overrides = file.integer_attribute("scene_overrides");
+  if (file.has("/music")) {
+    const std::int64_t fountains = file.rows<std::int64_t>("/music");
+    state.info.music = file.read<std::int64_t>("/music", {0, fountains, fountains});
+  }
+  if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
+  check_header(path, state);
+  state.rows = read_checked_rows(source);
+  return state;
+}
+
+}  // namespace
+
+void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointInfo& info, const Frame& frame) {
+  const std::string temporary = path + ".tmp";
+  try {
+    Hdf5Writer file(comm, temporary);
+    write_header(comm, file, info, frame);
+    write_particles(comm, file, frame.particles);
+    file.close();
+  } catch (const Error&) {  // thrown by all ranks alike
+    if (rank_of(comm) == 0) std::remove(temporary.c_str());
+    throw;
+  }
+  on_root(comm, [&] { publish_file(temporary, path); });
+}
+
+CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
+  CheckpointState state;
+  all_or_none(comm, [&] { state = read_slice(path, rank_of(comm), size_of(comm)); });
+  check_particle_rows(comm, state.rows, path);
+  return state;
+}
+
+std::string latest_checkpoint(MPI_Comm comm, const std::string& directory) {
+  std::int64_t step = -1;
+  on_root(comm, [&] {
+    const auto files = stepped_files(directory, prefix, suffix);
+    if (files.empty()) {
+      throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
+    }
+    step = files.back().step;
+  });
+  MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm);
+  return directory + "/" + prefix + step_digits(step) + suffix;
+}
+
+CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
+    : comm_(comm), options_(std::move(options)) {
+  if (!options_.restart_step) return;
+  const std::int64_t step = *options_.restart_step;
+  on_root(comm_, [&] {
+    set_aside_after(options_.directory, prefix, suffix, step);
+    if (std::filesystem::exists(path_of(step))) last_step_ = step;
+  });
+  MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
+}
+
+bool CheckpointWriter::due(const Clock& clock) const {
+  if (options_.when == CheckpointTimes::asked_for) return false;
+  return clock.step != last_step_ && (clock.step == 0 || options_.schedule.due(clock));
+}
+
+void CheckpointWriter::write(const Frame& frame) {
+  // A checkpoint vouches for the rows before it: they reach the disk first.
+  on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
+  write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);
+  last_step_ = frame.clock.step;
+  on_root(comm_, [&] { remove_old(); });
+}
+
+void CheckpointWriter::save(const Frame& frame) {
+  if (frame.clock.step != last_step_) write(frame);
+}
+
+void CheckpointWriter::finish(const Frame& frame) {
+  if (options_.when == CheckpointTimes::asked_for) return;
+  if (frame.clock.step != last_step_ && finite_everywhere(comm_, frame.particles)) write(frame);
+}
+
+std::string CheckpointWriter::path_of(std::int64_t step) const {
+  return options_.directory + "/" + prefix + step_digits(step) + suffix;
+}
+
+void CheckpointWriter::remove_old() const {
+  const auto files = stepped_files(options_.directory, prefix, suffix);
+  const auto keep = static_cast<std::size_t>(std::max(1, options_.keep));
+  for (std::size_t k = 0; k + keep < files.size(); ++k) {
+    if (std::remove(files[k].path.c_str()) != 0) throw_file_error(files[k].path, "remove", errno);
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,31 @@
+// One run at a time in a folder: a second one would set aside or remove what the first has written.
+// The lock is the system's (fcntl) on DIR/run.lock. It ends with the process of rank 0, however that ends, so a killed
+// run never keeps its restart out, on this host or another; the file, which only tells who holds the lock, may then
+// stay. Network file systems: NFS and Lustre mounted with flock lock between hosts; mounted with nolock or localflock,
+// within one host only; where there are no locks at all, nothing is guarded. NFS 4 keeps the lock of a host that died
+// for its lease (90 s as a rule). Collective: all but the destructor.
+#pragma once
+
+#include <string>
+
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+class OutputLock {
+ public:
+  OutputLock(MPI_Comm comm, const std::string& directory);  ///< takes the lock, if the folder is there already
+  ~OutputLock();
+  OutputLock(const OutputLock&) = delete;
+  OutputLock& operator=(const OutputLock&) = delete;
+
+  /// Nothing when it is held. InputError that names host and process when another run has it.
+  void take();
+
+ private:
+  MPI_Comm comm_;
+  std::string directory_, path_;
+  int descriptor_ = -1;  ///< rank 0
+};
+
+}  // namespace trevi

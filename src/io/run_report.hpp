@@ -1,0 +1,60 @@
+// run.json: what ran, on what, how fast and how it ended. Plain data that the program fills; this part only writes it.
+// Values that are not known are nan and become null. Keys keep the order of the struct.
+// Collective: write_run_report (rank 0's report is the one written).
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// One phase of the step: seconds over ranks, calls of one rank, flops of all ranks.
+struct PhaseReport {
+  std::string name;
+  double seconds_min = unknown, seconds_mean = unknown, seconds_max = unknown;
+  std::int64_t calls = 0;
+  double flops = unknown;
+};
+
+struct RunReport {
+  std::string exit_reason;  ///< "done", "stopped: wall limit", ...
+  int exit_code = 0;
+  int ranks = 1;
+  struct Versions {
+    std::string trevi, mpi, petsc, hdf5, vtk;
+  } versions;
+  std::string scene, scene_hash;           ///< path as given; scene_hash() of the text
+  std::vector<std::string> warnings;       ///< settings outside the stability envelope, and a rise of the energy
+  std::string instruction_set, precision;  ///< e.g. "AVX2", "double"
+  std::int64_t first_step = 0, last_step = 0;
+  std::int64_t steps = 0;  ///< done by this process, restarts not included
+  std::int64_t particles = 0;
+  double simulated_seconds = unknown, wall_seconds = unknown;
+  double steps_per_second = unknown, particle_steps_per_second = unknown;
+  double nanoseconds_per_pair = unknown;
+  double energy_gain = unknown;         ///< EnergyRise::share(); unknown without a series, or where something pumps
+  std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
+  double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
+  std::vector<double> halo_wait_seconds;                                   ///< of each rank
+  /// Largest over mean work of a rank, at looks some steps apart, before cuts moved if they did.
+  double imbalance_mean = unknown, imbalance_max = unknown;
+  std::int64_t cut_moves = 0;  ///< times that cuts between slabs were moved
+  double bytes_per_particle = unknown;
+  double max_resident_bytes = unknown;  ///< largest rank
+  std::vector<PhaseReport> phases;
+};
+
+/// FNV-1a, 64 bits, as 16 hexadecimal digits.
+std::string scene_hash(std::string_view text);
+
+/// Writes DIR/run.json. RunError on all ranks alike.
+void write_run_report(MPI_Comm comm, const std::string& directory, const RunReport& report);
+
+}  // namespace trevi

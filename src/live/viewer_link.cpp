@@ -1,0 +1,130 @@
+#include "live/viewer_link.hpp"
+
+#include <chrono>
+#include <zmq.hpp>
+
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int most_waiting = 4;       // messages in a queue; credit allows one frame anyway
+constexpr int last_word = 1000;       // ms the last message may take once the run is over
+constexpr int reconnect = 200;        // ms between calls while nobody answers
+constexpr int heartbeat = 2000;       // ms
+constexpr int presumed_gone = 10000;  // ms without a heartbeat: a stopped process, a cut line
+constexpr int glance = 5;             // ms between looks at the line while greeting
+constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);
+
+/// What ZeroMQ's thread sees of the line: it is the one to know at once that a viewer was killed.
+class LineMonitor : public zmq::monitor_t {
+ public:
+  bool take_up() { return std::exchange(up_, false); }
+  bool take_down() { return std::exchange(down_, false); }
+
+ private:
+  void on_event_handshake_succeeded(const zmq_event_t&, const char*) override { up_ = true; }
+  void on_event_disconnected(const zmq_event_t&, const char*) override {
+    up_ = false;
+    down_ = true;
+  }
+  bool up_ = false, down_ = false;
+};
+
+class ZmqLink : public ViewerLink {
+ public:
+  explicit ZmqLink(const std::string& endpoint) : socket_(context_, zmq::socket_type::dealer) {
+    socket_.set(zmq::sockopt::sndhwm, most_waiting);
+    socket_.set(zmq::sockopt::linger, last_word);
+    socket_.set(zmq::sockopt::immediate, true);  // nothing is kept for a viewer that is not there
+    socket_.set(zmq::sockopt::reconnect_ivl, reconnect);
+    socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
+    socket_.set(zmq::sockopt::heartbeat_timeout, presumed_gone);
+    monitor_.init(socket_, "inproc://line", ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED);
+    socket_.connect(endpoint);
+  }
+
+  void wait(int patience) override {
+    try {
+      std::array<zmq::pollitem_t, 1> items{{{socket_.handle(), 0, ZMQ_POLLIN, 0}}};
+      zmq::poll(items, milliseconds(patience));
+      follow_line();
+      receive();
+    } catch (const zmq::error_t&) {
+      lose();
+    }
+  }
+
+  void greet() override {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto passed = [&] { return std::chrono::steady_clock::now() - begin; };
+    while (!has_viewer() && passed() < (answered_ ? to_wish : to_answer)) wait(glance);
+  }
+
+  void introduce(const ViewedScene& scene) override { scene_ = text_of(scene); }
+
+  void send(const ViewedFrame& frame) override {
+    const std::string text = text_of(frame);
+    deliver({zmq::buffer(text), zmq::buffer(frame.shown)});
+  }
+
+  void end(const std::string& reason) override {
+    const std::string text = text_of_end(reason);
+    deliver({zmq::buffer(text)});
+  }
+
+ private:
+  void deliver(std::initializer_list<zmq::const_buffer> parts) {
+    try {
+      std::size_t k = 0;
+      for (const zmq::const_buffer& part : parts) {
+        const bool last = ++k == parts.size();
+        const auto flags = zmq::send_flags::dontwait | (last ? zmq::send_flags::none : zmq::send_flags::sndmore);
+        if (!socket_.send(part, flags)) return;  // the queue is full, or nobody is there
+      }
+    } catch (const zmq::error_t&) {
+      lose();
+    }
+  }
+
+  void follow_line() {
+    while (monitor_.check_event(0)) {
+      if (monitor_.take_down()) lose();
+      if (!monitor_.take_up()) continue;
+      answered_ = true;
+      deliver({zmq::buffer(scene_)});
+    }
+  }
+
+  void receive() {
+    for (zmq::message_t message; socket_.recv(message, zmq::recv_flags::dontwait);) {
+      if (const auto wishes = read_wishes(message.to_string())) accept(*wishes);
+    }
+  }
+
+  void lose() {
+    answered_ = false;
+    forget();
+  }
+
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+  LineMonitor monitor_;
+  std::string scene_;
+  bool answered_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<ViewerLink> connect_viewer(const std::string& endpoint) {
+  try {
+    return std::make_unique<ZmqLink>(endpoint);
+  } catch (const zmq::error_t& error) {
+    throw InputError("--view: cannot use " + endpoint + " (" + error.what() + "); give HOST:PORT, 127.0.0.1:5555 say");
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,206 @@
+#include "music/midi_notes.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+/// What the time of one event can hold, four bytes of seven bits; no piece comes near it.
+constexpr std::int64_t most_ticks = (1 << 28) - 1;
+
+/// A place in the file that moves forward and never past the end, neither of the file nor of a chunk.
+class Cursor {
+ public:
+  Cursor(const std::string& name, const std::string& bytes) : name_(name), bytes_(bytes), end_(bytes.size()) {}
+
+  [[noreturn]] void fail(const std::string& what) const { fail_at(at_, what); }
+  [[noreturn]] void fail_at(std::size_t at, const std::string& what) const {
+    throw InputError(name_ + ": byte " + std::to_string(at) + ": " + what + "; export or copy the MIDI file again");
+  }
+
+  std::size_t at() const { return at_; }
+  std::string_view since(std::size_t at) const { return std::string_view(bytes_).substr(at, at_ - at); }
+  bool at_end() const { return at_ == end_; }
+
+  int byte(const char* of) {
+    need(1, of);
+    return static_cast<unsigned char>(bytes_[at_++]);
+  }
+  std::int64_t big_endian(int size, const char* of) {
+    need(static_cast<std::size_t>(size), of);
+    std::int64_t value = 0;
+    for (int i = 0; i < size; ++i) value = value << 8 | byte(of);
+    return value;
+  }
+  std::int64_t variable_length(const char* of) {
+    std::int64_t value = 0;
+    for (int i = 0; i < 4; ++i) {
+      const int next = byte(of);
+      value = value << 7 | (next & 0x7f);
+      if (next < 0x80) return value;
+    }
+    fail(std::string(of) + " is longer than 4 bytes");
+  }
+  void skip(std::int64_t size, const char* of) {
+    need(static_cast<std::size_t>(size), of);
+    at_ += static_cast<std::size_t>(size);
+  }
+  bool word(const char* four) {
+    need(4, "the name of a chunk");
+    if (bytes_.compare(at_, 4, four) != 0) return false;
+    at_ += 4;
+    return true;
+  }
+  /// From here on the end is that of a chunk; returns where it was.
+  std::size_t enter(std::int64_t length) {
+    need(static_cast<std::size_t>(length), "a chunk");
+    const std::size_t outer = end_;
+    end_ = at_ + static_cast<std::size_t>(length);
+    return outer;
+  }
+  void leave(std::size_t outer) {
+    at_ = end_;
+    end_ = outer;
+  }
+
+ private:
+  void need(std::size_t size, const char* of) const {
+    if (size <= end_ - at_) return;
+    if (end_ < bytes_.size()) fail_at(end_, std::string("the track ends within ") + of);
+    fail_at(bytes_.size(), std::string("the file ends within ") + of + ", so it is cut short");
+  }
+
+  const std::string& name_;
+  const std::string& bytes_;
+  std::size_t at_ = 0, end_;
+};
+
+std::string big_endian(std::size_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
+  return bytes;
+}
+
+/// The events that are kept, in the format of a track.
+class TrackWriter {
+ public:
+  void write(std::int64_t tick, std::string_view event) {
+    std::string time(1, static_cast<char>((tick - last_) & 0x7f));
+    for (std::int64_t rest = (tick - last_) >> 7; rest > 0; rest >>= 7)
+      time.insert(time.begin(), static_cast<char>((rest & 0x7f) | 0x80));
+    events_ += time;
+    events_ += event;
+    last_ = tick;
+  }
+  std::string chunk() const { return "MTrk" + big_endian(events_.size()) + events_; }
+
+ private:
+  std::int64_t last_ = 0;
+  std::string events_;
+};
+
+class TrackReader {
+ public:
+  TrackReader(Cursor& cursor, int number) : cursor_(cursor), name_("track " + std::to_string(number)) {}
+
+  std::string notes() {
+    while (!ended_) {
+      if (cursor_.at_end()) cursor_.fail(name_ + " has no end-of-track event");
+      tick_ += cursor_.variable_length("the time of an event");
+      if (tick_ > most_ticks) cursor_.fail(name_ + " lasts more than 2^28 ticks");
+      read_event();
+    }
+    return kept_.chunk();
+  }
+
+ private:
+  void read_event() {
+    const std::size_t at = cursor_.at();
+    const int first = cursor_.byte("an event");
+    if (first == 0xff) return read_meta(at);
+    if (first == 0xf0 || first == 0xf7)
+      return cursor_.skip(cursor_.variable_length("the length of an event"), "an event");
+    if (first >= 0xf0) cursor_.fail_at(at, "no event of a file begins with this byte");
+    if (first < 0x80 && status_ == 0) cursor_.fail_at(at, "an event without a status byte");
+    if (first >= 0x80) status_ = first;
+    read_channel_event(first < 0x80 ? first : cursor_.byte("an event"));
+  }
+
+  void read_channel_event(int data) {
+    const int kind = status_ & 0xf0;
+    if (data >= 0x80) cursor_.fail_at(cursor_.at() - 1, "a data byte is over 127");
+    if (kind == 0xc0 || kind == 0xd0) return;
+    const int more = cursor_.byte("an event");
+    if (more >= 0x80) cursor_.fail_at(cursor_.at() - 1, "a data byte is over 127");
+    if (kind != 0x80 && kind != 0x90) return;
+    const char event[3] = {static_cast<char>(status_), static_cast<char>(data), static_cast<char>(more)};
+    kept_.write(tick_, {event, 3});
+  }
+
+  void read_meta(std::size_t at) {
+    const int type = cursor_.byte("an event");
+    const std::int64_t length = cursor_.variable_length("the length of an event");
+    if (type == 0x51 && length != 3) cursor_.fail_at(at, "a change of tempo must be 3 bytes long");
+    const std::size_t data = cursor_.at();
+    cursor_.skip(length, "an event");
+    ended_ = type == 0x2f;
+    if (ended_) kept_.write(tick_, {"\xff\x2f\x00", 3});
+    if (type != 0x51) return;
+    if (cursor_.since(data) == std::string_view("\0\0\0", 3)) cursor_.fail_at(at, "a tempo must not be 0");
+    kept_.write(tick_, cursor_.since(at));
+  }
+
+  Cursor& cursor_;
+  std::string name_;
+  TrackWriter kept_;
+  std::int64_t tick_ = 0;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+struct Header {
+  std::int64_t tracks;
+  std::string bytes;
+};
+
+Header read_header(Cursor& cursor, const std::string& bytes) {
+  if (bytes.empty()) cursor.fail("the file is empty");
+  if (bytes.compare(0, 4, "MThd", 0, std::min<std::size_t>(4, bytes.size())) != 0)
+    cursor.fail("not a Standard MIDI File, which begins with MThd");
+  cursor.skip(4, "the header");
+  if (cursor.big_endian(4, "the header") != 6) cursor.fail("the header must be 6 bytes long");
+  const std::int64_t format = cursor.big_endian(2, "the header");
+  if (format > 1) cursor.fail("format " + std::to_string(format) + " is not read, only 0 and 1");
+  const std::int64_t tracks = cursor.big_endian(2, "the header");
+  if (tracks < 1) cursor.fail("there is no track");
+  const std::int64_t division = cursor.big_endian(2, "the header");
+  if (division == 0 || division >= 0x8000) cursor.fail("times must be in ticks per quarter note, not in SMPTE frames");
+  return {tracks, std::string(cursor.since(0))};
+}
+
+}  // namespace
+
+MidiNotes midi_notes(const std::string& name, const std::string& bytes) {
+  Cursor cursor(name, bytes);
+  Header header = read_header(cursor, bytes);
+  MidiNotes notes{0, std::move(header.bytes)};
+  while (notes.tracks < header.tracks) {
+    if (cursor.at_end()) {
+      cursor.fail("the file ends after " + std::to_string(notes.tracks) + " of " + std::to_string(header.tracks) +
+                  " tracks, so it is cut short");
+    }
+    const bool is_track = cursor.word("MTrk");
+    if (!is_track) cursor.skip(4, "the name of a chunk");  // other kinds of chunks are allowed anywhere
+    const std::size_t outer = cursor.enter(cursor.big_endian(4, "the length of a chunk"));
+    if (is_track) notes.bytes += TrackReader(cursor, ++notes.tracks).notes();
+    cursor.leave(outer);
+  }
+  return notes;
+}
+
+}  // namespace trevi

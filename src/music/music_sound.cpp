@@ -1,0 +1,166 @@
+// Sound files, read by libsndfile from memory: loudness or pitch every 10 ms.
+#include <sndfile.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "music/sound.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr Real hop = 0.01;           // s, from one moment to the next
+constexpr Real least_peak = 1e-4;    // of full scale (-80 dB): what never gets louder is silent
+constexpr int smoothing_radius = 3;  // moments before and after, for the median of a pitch
+constexpr std::size_t held = 5;      // moments a pitch must last to count
+constexpr Real near = 1;             // semitones within which a pitch is the same
+
+/// libsndfile's view of bytes in memory.
+struct Memory {
+  const std::string& bytes;
+  sf_count_t at = 0;
+
+  static Memory& of(void* self) { return *static_cast<Memory*>(self); }
+  static sf_count_t length(void* self) { return static_cast<sf_count_t>(of(self).bytes.size()); }
+  static sf_count_t seek(sf_count_t offset, int whence, void* self) {
+    Memory& m = of(self);
+    const sf_count_t base = whence == SEEK_CUR ? m.at : whence == SEEK_END ? length(self) : 0;
+    m.at = std::clamp<sf_count_t>(base + offset, 0, length(self));
+    return m.at;
+  }
+  static sf_count_t read(void* target, sf_count_t count, void* self) {
+    Memory& m = of(self);
+    const sf_count_t given = std::clamp<sf_count_t>(length(self) - m.at, 0, count);
+    std::memcpy(target, m.bytes.data() + m.at, static_cast<std::size_t>(given));
+    m.at += given;
+    return given;
+  }
+  static sf_count_t write(const void*, sf_count_t, void*) { return 0; }
+  static sf_count_t tell(void* self) { return of(self).at; }
+};
+
+Recording decode(const std::string& name, const std::string& bytes) {
+  if (bytes.empty()) throw InputError(name + ": byte 0: the sound file is empty; record or export it again");
+  Memory memory{bytes};
+  SF_VIRTUAL_IO calls = {&Memory::length, &Memory::seek, &Memory::read, &Memory::write, &Memory::tell};
+  SF_INFO info = {};
+  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file(sf_open_virtual(&calls, SFM_READ, &info, &memory), &sf_close);
+  if (!file) {
+    throw InputError(name + ": libsndfile cannot read it (" + sf_strerror(nullptr) +
+                     "); convert it to WAV or FLAC, or copy it again");
+  }
+  if (info.samplerate < 1000 || info.samplerate > 1000000 || info.channels < 1) {
+    throw InputError(name + ": a rate of " + std::to_string(info.samplerate) +
+                     " Hz is not from 1 kHz to 1 MHz; convert the file to 44.1 kHz");
+  }
+  Recording sound{static_cast<Real>(info.samplerate), {}};
+  constexpr sf_count_t block = 4096;
+  const auto channels = static_cast<std::size_t>(info.channels);
+  std::vector<float> frames(block * channels);
+  for (sf_count_t count = 0; (count = sf_readf_float(file.get(), frames.data(), block)) > 0;) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      float sum = 0;
+      for (std::size_t c = 0; c < channels; ++c) sum += frames[i * channels + c];
+      sound.samples.push_back(sum / static_cast<float>(channels));
+    }
+  }
+  return sound;
+}
+
+/// Moment k is the window around k hops, with silence before the start and after the end.
+std::vector<Heard> listen(const Recording& sound, Follow follow) {
+  const Ear ear(sound.rate);
+  const std::size_t window = ear.window();
+  std::vector<float> padded(window / 2, 0.0F);
+  padded.insert(padded.end(), sound.samples.begin(), sound.samples.end());
+  padded.resize(padded.size() + window, 0.0F);
+  std::vector<Heard> moments;
+  const Real length = static_cast<Real>(sound.samples.size()) / sound.rate;
+  for (std::size_t k = 0; static_cast<Real>(k) * hop < length; ++k) {
+    const auto first = static_cast<std::size_t>(std::lround(static_cast<Real>(k) * hop * sound.rate));
+    const auto samples = std::span<const float>(padded).subspan(first, window);
+    moments.push_back({ear.loudness(samples), follow == Follow::pitch ? ear.pitch(samples) : NAN});
+  }
+  return moments;
+}
+
+Real peak_of(const std::string& name, const std::vector<Heard>& moments) {
+  Real peak = 0;
+  for (const Heard& moment : moments) {
+    if (!std::isfinite(moment.rms)) throw InputError(name + ": holds samples that are no numbers; export it again");
+    peak = std::max(peak, moment.rms);
+  }
+  if (peak < least_peak) {
+    throw InputError(name + ": the sound file is silent in all its " +
+                     std::to_string(moments.size() * hop).substr(0, 6) +
+                     " s (below -80 dB of full scale); record it louder");
+  }
+  return peak;
+}
+
+Tone tone_at(std::size_t moment, Real height) {
+  // Where one ends the next begins, to the last bit.
+  const auto k = static_cast<Real>(moment);
+  return {std::max(0.0, (k - 0.5) * hop), (k + 0.5) * hop, height};
+}
+
+Melody by_loudness(const std::vector<Heard>& moments, Real peak) {
+  Melody melody;
+  melody.follow = Follow::loudness;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const Real before = moments[k > 0 ? k - 1 : k].rms, after = moments[std::min(k + 1, moments.size() - 1)].rms;
+    const Real level = (before + 2 * moments[k].rms + after) / (4 * peak);
+    if (level >= silence) melody.tones.push_back(tone_at(k, level));
+  }
+  return melody;
+}
+
+/// The median over the moments nearby that have a pitch, which an octave error in one of them does not move.
+Real steady_pitch(const std::vector<Heard>& moments, std::size_t k) {
+  if (std::isnan(moments[k].pitch)) return NAN;
+  std::vector<Real> nearby;
+  const std::size_t first = k < smoothing_radius ? 0 : k - smoothing_radius;
+  for (std::size_t j = first; j < std::min(k + smoothing_radius + 1, moments.size()); ++j) {
+    if (!std::isnan(moments[j].pitch)) nearby.push_back(moments[j].pitch);
+  }
+  const auto middle = nearby.begin() + static_cast<std::ptrdiff_t>(nearby.size() / 2);
+  std::nth_element(nearby.begin(), middle, nearby.end());
+  return *middle;
+}
+
+Melody by_pitch(const std::string& name, std::vector<Heard> moments, Real peak) {
+  for (Heard& moment : moments) {
+    if (moment.rms < silence * peak) moment.pitch = NAN;
+  }
+  std::vector<Real> pitch(moments.size());
+  for (std::size_t k = 0; k < moments.size(); ++k) pitch[k] = steady_pitch(moments, k);
+  std::vector<Tone> tones;
+  for (std::size_t k = 0, next = 0; k < pitch.size(); k = next) {
+    next = k + 1;
+    if (std::isnan(pitch[k])) continue;
+    while (next < pitch.size() && std::abs(pitch[next] - pitch[next - 1]) < near) ++next;
+    if (next - k < held) continue;
+    for (std::size_t j = k; j < next; ++j) tones.push_back(tone_at(j, pitch[j]));
+  }
+  if (tones.empty()) {
+    throw InputError(name +
+                     ": no voice with a pitch is heard in it (one at a time, 60 to 1500 Hz, 50 ms or more); use " +
+                     "follow = \"loudness\"");
+  }
+  return melody_of_notes(std::move(tones));
+}
+
+}  // namespace
+
+Recording read_recording(const std::string& name, const std::string& bytes) { return decode(name, bytes); }
+
+Melody read_sound(const std::string& name, const std::string& bytes, Follow follow) {
+  std::vector<Heard> moments = listen(decode(name, bytes), follow);
+  const Real peak = peak_of(name, moments);
+  return follow == Follow::loudness ? by_loudness(moments, peak) : by_pitch(name, std::move(moments), peak);
+}
+
+}  // namespace trevi

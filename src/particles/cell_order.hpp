@@ -1,0 +1,66 @@
+// Particles in cell order: sorted by (plane, row, cell, id) of their predicted positions, O(n).
+// The order is frozen from the prediction to the end of a step. Owned particles of the planes [first, last) come in
+// plane order, so a boundary plane, and the ghosts of a neighbour rank, are contiguous slices: low ghosts, owned, high
+// ghosts. Not collective: the cell counts of the ghost planes are handed in by the halo.
+#pragma once
+
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "particles/cell_grid.hpp"
+#include "trevi/particles.hpp"
+
+namespace trevi {
+
+/// Owned particles [begin, end), counted without ghosts.
+struct Range {
+  LocalId begin = 0, end = 0;
+  LocalId size() const { return end - begin; }
+};
+
+class CellOrder {
+ public:
+  explicit CellOrder(const CellGrid& grid) : grid_(grid) {}
+
+  /// Sorts the owned particles, all of which must be in the planes [first, last). The velocities are lost: between the
+  /// prediction and the update they have no value, and their array is what the other fields are sorted into.
+  void sort(Particles& particles, LocalId first, LocalId last);
+
+  /// Particles in each cell of the first and the last owned plane, for the neighbour ranks.
+  std::span<const LocalId> first_plane_counts() const;
+  std::span<const LocalId> last_plane_counts() const;
+
+  /// Adds the ghost planes (empty spans where the box ends); after this the table below is valid.
+  void add_ghosts(std::span<const LocalId> low_counts, std::span<const LocalId> high_counts);
+
+  const CellGrid& grid() const { return grid_; }
+  LocalId planes() const { return planes_; }  ///< owned ones
+  LocalId owned() const { return owned_; }
+  LocalId low_ghosts() const { return low_ghosts_; }
+  LocalId size() const { return low_ghosts_ + owned_ + high_ghosts_; }
+
+  /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned
+  /// one.
+  LocalId start(LocalId k, LocalId c) const { return start_[static_cast<std::size_t>(k) * cells() + c]; }
+  /// Owned particles of the owned planes [k, l) counted from 0.
+  Range owned_range(LocalId k, LocalId l) const;
+  std::size_t bytes() const;
+
+ private:
+  std::size_t cells() const { return static_cast<std::size_t>(grid_.cells_per_plane()); }
+  void count(const Particles& particles, LocalId first);
+  void place(const Particles& particles);
+  template <class T>
+  void apply(std::vector<T>& field, std::vector<T>& scratch) const;
+
+  CellGrid grid_;
+  LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
+  std::vector<LocalId> counts_;  // of each owned cell
+  std::vector<LocalId> start_;   // cells of planes_ + 2 planes, and the end
+  std::vector<LocalId> cell_;    // of each particle, before sorting
+  std::vector<LocalId> order_;   // sorted place -> old place
+  std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
+};
+
+}  // namespace trevi

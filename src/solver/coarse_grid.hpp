@@ -1,0 +1,93 @@
+// The cells of the coarse-grid correction: those of the search (cell_grid.hpp), of a rank's planes, up to the highest
+// that holds water. Directions are counted as the cells are stored: 0 along the slabs, 1 the rows of a plane, 2 the
+// columns of a row, upwards. Arrays over cells have a ring of empty cells around each plane and a ghost plane on either
+// side, so that every cell has six neighbours. Face (a, at) is the lower one of cell `at` in direction a.
+// Not collective, but for the constructor.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "domain/slabs.hpp"
+#include "particles/cell_grid.hpp"
+#include "trevi/box.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+class CoarseGrid {
+ public:
+  CoarseGrid(MPI_Comm comm, const CellGrid& grid, const Box& box)
+      : axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
+        count_{grid.planes(), grid.rows(), grid.columns()},
+        first_rank_(rank_of(comm) == 0),
+        last_rank_(rank_of(comm) + 1 == size_of(comm)) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto b = static_cast<Eigen::Index>(a);
+      origin_[b] = box.min[axis_[a]];
+      const Real extent = box.max[axis_[a]] - box.min[axis_[a]];
+      size_[b] = extent / count_[a];
+      per_length_[b] = count_[a] / extent;  // as in CellGrid, so that a particle is in the cell that it is stored in
+    }
+  }
+
+  /// Owned planes, and columns in use, at most those of the box.
+  void resize(LocalId planes, LocalId columns) {
+    planes_ = planes;
+    columns_ = std::min(columns, count_[2]);
+    step_ = {(static_cast<std::size_t>(rows()) + 2) * (static_cast<std::size_t>(columns_) + 2),
+             static_cast<std::size_t>(columns_) + 2, 1};
+  }
+
+  LocalId planes() const { return planes_; }
+  LocalId rows() const { return count_[1]; }
+  LocalId columns() const { return columns_; }
+  /// Lengths of a cell, m.
+  const Vec3& size() const { return size_; }
+  /// From a cell to its upper neighbour in each direction; step(0) is the size of a plane.
+  std::size_t step(std::size_t a) const { return step_[a]; }
+  std::size_t cells() const { return (static_cast<std::size_t>(planes_) + 2) * step_[0]; }
+  /// Planes are counted from 1, rows and columns from 0.
+  std::size_t index(LocalId k, LocalId r, LocalId c) const {
+    return static_cast<std::size_t>(k) * step_[0] + (static_cast<std::size_t>(r) + 1) * step_[1] +
+           static_cast<std::size_t>(c) + 1;
+  }
+  /// Whether the lower face in direction a of cell (k, r, c) is in a wall; the cell may be one past the last.
+  bool is_wall(std::size_t a, LocalId k, LocalId r, LocalId c) const {
+    if (a == 0) return (first_rank_ && k == 1) || (last_rank_ && k == planes_ + 1);
+    return a == 1 ? r == 0 || r == count_[1] : c == 0 || c == count_[2];
+  }
+
+  /// Components of a vector in the grid's directions.
+  Vec3 turned(const Vec3& v) const { return {v[axis_[0]], v[axis_[1]], v[axis_[2]]}; }
+  Vec3 turned_back(const Vec3& v) const {
+    Vec3 result;
+    for (std::size_t a = 0; a < 3; ++a) result[axis_[a]] = v[static_cast<Eigen::Index>(a)];
+    return result;
+  }
+  /// A way in units of cells.
+  Vec3 way_in_cells(const Vec3& way) const { return turned(way).cwiseProduct(per_length_); }
+  /// A position in units of cells, counted in the grid's directions from the corner of the box.
+  Vec3 in_cells(const Vec3& p) const { return (turned(p) - origin_).cwiseProduct(per_length_); }
+  /// Where in its cell a particle is, 0 at the lower face and 1 at the upper; what is on an upper wall is in the last.
+  Vec3 fraction(const Vec3& in_cells) const {
+    Vec3 f;
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      const Real last = count_[static_cast<std::size_t>(a)] - 1.0;
+      f[a] = std::clamp(in_cells[a] - std::min(std::floor(in_cells[a]), last), 0.0, 1.0);
+    }
+    return f;
+  }
+  Real count(std::size_t a) const { return count_[a]; }
+
+ private:
+  std::array<int, 3> axis_;
+  std::array<LocalId, 3> count_;  // of the box
+  bool first_rank_, last_rank_;
+  Vec3 origin_, size_, per_length_;
+  LocalId planes_ = 0, columns_ = 0;
+  std::array<std::size_t, 3> step_{};
+};
+
+}  // namespace trevi

@@ -1,0 +1,49 @@
+// The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and
+// wall_seconds has the same bits on any rank count. Definitions: contract, "Outputs"; units SI. Collective. An interior
+// particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
+#pragma once
+
+#include "domain/balance.hpp"
+#include "fluid/density.hpp"
+#include "particles/neighbour_list.hpp"
+#include "trevi/box.hpp"
+#include "trevi/observer.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+/// What a row is computed from; all of the owned particles, in the frozen order.
+struct DiagnosticsInput {
+  const Particles& particles;
+  std::span<const Real> density;  ///< kg/m³
+  Real drift = 0;                 ///< farthest an owned particle went since the list was built, m
+  const CellOrder& order;
+  const NeighbourList& list;
+};
+
+class DiagnosticsSum {
+ public:
+  /// `lattice_neighbours`: of an interior point of the start lattice; `gravity` in m/s².
+  DiagnosticsSum(MPI_Comm comm, const Box& box, const DensityModel& model, int lattice_neighbours, const Vec3& gravity);
+
+  /// Everything but iterations and wall_seconds.
+  Diagnostics operator()(const DiagnosticsInput& input) const;
+
+ private:
+  struct Plane;
+  Plane sum_plane(const DiagnosticsInput& input, LocalId begin, LocalId end) const;
+  bool interior(const Vec3& p, LocalId neighbours) const;
+  void add_maxima(const DiagnosticsInput& input, Diagnostics& row) const;
+
+  MPI_Comm comm_;
+  Box box_;
+  DensityModel model_;
+  Real full_neighbourhood_;
+  Vec3 gravity_;
+};
+
+/// The n-th smallest (from 1) of the coordinates along `axis` of the places of all ranks, to 1e-10 of the box. Three
+/// rounds of counting, no sorting. nan where n is 0. Collective.
+Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalId n, const Box& box);
+
+}  // namespace trevi
