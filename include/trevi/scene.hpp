@@ -44,29 +44,13 @@ struct OutputSettings {
   bool operator==(const OutputSettings&) const = default;
 };
 
-/// Who owns which planes: as even a share of the work as whole planes allow, throughout; or as many planes each.
-enum class SlabCuts { balanced, equal };
-
-struct Scene {
+/// Settings of the solver and all that a run needs besides.
+struct Scene : Settings {
   std::string path, name;      ///< as given, and the file name without folder and ending
   std::string text;            ///< the file, plus one line "# --set table.key=value" for each override
   std::int64_t overrides = 0;  ///< number of these lines
-  Vec3 domain_min = Vec3::Zero(), domain_max = Vec3::Zero();  ///< m
-  int slab_axis = 0;                                          ///< 0 x, 1 y
-  SlabCuts slabs = SlabCuts::balanced;
-  FluidSettings fluid;
   std::vector<ParticleSource> particles;
-  Real dt = 1.0 / 60, end = 0;  ///< s
-  Real cfl = 0;                 ///< 0: steps are never split
-  std::optional<Vec3> gravity;  ///< m/s²
-  DensitySettings density;
-  WallSettings walls;
-  std::optional<TensileSettings> tensile;
-  std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
-  std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
-  /// nu, m²/s, by XSPH as well: at most one of the two. A step is at most longest_viscous_step(), or split by the CFL
-  /// rule.
-  std::optional<Real> kinematic_viscosity;
+  Real end = 0;  ///< s
   std::vector<FountainSettings> fountains;
   OutputSettings output;
   std::optional<Colour> colour;

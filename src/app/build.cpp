@@ -23,17 +23,6 @@ namespace trevi {
 
 namespace {
 
-// Lengths of the report are in units of its spacing, 0.1 m.
-Real refinement(const Scene& scene) {
-  const Real ratio = scene.fluid.spacing / 0.1;
-  return ratio * ratio;
-}
-
-std::optional<Tensile> tensile_of(const Scene& scene) {
-  if (!scene.tensile) return std::nullopt;
-  return Tensile{scene.tensile->k * refinement(scene), scene.tensile->n, scene.tensile->dq};
-}
-
 template <class T>
 std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene, const DensityModel& model) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
@@ -48,7 +37,7 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
 
 std::optional<AnalyticWallDensity> build_wall_density(const Scene& scene) {
   if (scene.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.density_kernel, scene.fluid.spacing,
+  return AnalyticWallDensity(scene.domain, scene.fluid.density_kernel, scene.fluid.spacing,
                              scene.fluid.kernel_radius);
 }
 
@@ -56,8 +45,8 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   ColourScale scale;
   // The same names in the same order; the output layer does not know scenes.
   if (scene.colour) scale.by = static_cast<ColourBy>(*scene.colour);
-  scale.bottom = scene.domain_min.z();
-  scale.top = scene.domain_max.z();
+  scale.bottom = scene.domain.min.z();
+  scale.top = scene.domain.max.z();
   for (const FountainSettings& fountain : scene.fountains)
     scale.speed_max = std::max(scale.speed_max, fountain.top_speed());
   scale.total = particles;
@@ -88,8 +77,8 @@ std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, con
   live.requests = options.requests;
   live.scene.name = scene.name;
   live.scene.directory = std::filesystem::absolute(options.directory).string();
-  live.scene.min = scene.domain_min;
-  live.scene.max = scene.domain_max;
+  live.scene.min = scene.domain.min;
+  live.scene.max = scene.domain.max;
   live.scene.spacing = scene.fluid.spacing;
   live.scene.rest_density = scene.fluid.rest_density;
   live.scene.ranks = size_of(comm);
@@ -136,8 +125,8 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
   const DensityModel model = density_model(scene);
   SolverParts<T> parts;
   parts.comm = comm;
-  parts.box = {scene.domain_min, scene.domain_max};
-  parts.grid = std::make_unique<CellGrid>(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
+  parts.box = scene.domain;
+  parts.grid = std::make_unique<CellGrid>(scene.domain.min, scene.domain.max, model.h, scene.slab_axis);
   InitialState state = options.restart ? restored_particles(comm, scene, *parts.grid, std::move(options.restart->rows))
                                        : initial_particles(comm, scene, *parts.grid);
   parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
@@ -167,12 +156,6 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 
 }  // namespace
 
-DensityModel density_model(const Scene& scene) {
-  return {particle_mass(scene.fluid), scene.fluid.rest_density,
-          scene.fluid.kernel_radius,  scene.density.epsilon / refinement(scene),
-          scene.density.constraint,   scene.fluid.density_kernel};
-}
-
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   if (!scene.output.series || !scene.fountains.empty()) return nullptr;
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
@@ -184,7 +167,7 @@ std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene&
   if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
   if (scene.walls.floor_friction > 0) {
     forcings.push_back(
-        std::make_unique<FloorFriction>(scene.walls.floor_friction, scene.domain_min.z(), scene.fluid.kernel_radius));
+        std::make_unique<FloorFriction>(scene.walls.floor_friction, scene.domain.min.z(), scene.fluid.kernel_radius));
   }
   std::shared_ptr<LiveSound> live;
   int index = 0;
@@ -195,7 +178,7 @@ std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene&
                      [&] { return make_music_pump(comm, *fountain.music, live); });
     }
     forcings.push_back(
-        std::make_unique<Fountain>(fountain, std::move(pump), scene.domain_min.z(), scene.seed, index++));
+        std::make_unique<Fountain>(fountain, std::move(pump), scene.domain.min.z(), scene.seed, index++));
   }
   return forcings;
 }

@@ -31,9 +31,6 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
-/// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
-DensityModel density_model(const Scene& scene);
-
 /// For the series of a scene in which nothing pumps; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 

@@ -89,7 +89,7 @@ inline Scene scene_with(const std::string& text, const std::vector<std::string>&
   return parse_scene("cloud.toml", text, overrides);
 }
 
-inline Box box_of(const Scene& scene) { return {scene.domain_min, scene.domain_max}; }
+inline Box box_of(const Scene& scene) { return scene.domain; }
 
 /// Rows [first, last) of rank `rank` among `size`, as even as they can be.
 inline Cloud slice_of(const Cloud& all, int rank, int size) {

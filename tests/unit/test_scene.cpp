@@ -193,7 +193,7 @@ TEST(SceneOverrides, AreAppliedInOrderAndKeptInTheText) {
   EXPECT_EQ(*scene.gravity, Vec3(0, 0, -1));
   EXPECT_EQ(scene.output.vtu->schedule.every_steps, 2);
   EXPECT_EQ(scene.viscosity, 0);
-  EXPECT_EQ(scene.domain_max.z(), 1.5);
+  EXPECT_EQ(scene.domain.max.z(), 1.5);
   EXPECT_NE(scene.text.find("\n# --set density.iterations=8\n# --set density.iterations = 9\n"), std::string::npos);
   EXPECT_EQ(parse(scene_plus(), {"fountain.0.center=[1,0]"}).fountains.size(), 1u);
 }
