@@ -6,10 +6,8 @@
 #include "app/initial_particles.hpp"
 #include "app/scene_changes.hpp"
 #include "app/scene_place.hpp"
-#include "fluid/floor_friction.hpp"
+#include "fluid/density.hpp"
 #include "fluid/fountain.hpp"
-#include "fluid/gravity.hpp"
-#include "fluid/kernels.hpp"
 #include "io/output_directory.hpp"
 #include "io/series.hpp"
 #include "io/vtkhdf.hpp"
@@ -22,24 +20,6 @@
 namespace trevi {
 
 namespace {
-
-template <class T>
-std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene, const DensityModel& model) {
-  std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
-  const auto velocity = std::make_shared<VelocityField<T>>();
-  if (scene.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *scene.vorticity, velocity));
-  std::optional<XsphFactor> xsph;
-  if (scene.viscosity) xsph = xsph_of_share(*scene.viscosity, model);
-  if (scene.kinematic_viscosity) xsph = xsph_of_viscosity(*scene.kinematic_viscosity, scene.fluid.spacing, model.h);
-  if (xsph) filters.push_back(std::make_unique<XsphViscosity<T>>(*xsph, model.h, velocity));
-  return filters;
-}
-
-std::optional<AnalyticWallDensity> build_wall_density(const Scene& scene) {
-  if (scene.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity(scene.domain, scene.fluid.density_kernel, scene.fluid.spacing,
-                             scene.fluid.kernel_radius);
-}
 
 ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   ColourScale scale;
@@ -120,40 +100,6 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   return observers;
 }
 
-template <class T>
-std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions options) {
-  const DensityModel model = density_model(scene);
-  SolverParts<T> parts;
-  parts.comm = comm;
-  parts.box = scene.domain;
-  parts.grid = std::make_unique<CellGrid>(scene.domain.min, scene.domain.max, model.h, scene.slab_axis);
-  InitialState state = options.restart ? restored_particles(comm, scene, *parts.grid, std::move(options.restart->rows))
-                                       : initial_particles(comm, scene, *parts.grid);
-  parts.slabs = std::make_unique<Slabs>(std::move(state.slabs));
-  constexpr Real least_gain = 0.01;
-  parts.balance = std::make_unique<Balance>(
-      comm, scene.slabs == SlabCuts::balanced ? least_gain : std::numeric_limits<Real>::max());
-  parts.particles = std::move(state.particles);
-  parts.clock.dt = scene.dt;
-  if (options.restart) {
-    parts.clock.step = options.restart->step;
-    parts.clock.substeps = options.restart->substeps;
-  }
-  parts.requests = options.requests;
-  parts.walls = std::make_unique<Walls>(parts.box, scene.walls, 1e-6 * model.h);
-  parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(scene), build_wall_density(scene));
-  parts.method = make_density_method<T>(
-      scene.density, {comm, *parts.grid, parts.box, model, scene.fluid.spacing, scene.gravity.value_or(Vec3::Zero())});
-  parts.forcings = build_forcings(comm, scene);
-  parts.filters = build_filters<T>(scene, model);
-  parts.substeps = {scene.cfl, scene.gravity.value_or(Vec3::Zero()),
-                    longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, model.h)};
-  parts.diagnostics = std::make_unique<DiagnosticsSum>(
-      comm, parts.box, model, lattice_neighbours(scene.fluid.spacing, model.h), parts.substeps.gravity);
-  parts.observers = build_observers(comm, scene, options, sum_over_ranks(comm, parts.particles.size()));
-  return std::make_unique<PbfSolver<T>>(std::move(parts));
-}
-
 }  // namespace
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
@@ -162,13 +108,8 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
 }
 
-std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene) {
+std::vector<std::unique_ptr<Forcing>> build_fountains(MPI_Comm comm, const Scene& scene) {
   std::vector<std::unique_ptr<Forcing>> forcings;
-  if (scene.gravity) forcings.push_back(std::make_unique<Gravity>(*scene.gravity));
-  if (scene.walls.floor_friction > 0) {
-    forcings.push_back(
-        std::make_unique<FloorFriction>(scene.walls.floor_friction, scene.domain.min.z(), scene.fluid.kernel_radius));
-  }
   std::shared_ptr<LiveSound> live;
   int index = 0;
   for (const FountainSettings& fountain : scene.fountains) {
@@ -184,8 +125,17 @@ std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene&
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {
-  if (scene.density.precision == Precision::single) return build<float>(comm, scene, std::move(options));
-  return build<double>(comm, scene, std::move(options));
+  Particles particles = options.restart ? restored_particles(comm, scene, std::move(options.restart->rows))
+                                        : initial_particles(comm, scene);
+  SolverExtras extras;
+  if (options.restart) {
+    extras.step = options.restart->step;
+    extras.substeps = options.restart->substeps;
+  }
+  extras.requests = options.requests;
+  extras.forcings = build_fountains(comm, scene);
+  extras.observers = build_observers(comm, scene, options, sum_over_ranks(comm, particles.size()));
+  return make_solver(comm, scene, std::move(particles), std::move(extras));
 }
 
 }  // namespace trevi

@@ -9,7 +9,8 @@
 #include "app/envelope.hpp"
 #include "app/initial_particles.hpp"
 #include "fluid/velocity_filter.hpp"
-#include "solver/density_method.hpp"
+#include "solver/density_solver.hpp"
+#include "solver/first_slabs.hpp"
 
 namespace trevi {
 
@@ -116,9 +117,9 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 }  // namespace
 
 void print_dry_run(const Session& session, const Scene& scene, const std::string& directory) {
-  build_forcings(session.comm(), scene);  // reads the music, so that a bad note is found here
+  build_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
-  const CellGrid grid(scene.domain.min, scene.domain.max, model.h, scene.slab_axis);
+  const CellGrid grid = cell_grid(scene);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
   if (session.rank() != 0) return;

@@ -17,6 +17,7 @@
 #include "io/output_directory.hpp"
 #include "io/vtu.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/log.hpp"
 
 namespace trevi {
 
