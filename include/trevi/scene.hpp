@@ -3,11 +3,15 @@
 // The same text gives the same Scene on all ranks.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "trevi/clock.hpp"
+#include "trevi/forcing.hpp"
+#include "trevi/particles.hpp"
+#include "trevi/session.hpp"
 #include "trevi/settings.hpp"
 #include "trevi/types.hpp"
 
@@ -66,6 +70,17 @@ struct Scene : Settings {
 /// Reads the text of a scene. `overrides` are "table.key=value" with TOML values, applied in order.
 /// Throws InputError that lists every problem as "file:line: [table] key: what is wrong; remedy", one a line.
 Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& overrides);
+
+/// Reads a scene file on one rank of `comm` for all. Collective. InputError on all ranks alike, as parse_scene().
+Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// The particles of [[particles]], those of this rank's slab; ids x fastest within a block, sources in file order.
+/// Collective. InputError for a file that cannot be used, particles outside the box, more ranks than planes, or more
+/// particles than a rank can count.
+Particles initial_particles(MPI_Comm comm, const Scene& scene);
+
+/// The fountains with their music, in the order of the scene. Collective. InputError for music that cannot be used.
+std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene);
 
 /// Keys a scene may use, with type and unit, one a line (for --help and the documentation test).
 std::string scene_reference();

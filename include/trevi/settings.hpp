@@ -1,8 +1,9 @@
-// What a solver is to do, in SI units and by the names of the scene file (inputs/README.md). Plain data: a program or the
-// scene reader fills it, resolved() gives the derived defaults their values, and make_solver() builds from it.
-// What stays std::nullopt is a feature that is absent, and then nothing is built for it.
+// What a solver is to do, in SI units and by the names of the scene file (inputs/README.md). Plain data: a program or
+// the scene reader fills it, resolved() gives the derived defaults their values, and make_solver() builds from it. What
+// stays std::nullopt is a feature that is absent, and then nothing is built for it.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,16 +19,16 @@ namespace trevi {
 template <class T>
 class Derived {
  public:
-  Derived& operator=(const T& value) {
-    value_ = value;
-    return *this;
-  }
+  Derived() = default;
+  Derived(const T& value) : value_(value) {}
   /// Only where nothing was assigned before.
   void set_default(const T& value) { value_ = value_.value_or(value); }
   bool given() const { return value_.has_value(); }
   T value() const { return value_.value(); }  ///< std::bad_optional_access without one
   operator T() const { return value(); }
   bool operator==(const Derived&) const = default;
+  template <std::convertible_to<T> U>
+  requires(!std::same_as<U, Derived>) bool operator==(const U& other) const { return value_ == T(other); }
 
  private:
   std::optional<T> value_;
@@ -44,8 +45,8 @@ enum class Follow { pitch, loudness };
 enum class SpeedMapping { linear, energy };
 
 struct FluidSettings {
-  Real spacing = 0.1;        ///< of the start lattice, m
-  Real rest_density = 1000;  ///< kg/m³
+  Real spacing = 0.1;           ///< of the start lattice, m
+  Real rest_density = 1000;     ///< kg/m³
   Derived<Real> kernel_radius;  ///< h, m; default 2 spacing
   Mass mass = Mass::calibrated;
   Kernel density_kernel = Kernel::spiky;  ///< of rho; gradients are Spiky's with either
@@ -132,8 +133,8 @@ struct Settings {
 /// The same with a value for every Derived setting. Not collective, and the same bits on any rank.
 Settings resolved(Settings settings);
 
-/// The settings of the students' report (density.preset = "report"): plain Jacobi, no walls in the density, every filter
-/// on. Domain, spacing, dt and gravity are left to the caller.
+/// The settings of the students' report (density.preset = "report"): plain Jacobi, no walls in the density, every
+/// filter on. Domain, spacing, dt and gravity are left to the caller.
 Settings report_settings();
 
 }  // namespace trevi

@@ -41,8 +41,8 @@ class Solver {
 
   /// Work and traffic of this rank so far, for run.json.
   struct Counters {
-    double pair_passes = 0;        ///< pairs times passes over them
-    std::int64_t iterations = 0;   ///< density iterations, summed over substeps
+    double pair_passes = 0;       ///< pairs times passes over them
+    std::int64_t iterations = 0;  ///< density iterations, summed over substeps
     std::int64_t substeps = 0;
     std::int64_t unconverged = 0;  ///< solves that missed their tolerance
     std::int64_t halo_bytes = 0, halo_messages = 0, migrated = 0;

@@ -108,7 +108,7 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
 }
 
-std::vector<std::unique_ptr<Forcing>> build_fountains(MPI_Comm comm, const Scene& scene) {
+std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene) {
   std::vector<std::unique_ptr<Forcing>> forcings;
   std::shared_ptr<LiveSound> live;
   int index = 0;
@@ -133,7 +133,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     extras.substeps = options.restart->substeps;
   }
   extras.requests = options.requests;
-  extras.forcings = build_fountains(comm, scene);
+  extras.forcings = make_fountains(comm, scene);
   extras.observers = build_observers(comm, scene, options, sum_over_ranks(comm, particles.size()));
   return make_solver(comm, scene, std::move(particles), std::move(extras));
 }

@@ -34,9 +34,6 @@ struct BuildOptions {
 /// For the series of a scene in which nothing pumps; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 
-/// The fountains with their music, in the order of the scene.
-std::vector<std::unique_ptr<Forcing>> build_fountains(MPI_Comm comm, const Scene& scene);
-
 /// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any
 /// communicator will do, so that a test can set one rank beside many.
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options);

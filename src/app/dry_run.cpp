@@ -92,7 +92,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
 
 std::string time_text(const Scene& scene) {
   const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
-  const Real cfl = scene.cfl > 0 ? scene.cfl : 0.4;
+  const Real cfl = scene.cfl > 0 ? scene.cfl.value() : 0.4;
   const Real by_speed = v > 0 ? cfl * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
   const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, h);
   return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}{}\n", scene.steps(),
@@ -117,7 +117,7 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 }  // namespace
 
 void print_dry_run(const Session& session, const Scene& scene, const std::string& directory) {
-  build_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
+  make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
   const CellGrid grid = cell_grid(scene);
   std::vector<Real> weights;

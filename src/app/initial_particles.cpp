@@ -165,8 +165,8 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
   const int rank = rank_of(comm);
-  const auto owned = std::accumulate(weights.begin() + slabs.first_plane(rank),
-                                     weights.begin() + slabs.last_plane(rank), 0.0);
+  const auto owned =
+      std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.last_plane(rank), 0.0);
   // Growth by doubling would leave these arrays up to twice as large as they need be, for the whole run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {

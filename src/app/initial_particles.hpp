@@ -11,11 +11,7 @@
 
 namespace trevi {
 
-/// Ids: x fastest within a block, sources in file order. Throws InputError for a file that cannot be used, particles
-/// outside the box, more ranks than planes, or more particles than a rank can count.
-Particles initial_particles(MPI_Comm comm, const Scene& scene);
-
-/// The same from the rows of a checkpoint, whatever rank count wrote it; make_solver() brings them home.
+/// Those of a checkpoint, whatever rank count wrote it; make_solver() brings them home.
 Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows rows);
 
 /// The slabs that initial_particles() would make, and the particles in each plane, without making those of blocks: a

@@ -116,7 +116,6 @@ void PhysicsReader::read_fluid() {
   fluid_.choice<Kernel>(
       {"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
       fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
-  check_coordinates();
 }
 
 // Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.
@@ -168,6 +167,7 @@ void PhysicsReader::resolve(Section& viscosity) {
   if (!check_kernel_radius()) return;
   static_cast<Settings&>(scene_) = resolved(scene_);
   check_cells();
+  check_coordinates();
   check_viscosity(viscosity);
 }
 
@@ -253,9 +253,10 @@ void PhysicsReader::read_density(Section& section) {
   bool coarse_grid = false;
   if (section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, coarse_grid))
     density.coarse_grid = coarse_grid;
-  read_derived(section,
-               {"max_shift", "what a pair is pushed apart at most in one iteration in units of kernel_radius; 0: no cap"},
-               density.max_shift, at_least(0));
+  read_derived(
+      section,
+      {"max_shift", "what a pair is pushed apart at most in one iteration in units of kernel_radius; 0: no cap"},
+      density.max_shift, at_least(0));
   section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
   read_derived(section, {"relaxation", "the factor on each position correction; default: as the kernel allows"},
                density.relaxation, {.low = 0, .high = 2, .with_low = false});

@@ -141,7 +141,8 @@ std::unique_ptr<DensitySolver<T>> make_fine(const DensitySettings& settings, con
 bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >= gravity.head<2>().norm(); }
 
 template <class T>
-std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings, const DensitySolverContext& context) {
+std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
+                                                      const DensitySolverContext& context) {
   if (settings.coarse_grid && context.gravity.isZero())
     return std::make_unique<FreeFlight<T>>(context, make_fine<T>(settings, context));
   if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
@@ -151,6 +152,7 @@ std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& set
 }
 
 template std::unique_ptr<DensitySolver<float>> make_density_solver(const DensitySettings&, const DensitySolverContext&);
-template std::unique_ptr<DensitySolver<double>> make_density_solver(const DensitySettings&, const DensitySolverContext&);
+template std::unique_ptr<DensitySolver<double>> make_density_solver(const DensitySettings&,
+                                                                    const DensitySolverContext&);
 
 }  // namespace trevi

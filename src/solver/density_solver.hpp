@@ -1,6 +1,7 @@
 // The density solve of a substep (report, Algorithm 1, lines 8 to 19): an iteration over the four parts of
-// DensityProblem, lambda, delta, collide and move, with the halos between them. It leaves p* corrected, inside the walls
-// and with fresh ghosts. Collective; the same bits on any rank count, but for anderson, whose dot products are PETSc's.
+// DensityProblem, lambda, delta, collide and move, with the halos between them. It leaves p* corrected, inside the
+// walls and with fresh ghosts. Collective; the same bits on any rank count, but for anderson, whose dot products are
+// PETSc's.
 //   jacobi     p* += relaxation · delta (relaxation 1 in the report)
 //   chebyshev  the same accelerated by Chebyshev weights (Wang 2015), kept on the multipliers
 //   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options reach it)

@@ -1,5 +1,5 @@
-// From settings to a solver: the one place where the features of a step are chosen. What the settings do not name is not
-// built: no forcing, no filter, no array, no event.
+// From settings to a solver: the one place where the features of a step are chosen. What the settings do not name is
+// not built: no forcing, no filter, no array, no event.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -75,8 +75,8 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.filters = make_filters<T>(settings, model);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
-  parts.diagnostics = std::make_unique<DiagnosticsSum>(*parts.comm, parts.box, model,
-                                                       lattice_neighbours(spacing, model.h), gravity);
+  parts.diagnostics =
+      std::make_unique<DiagnosticsSum>(*parts.comm, parts.box, model, lattice_neighbours(spacing, model.h), gravity);
 }
 
 template <class T>
@@ -104,8 +104,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
 
 }  // namespace
 
-std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles,
-                                    SolverExtras extras) {
+std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
   const Settings all = resolved(settings);
   if (all.density.precision == Precision::single)
     return make<float>(comm, all, std::move(particles), std::move(extras));

@@ -57,18 +57,18 @@ void PbfSolver<T>::step() {
 // Algorithm 1 of the report, for one of the equal parts of a step.
 template <class T>
 void PbfSolver<T>::substep(const StepInfo& info) {
-  apply_forcings(info);                       //  2
-  predict_positions(info.dt);                 //  3
-  migrate_particles(&Particles::predicted);   //     ownership follows p*
-  find_neighbours(Velocities::overwritten);   //  5 to 7: order, ghosts, lists, frozen until 22
+  apply_forcings(info);                      //  2
+  predict_positions(info.dt);                //  3
+  migrate_particles(&Particles::predicted);  //     ownership follows p*
+  find_neighbours(Velocities::overwritten);  //  5 to 7: order, ghosts, lists, frozen until 22
   reporter_.note_search(info.substep);
   problem_.start(parts_.particles, info.dt);
   const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
   reporter_.note_solution(result);
-  update_velocities(info.dt);                 // 21
-  apply_velocity_filters(info.dt);            // 22
-  vote_on_failures();                         //     all ranks throw, or none
-  accept_positions();                         // 23
+  update_velocities(info.dt);       // 21
+  apply_velocity_filters(info.dt);  // 22
+  vote_on_failures();               //     all ranks throw, or none
+  accept_positions();               // 23
 }
 
 template <class T>

@@ -192,7 +192,7 @@ class Reference {
   void iterate(int sweep) {
     find_densities();
     find_steps(sweep);
-    const Real share = s_.density.method == Method::chebyshev ? 1 : s_.density.relaxation;
+    const Real share = s_.density.method == Method::chebyshev ? 1 : s_.density.relaxation.value();
     Vectors moved(size());
     for (std::size_t i = 0; i < size(); ++i) {
       Vec3 delta = Vec3::Zero();

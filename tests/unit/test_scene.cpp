@@ -47,7 +47,7 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   EXPECT_EQ(scene.output.directory, "out/s");
   EXPECT_EQ(scene.steps(), 100);
   EXPECT_EQ(scene.slab_axis, 0);
-  EXPECT_EQ(scene.fluid.kernel_radius, FluidSettings{}.kernel_radius);
+  EXPECT_EQ(scene.fluid.kernel_radius, 0.2);  // twice the spacing
   EXPECT_EQ(scene.fluid.mass, FluidSettings{}.mass);
   EXPECT_NEAR(scene.density.relaxation, 0.9587 * 2 / 2.70368, 1e-5);  // Spiky, h = 2 spacings
   EXPECT_EQ(scene.density.constraint, DensitySettings{}.constraint);
