@@ -14,7 +14,6 @@
 namespace trevi {
 
 enum class Mass { calibrated, volume };
-enum class Kernel { poly6, spiky };
 enum class Method { jacobi, chebyshev, anderson };
 enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
@@ -28,7 +27,9 @@ struct FluidSettings {
   Real rest_density = 1000;  ///< kg/m³
   Real kernel_radius = 0.2;  ///< h, m
   Mass mass = Mass::calibrated;
-  Kernel density_kernel = Kernel::spiky;  ///< of rho; gradients are Spiky's with either
+  std::string density_kernel = "spiky";  ///< of rho, by its name
+  /// That shifts follow; default: the one that goes with the density's.
+  std::optional<std::string> gradient_kernel = std::nullopt;
   bool operator==(const FluidSettings&) const = default;
 };
 

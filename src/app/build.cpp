@@ -9,7 +9,6 @@
 #include "fluid/floor_friction.hpp"
 #include "fluid/fountain.hpp"
 #include "fluid/gravity.hpp"
-#include "fluid/kernels.hpp"
 #include "io/output_directory.hpp"
 #include "io/series.hpp"
 #include "io/vtkhdf.hpp"
@@ -48,7 +47,7 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> build_filters(const Scene& scene
 
 std::optional<AnalyticWallDensity> build_wall_density(const Scene& scene) {
   if (scene.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, scene.fluid.density_kernel, scene.fluid.spacing,
+  return AnalyticWallDensity({scene.domain_min, scene.domain_max}, kernels_of(scene.fluid).density, scene.fluid.spacing,
                              scene.fluid.kernel_radius);
 }
 
@@ -170,7 +169,7 @@ std::unique_ptr<Solver> build(MPI_Comm comm, const Scene& scene, BuildOptions op
 DensityModel density_model(const Scene& scene) {
   return {particle_mass(scene.fluid), scene.fluid.rest_density,
           scene.fluid.kernel_radius,  scene.density.epsilon / refinement(scene),
-          scene.density.constraint,   scene.fluid.density_kernel};
+          scene.density.constraint,   kernels_of(scene.fluid)};
 }
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {

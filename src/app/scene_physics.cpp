@@ -89,7 +89,7 @@ void PhysicsReader::read_preset(Section& density) {
                     .epsilon = 1,
                     .constraint = Constraint::equality};
   scene_.fluid.mass = Mass::volume;
-  scene_.fluid.density_kernel = Kernel::poly6;
+  scene_.fluid.density_kernel = "poly6";
   scene_.walls = {.restitution = 0.5, .density = WallDensity::none, .reflection = Reflection::report};
   scene_.cfl = 0;
   scene_.tensile = {.k = 0.001, .n = 4, .dq = 0.2};
@@ -120,9 +120,11 @@ void PhysicsReader::read_fluid() {
                 above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
-  fluid_.choice<Kernel>(
-      {"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
-      fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
+  fluid_.choice({"density_kernel", "the kernel of the density; default spiky"}, fluid.density_kernel, kernel_names());
+  fluid.gradient_kernel = kernels_of(fluid).gradient.name;
+  fluid_.choice({"gradient_kernel",
+                 "the kernel along whose gradient particles are shifted; default density_kernel, but spiky for poly6"},
+                *fluid.gradient_kernel, kernel_names());
   check_kernel_radius();
   check_coordinates();
 }
@@ -280,7 +282,7 @@ void PhysicsReader::read_relaxation(Section& density) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   if (!report_ && fluid_.fine("spacing") && fluid_.fine("kernel_radius") && density.fine("epsilon")) {
     const DensityModel model = density_model(scene_);
-    const Real largest = lattice_jacobi_eigenvalue(model.kernel, scene_.fluid.spacing, model.h,
+    const Real largest = lattice_jacobi_eigenvalue(model.kernels, scene_.fluid.spacing, model.h,
                                                    model.mass / model.rest_density, model.epsilon);
     const Real share = scene_.density.method == Method::chebyshev ? with_safeguard : without;
     scene_.density.relaxation = share * 2 / largest;
