@@ -8,9 +8,13 @@ jets   two that collide without gravity: linear and angular momentum
 
 Methods x iterations, then one factor at a time around the default: dt, substeps, precision, walls, viscosity. Run times
 are medians: all runs take turns, so that a slow minute of the machine meets them all, and only ratios within one file
-mean anything.
+mean anything. cpu_seconds is the least that a turn took of the processor, start and output included: steadier than wall
+time where others are at work.
+
+--kernels compares smoothing kernels instead, at several radii: Spiky (the default) and Wendland's C2.
 """
 
+import resource
 import statistics
 import sys
 
@@ -26,7 +30,10 @@ METHODS = {
     "Anderson": ["density.method=anderson"],
     "default": [],
     "default, Poly6": ["fluid.density_kernel=poly6"],
+    "default, Wendland": ["fluid.density_kernel=wendland_c2"],
 }
+KERNELS = {"Spiky": [], "Wendland": ["fluid.density_kernel=wendland_c2"]}
+RATIOS = (2, 2.5)  # kernel radius over spacing
 SCENES = ("cube", "column", "dam_break", "fountain", "wave", "pool", "jets")
 KNOWN = {"wave": wave(Tank(10, 4.0, 0.6, seconds=10.0), 0.5), "pool": pool(Tank(10, seconds=10.0), 0.05), "jets": jets()}
 FIGURES = ("period_ratio", "loss_per_half", "wave_left", "tilt_left", "rest_kinetic_per_mass", "rest_com_error",
@@ -46,6 +53,13 @@ def settings_of(scene, all_iterations):
              ("default, cfl 0.2", 4, ["time.cfl=0.2"]), ("default, double", 4, ["density.precision=double"]),
              ("default, no walls", 4, ["walls.density=none"]), ("default, nu 0.002", 4, ["viscosity.nu=0.002"])]
     return runs
+
+
+def settings_of_kernels(scene, all_iterations):
+    """The same, of each kernel at each radius."""
+    spacing = SPACING.get(scene, 0.1)
+    return [(f"{name}, h = {ratio}", n, [*keys, f"fluid.kernel_radius={ratio * spacing:g}", f"density.iterations={n}"])
+            for n in all_iterations for ratio in RATIOS for name, keys in KERNELS.items()]
 
 
 def known_figures(scene, columns, states):
@@ -70,6 +84,12 @@ def row_of(scene, name, iterations, columns, code):
             "substeps": mean(columns["substeps"][1:]), "wall_seconds": columns["wall_seconds"][-1]}
 
 
+def cpu_seconds():
+    """Of all runs so far."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def run(trevi, scene, keys):
     if scene not in KNOWN:
         return simulate_states(trevi, STRESS / f"{scene}.toml", keys)
@@ -78,23 +98,29 @@ def run(trevi, scene, keys):
     return simulate_states(trevi, water.path, [*water.settings, *states, *keys], cloud=water.cloud)
 
 
-def measure(trevi, scene, all_iterations, rounds):
-    """Rows of a scene; those with 4 or 8 iterations of the methods of the claims are timed `rounds` times."""
-    rows, times = {}, {}
-    for turn in range(rounds):
-        for name, iterations, keys in settings_of(scene, all_iterations):
-            if turn > 0 and (name not in CLAIMED or iterations not in (4, 8)):
+def measure(arguments, scene):
+    """Rows of a scene; those with 4 or 8 iterations of the methods of the claims are timed `rounds` times, those of
+    kernels all."""
+    trevi, rows, times, processor = arguments.trevi, {}, {}, {}
+    settings = settings_of_kernels if arguments.kernels else settings_of
+    for turn in range(arguments.rounds):
+        for name, iterations, keys in settings(scene, arguments.iterations):
+            if turn > 0 and not arguments.kernels and (name not in CLAIMED or iterations not in (4, 8)):
                 continue
+            before = cpu_seconds()
             columns, states, code, message = run(trevi, scene, keys)
+            spent = cpu_seconds() - before
             if len(columns.get("step", ())) < 2:
                 print(f"{scene}, {name}, {iterations}: {message}", file=sys.stderr)
                 continue
             rows[name, iterations] = row_of(scene, name, iterations, columns, code) | known_figures(scene, columns, states)
             times.setdefault((name, iterations), []).append(columns["wall_seconds"][-1])
+            processor[name, iterations] = min(spent, processor.get((name, iterations), spent))
     for key, row in rows.items():
         row["wall_seconds"] = round(statistics.median(times[key]), 3)
+        row["cpu_seconds"] = round(processor[key], 3)
         known = [f"{figure} {row[figure]:.3g}" for figure in FIGURES if row[figure] != ""]
-        print(scene, *key, f"{row['compression_mean']:.3e}", row["wall_seconds"], *known, sep="  ", flush=True)
+        print(scene, *key, f"{row['compression_mean']:.3e}", row["wall_seconds"], row["cpu_seconds"], *known, sep="  ", flush=True)
     return list(rows.values())
 
 
@@ -103,9 +129,9 @@ def main():
     parser.add_argument("--scene", action="append", choices=SCENES, help="default: all")
     parser.add_argument("--iterations", type=int, nargs="+", default=[2, 4, 8, 16], metavar="N")
     parser.add_argument("--rounds", type=int, default=3, help="timings of the runs compared in the page")
+    parser.add_argument("--kernels", action="store_true", help="smoothing kernels instead of methods")
     arguments = parser.parse_args()
-    rows = [row for scene in arguments.scene or SCENES
-            for row in measure(arguments.trevi, scene, arguments.iterations, arguments.rounds)]
+    rows = [row for scene in arguments.scene or SCENES for row in measure(arguments, scene)]
     write_table(arguments.output, rows)
     return 0
 

@@ -18,7 +18,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 COLOURS = {"report's Jacobi": "#D55E00", "plain Jacobi": "#E69F00", "Jacobi 0.5, walls": "#CC79A7",
            "Chebyshev alone": "#56B4E9", "Anderson": "#009E73", "default": "#0072B2",
-           "default, Poly6": "#000000"}
+           "default, Poly6": "#000000", "default, Wendland": "#999999"}
 MOST = 100.0
 # Scene, column, what is exact, title, least error drawn.
 PANELS = (

@@ -35,7 +35,6 @@ class Derived {
 };
 
 enum class Mass { calibrated, volume };
-enum class Kernel { poly6, spiky };
 enum class Method { jacobi, chebyshev, anderson };
 enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
@@ -49,7 +48,9 @@ struct FluidSettings {
   Real rest_density = 1000;     ///< kg/m³
   Derived<Real> kernel_radius;  ///< h, m; default 2 spacing
   Mass mass = Mass::calibrated;
-  Kernel density_kernel = Kernel::spiky;  ///< of rho; gradients are Spiky's with either
+  std::string density_kernel = "spiky";  ///< of rho, by its name
+  /// That shifts follow; default: the one that goes with the density's.
+  Derived<std::string> gradient_kernel;
   bool operator==(const FluidSettings&) const = default;
 };
 

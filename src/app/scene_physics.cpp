@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/scene_fountain.hpp"
+#include "fluid/kernels.hpp"
 #include "fluid/velocity_filter.hpp"
 
 namespace trevi {
@@ -113,9 +114,13 @@ void PhysicsReader::read_fluid() {
                fluid.kernel_radius, above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
-  fluid_.choice<Kernel>(
-      {"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
-      fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
+  fluid_.choice({"density_kernel", "the kernel of the density; default spiky"}, fluid.density_kernel, kernel_names());
+  std::string gradient_kernel;
+  if (fluid_.choice({"gradient_kernel",
+                     "the kernel along whose gradient particles are shifted; default density_kernel, but spiky for "
+                     "poly6"},
+                    gradient_kernel, kernel_names()))
+    fluid.gradient_kernel = gradient_kernel;
 }
 
 // Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.

@@ -304,6 +304,12 @@ int Section::pick(const Key& key, std::span<const std::string> options) {
   return -1;
 }
 
+bool Section::choice(const Key& key, std::string& target, std::span<const std::string> options) {
+  const int chosen = pick(key, options);
+  if (chosen >= 0) target = options[static_cast<std::size_t>(chosen)];
+  return chosen >= 0;
+}
+
 Place Section::place_of(const std::string& key) const {
   const toml::node* node = table_ ? table_->get(key) : nullptr;
   const std::string space = place_.label.empty() ? "" : " ", dot = place_.path.empty() ? "" : ".";

@@ -86,6 +86,7 @@ class Section {
   bool integer(const Key& key, T& target, std::int64_t least);
   template <class E>
   bool choice(const Key& key, E& target, std::initializer_list<std::pair<const char*, E>> options);
+  bool choice(const Key& key, std::string& target, std::span<const std::string> options);
 
   /// The value of a key of more than one type, and the way to refuse it.
   const toml::node* find(const Key& key, const std::string& type);

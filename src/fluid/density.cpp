@@ -3,17 +3,12 @@
 #include <algorithm>
 
 #include "fluid/for_each_sum.hpp"
-#include "fluid/kernels.hpp"
 
 namespace trevi {
 
 Real particle_mass(const FluidSettings& fluid) {
   if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
-  return fluid.rest_density / lattice_density_sum(fluid.density_kernel, fluid.spacing, fluid.kernel_radius);
-}
-
-Real density(const DensityModel& model, Real sum) {
-  return model.mass * density_factor(model.kernel, model.h) * (1 + sum);
+  return fluid.rest_density / lattice_density_sum(kernels_of(fluid).density, fluid.spacing, fluid.kernel_radius);
 }
 
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
@@ -28,9 +23,9 @@ template <class T>
 DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
                                         std::optional<AnalyticWallDensity> walls)
     : model_(model),
-      gradient_factor_(model.mass / model.rest_density * spiky_gradient_factor(model.h)),
-      loops_(pair_loops<T>()),
-      density_loop_(model.kernel == Kernel::poly6 ? loops_.density : loops_.spiky_density),
+      density_factor_(model.mass * model.kernels.density.factor(model.h)),
+      gradient_factor_(model.mass / model.rest_density * model.kernels.gradient.slope_factor(model.h)),
+      loops_(constraint_loops<T>(model.kernels)),
       delta_loop_(loops_.delta),
       walls_(std::move(walls)) {
   if (tensile) {
@@ -43,9 +38,9 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
 template <class T>
 void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                      std::span<Real> rho) const {
-  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { density_loop_(pairs, part, sums, squares); };
+  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
   for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T) {
-    rho[k] = density(model_, sum.w);
+    rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
     if (walls_) rho[k] += model_.rest_density * walls_->at(p[k]).density;
   });
 }
@@ -53,9 +48,9 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
                                    std::vector<Packed<T>>& records) const {
-  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { density_loop_(pairs, part, sums, squares); };
+  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
   for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T squares) {
-    rho[k] = density(model_, sum.w);
+    rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
     Vec3 gradient = -gradient_factor_ * vector_of(sum);
     if (walls_) {
       const BoundaryShare share = walls_->at(p[k]);

@@ -1,9 +1,9 @@
 // The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
-//   rho_i = m Σ_j W(p_ij), W Poly6 or, by fluid.density_kernel, Spiky;  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+//   rho_i = m Σ_j W(p_ij), W that of fluid.density_kernel;  C_i = rho_i/rho0 − 1 (inequality: not below 0)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
-//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇W_spiky(p_ij) [+ lambda_i times the gradient of the
-//   walls' share]
-// The functions of one particle (density, lambda) stand apart from the loops that drive them. Not collective: the
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls' share],
+//   G that of fluid.gradient_kernel, of which the gradients in lambda_i are, too
+// The multiplier of one particle stands apart from the loops that drive it. Not collective: the
 // caller exchanges lambda, which lives in the scalar of the records, between the two loops.
 #pragma once
 
@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 
+#include "fluid/kernels.hpp"
 #include "fluid/pair_sums.hpp"
 #include "fluid/wall_density.hpp"
 #include "trevi/settings.hpp"
@@ -24,7 +25,7 @@ struct DensityModel {
   Real h = 0.2;              ///< m
   Real epsilon = 1;          ///< 1/m²
   Constraint constraint = Constraint::equality;
-  Kernel kernel = Kernel::spiky;
+  Kernels kernels = kernels_of(FluidSettings{});
 };
 
 /// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest
@@ -35,10 +36,6 @@ Real particle_mass(const FluidSettings& fluid);
 /// the report's spacing, 0.1 m. `settings` are resolved, but for the under-relaxation.
 DensityModel density_model(const Settings& settings);
 std::optional<Tensile> tensile_of(const Settings& settings);
-
-/// `sum`: Σ (1 − u²)³, or with Spiky (1 − u)³, over the neighbours without i; the density in kg/m³ without boundary
-/// terms.
-Real density(const DensityModel& model, Real sum);
 
 /// Σ_k |∇_k C_i|² from gradient = ∇_i C_i and neighbours = Σ_j |∇_j C_i|², both in 1/m units; lambda in m².
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
@@ -67,9 +64,9 @@ class DensityConstraint {
 
  private:
   DensityModel model_;
-  Real gradient_factor_;  // m/rho0 times that of Spiky, 1/m
-  PairLoops<T> loops_;
-  decltype(PairLoops<T>::density) density_loop_;
+  Real density_factor_;   // m W(0), kg/m³: what a particle without neighbours has
+  Real gradient_factor_;  // m/rho0 times that of the slope, 1/m
+  ConstraintLoops<T> loops_;
   std::function<void(const Pairs<T>&, Range, Quad<T>*)> delta_loop_;
   std::optional<AnalyticWallDensity> walls_;
 };

@@ -1,40 +1,60 @@
 #include "fluid/kernels.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <type_traits>
+
+#include "fluid/kernels/list-inl.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 
-Real poly6(const Vec3& r, Real h) {
-  const Real t = 1 - r.squaredNorm() / (h * h);
-  return t > 0 ? poly6_factor(h) * t * t * t : 0;
+namespace {
+
+template <class K, class... Listed>
+constexpr std::size_t place_of(std::type_identity<std::tuple<Listed...>>) {
+  static_assert((std::is_same_v<K, Listed> || ...), "a kernel names another for its gradient that is not in the list");
+  std::size_t place = 0;
+  for (const bool found : {std::is_same_v<K, Listed>...}) {
+    if (found) return place;
+    ++place;
+  }
+  return place;
 }
 
-Vec3 poly6_gradient(const Vec3& r, Real h) {
-  const Real t = 1 - r.squaredNorm() / (h * h);
-  return t > 0 ? Vec3(-6 * poly6_factor(h) / (h * h) * t * t * r) : Vec3::Zero();
+template <class... Listed>
+constexpr std::array<Kernel, sizeof...(Listed)> described(std::type_identity<std::tuple<Listed...>> list) {
+  return {Kernel{Listed::name, place_of<Listed>(list), place_of<typename Listed::Gradient>(list), Listed::factor,
+                 Listed::slope_factor, Listed::steepest, Listed::value, Listed::gradient}...};
 }
 
-Real spiky(const Vec3& r, Real h) {
-  const Real t = 1 - r.norm() / h;
-  return t > 0 ? spiky_factor(h) * t * t * t : 0;
+}  // namespace
+
+std::span<const Kernel> all_kernels() {
+  static constexpr auto all = described(std::type_identity<KernelList>());
+  return all;
 }
 
-Vec3 spiky_gradient(const Vec3& r, Real h) {
-  const Real length = r.norm();
-  if (length <= 0 || length >= h) return Vec3::Zero();
-  const Real t = 1 - length / h;
-  return -spiky_gradient_factor(h) * t * t / length * r;
+std::vector<std::string> kernel_names() {
+  std::vector<std::string> names;
+  for (const Kernel& kernel : all_kernels()) names.emplace_back(kernel.name);
+  return names;
 }
 
-Real density_kernel(Kernel kernel, const Vec3& r, Real h) {
-  return kernel == Kernel::poly6 ? poly6(r, h) : spiky(r, h);
+const Kernel& kernel_named(std::string_view name) {
+  for (const Kernel& kernel : all_kernels())
+    if (kernel.name == name) return kernel;
+  throw InputError(fmt::format("there is no kernel \"{}\"; take one of {}", name, fmt::join(kernel_names(), ", ")));
 }
 
-Vec3 density_gradient(Kernel kernel, const Vec3& r, Real h) {
-  return kernel == Kernel::poly6 ? poly6_gradient(r, h) : spiky_gradient(r, h);
+Kernels kernels_of(const FluidSettings& fluid) {
+  const Kernel& density = kernel_named(fluid.density_kernel);
+  return {density,
+          fluid.gradient_kernel.given() ? kernel_named(fluid.gradient_kernel.value()) : all_kernels()[density.gradient_place]};
 }
 
 namespace {
@@ -56,15 +76,15 @@ void for_each_lattice_point(Real spacing, Real h, Visit&& visit) {
 
 }  // namespace
 
-Real lattice_density_sum(Kernel kernel, Real spacing, Real h) {
+Real lattice_density_sum(const Kernel& kernel, Real spacing, Real h) {
   Real sum = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3& offset) { sum += density_kernel(kernel, offset, h); });
+  for_each_lattice_point(spacing, h, [&](const Vec3& offset) { sum += kernel.value(offset, h); });
   return sum;
 }
 
 Real lattice_laplacian_moment(Real spacing, Real h) {
   Real sum = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum += r.x() * r.x() * poly6(r, h); });
+  for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum += r.x() * r.x() * Poly6::value(r, h); });
   return sum / 2;
 }
 
@@ -88,7 +108,7 @@ std::array<Real, 24> sines_of_twelfths() {
 
 }  // namespace
 
-Real lattice_jacobi_eigenvalue(Kernel kernel, Real spacing, Real h, Real volume, Real epsilon) {
+Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Real volume, Real epsilon) {
   struct Neighbour {
     std::array<int, 3> place;
     Vec3 dense, push;
@@ -98,8 +118,8 @@ Real lattice_jacobi_eigenvalue(Kernel kernel, Real spacing, Real h, Real volume,
   for_each_lattice_point(spacing, h, [&](const Vec3& r) {
     const auto index = [&](Real x) { return static_cast<int>(std::lround(x / spacing)); };
     neighbours.push_back({{index(r.x()), index(r.y()), index(r.z())},
-                          volume * density_gradient(kernel, r, h),
-                          volume * spiky_gradient(r, h)});
+                          volume * kernels.density.gradient(r, h),
+                          volume * kernels.gradient.gradient(r, h)});
     diagonal += neighbours.back().push.squaredNorm();
   });
   const std::array<Real, 24> sine = sines_of_twelfths();

@@ -1,10 +1,12 @@
-// The sums over neighbours that the method consists of, dimensionless (u = r/h, t = 1 − u, r̂ from j to i), vectorised.
-// This is where the run time goes. Each sum is one small kernel under one common traversal of the neighbour list
-// (src/fluid/pair_sums.cpp); what the sums mean is in density.hpp and velocity_filter.hpp.
+// The sums over neighbours that the method consists of, dimensionless (u = r/h, r̂ from j to i), vectorised: with w(u)
+// the shape W/W(0) of one kernel and g(u) that of −dW/dr of one, see kernels.hpp.
+// This is where the run time goes. Each sum is a few terms under one common traversal of the neighbour list
+// (pair_sums-inl.hpp); what the sums mean is in density.hpp and velocity_filter.hpp.
 // Pairs that have drifted beyond h on the frozen list contribute nothing. Terms are added in the order of the list,
 // lane by lane: the same bits wherever a particle is stored. Not collective.
 #pragma once
 
+#include "fluid/kernels.hpp"
 #include "particles/neighbour_list.hpp"
 
 namespace trevi {
@@ -24,31 +26,43 @@ struct Tensile {
   Real dq = 0.2;
 };
 
-/// The loops for the instruction set in use. Owned particle i of a range writes to place i − range.begin of `out`.
-/// Velocities are given for all particles, ghosts included.
+/// The loops of a density constraint for the instruction set in use. Owned particle i of a range writes to place
+/// i − range.begin of `out`.
 template <class T>
-struct PairLoops {
-  /// out = (Σ t² r̂, Σ (1 − u²)³), squares = Σ t⁴.
+struct ConstraintLoops {
+  /// out = (Σ g r̂, Σ w), squares = Σ g².
   void (*density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
-  /// The same with Σ (1 − u)³.
-  void (*spiky_density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
-  /// out = Σ (lambda_i + lambda_j) t² r̂, with lambda the scalar of the records.
+  /// out = Σ (lambda_i + lambda_j) g r̂, with lambda the scalar of the records.
   void (*delta)(const Pairs<T>&, Range, Quad<T>* out);
-  /// out = Σ (lambda_i + lambda_j + s_corr) t² r̂.
+  /// out = Σ (lambda_i + lambda_j + s_corr) g r̂.
   void (*tensile_delta)(const Pairs<T>&, Range, const Tensile&, Quad<T>* out);
-  /// out = Σ (v_j − v_i) × t² r̂.
+};
+
+/// w of the first kernel, g of the second.
+template <class T>
+ConstraintLoops<T> constraint_loops(const Kernels& kernels);
+template <>
+ConstraintLoops<float> constraint_loops<float>(const Kernels& kernels);
+template <>
+ConstraintLoops<double> constraint_loops<double>(const Kernels& kernels);
+
+/// The loops of the velocity filters, with g of Spiky and w of Poly6. Velocities are given for all particles, ghosts
+/// included.
+template <class T>
+struct FilterLoops {
+  /// out = Σ (v_j − v_i) × g r̂.
   void (*curl)(const Pairs<T>&, Range, const Quad<T>* velocity, Quad<T>* out);
-  /// out = Σ (w_j − w_i) t² r̂, with w the scalar of the records.
+  /// out = Σ (w_j − w_i) g r̂, with w_i the scalar of the records.
   void (*gradient)(const Pairs<T>&, Range, Quad<T>* out);
-  /// out = Σ (v_j − v_i) (1 − u²)³.
+  /// out = Σ (v_j − v_i) w.
   void (*smoothing)(const Pairs<T>&, Range, const Quad<T>* velocity, Quad<T>* out);
 };
 
 template <class T>
-PairLoops<T> pair_loops();
+FilterLoops<T> filter_loops();
 template <>
-PairLoops<float> pair_loops<float>();
+FilterLoops<float> filter_loops<float>();
 template <>
-PairLoops<double> pair_loops<double>();
+FilterLoops<double> filter_loops<double>();
 
 }  // namespace trevi

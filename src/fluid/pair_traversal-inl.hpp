@@ -10,13 +10,12 @@
 
 #include <hwy/highway.h>
 
+#include "fluid/kernels/shape-inl.hpp"
 #include "fluid/pair_sums.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 template <class D>
 struct Four {
@@ -134,10 +133,10 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Pack
   return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, index};
 }
 
-// For each owned particle i of the range: sums = kernel.start(i), kernel.add(sums, pairs) for all its neighbours,
-// kernel.finish(place in the range, sums).
-template <class T, class Kernel>
-HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Kernel& kernel) {
+// For each owned particle i of the range: sums = terms.start(i), terms.add(sums, pairs) for all its neighbours,
+// terms.finish(place in the range, sums).
+template <class T, class Terms>
+HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Terms& terms) {
   const hn::ScalableTag<T> d;
   const auto lanes = static_cast<LocalId>(hn::Lanes(d));
   const auto one = hn::Set(d, T{1});
@@ -146,14 +145,14 @@ HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Kern
     const Packed<T>& self = records[pairs.low_ghosts + i];
     const LocalId* row = pairs.list.row(i);
     const LocalId count = pairs.list.count(i);
-    auto sums = kernel.start(d, pairs.low_ghosts + i);
+    auto sums = terms.start(d, pairs.low_ghosts + i);
     for (LocalId k = 0; k < count; k += lanes) {
       auto pair = pair_vector(d, self, records, row + k);
-      // Lanes past the end of the row are moved to r = h, where every kernel is zero.
+      // Lanes past the end of the row are moved to r = h, where every smoothing kernel is zero.
       if (count - k < lanes) pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(count - k)), pair.r2, one);
-      kernel.add(d, sums, pair);
+      terms.add(d, sums, pair);
     }
-    kernel.finish(d, i - range.begin, sums);
+    terms.finish(d, i - range.begin, sums);
   }
 }
 

@@ -18,7 +18,7 @@ Real refinement(const Settings& settings) {
 Real stable_relaxation(const Settings& settings) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   const DensityModel model = density_model(settings);
-  const Real largest = lattice_jacobi_eigenvalue(model.kernel, settings.fluid.spacing, model.h,
+  const Real largest = lattice_jacobi_eigenvalue(model.kernels, settings.fluid.spacing, model.h,
                                                  model.mass / model.rest_density, model.epsilon);
   const Real share = settings.density.method == Method::chebyshev ? with_safeguard : without;
   return share * 2 / largest;
@@ -36,7 +36,7 @@ Real stable_cfl(const Settings& settings) {
 DensityModel density_model(const Settings& settings) {
   return {particle_mass(settings.fluid), settings.fluid.rest_density,
           settings.fluid.kernel_radius,  settings.density.epsilon / refinement(settings),
-          settings.density.constraint,   settings.fluid.density_kernel};
+          settings.density.constraint,   kernels_of(settings.fluid)};
 }
 
 std::optional<Tensile> tensile_of(const Settings& settings) {
@@ -48,6 +48,7 @@ Settings resolved(Settings settings) {
   const Vec3 extent = settings.domain.max - settings.domain.min;
   settings.slab_axis.set_default(extent.y() > extent.x() ? 1 : 0);
   settings.fluid.kernel_radius.set_default(2 * settings.fluid.spacing);
+  settings.fluid.gradient_kernel.set_default(std::string(kernels_of(settings.fluid).gradient.name));
   settings.cfl.set_default(stable_cfl(settings));
   // By its value, not by whether it is written out, so that the default's name changes nothing. The other methods are
   // what the literature calls them.
@@ -66,7 +67,7 @@ Settings report_settings() {
   settings.density.max_shift = 0;
   settings.density.constraint = Constraint::equality;
   settings.fluid.mass = Mass::volume;
-  settings.fluid.density_kernel = Kernel::poly6;
+  settings.fluid.density_kernel = "poly6";
   settings.walls.density = WallDensity::none;
   settings.walls.reflection = Reflection::report;
   settings.cfl = 0;

@@ -4,7 +4,8 @@
 
 #include "base/growth.hpp"
 #include "fluid/for_each_sum.hpp"
-#include "fluid/kernels.hpp"
+#include "fluid/kernels/poly6-inl.hpp"
+#include "fluid/kernels/spiky-inl.hpp"
 
 namespace trevi {
 
@@ -33,8 +34,8 @@ const Quad<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vect
 template <class T>
 VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon,
                                               std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(pair_loops<T>()),
-      omega_factor_(model.mass * spiky_gradient_factor(model.h)),
+    : loops_(filter_loops<T>()),
+      omega_factor_(model.mass * Spiky::slope_factor(model.h)),
       epsilon_(epsilon),
       velocity_(std::move(velocity)) {}
 
@@ -75,12 +76,12 @@ XsphFactor xsph_of_viscosity(Real nu, Real spacing, Real h) {
 }
 
 Real longest_viscous_step(Real nu, Real spacing, Real h) {
-  return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(Kernel::poly6, spacing, h));
+  return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(kernel_named(Poly6::name), spacing, h));
 }
 
 template <class T>
 XsphViscosity<T>::XsphViscosity(const XsphFactor& factor, Real h, std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(pair_loops<T>()), factor_(factor), kernel_factor_(poly6_factor(h)), velocity_(std::move(velocity)) {}
+    : loops_(filter_loops<T>()), factor_(factor), kernel_factor_(Poly6::factor(h)), velocity_(std::move(velocity)) {}
 
 template <class T>
 void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {

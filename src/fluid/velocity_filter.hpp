@@ -55,7 +55,7 @@ class VorticityConfinement : public VelocityFilter<T> {
   void compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
 
   Event event_{"Vorticity"};
-  PairLoops<T> loops_;
+  FilterLoops<T> loops_;
   Real omega_factor_;  // kg/m⁴ from the dimensionless sum
   Real epsilon_;
   std::shared_ptr<VelocityField<T>> velocity_;
@@ -86,7 +86,7 @@ class XsphViscosity : public VelocityFilter<T> {
 
  private:
   Event event_{"XsphViscosity"};
-  PairLoops<T> loops_;
+  FilterLoops<T> loops_;
   XsphFactor factor_;
   Real kernel_factor_;  // W6(0), 1/m³
   std::shared_ptr<VelocityField<T>> velocity_;

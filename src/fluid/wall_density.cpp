@@ -4,8 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include "fluid/kernels.hpp"
-
 namespace trevi {
 
 namespace {
@@ -16,7 +14,7 @@ struct Missing {
   Real pull = 0;   // magnitude of its gradient along the first axis, 1/m
 };
 
-Missing behind_planes(std::span<const Real> d, Kernel kernel, Real spacing, Real h) {
+Missing behind_planes(std::span<const Real> d, const Kernel& kernel, Real spacing, Real h) {
   const int reach = static_cast<int>(h / spacing) + 1;
   Missing missing;
   for (int i = -reach; i <= reach; ++i) {
@@ -26,8 +24,8 @@ Missing behind_planes(std::span<const Real> d, Kernel kernel, Real spacing, Real
         bool behind = offset.norm() < h * (1 - 1e-9);
         for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
         if (!behind) continue;
-        missing.share += density_kernel(kernel, offset, h);
-        missing.pull += density_gradient(kernel, offset, h).x();
+        missing.share += kernel.value(offset, h);
+        missing.pull += kernel.gradient(offset, h).x();
       }
     }
   }
@@ -37,7 +35,7 @@ Missing behind_planes(std::span<const Real> d, Kernel kernel, Real spacing, Real
 
 }  // namespace
 
-AnalyticWallDensity::AnalyticWallDensity(const Box& box, Kernel kernel, Real spacing, Real h)
+AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h)
     : box_(box),
       kernel_(kernel),
       h_(h),

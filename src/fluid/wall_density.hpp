@@ -14,6 +14,7 @@
 #include <array>
 #include <vector>
 
+#include "fluid/kernels.hpp"
 #include "fluid/walls.hpp"
 #include "trevi/box.hpp"
 #include "trevi/settings.hpp"
@@ -34,7 +35,7 @@ constexpr Real wall_slope = 2;
 class AnalyticWallDensity {
  public:
   /// `spacing` and h define the lattice that shall be at rest; metres.
-  AnalyticWallDensity(const Box& box, Kernel kernel, Real spacing, Real h);
+  AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h);
 
   /// Nearly all particles are out of reach of every wall: that test is made here, the rest behind a call.
   BoundaryShare at(const Vec3& p) const {

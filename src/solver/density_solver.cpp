@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "fluid/kernels.hpp"
 #include "solver/anderson.hpp"
 #include "solver/free_flight.hpp"
 
@@ -16,7 +15,8 @@ namespace {
 // max_shift then, from the largest gradient that two particles can have.
 Real largest_multiplier(const DensitySettings& settings, const DensityModel& model) {
   if (settings.max_shift == 0) return std::numeric_limits<Real>::infinity();
-  return settings.max_shift * model.h / (2 * model.mass / model.rest_density * spiky_gradient_factor(model.h));
+  return settings.max_shift * model.h /
+         (2 * model.mass / model.rest_density * model.kernels.gradient.steepest(model.h));
 }
 
 template <class T>

@@ -46,7 +46,7 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
 
 std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
   if (settings.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity(settings.domain, settings.fluid.density_kernel, settings.fluid.spacing,
+  return AnalyticWallDensity(settings.domain, kernels_of(settings.fluid).density, settings.fluid.spacing,
                              settings.fluid.kernel_radius);
 }
 

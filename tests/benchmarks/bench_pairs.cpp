@@ -10,6 +10,7 @@
 
 #include <ctime>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <string_view>
 
@@ -51,7 +52,7 @@ double triad_bandwidth() {
 
 /// A loop to be timed, and the bytes per particle it moves beside its four bytes per pair.
 template <class T>
-struct Kernel {
+struct Loop {
   std::string name;
   double bytes_per_particle;
   std::function<void(Water<T>&)> pass;
@@ -59,28 +60,42 @@ struct Kernel {
 
 // Sums go to an array as long as the cloud. Each particle: where its row starts, its record, its sums.
 template <class T>
-std::vector<Kernel<T>> pair_kernels(std::vector<Quad<T>>& out, std::vector<T>& squares) {
-  constexpr double sums = 8 + sizeof(Packed<T>) + sizeof(Quad<T>), velocities = sums + sizeof(Quad<T>);
+constexpr double bytes_of_sums = 8 + sizeof(Packed<T>) + sizeof(Quad<T>);
+
+// Of the constraint with densities of this kernel and the gradient that goes with them.
+template <class T>
+std::vector<Loop<T>> constraint_benchmarks(const Kernel& kernel, std::vector<Quad<T>>& out, std::vector<T>& squares) {
+  constexpr double sums = bytes_of_sums<T>;
+  const Kernels kernels{kernel, all_kernels()[kernel.gradient_place]};
+  const auto loops = [kernels] { return constraint_loops<T>(kernels); };  // of the instruction set at the time
   return {
-      {"density", sums + sizeof(T),
-       [&](Water<T>& w) { pair_loops<T>().density(w.pairs(), w.all(), out.data(), squares.data()); }},
-      {"delta", sums, [&](Water<T>& w) { pair_loops<T>().delta(w.pairs(), w.all(), out.data()); }},
-      {"tensile_delta", sums,
-       [&](Water<T>& w) {
-         pair_loops<T>().tensile_delta(w.pairs(), w.all(), Tensile{0.001, 4, 0.2}, out.data());
+      {fmt::format("density_{}", kernel.name), sums + sizeof(T),
+       [&, loops](Water<T>& w) { loops().density(w.pairs(), w.all(), out.data(), squares.data()); }},
+      {fmt::format("delta_{}", kernel.name), sums,
+       [&, loops](Water<T>& w) { loops().delta(w.pairs(), w.all(), out.data()); }},
+      {fmt::format("tensile_delta_{}", kernel.name), sums,
+       [&, loops](Water<T>& w) {
+         loops().tensile_delta(w.pairs(), w.all(), Tensile{0.001, 4, 0.2}, out.data());
        }},
+  };
+}
+
+template <class T>
+std::vector<Loop<T>> filter_benchmarks(std::vector<Quad<T>>& out) {
+  constexpr double sums = bytes_of_sums<T>, velocities = sums + sizeof(Quad<T>);
+  return {
       {"curl", velocities,
-       [&](Water<T>& w) { pair_loops<T>().curl(w.pairs(), w.all(), w.velocity.data(), out.data()); }},
-      {"gradient", sums, [&](Water<T>& w) { pair_loops<T>().gradient(w.pairs(), w.all(), out.data()); }},
+       [&](Water<T>& w) { filter_loops<T>().curl(w.pairs(), w.all(), w.velocity.data(), out.data()); }},
+      {"gradient", sums, [&](Water<T>& w) { filter_loops<T>().gradient(w.pairs(), w.all(), out.data()); }},
       {"smoothing", velocities,
-       [&](Water<T>& w) { pair_loops<T>().smoothing(w.pairs(), w.all(), w.velocity.data(), out.data()); }},
+       [&](Water<T>& w) { filter_loops<T>().smoothing(w.pairs(), w.all(), w.velocity.data(), out.data()); }},
   };
 }
 
 // The search writes the list and reads the records; a rebuild also reads and writes id and three vectors, and finds the
 // cell of each particle.
 template <class T>
-std::vector<Kernel<T>> search_kernels(NeighbourList& list) {
+std::vector<Loop<T>> search_benchmarks(NeighbourList& list) {
   constexpr double search = 8 + sizeof(Packed<T>);
   constexpr double state = sizeof(GlobalId) + 3 * sizeof(Vec3);
   return {
@@ -98,19 +113,19 @@ struct Bench {
   std::vector<T> squares;
   NeighbourList list;
 
-  void run(benchmark::State& state, const Kernel<T>& kernel, const Case& size, std::int64_t set) {
+  void run(benchmark::State& state, const Loop<T>& loop, const Case& size, std::int64_t set) {
     const std::int64_t all = supported_instruction_sets();
     restrict_instruction_sets(set);
     Water<T>& water = waters.of<T>(size);
     const auto particles = static_cast<std::size_t>(water.all().size());
     out.resize(particles);
     squares.resize(particles);
-    kernel.pass(water);  // memory grows, caches warm up
+    loop.pass(water);  // memory grows, caches warm up
     double fastest = std::numeric_limits<double>::max();
-    for (auto _ : state) fastest = std::min(fastest, seconds_of([&] { kernel.pass(water); }));
+    for (auto _ : state) fastest = std::min(fastest, seconds_of([&] { loop.pass(water); }));
     restrict_instruction_sets(all);
     const auto pairs = static_cast<double>(water.near.list().pairs());
-    const double bytes_per_pair = 4 + kernel.bytes_per_particle * static_cast<double>(particles) / pairs;
+    const double bytes_per_pair = 4 + loop.bytes_per_particle * static_cast<double>(particles) / pairs;
     state.counters["ns_per_pair"] = 1e9 * fastest / pairs;
     state.counters["memory_roofline_ns"] = 1e9 * bytes_per_pair / bandwidth;
     state.counters["pairs_per_particle"] = pairs / static_cast<double>(particles);
@@ -132,15 +147,20 @@ benchmark::IterationCount repetitions(const Case& size) {
 
 template <class T>
 void register_case(Bench<T>& bench, const Plan& plan, const Case& size) {
-  std::vector<Kernel<T>> kernels = pair_kernels<T>(bench.out, bench.squares);
-  for (Kernel<T>& kernel : search_kernels<T>(bench.list)) kernels.push_back(std::move(kernel));
+  std::vector<Loop<T>> loops;
+  const auto append = [&](std::vector<Loop<T>> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(loops));
+  };
+  for (const Kernel& kernel : all_kernels()) append(constraint_benchmarks<T>(kernel, bench.out, bench.squares));
+  append(filter_benchmarks<T>(bench.out));
+  append(search_benchmarks<T>(bench.list));
   const std::string precision = sizeof(T) == 4 ? "single" : "double";
-  for (const Kernel<T>& kernel : kernels) {
+  for (const Loop<T>& loop : loops) {
     for (const std::int64_t set : plan.sets) {
       restrict_instruction_sets(set);
-      const std::string name = fmt::format("{:.0e}/{}/{}/{}@h/s={}", 1.0 * size.particles, kernel.name, precision,
+      const std::string name = fmt::format("{:.0e}/{}/{}/{}@h/s={}", 1.0 * size.particles, loop.name, precision,
                                            instruction_set_name(), size.h);
-      const auto run = [&bench, kernel, size, set](benchmark::State& state) { bench.run(state, kernel, size, set); };
+      const auto run = [&bench, loop, size, set](benchmark::State& state) { bench.run(state, loop, size, set); };
       benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(repetitions(size));
     }
   }

@@ -21,6 +21,7 @@ class Reference {
       : s_(scene),
         cloud_(sorted_by_id(cloud)),
         density_kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
+        gradient_kernel_{scene.fluid.gradient_kernel.value(), scene.fluid.kernel_radius},
         walls_(scene),
         coarse_(scene) {
     const Real ratio = scene.fluid.spacing / 0.1;
@@ -57,6 +58,12 @@ class Reference {
     const Real d = r.norm();
     if (d == 0 || d >= h()) return Vec3::Zero();
     return -45 / (std::numbers::pi * std::pow(h(), 6)) * (h() - d) * (h() - d) * (r / d);
+  }
+
+  /// That of the gradients of the constraint.
+  Vec3 pull(const Vec3& r) const {
+    const Real d = r.norm();
+    return d > 0 ? Vec3(gradient_kernel_.slope(d) / d * r) : Vec3::Zero();
   }
 
   /// Density of the interior of the start lattice with the mass of "volume".
@@ -165,7 +172,7 @@ class Reference {
     Vec3 own = has_walls() ? walls_.at(p_[i]).gradient : Vec3::Zero();
     Real sum = 0;
     for (const std::size_t j : near_[i]) {
-      const Vec3 gradient = mass_ / s_.fluid.rest_density * spiky(p_[i] - p_[j]);
+      const Vec3 gradient = mass_ / s_.fluid.rest_density * pull(p_[i] - p_[j]);
       own += gradient;
       sum += gradient.squaredNorm();
     }
@@ -183,7 +190,7 @@ class Reference {
       const Real memory = lambda * step_[i] > 0 ? (weight_ - 1) * step_[i] : 0;
       step_[i] = weight_ * s_.density.relaxation * lambda + memory;
       // The cap: no pair is pushed apart by more than max_shift h, at the largest gradient there is.
-      const Real steepest = mass_ / s_.fluid.rest_density * 45 / (std::numbers::pi * std::pow(h(), 4));
+      const Real steepest = mass_ / s_.fluid.rest_density * gradient_kernel_.steepest();
       if (s_.density.max_shift > 0) step_[i] = std::max(step_[i], -s_.density.max_shift * h() / (2 * steepest));
     }
   }
@@ -200,7 +207,7 @@ class Reference {
         const Vec3 r = p_[i] - p_[j];
         const Real s_corr =
             s_.tensile ? -k_ * std::pow(poly6(r.norm()) / poly6(s_.tensile->dq * h()), s_.tensile->n) : 0;
-        delta += mass_ / s_.fluid.rest_density * (step_[i] + step_[j] + share * s_corr) * spiky(r);
+        delta += mass_ / s_.fluid.rest_density * (step_[i] + step_[j] + share * s_corr) * pull(r);
       }
       if (has_walls()) delta += step_[i] * walls_.at(p_[i]).gradient;
       moved[i] = shifted(p_[i], delta);
@@ -229,7 +236,7 @@ class Reference {
 
   Scene s_;
   Cloud cloud_;
-  ReferenceKernel density_kernel_;
+  ReferenceKernel density_kernel_, gradient_kernel_;
   ReferenceWalls walls_;
   ReferenceCoarse coarse_;
   Real mass_ = 0, epsilon_ = 0, k_ = 0, dt_ = 0, weight_ = 1;

@@ -1,4 +1,4 @@
-// The kernel of the density and the walls' share of density by brute force: every share is a sum over the lattice
+// The kernels and the walls' share of density by brute force: every share is a sum over the lattice
 // points behind planes, summed anew from its definition in trevi/fluid/wall_density.hpp, and the gradient is its
 // derivative by automatic differentiation. Shares no code with the solver. Not collective.
 #pragma once
@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 #include <unsupported/Eigen/AutoDiff>
 #include <vector>
 
@@ -18,19 +20,28 @@ inline Real reference_poly6(Real r, Real h) {
 }
 
 struct ReferenceKernel {
-  Kernel kind;
+  std::string name;
   Real h;
 
   Real operator()(Real r) const {
-    if (kind == Kernel::poly6) return reference_poly6(r, h);
-    return r < h ? 15 / (std::numbers::pi * std::pow(h, 6)) * std::pow(h - r, 3) : 0;
+    if (r >= h) return 0;
+    if (name == "poly6") return reference_poly6(r, h);
+    if (name == "spiky") return 15 / (std::numbers::pi * std::pow(h, 6)) * std::pow(h - r, 3);
+    if (name == "wendland_c2") return 21 / (2 * std::numbers::pi * std::pow(h, 8)) * std::pow(h - r, 4) * (h + 4 * r);
+    throw std::invalid_argument("the reference does not know " + name);
   }
   /// dW/dr
   Real slope(Real r) const {
     if (r >= h) return 0;
-    if (kind == Kernel::poly6)
-      return -6 * 315 / (64 * std::numbers::pi * std::pow(h, 9)) * r * std::pow(h * h - r * r, 2);
-    return -45 / (std::numbers::pi * std::pow(h, 6)) * std::pow(h - r, 2);
+    if (name == "poly6") return -6 * 315 / (64 * std::numbers::pi * std::pow(h, 9)) * r * std::pow(h * h - r * r, 2);
+    if (name == "spiky") return -45 / (std::numbers::pi * std::pow(h, 6)) * std::pow(h - r, 2);
+    if (name == "wendland_c2") return -210 / (std::numbers::pi * std::pow(h, 8)) * r * std::pow(h - r, 3);
+    throw std::invalid_argument("the reference does not know " + name);
+  }
+  /// The largest −dW/dr, by its place.
+  Real steepest() const {
+    const Real place = name == "poly6" ? h / std::sqrt(5.0) : name == "spiky" ? 0 : h / 4;
+    return -slope(place);
   }
 };
 

@@ -1,6 +1,7 @@
-// The sums over neighbours against brute force in double precision, for every kernel, precision and instruction set
-// that this machine can be made to use, with pairs that have drifted since the search. An error is measured against
-// the sum of the absolute terms: 1e-12 of it in double precision, 1e-5 in single.
+// The sums over neighbours against brute force in double precision, for every kernel of the list for densities with
+// every one for gradients, every precision and instruction set that this machine can be made to use, with pairs that
+// have drifted since the search. The brute force takes W and its gradient of each kernel from its description. An error
+// is measured against the sum of the absolute terms: 1e-12 of it in double precision, 1e-5 in single.
 #include <Eigen/Geometry>
 #include <map>
 
@@ -23,24 +24,37 @@ Vec3 velocity_of(GlobalId id) { return Vec3(std::sin(0.1 * id), std::cos(0.7 * i
 Real scalar_of(GlobalId id) { return std::cos(0.37 * id); }
 Vec3 drift_of(GlobalId id) { return 0.3 * radius * velocity_of(3 * id); }
 
-/// Sums of one particle, and of the absolute values of their terms.
-struct Sums {
-  Vec3 spiky = Vec3::Zero(), delta = Vec3::Zero(), tensile_delta = Vec3::Zero(), curl = Vec3::Zero(),
-       gradient = Vec3::Zero(), smoothing = Vec3::Zero();
-  Real poly6 = 0, spiky_sum = 0, squares = 0, scale = 0.01;  // the scale is never nothing
+/// Sums of one particle that a constraint with these kernels asks for, and of the absolute values of their terms.
+struct ConstraintSums {
+  Kernels kernels;
+  Vec3 along = Vec3::Zero(), delta = Vec3::Zero(), tensile_delta = Vec3::Zero();
+  Real value = 0, squares = 0, scale = 0.01;  // the scale is never nothing
+
+  void add(const Seen& i, const Seen& j) {
+    const Vec3 d = i.place - j.place;
+    const Real q = 1 - d.squaredNorm(), w = kernels.density.value(d, 1) / kernels.density.factor(1);
+    if (q <= 0) return;
+    const Vec3 g = -kernels.gradient.gradient(d, 1) / kernels.gradient.slope_factor(1);
+    const Real s_corr = -tensile.k * std::pow(std::pow(q / (1 - tensile.dq * tensile.dq), 3), tensile.n);
+    along += g;
+    value += w;
+    squares += g.squaredNorm();
+    delta += (i.w + j.w) * g;
+    tensile_delta += (i.w + j.w + s_corr) * g;
+    scale += g.norm() + w + std::abs(s_corr);
+  }
+};
+
+/// The same of the velocity filters: Spiky's gradient, Poly6's value.
+struct FilterSums {
+  Vec3 curl = Vec3::Zero(), gradient = Vec3::Zero(), smoothing = Vec3::Zero();
+  Real scale = 0.01;
 
   void add(const Seen& i, const Seen& j) {
     const Vec3 d = i.place - j.place;
     const Real u = d.norm(), t = 1 - u, q = 1 - u * u;
     if (u >= 1) return;
     const Vec3 along = t * t * d / u;
-    const Real s_corr = -tensile.k * std::pow(std::pow(q / (1 - tensile.dq * tensile.dq), 3), tensile.n);
-    spiky += along;
-    poly6 += q * q * q;
-    spiky_sum += t * t * t;
-    squares += t * t * t * t;
-    delta += (i.w + j.w) * along;
-    tensile_delta += (i.w + j.w + s_corr) * along;
     curl += (j.velocity - i.velocity).cross(along);
     gradient += (j.w - i.w) * along;
     smoothing += (j.velocity - i.velocity) * q * q * q;
@@ -79,8 +93,8 @@ struct Drifted : Distributed<T> {
     return {Vec3(r.x, r.y, r.z) / Packed<T>::units_per_h, vector_of(velocity[k]), static_cast<Real>(r.w)};
   }
 
-  Sums brute_force(LocalId i) const {
-    Sums sums;
+  template <class Sums>
+  Sums brute_force(LocalId i, Sums sums) const {
     const auto self = static_cast<std::size_t>(this->near.order().low_ghosts() + i);
     for (const LocalId j : this->near.list()[i]) sums.add(seen(self), seen(static_cast<std::size_t>(j)));
     return sums;
@@ -91,43 +105,68 @@ struct Drifted : Distributed<T> {
 
 /// What the loops of the instruction set in use write for the owned particles [begin, end).
 template <class T>
-struct Found {
-  std::vector<Quad<T>> density, spiky_density, delta, tensile_delta, curl, gradient, smoothing;
+struct FoundByConstraint {
+  std::vector<Quad<T>> density, delta, tensile_delta;
   std::vector<T> squares;
 
-  Found(const Drifted<T>& d, Range range) {
+  FoundByConstraint(const Drifted<T>& d, const Kernels& kernels, Range range) {
     const auto n = static_cast<std::size_t>(range.size());
-    for (auto* field : {&density, &spiky_density, &delta, &tensile_delta, &curl, &gradient, &smoothing})
-      field->resize(n);
+    for (auto* field : {&density, &delta, &tensile_delta}) field->resize(n);
     squares.resize(n);
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
-    const PairLoops<T> loops = pair_loops<T>();
+    const ConstraintLoops<T> loops = constraint_loops<T>(kernels);
     loops.density(pairs, range, density.data(), squares.data());
-    loops.spiky_density(pairs, range, spiky_density.data(), squares.data());
     loops.delta(pairs, range, delta.data());
     loops.tensile_delta(pairs, range, tensile, tensile_delta.data());
+  }
+};
+
+template <class T>
+struct FoundByFilters {
+  std::vector<Quad<T>> curl, gradient, smoothing;
+
+  FoundByFilters(const Drifted<T>& d, Range range) {
+    for (auto* field : {&curl, &gradient, &smoothing}) field->resize(static_cast<std::size_t>(range.size()));
+    const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
+    const FilterLoops<T> loops = filter_loops<T>();
     loops.curl(pairs, range, d.velocity.data(), curl.data());
     loops.gradient(pairs, range, gradient.data());
     loops.smoothing(pairs, range, d.velocity.data(), smoothing.data());
   }
 };
 
+std::vector<Kernels> all_pairs_of_kernels() {
+  std::vector<Kernels> all;
+  for (const Kernel& density : all_kernels())
+    for (const Kernel& gradient : all_kernels()) all.push_back({density, gradient});
+  return all;
+}
+
+template <class T>
+void expect_brute_force(const Drifted<T>& d, const Kernels& kernels) {
+  SCOPED_TRACE(std::string(kernels.density.name) + ", gradient of " + std::string(kernels.gradient.name));
+  const LocalId owned = d.near.order().owned();
+  const FoundByConstraint<T> found(d, kernels, {0, owned});
+  for (LocalId i = 0; i < owned; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const ConstraintSums sums = d.brute_force(i, ConstraintSums{kernels});
+    expect_near(found.density[k], sums.along, sums.scale);
+    expect_near(found.delta[k], sums.delta, 2 * sums.scale);
+    expect_near(found.tensile_delta[k], sums.tensile_delta, 2 * sums.scale);
+    expect_near(Quad<T>{found.density[k].w, found.squares[k], 0, 0}, Vec3(sums.value, sums.squares, 0), sums.scale);
+  }
+}
+
 template <class T>
 void expect_brute_force(const Drifted<T>& d) {
   const LocalId owned = d.near.order().owned();
-  const Found<T> found(d, {0, owned});
+  const FoundByFilters<T> found(d, {0, owned});
   for (LocalId i = 0; i < owned; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const Sums sums = d.brute_force(i);
-    expect_near(found.density[k], sums.spiky, sums.scale);
-    expect_near(found.delta[k], sums.delta, 2 * sums.scale);
-    expect_near(found.tensile_delta[k], sums.tensile_delta, 2 * sums.scale);
+    const FilterSums sums = d.brute_force(i, FilterSums{});
     expect_near(found.curl[k], sums.curl, 3 * sums.scale);
     expect_near(found.gradient[k], sums.gradient, 2 * sums.scale);
     expect_near(found.smoothing[k], sums.smoothing, 3 * sums.scale);
-    expect_near(found.spiky_density[k], sums.spiky, sums.scale);
-    const Quad<T> scalars{found.density[k].w, found.squares[k], found.spiky_density[k].w, 0};
-    expect_near(scalars, Vec3(sums.poly6, sums.squares, sums.spiky_sum), sums.scale);
   }
 }
 
@@ -138,6 +177,7 @@ TYPED_TEST(PairSumsOf, EveryKernelEqualsBruteForceWithEveryInstructionSet) {
     for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {  // the lowest bit, one after the other
       restrict_instruction_sets(rest & -rest);
       SCOPED_TRACE(name + ", " + instruction_set_name());
+      for (const Kernels& kernels : all_pairs_of_kernels()) expect_brute_force(d, kernels);
       expect_brute_force(d);
     }
     restrict_instruction_sets(all);
@@ -148,15 +188,22 @@ TYPED_TEST(PairSumsOf, EveryKernelEqualsBruteForceWithEveryInstructionSet) {
 TYPED_TEST(PairSumsOf, DoNotDependOnTheRange) {
   const Drifted<TypeParam> d(random_cloud(300, cloud_box, 1));
   const LocalId owned = d.near.order().owned();
-  const Found<TypeParam> whole(d, {0, owned});
+  const auto same = [](const Quad<TypeParam>& a, const Quad<TypeParam>& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+  };
+  const FoundByFilters<TypeParam> filtered(d, {0, owned});
   for (LocalId i = 0; i < owned; ++i) {
-    const Found<TypeParam> alone(d, {i, i + 1});
+    const FoundByFilters<TypeParam> alone(d, {i, i + 1});
     const auto k = static_cast<std::size_t>(i);
-    const auto same = [](const Quad<TypeParam>& a, const Quad<TypeParam>& b) {
-      return a.x == b.x && a.y == b.y && a.z == b.z;
-    };
-    EXPECT_TRUE(same(alone.density[0], whole.density[k]) && same(alone.tensile_delta[0], whole.tensile_delta[k]) &&
-                same(alone.curl[0], whole.curl[k]) && same(alone.smoothing[0], whole.smoothing[k]));
+    EXPECT_TRUE(same(alone.curl[0], filtered.curl[k]) && same(alone.smoothing[0], filtered.smoothing[k]));
+  }
+  for (const Kernels& kernels : all_pairs_of_kernels()) {
+    const FoundByConstraint<TypeParam> whole(d, kernels, {0, owned});
+    for (LocalId i = 0; i < owned; ++i) {
+      const FoundByConstraint<TypeParam> alone(d, kernels, {i, i + 1});
+      const auto k = static_cast<std::size_t>(i);
+      EXPECT_TRUE(same(alone.density[0], whole.density[k]) && same(alone.tensile_delta[0], whole.tensile_delta[k]));
+    }
   }
 }
 
@@ -170,13 +217,16 @@ TYPED_TEST(PairSumsOf, CoincidentParticlesGiveFiniteSums) {
   std::vector<Quad<TypeParam>> sums(static_cast<std::size_t>(owned));
   std::vector<TypeParam> squares(sums.size());
   const Pairs<TypeParam> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
-  pair_loops<TypeParam>().density(pairs, {0, owned}, sums.data(), squares.data());
-  for (std::size_t k = 0; k < sums.size(); ++k) {
-    const Real along = d.particles.id[k] == 9 ? 3 * 0.5625 : -0.5625;  // (1 − ¼)² for each that is 0.25 h away
-    const Real tolerance = std::is_same_v<TypeParam, float> ? 1e-5 : 1e-12;
-    EXPECT_NEAR(sums[k].x, along, tolerance);
-    EXPECT_NEAR(sums[k].y, 0, tolerance);
-    EXPECT_TRUE(std::isfinite(squares[k]));
+  const Real tolerance = std::is_same_v<TypeParam, float> ? 1e-5 : 1e-12;
+  for (const Kernels& kernels : all_pairs_of_kernels()) {
+    constraint_loops<TypeParam>(kernels).density(pairs, {0, owned}, sums.data(), squares.data());
+    // Of each that is 0.25 h away; Spiky's is (1 − ¼)².
+    const Real slope = -kernels.gradient.gradient(Vec3(0.25, 0, 0), 1).x() / kernels.gradient.slope_factor(1);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      EXPECT_NEAR(sums[k].x, d.particles.id[k] == 9 ? 3 * slope : -slope, tolerance);
+      EXPECT_NEAR(sums[k].y, 0, tolerance);
+      EXPECT_TRUE(std::isfinite(squares[k]));
+    }
   }
 }
 

@@ -86,7 +86,10 @@ TEST(Reference, EachFeatureAlone) {
   expect_reference(cloud_scene, {"walls.restitution=1", "walls.reflection='report'"});
 }
 
-TEST(Reference, DensityOfTheKernelOfTheGradients) {
+TEST(Reference, KernelsOfDensityAndGradient) {
+  expect_reference(cloud_scene, {"fluid.density_kernel='wendland_c2'"});
+  expect_reference(cloud_scene, {"fluid.density_kernel='poly6'", "fluid.gradient_kernel='wendland_c2'"});
+  expect_reference(cloud_scene, {"fluid.density_kernel='spiky'", "fluid.gradient_kernel='poly6'"});
   expect_reference(cloud_scene, {"fluid.density_kernel='spiky'"});
   expect_reference(cloud_scene, joined(joined(tensile, filters), {"fluid.density_kernel='spiky'"}));
 }
@@ -180,9 +183,10 @@ TEST(Reference, DefaultStepOfWaterInTheAir) {
   }
 }
 
-TEST(Reference, DefaultStepWithWiderKernelsAndEitherKernel) {
+TEST(Reference, DefaultStepWithWiderAndOtherKernels) {
   expect_reference_of_pool({"fluid.kernel_radius=0.25"});
   expect_reference_of_pool({"fluid.kernel_radius=0.187", "fluid.density_kernel='poly6'"});
+  expect_reference_of_pool({"fluid.kernel_radius=0.24", "fluid.density_kernel='wendland_c2'"});
   expect_reference_of_pool({"domain.slab_axis='y'"});
   expect_reference_of_pool({"time.dt=0.05"});  // in substeps
 }

@@ -13,13 +13,13 @@ namespace trevi::test {
 /// Of the tables whose keys have their defaults with or without them, for a scene of blocks that names no cfl. What is
 /// computed from other keys is taken from `scene`.
 inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
-  const bool spiky = FluidSettings{}.density_kernel == Kernel::spiky;
   return {fmt::format("domain.slab_axis='{}'", scene.slab_axis == 0 ? 'x' : 'y'),
           "domain.slabs='balanced'",
           "fluid.rest_density=1000.0",
           fmt::format("fluid.kernel_radius={}", 2 * scene.fluid.spacing),
           "fluid.mass='calibrated'",
-          fmt::format("fluid.density_kernel='{}'", spiky ? "spiky" : "poly6"),
+          "fluid.density_kernel='spiky'",
+          "fluid.gradient_kernel='spiky'",
           "particles.0.type='block'",
           "particles.0.velocity=[0, 0, 0]",
           "time.cfl=2",
@@ -77,6 +77,8 @@ inline const std::vector<std::string> defaults_of_the_report = {"density.method=
                                                                 "density.epsilon=1.0",
                                                                 "density.constraint='equality'",
                                                                 "fluid.mass='volume'",
+                                                                "fluid.density_kernel='poly6'",
+                                                                "fluid.gradient_kernel='spiky'",
                                                                 "walls.restitution=0.5",
                                                                 "walls.density='none'",
                                                                 "walls.reflection='report'",

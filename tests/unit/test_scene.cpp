@@ -63,6 +63,19 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   EXPECT_EQ(scene.particles[0].max, Vec3(1, 1, 0.5));
 }
 
+TEST(Scene, TheGradientFollowsFromTheKernelOfTheDensity) {
+  const auto gradient = [](const std::string& keys) { return parse(scene_plus(), {keys}).fluid.gradient_kernel; };
+  EXPECT_EQ(gradient("fluid.density_kernel='spiky'"), "spiky");
+  EXPECT_EQ(gradient("fluid.density_kernel='poly6'"), "spiky");  // whose own vanishes at the centre
+  EXPECT_EQ(gradient("fluid.density_kernel='wendland_c2'"), "wendland_c2");
+  const Scene both = parse(scene_plus(), {"fluid.density_kernel='wendland_c2'", "fluid.gradient_kernel='poly6'"});
+  EXPECT_EQ(both.fluid.density_kernel, "wendland_c2");
+  EXPECT_EQ(both.fluid.gradient_kernel, "poly6");
+  EXPECT_EQ(problems(scene_plus(), {"fluid.density_kernel='wendland'"}),
+            "--set fluid.density_kernel='wendland': must be \"poly6\" or \"spiky\" or \"wendland_c2\", got "
+            "\"wendland\"; did you mean \"wendland_c2\"?");
+}
+
 TEST(Scene, EveryKeyArrives) {
   const Scene scene = parse(scene_plus(
       "cfl = 0.4\n[gravity]\nacceleration = [0, 0, -1]\n[density]\nmethod = 'anderson'\niterations = 9\n"

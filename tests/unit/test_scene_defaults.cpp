@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "fluid/kernels.hpp"
 #include "scene_defaults.hpp"
 #include "scene_text.hpp"
 
@@ -53,7 +54,7 @@ TEST(SceneDefaults, OfOtherMethodsWrittenOutChangeNothing) {
 }
 
 TEST(SceneDefaults, TheRelaxationOfEachKernelCanBeWrittenOut) {
-  for (const char* kernel : {"poly6", "spiky"}) {
+  for (const std::string& kernel : kernel_names()) {
     for (const Real ratio : {1.2, 1.3, 1.5, 2.5, 4.0}) {
       const std::vector<std::string> radius = {fmt::format("fluid.kernel_radius={}", ratio * 0.1),
                                                fmt::format("fluid.density_kernel='{}'", kernel)};

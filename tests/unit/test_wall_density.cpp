@@ -22,13 +22,13 @@ struct Case {
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const Kernel kernel : {Kernel::poly6, Kernel::spiky})
+  for (const Kernel& kernel : all_kernels())
     for (const Real ratio : {1.5, 2.0, 2.5, 3.0, 4.0}) all.push_back({kernel, ratio});
   return all;
 }
 
 std::string name_of(const Case& c) {
-  return std::string(c.kernel == Kernel::poly6 ? "poly6" : "spiky") + ", h = " + std::to_string(c.ratio) + " spacings";
+  return std::string(c.kernel.name) + ", h = " + std::to_string(c.ratio) + " spacings";
 }
 
 /// A box of so many spacings, its corner not the origin.
@@ -47,7 +47,7 @@ Real missing_share(const Case& c, const std::array<int, 3>& count, const std::ar
   for (int x = -reach; x <= reach; ++x)
     for (int y = -reach; y <= reach; ++y)
       for (int z = -reach; z <= reach; ++z) {
-        const Real w = density_kernel(c.kernel, spacing * Vec3(x, y, z), c.h());
+        const Real w = c.kernel.value(spacing * Vec3(x, y, z), c.h());
         const std::array<int, 3> there = {place[0] + x, place[1] + y, place[2] + z};
         bool inside = true;
         for (std::size_t a = 0; a < 3; ++a) inside = inside && there[a] >= 0 && there[a] < count[a];
