@@ -31,7 +31,7 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
-/// Physical constants of a scene, scaled to its resolution (contract, "Scaling with resolution").
+/// Physical constants of a scene, scaled to its resolution (inputs/README.md, "Resolution").
 DensityModel density_model(const Scene& scene);
 
 /// For the series of a scene in which nothing pumps; null for others.
