@@ -1,5 +1,5 @@
 // Simulated time, and when something is due. Steps are counted, never accumulated, so that a restart sees the same
-// times. An output is due at the first step whose time is at least its due time − dt/2 (contract, "Time").
+// times. An output is due at the first step whose time is at least its due time − dt/2.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
-// Errors that a user of Trevi can meet, each with the exit code of the program (contract: 2 bad input, 3 the run
-// failed). Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone,
-// and carry whether they did: only after one that all ranks threw may the program still communicate.
-// Internal bugs are asserts, not errors.
+// Errors that a user of Trevi can meet, each with the exit code of the program: 2 bad input, 3 a failed run.
+// Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone, and
+// carry whether they did: only after one that all ranks threw may the program still communicate. Internal bugs are
+// asserts, not errors.
 #pragma once
 
 #include <source_location>

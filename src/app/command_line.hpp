@@ -1,4 +1,4 @@
-// The arguments of the program, as the user's contract lists them. The same on all ranks; not collective.
+// The arguments of the program, which its --help lists. The same on all ranks; not collective.
 // Arguments of the form -word go to PETSc, with the value that follows them, unless --word is one of ours.
 #pragma once
 

@@ -1,5 +1,5 @@
 // The method by brute force in double precision, O(n²), one rank, no cells: Algorithm 1 of the report with the exact
-// definitions of the user's contract, the walls' share of density (reference_walls.hpp), the coarse-grid correction
+// definitions of inputs/README.md, the walls' share of density (reference_walls.hpp), the coarse-grid correction
 // (reference_coarse.hpp), the Chebyshev weights and the cap on shifts. Written from those texts alone and shares no
 // numerical code with the solver, except for the uniform random numbers of the fountain. Not collective.
 #pragma once

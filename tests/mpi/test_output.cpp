@@ -99,7 +99,7 @@ TEST_F(Output, IdOrderBringsEqualIdsTogether) {
 
 // ---- series -----------------------------------------------------------------------------------------------------
 
-const char* const contract_columns =
+const char* const documented_columns =
     "step,time,dt,substeps,particles,iterations,density_mean,density_max,density_interior,compression_mean,"
     "compression_max,compression_rms,kinetic_energy,potential_energy,momentum_x,momentum_y,momentum_z,com_x,com_y,com_"
     "z,"
@@ -117,7 +117,7 @@ void run_series(SeriesWriter& series, std::int64_t first, std::int64_t last, Rea
 }
 
 TEST_F(Output, SeriesRowsReadBackExactly) {
-  EXPECT_EQ(series_header(0), contract_columns);
+  EXPECT_EQ(series_header(0), documented_columns);
   {
     SeriesWriter series(world, {folder(), Schedule{0, 2}, 2, std::nullopt});
     run_series(series, 0, 4, 1000.0 / 3);
@@ -127,7 +127,7 @@ TEST_F(Output, SeriesRowsReadBackExactly) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 4u);
-  EXPECT_EQ(lines[0], std::string(contract_columns) + ",note_0,speed_0,note_1,speed_1");
+  EXPECT_EQ(lines[0], std::string(documented_columns) + ",note_0,speed_0,note_1,speed_1");
   EXPECT_EQ(lines[3].substr(0, 2), "4,");
   expect_mentions(lines[3], {"333.3333333333333", ",nan,", "60,12.5,nan,0"});
   EXPECT_EQ(lines[3].find("-nan"), std::string::npos);

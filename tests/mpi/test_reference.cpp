@@ -1,4 +1,4 @@
-// Whole steps of the distributed solver against the brute-force reference, from the contract, in double precision:
+// Whole steps of the distributed solver against the brute-force reference, from the definitions, in double precision:
 // positions agree within 1e-9 m after one and after three steps, whatever is switched on, and those of pools that are
 // solved as by default within 1e-11 m.
 #include <array>
@@ -222,7 +222,7 @@ TEST(Reference, PresetOfTheReport) {
   EXPECT_TRUE(scene.tensile && scene.vorticity && scene.viscosity);
 }
 
-// n is chosen by the solver; the reference follows it once it is seen to obey the rule of the contract.
+// n is chosen by the solver; the reference follows it once it is seen to obey the rule of inputs/README.md, "Time".
 TEST(Reference, Substeps) {
   const Scene scene = scene_with(cloud_scene, joined(filters, {"time.cfl=0.4"}));
   const Cloud cloud = random_cloud(particles, box_of(scene), 1, 0.06);

@@ -25,7 +25,7 @@ std::vector<std::int64_t> due_steps(const Schedule& schedule, Real dt, std::int6
   return steps;
 }
 
-/// The rule of the contract, word by word: the first step with time ≥ due time − dt/2, for the due times 0, every, ...
+/// The rule of inputs/README.md, word by word: the first step with time ≥ due time − dt/2, for due times 0, every, ...
 std::vector<std::int64_t> due_by_rule(Real every, Real dt, std::int64_t last) {
   std::vector<std::int64_t> steps;
   std::int64_t step = 0;
