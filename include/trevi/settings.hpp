@@ -20,6 +20,7 @@ enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
 enum class WallDensity { none, analytic };
 enum class Reflection { normal, report };
+enum class MusicKind { score, midi, sound, live };
 enum class Follow { pitch, loudness };
 enum class SpeedMapping { linear, energy };
 
@@ -63,6 +64,7 @@ struct TensileSettings {
 
 struct MusicSettings {
   std::string source;                        ///< a file, or "-" for raw PCM on standard input
+  MusicKind kind = MusicKind::score;         ///< by the ending of source
   Follow follow = Follow::pitch;             ///< what of it sets the speed; scores have a pitch only
   int track = 0, channel = 0;                ///< of a MIDI file, from 1; 0: all (but channel 10, the drums)
   int rate = 44100;                          ///< of raw PCM, Hz
