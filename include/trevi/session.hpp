@@ -25,7 +25,8 @@ class Mpi {
 
 class Session {
  public:
-  /// InputError on all ranks alike for an -options_file that cannot be read.
+  /// InputError on all ranks alike for an -options_file that cannot be read, RunError for an MPI that allows no
+  /// threads.
   Session(int& argc, char**& argv);
   ~Session();
   Session(const Session&) = delete;
