@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOMS = ["base", "parallel", "particles", "domain", "fluid", "solver", "music", "io", "live", "app", "view"]
 PUBLIC = {  # header of the library: its room
-    "types": "base", "box": "base", "clock": "base", "error": "base",
+    "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",
     "settings": "fluid", "forcing": "fluid", "observer": "solver", "solver": "solver", "scene": "app",
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "trevi/clock.hpp"
+#include "trevi/colour.hpp"
 #include "trevi/settings.hpp"
 #include "trevi/types.hpp"
 
@@ -21,8 +22,6 @@ struct ParticleSource {
   int line = 0;                                 ///< of the table in the scene file, for later messages
   bool operator==(const ParticleSource&) const = default;
 };
-
-enum class Colour { rainbow_x, rainbow_height, rainbow_id, speed, blue };
 
 struct FrameSettings {  ///< [output.vtu] and [output.vtkhdf]
   Schedule schedule;

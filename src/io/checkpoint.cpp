@@ -10,7 +10,8 @@
 #include <span>
 #include <utility>
 
-#include "io/checksums.hpp"
+#include "base/hash.hpp"
+#include "io/fields.hpp"
 #include "io/files.hpp"
 #include "io/hdf5_writer.hpp"
 #include "io/id_order.hpp"
@@ -53,6 +54,21 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
              {writes ? 0 : fountains, writes ? fountains : 0, fountains});
 }
 
+// Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
+// it needs chunks and HDF5's own hands on the rows (hdf5_writer.hpp says why not).
+constexpr std::int64_t rows_per_block = 1024;
+
+/// The last block may be shorter.
+template <class T>
+std::vector<std::int64_t> block_checksums(std::span<const T> rows) {
+  std::vector<std::int64_t> sums;
+  for (std::size_t first = 0; first < rows.size(); first += rows_per_block) {
+    const auto block = rows.subspan(first, std::min<std::size_t>(rows_per_block, rows.size() - first));
+    sums.push_back(checksum({reinterpret_cast<const char*>(block.data()), block.size_bytes()}));
+  }
+  return sums;
+}
+
 /// Block of rows `row` begins, or the number of blocks up to the end of the table.
 std::int64_t block_at(std::int64_t row) { return (row + rows_per_block - 1) / rows_per_block; }
 
@@ -71,8 +87,8 @@ void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles
   const IdOrder order(comm, particles.id, rows_per_block);
   const RowSlice slice{order.first_row(), static_cast<std::int64_t>(order.ids().size()), order.total()};
   write_column(file, "id", order.ids(), slice);
-  particles.for_each_saved_field(
-      [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
+  for_each_saved_field(
+      particles, [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
 }
 
 bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
@@ -117,7 +133,7 @@ ParticleRows read_checked_rows(const Source& source) {
   }
   ParticleRows rows = read_particle_rows(source.file, source.slice);
   check_column(source, "id", rows.id);
-  rows.for_each_saved_field([&](const char* name, const auto& field) { check_column(source, name, field); });
+  for_each_saved_field(rows, [&](const char* name, const auto& field) { check_column(source, name, field); });
   return rows;
 }
 

@@ -103,11 +103,11 @@ std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat forma
   return begin;
 }
 
-void Hdf5Writer::write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes) {
+void Hdf5Writer::write(const std::string& name, RowFormat format, RowSlice slice, const void* rows) {
   attempt([&] {
-    const std::int64_t place = create_dataset(name, format, slice.total);
-    const std::int64_t row = slice.count == 0 ? 0 : static_cast<std::int64_t>(bytes.size()) / slice.count;
-    disk_->write(place + slice.first * row, bytes);
+    const std::int64_t begin = create_dataset(name, format, slice.total), row = bytes_of(format);
+    disk_->write(begin + slice.first * row,
+                 {static_cast<const char*>(rows), static_cast<std::size_t>(slice.count * row)});
   });
 }
 

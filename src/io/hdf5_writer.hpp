@@ -38,9 +38,9 @@ class Hdf5Writer {
   /// created.
   template <class T>
   void write(const std::string& name, const std::vector<T>& rows, RowSlice slice) {
-    write_rows(name, RowFormatOf<T>::value, slice,
-               {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(T)});
+    write(name, RowFormatOf<T>::value, slice, rows.data());
   }
+  void write(const std::string& name, RowFormat format, RowSlice slice, const void* rows);
 
   void text(const std::string& name, const std::string& value);  ///< a dataset that is one string, UTF-8
 
@@ -69,7 +69,6 @@ class Hdf5Writer {
   std::int64_t create_dataset(const std::string& name, RowFormat format, std::int64_t total);
   void create_text(const std::string& name, const std::string& value) const;
 
-  void write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes);
   void write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space, const void* value);
 
   MPI_Comm comm_;

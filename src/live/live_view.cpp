@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "live/visible.hpp"
+#include "io/visible.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -152,6 +152,10 @@ std::vector<ViewedParticle> LiveView::pick_visible(const Frame& frame, std::int6
     picked.push_back(particle);
   }
   return picked;
+}
+
+std::unique_ptr<Observer> make_live_view(MPI_Comm comm, LiveViewOptions options) {
+  return std::make_unique<LiveView>(comm, std::move(options));
 }
 
 }  // namespace trevi

@@ -119,7 +119,8 @@ class ZmqLink : public ViewerLink {
 
 }  // namespace
 
-std::unique_ptr<ViewerLink> connect_viewer(const std::string& endpoint) {
+std::unique_ptr<ViewerLink> connect_viewer(const std::string& address) {
+  const std::string endpoint = viewer_endpoint("--view", address);
   try {
     return std::make_unique<ZmqLink>(endpoint);
   } catch (const zmq::error_t& error) {

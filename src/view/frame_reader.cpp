@@ -1,7 +1,7 @@
 #include "view/frame_reader.hpp"
 
 #include "io/colour.hpp"
-#include "live/visible.hpp"
+#include "io/visible.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <zmq.hpp>
 
+#include "live/viewer_messages.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -194,8 +195,8 @@ std::unique_ptr<LiveSource> start_run(const RunToStart& run, const LiveOptions& 
   return source;
 }
 
-std::unique_ptr<LiveSource> listen_for_run(const std::string& endpoint, const LiveOptions& options) {
-  return std::make_unique<ZmqLiveSource>(endpoint, options);
+std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const LiveOptions& options) {
+  return std::make_unique<ZmqLiveSource>(viewer_endpoint("--listen", address), options);
 }
 
 }  // namespace trevi

@@ -127,7 +127,7 @@ ExitCode watch(const ViewOptions& options) {
   const LiveOptions live{options.budget, options.paused};
   const bool starts = !options.target.empty();
   const auto source = starts ? start_run({options.target, options.ranks, options.run_arguments}, live)
-                             : listen_for_run(viewer_endpoint("--listen", options.listen), live);
+                             : listen_for_run(options.listen, live);
   step_back();
   if (starts) wait_for_call(*source);
   // A run that could not even start has said why.

@@ -186,7 +186,7 @@ void Painter::show(std::shared_ptr<const ViewedFrame> frame) {
 }
 
 void Painter::recolour() {
-  colour_particles(*frame_, mode_, range_, rgb_);
+  colour_particles(*frame_, colour_, range_, rgb_);
   vtkNew<vtkUnsignedCharArray> colours;
   colours->SetName("colour");
   colours->SetNumberOfComponents(3);
@@ -215,11 +215,11 @@ void Painter::set_style(Style style) {
   fluid_volume_->SetVisibility(style == Style::fluid);
 }
 
-void Painter::set_colour(ColourMode mode) {
-  mode_ = mode;
+void Painter::set_colour(Colour colour) {
+  colour_ = colour;
   recolour();
 }
 
-std::string Painter::legend() const { return trevi::legend(*frame_, mode_, range_); }
+std::string Painter::legend() const { return trevi::legend(*frame_, colour_, range_); }
 
 }  // namespace trevi

@@ -43,9 +43,9 @@ class Painter {
   void size_points();
   void show(std::shared_ptr<const ViewedFrame> frame);
   void set_style(Style style);
-  void set_colour(ColourMode mode);
+  void set_colour(Colour colour);
   Style style() const { return style_; }
-  ColourMode colour() const { return mode_; }
+  Colour colour() const { return colour_; }
   std::string legend() const;
 
  private:
@@ -70,7 +70,7 @@ class Painter {
   ColourRange range_;
   std::vector<unsigned char> rgb_;
   Style style_ = Style::points;
-  ColourMode mode_ = ColourMode::rainbow;
+  Colour colour_ = Colour::rainbow;
 };
 
 }  // namespace trevi

@@ -1,7 +1,9 @@
-#include "live/visible.hpp"
+#include "io/visible.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "base/hash.hpp"
 
 namespace trevi {
 
@@ -21,13 +23,6 @@ void erode(std::vector<std::uint8_t>& marks, std::size_t stride, std::size_t cou
     std::fill(to, to + stride, std::uint8_t{0});
     std::fill(to + block - stride, to + block, std::uint8_t{0});
   }
-}
-
-// The mixer of SplitMix64 (Steele, Lea, Flood 2014): every bit of the id moves every bit of the result.
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31);
 }
 
 }  // namespace
