@@ -1,4 +1,4 @@
-// Errors that a user of Trevi can meet, each with the exit code of the program (contract: 2 bad input, 3 the run
+// Errors that a user of Trevi can meet, each with the exit code of the program (2 bad input, 3 the run
 // failed). Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone,
 // and carry whether they did: only after one that all ranks threw may the program still communicate.
 // Internal bugs are asserts, not errors.
@@ -12,7 +12,7 @@ namespace trevi {
 
 enum class ExitCode : int { done = 0, bad_input = 2, run_failed = 3, stopped = 4 };
 
-/// Who threw an error: this rank, or all of them at the same place of the program.
+/// Who threw an error: this rank, or all of them at the same point of the program.
 enum class Reach { one_rank, all_ranks };
 
 class Error : public std::runtime_error {

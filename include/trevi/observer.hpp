@@ -11,7 +11,7 @@
 namespace trevi {
 
 /// One row of series.csv, sums and maxima over all ranks, the same bits on any rank count (but imbalance,
-/// wall_seconds). Units: SI; definitions in the user's contract, "Outputs". Undefined values are nan.
+/// wall_seconds). Units: SI; how each is formed: src/solver/diagnostics.hpp. Undefined values are nan.
 struct Diagnostics {
   GlobalId particles = 0;
   std::int64_t iterations = 0;  ///< of the density solves of the step, its substeps added up

@@ -11,7 +11,7 @@
 
 namespace trevi {
 
-/// MPI for the life of the object, or what the program has of it already.
+/// Initialises MPI for the life of the object, unless the program has done so already.
 class Mpi {
  public:
   Mpi(int& argc, char**& argv);

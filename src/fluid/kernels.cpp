@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "fluid/lattice_points.hpp"
+
 namespace trevi {
 
 Real poly6(const Vec3& r, Real h) {
@@ -36,25 +38,6 @@ Real density_kernel(Kernel kernel, const Vec3& r, Real h) {
 Vec3 density_gradient(Kernel kernel, const Vec3& r, Real h) {
   return kernel == Kernel::poly6 ? poly6_gradient(r, h) : spiky_gradient(r, h);
 }
-
-namespace {
-
-// Calls visit(offset) for each lattice point nearer than h, the centre included.
-template <class Visit>
-void for_each_lattice_point(Real spacing, Real h, Visit&& visit) {
-  const int reach = static_cast<int>(h / spacing) + 1;
-  for (int x = -reach; x <= reach; ++x) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int z = -reach; z <= reach; ++z) {
-        const Vec3 offset = spacing * Vec3(x, y, z);
-        // Points at exactly h count as outside whatever the rounding.
-        if (offset.norm() < h * (1 - 1e-9)) visit(offset);
-      }
-    }
-  }
-}
-
-}  // namespace
 
 Real lattice_density_sum(Kernel kernel, Real spacing, Real h) {
   Real sum = 0;

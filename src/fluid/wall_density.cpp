@@ -5,6 +5,7 @@
 #include <span>
 
 #include "fluid/kernels.hpp"
+#include "fluid/lattice_points.hpp"
 
 namespace trevi {
 
@@ -17,20 +18,14 @@ struct Missing {
 };
 
 Missing behind_planes(std::span<const Real> d, Kernel kernel, Real spacing, Real h) {
-  const int reach = static_cast<int>(h / spacing) + 1;
   Missing missing;
-  for (int i = -reach; i <= reach; ++i) {
-    for (int j = -reach; j <= reach; ++j) {
-      for (int k = -reach; k <= reach; ++k) {
-        const Vec3 offset = spacing * Vec3(i, j, k);
-        bool behind = offset.norm() < h * (1 - 1e-9);
-        for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
-        if (!behind) continue;
-        missing.share += density_kernel(kernel, offset, h);
-        missing.pull += density_gradient(kernel, offset, h).x();
-      }
-    }
-  }
+  for_each_lattice_point(spacing, h, [&](const Vec3& offset) {
+    bool behind = true;
+    for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
+    if (!behind) return;
+    missing.share += density_kernel(kernel, offset, h);
+    missing.pull += density_gradient(kernel, offset, h).x();
+  });
   const Real whole = lattice_density_sum(kernel, spacing, h);
   return {missing.share / whole, std::abs(missing.pull) / whole};
 }

@@ -22,9 +22,6 @@ namespace trevi {
 
 namespace {
 
-constexpr const char* prefix = "checkpoint_";
-constexpr const char* suffix = ".h5";
-
 constexpr std::int64_t format_version = 1;
 
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
@@ -202,14 +199,14 @@ CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
 std::string latest_checkpoint(MPI_Comm comm, const std::string& directory) {
   std::int64_t step = -1;
   on_root(comm, [&] {
-    const auto files = stepped_files(directory, prefix, suffix);
+    const auto files = stepped_files(directory, checkpoint_files);
     if (files.empty()) {
       throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
     }
     step = files.back().step;
   });
   MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm);
-  return directory + "/" + prefix + step_digits(step) + suffix;
+  return directory + "/" + name_of_step(checkpoint_files, step);
 }
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
@@ -217,7 +214,7 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
   if (!options_.restart_step) return;
   const std::int64_t step = *options_.restart_step;
   on_root(comm_, [&] {
-    set_aside_after(options_.directory, prefix, suffix, step);
+    set_aside_after(options_.directory, checkpoint_files, step);
     if (std::filesystem::exists(path_of(step))) last_step_ = step;
   });
   MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
@@ -229,7 +226,7 @@ bool CheckpointWriter::due(const Clock& clock) const {
 }
 
 void CheckpointWriter::write(const Frame& frame) {
-  // A checkpoint vouches for the rows before it: they reach the disk first.
+  // A restart relies on the rows of series.csv up to its checkpoint, so they are on the disk before it is.
   on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);
   last_step_ = frame.clock.step;
@@ -246,11 +243,11 @@ void CheckpointWriter::finish(const Frame& frame) {
 }
 
 std::string CheckpointWriter::path_of(std::int64_t step) const {
-  return options_.directory + "/" + prefix + step_digits(step) + suffix;
+  return options_.directory + "/" + name_of_step(checkpoint_files, step);
 }
 
 void CheckpointWriter::remove_old() const {
-  const auto files = stepped_files(options_.directory, prefix, suffix);
+  const auto files = stepped_files(options_.directory, checkpoint_files);
   const auto keep = static_cast<std::size_t>(std::max(1, options_.keep));
   for (std::size_t k = 0; k + keep < files.size(); ++k) {
     if (std::remove(files[k].path.c_str()) != 0) throw_file_error(files[k].path, "remove", errno);

@@ -21,8 +21,9 @@ bool is_pvd(const std::string& path) { return path.ends_with(".pvd"); }
 
 std::int64_t step_of(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
-  for (const char* suffix : {".pvtu", ".vtu", "_#.vtu", ".hdf"}) {
-    if (const auto step = step_in_name(name, "particles_", suffix)) return *step;
+  constexpr SteppedName single_file{"particles_", ".vtu"};
+  for (const SteppedName& kind : {vtu_frames, single_file, vtu_pieces, vtkhdf_frames}) {
+    if (const auto step = step_in_name(name, kind)) return *step;
   }
   return -1;
 }

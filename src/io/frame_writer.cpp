@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "io/files.hpp"
 #include "parallel/collective.hpp"
 
 namespace trevi {
-
-namespace {
-
-constexpr const char* prefix = "particles_";
-
-}  // namespace
 
 FrameWriter::FrameWriter(MPI_Comm comm, FrameOptions options, FrameFiles files)
     : comm_(comm), options_(std::move(options)), files_(std::move(files)), fields_(frame_fields(options_.fields)) {
@@ -23,8 +16,8 @@ FrameWriter::FrameWriter(MPI_Comm comm, FrameOptions options, FrameFiles files)
 void FrameWriter::open() {
   const std::string folder = options_.directory + "/" + files_.folder;
   std::filesystem::create_directories(folder);
-  for (const char* suffix : files_.suffixes) {
-    if (options_.restart_step) set_aside_after(folder, prefix, suffix, *options_.restart_step);
+  for (const SteppedName& kind : files_.kinds) {
+    if (options_.restart_step) set_aside_after(folder, kind, *options_.restart_step);
   }
   list_.emplace(options_.directory + "/" + files_.list, options_.restart_step);
   last_step_ = list_->last_step();
@@ -40,7 +33,7 @@ Rows FrameWriter::rows_of(const OutputField& field, const Frame& frame) const {
 }
 
 void FrameWriter::observe(const Frame& frame) {
-  const std::string name = files_.folder + prefix + step_digits(frame.clock.step) + files_.suffixes.front();
+  const std::string name = files_.folder + name_of_step(files_.kinds.front(), frame.clock.step);
   write(frame, options_.directory + "/" + name);
   on_root(comm_, [&] { list_->add(frame.clock, name); });
   last_step_ = frame.clock.step;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/fields.hpp"
+#include "io/files.hpp"
 #include "io/frame_list_file.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
@@ -24,9 +25,9 @@ struct FrameOptions {
 
 /// Names of a format's files, relative to the directory of the output.
 struct FrameFiles {
-  std::string list;                   ///< "particles.pvd"
-  std::string folder;                 ///< of the frames: "vtu/", or empty
-  std::vector<const char*> suffixes;  ///< of a frame, and of its pieces, as step_in_name() takes them
+  std::string list;
+  std::string folder;              ///< of the frames, with a slash at its end, or empty
+  std::vector<SteppedName> kinds;  ///< of a frame, and of its pieces
 };
 
 class FrameWriter : public Observer {

@@ -1,8 +1,8 @@
 // Writes tables of particles to one HDF5 file, all ranks together: HDF5 lays the same file out in the memory of every
 // rank (a few kilobytes, the rows are holes), so that each knows without a message where the tables lie and writes its
 // own rows there, with plain writes; rank 0 writes what is not rows.
-// HDF5 never sees the disk, because it cannot bear a full one: the ranks of its parallel driver lose step with each
-// other and hang, and its serial driver crashes at the end of the program. The file is the same.
+// HDF5 never writes to the disk itself, because of what it does when the disk is full: the ranks of its parallel driver
+// wait for each other for ever, and its serial driver crashes at the end of the program. The file is the same.
 // Collective: every member, with the same arguments on all ranks but for the rows. What goes wrong on a rank before
 // close() is kept until then, which spares a message for each table; close() throws it, the same RunError on all ranks.
 // The file is whole, and on the disk, only after close().
@@ -76,7 +76,7 @@ class Hdf5Writer {
   std::optional<MemoryFile> layout_;
   Hdf5Handle file_;             ///< in `layout_`
   std::vector<Extent> tables_;  ///< where the rows lie
-  std::optional<PlacedFile> disk_;
+  std::optional<RandomAccessFile> disk_;
   std::exception_ptr failure_;
 };
 

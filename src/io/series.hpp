@@ -1,4 +1,4 @@
-// series.csv: one row of diagnostics per due step; columns as in the user's contract, "Outputs".
+// series.csv: one row of diagnostics per due step; the fields of Diagnostics in SI units, then the fountains.
 // Invariant: rows are whole and in the order of their steps; numbers read back to the same bits (nan as `nan`).
 // Rank 0 writes and hands each row to the system at once, so a killed run keeps its rows. Collective.
 #pragma once

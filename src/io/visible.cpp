@@ -43,8 +43,8 @@ std::size_t VisibleCells::cell_of(const Vec3& p) const {
   for (int a = 2; a >= 0; --a) {
     const std::ptrdiff_t count = count_[static_cast<std::size_t>(a)];
     // In double first: a particle of a file may be anywhere, or nowhere (nan becomes 0).
-    const Real place = std::floor((p[a] - min_[a]) * per_metre_);
-    cell = cell * count + (place > 0 ? static_cast<std::ptrdiff_t>(std::min(place, static_cast<Real>(count - 1))) : 0);
+    const Real index = std::floor((p[a] - min_[a]) * per_metre_);
+    cell = cell * count + (index > 0 ? static_cast<std::ptrdiff_t>(std::min(index, static_cast<Real>(count - 1))) : 0);
   }
   return static_cast<std::size_t>(cell);
 }

@@ -4,6 +4,7 @@
 
 #include "io/files.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/reductions.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -12,17 +13,13 @@ namespace {
 
 /// This rank's share of rows that ranks give in rank order.
 RowSlice in_rank_order(MPI_Comm comm, std::int64_t count) {
-  RowSlice slice{0, count, 0};
-  MPI_Exscan(&count, &slice.first, 1, MPI_INT64_T, MPI_SUM, comm);
-  if (rank_of(comm) == 0) slice.first = 0;  // MPI_Exscan leaves it undefined there
-  MPI_Allreduce(&count, &slice.total, 1, MPI_INT64_T, MPI_SUM, comm);
-  return slice;
+  return {sum_over_lower_ranks(comm, count), count, sum_over_ranks(comm, count)};
 }
 
 class VtkHdfWriter : public FrameWriter {
  public:
   VtkHdfWriter(MPI_Comm comm, FrameOptions options)
-      : FrameWriter(comm, std::move(options), {"particles.hdf.series", "", {".hdf"}}) {}
+      : FrameWriter(comm, std::move(options), {vtkhdf_list, "", {vtkhdf_frames}}) {}
 
  private:
   void write(const Frame& frame, const std::string& path) override {

@@ -32,11 +32,11 @@ constexpr std::array<Bytes, 8> distinct = {{{86, 180, 233},
 
 Bytes on_scale(Scale scale, double part) {
   if (std::isnan(part)) return unknown;
-  const double place = std::clamp(part, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
-  const auto k = std::min(static_cast<std::size_t>(place), scale.size() - 2);
+  const double position = std::clamp(part, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(position), scale.size() - 2);
   Bytes mixed{};
   for (std::size_t c = 0; c < 3; ++c)
-    mixed[c] = static_cast<unsigned char>(std::lerp(scale[k][c], scale[k + 1][c], place - static_cast<double>(k)));
+    mixed[c] = static_cast<unsigned char>(std::lerp(scale[k][c], scale[k + 1][c], position - static_cast<double>(k)));
   return mixed;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "io/files.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -20,8 +21,9 @@ std::string list_in(const std::string& path) {
     if (path.ends_with(".pvd") || path.ends_with(".hdf.series")) return path;
     throw InputError(path + ": not something to play; give a run's directory, its particles.pvd or .hdf.series");
   }
-  for (const char* name : {"/particles.pvd", "/particles.hdf.series"}) {
-    if (fs::exists(path + name, error)) return path + name;
+  for (const char* name : {vtu_list, vtkhdf_list}) {
+    const std::string list = path + "/" + name;
+    if (fs::exists(list, error)) return list;
   }
   throw InputError(path + ": holds no particles.pvd and no particles.hdf.series" + remedy);
 }

@@ -50,13 +50,13 @@ class ZmqLiveSource : public LiveSource {
 
   void start(const RunToStart& run) {
     const auto here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    std::string place = socket_.get(zmq::sockopt::last_endpoint);
-    place = place.substr(std::string("tcp://").size());
+    std::string address = socket_.get(zmq::sockopt::last_endpoint);
+    address = address.substr(std::string("tcp://").size());
     std::vector<std::string> words;
     if (run.ranks > 1) words = {"mpirun", "-np", std::to_string(run.ranks)};
     words.insert(words.end(), {(here / "trevi").string(), run.scene});
     words.insert(words.end(), run.arguments.begin(), run.arguments.end());
-    words.insert(words.end(), {"--view", place});
+    words.insert(words.end(), {"--view", address});
     child_.emplace(words, ChildOptions{.own_session = true});
     message_ = "the run is starting";
   }

@@ -39,10 +39,10 @@ void add_recording(Pcm& music, const Recording& recording) {
   const double step = recording.rate / pcm_rate;
   const auto count = static_cast<std::size_t>(static_cast<double>(recording.samples.size()) / step);
   for (std::size_t k = 0; k < count; ++k) {
-    const double place = static_cast<double>(k) * step;
-    const auto left = static_cast<std::size_t>(place);
+    const double position = static_cast<double>(k) * step;
+    const auto left = static_cast<std::size_t>(position);
     const std::size_t right = std::min(left + 1, recording.samples.size() - 1);
-    const double part = place - static_cast<double>(left);
+    const double part = position - static_cast<double>(left);
     add(music, k, std::lerp(static_cast<double>(recording.samples[left]), recording.samples[right], part));
   }
 }

@@ -73,7 +73,7 @@ void add_playing(CLI::App& app, ViewOptions& options) {
   app.add_flag("--mute", options.mute, "no music");
 }
 
-void add_handless(CLI::App& app, ViewOptions& options) {
+void add_unattended(CLI::App& app, ViewOptions& options) {
   app.add_option("--screenshot", options.screenshot, "write this PNG of the last frame, or of --at, and end");
   app.add_option("--frames", options.frames, "write a PNG of each frame into this directory, and end");
   app.add_option("--benchmark", options.benchmark, "turn the camera for so many seconds, print pictures a second, end")
@@ -93,7 +93,7 @@ ViewOptions parse_view_options(int argc, const char* const* argv) {
   app.add_option("-n,--np", options.ranks, "ranks of the run to start")->check(CLI::PositiveNumber);
   add_looks(app, options, raw);
   add_playing(app, options);
-  add_handless(app, options);
+  add_unattended(app, options);
   app.allow_extras();
   try {
     app.parse(words_of(argc, argv));

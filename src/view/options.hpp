@@ -18,7 +18,7 @@ struct ViewOptions {
   Style style = Style::points;
   Colour colour = Colour::rainbow;
   int width = 1280, height = 720;
-  CameraPlace camera;
+  CameraPose camera;
   double speed = 1;
   bool loop = false, paused = false, mute = false;
   bool all = false;                 ///< particles that cannot be seen, too

@@ -61,8 +61,8 @@ void require_screen() {
 
 Window::Window(FrameSource& source, const ViewOptions& options)
     : source_(source), options_(options), painter_((require_screen(), renderer_)) {
-  const bool hands = options.screenshot.empty() && options.frames.empty() && !options.benchmark;
-  window_->SetOffScreenRendering(hands ? 0 : 1);
+  const bool attended = options.screenshot.empty() && options.frames.empty() && !options.benchmark;
+  window_->SetOffScreenRendering(attended ? 0 : 1);
   window_->SetMultiSamples(0);  // several times the work in software, for little
   window_->SetSize(options.width, options.height);
   window_->AddRenderer(renderer_);
