@@ -23,7 +23,7 @@ struct FieldSource {
   int rank;
 };
 
-/// One row for each particle of this rank. Lent ones are as good as the frame.
+/// One row for each particle of this rank, made for the occasion or lent by the frame, which they must not outlive.
 using Rows = std::shared_ptr<const void>;
 
 enum class FieldNeeds { nothing, density, colour };
@@ -35,9 +35,9 @@ struct OutputField {
   const char* name;
   RowFormat format;                        ///< in frames
   Rows (*rows)(const FieldSource&);        ///< of a frame; null: no field of frames
-  FieldNeeds needs = FieldNeeds::nothing;  ///< to be in a frame
+  FieldNeeds needs = FieldNeeds::nothing;  ///< what a frame must have for it
   Saved saved = {};
-  bool Particles::*when = nullptr;  ///< particles that have none are saved without; null: all have it
+  bool Particles::*when = nullptr;  ///< tells whether particles have it; null: all have
 };
 
 extern const std::array<OutputField, 7> output_fields;
