@@ -12,7 +12,7 @@ namespace trevi {
 
 enum class ExitCode : int { done = 0, bad_input = 2, run_failed = 3, stopped = 4 };
 
-/// Who threw an error: this rank, or all of them at the same place of the program.
+/// Who threw an error: this rank, or all of them at the same point of the program.
 enum class Reach { one_rank, all_ranks };
 
 class Error : public std::runtime_error {

@@ -2,8 +2,7 @@
 // Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count
 // changes. Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has
 // none. The one list of fields is for_each_field: migration goes through it, sorting through for_each_kept_field (the
-// velocities have no value then), and checkpoints through for_each_saved_field, which names those that a restart needs
-// beside the id.
+// velocities have no value then). What of them stands in files: src/io/fields.hpp.
 #pragma once
 
 #include <cassert>
@@ -39,17 +38,6 @@ struct Particles {
     for_each_kept_field_of(*this, visit);
   }
 
-  /// Calls visit(name, array) for each field, but for the id, that a checkpoint must hold: predicted positions are
-  /// those of the particles between two steps.
-  template <class Visit>
-  void for_each_saved_field(Visit&& visit) {
-    for_each_saved_field_of(*this, visit);
-  }
-  template <class Visit>
-  void for_each_saved_field(Visit&& visit) const {
-    for_each_saved_field_of(*this, visit);
-  }
-
   void resize(std::size_t n) {
     for_each_field([n](auto& field) { field.resize(n); });
   }
@@ -66,12 +54,6 @@ struct Particles {
   static void for_each_field_of(Self& self, Visit&& visit) {
     for_each_kept_field_of(self, visit);
     visit(self.velocity);
-  }
-  template <class Self, class Visit>
-  static void for_each_saved_field_of(Self& self, Visit&& visit) {
-    visit("position", self.position);
-    visit("velocity", self.velocity);
-    if (self.has_hue) visit("hue", self.hue);
   }
 };
 

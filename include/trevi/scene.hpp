@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "trevi/clock.hpp"
+#include "trevi/colour.hpp"
 #include "trevi/forcing.hpp"
 #include "trevi/particles.hpp"
 #include "trevi/session.hpp"
@@ -25,8 +26,6 @@ struct ParticleSource {
   int line = 0;                                 ///< of the table in the scene file, for later messages
   bool operator==(const ParticleSource&) const = default;
 };
-
-enum class Colour { rainbow_x, rainbow_height, rainbow_id, speed, blue };
 
 struct FrameSettings {  ///< [output.vtu] and [output.vtkhdf]
   Schedule schedule;

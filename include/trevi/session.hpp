@@ -11,7 +11,7 @@
 
 namespace trevi {
 
-/// MPI for the life of the object, or what the program has of it already.
+/// Initialises MPI for the life of the object, unless the program has done so already.
 class Mpi {
  public:
   Mpi(int& argc, char**& argv);
@@ -25,7 +25,8 @@ class Mpi {
 
 class Session {
  public:
-  /// InputError on all ranks alike for an -options_file that cannot be read.
+  /// InputError on all ranks alike for an -options_file that cannot be read, RunError for an MPI that allows no
+  /// threads.
   Session(int& argc, char**& argv);
   ~Session();
   Session(const Session&) = delete;

@@ -20,7 +20,8 @@ template <class T>
 class Derived {
  public:
   Derived() = default;
-  Derived(const T& value) : value_(value) {}
+  template <std::convertible_to<T> U>
+  requires(!std::same_as<U, Derived>) Derived(const U& value) : value_(T(value)) {}
   /// Only where nothing was assigned before.
   void set_default(const T& value) { value_ = value_.value_or(value); }
   bool given() const { return value_.has_value(); }
@@ -40,6 +41,7 @@ enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
 enum class WallDensity { none, analytic };
 enum class Reflection { normal, report };
+enum class MusicKind { score, midi, sound, live };
 enum class Follow { pitch, loudness };
 enum class SpeedMapping { linear, energy };
 
@@ -85,6 +87,7 @@ struct TensileSettings {
 
 struct MusicSettings {
   std::string source;                        ///< a file, or "-" for raw PCM on standard input
+  MusicKind kind = MusicKind::score;         ///< by the ending of source
   Follow follow = Follow::pitch;             ///< what of it sets the speed; scores have a pitch only
   int track = 0, channel = 0;                ///< of a MIDI file, from 1; 0: all (but channel 10, the drums)
   int rate = 44100;                          ///< of raw PCM, Hz

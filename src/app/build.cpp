@@ -23,8 +23,7 @@ namespace {
 
 ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   ColourScale scale;
-  // The same names in the same order; the output layer does not know scenes.
-  if (scene.colour) scale.by = static_cast<ColourBy>(*scene.colour);
+  if (scene.colour) scale.by = *scene.colour;
   scale.bottom = scene.domain.min.z();
   scale.top = scene.domain.max.z();
   for (const FountainSettings& fountain : scene.fountains)
@@ -65,8 +64,8 @@ std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, con
   live.scene.last_step = options.last_step;
   live.cell = scene.fluid.kernel_radius;
   live.colour = colour_scale(scene, particles);
-  if (live.colour.by == ColourBy::blue || live.colour.by == ColourBy::speed) live.colour.by = ColourBy::rainbow_id;
-  return std::make_unique<LiveView>(comm, std::move(live));
+  if (live.colour.by == Colour::blue || live.colour.by == Colour::speed) live.colour.by = Colour::rainbow_id;
+  return make_live_view(comm, std::move(live));
 }
 
 std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scene& scene, const BuildOptions& options,

@@ -104,8 +104,7 @@ std::function<RequestCounts()> requests_of(RequestWatch& watch, std::shared_ptr<
 
 std::shared_ptr<ViewerLink> connect_on_root(MPI_Comm comm, const std::string& address) {
   std::shared_ptr<ViewerLink> link;
-  const std::string endpoint = viewer_endpoint("--view", address);
-  on_root(comm, [&] { link = connect_viewer(endpoint); });
+  on_root(comm, [&] { link = connect_viewer(address); });
   return link;
 }
 

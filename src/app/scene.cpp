@@ -12,6 +12,7 @@
 #include "app/scene_physics.hpp"
 #include "app/scene_reader.hpp"
 #include "base/simd.hpp"
+#include "io/fields.hpp"
 
 namespace trevi {
 namespace {
@@ -71,13 +72,12 @@ void read_run(Section run, Scene& scene) {
 
 void read_colour(Section colour, Scene& scene) {
   if (colour.present()) {
+    std::vector<std::pair<const char*, Colour>> choices;
+    for (const ColourEntry& entry : colour_list) {
+      if (entry.in_scenes) choices.emplace_back(entry.name, entry.colour);
+    }
     Colour by = Colour::speed;
-    colour.choice<Colour>({"by", "what a particle's colour shows", true}, by,
-                          {{"rainbow_x", Colour::rainbow_x},
-                           {"rainbow_height", Colour::rainbow_height},
-                           {"rainbow_id", Colour::rainbow_id},
-                           {"speed", Colour::speed},
-                           {"blue", Colour::blue}});
+    colour.choice<Colour>({"by", "what a particle's colour shows", true}, by, choices);
     scene.colour = by;
   }
   colour.reject_unknown();
@@ -90,8 +90,21 @@ Schedule read_schedule(Section& section) {
   return schedule;
 }
 
+std::vector<std::string> names_of_fields() {
+  std::vector<std::string> names;
+  for (const OutputField* field : frame_fields()) names.emplace_back(field->name);
+  return names;
+}
+
+bool needs_colour(const std::string& name) {
+  const auto fields = frame_fields();
+  return std::any_of(fields.begin(), fields.end(), [&](const OutputField* field) {
+    return name == field->name && field->needs == FieldNeeds::colour;
+  });
+}
+
 void check_fields(Section& frames, const std::vector<std::string>& fields, bool has_colour) {
-  const std::vector<std::string> allowed = {"velocity", "density", "rgb", "id", "rank"};
+  const std::vector<std::string> allowed = names_of_fields();
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::string& field = fields[i];
     const std::string shown = printable(field), meant = nearest_word(field, allowed);
@@ -101,15 +114,16 @@ void check_fields(Section& frames, const std::vector<std::string>& fields, bool 
                                            : fmt::format("did you mean \"{}\"?", meant)));
     frames.check("fields", std::count(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(i), field) == 0,
                  fmt::format("\"{}\" is named twice; name it once", shown));
-    frames.check("fields", field != "rgb" || has_colour,
-                 "\"rgb\" needs a table [colour]; add one, for example with by = \"speed\"");
+    frames.check("fields", has_colour || !needs_colour(field),
+                 fmt::format("\"{}\" needs a table [colour]; add one, for example with by = \"speed\"", shown));
   }
 }
 
 std::optional<FrameSettings> read_frames(Section frames, bool has_colour) {
   FrameSettings settings;
   settings.schedule = read_schedule(frames);
-  if (frames.texts({"fields", "the fields to write: velocity, density, rgb, id, rank"}, settings.fields)) {
+  const std::string meaning = fmt::format("the fields to write: {}", fmt::join(names_of_fields(), ", "));
+  if (frames.texts({"fields", meaning.c_str()}, settings.fields)) {
     check_fields(frames, settings.fields, has_colour);
   }
   if (frames.present()) {

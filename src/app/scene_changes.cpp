@@ -8,7 +8,7 @@
 
 #include "app/scene_overrides.hpp"
 #include "app/scene_place.hpp"
-#include "io/checksums.hpp"
+#include "base/hash.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 

@@ -2,21 +2,48 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
-
-#include "music/music.hpp"
+#include <optional>
 
 namespace trevi {
 namespace {
+
+struct Ending {
+  const char* text;
+  MusicKind kind;
+};
+
+constexpr Ending endings[] = {{".txt", MusicKind::score}, {".mid", MusicKind::midi},   {".midi", MusicKind::midi},
+                              {".wav", MusicKind::sound}, {".flac", MusicKind::sound}, {".ogg", MusicKind::sound},
+                              {".mp3", MusicKind::sound}, {".aif", MusicKind::sound},  {".aiff", MusicKind::sound},
+                              {".au", MusicKind::sound},  {".snd", MusicKind::sound}};
+
+/// Nothing when the ending is unknown.
+std::optional<MusicKind> kind_of(std::string source) {
+  if (source == "-") return MusicKind::live;
+  std::transform(source.begin(), source.end(), source.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const Ending& ending : endings) {
+    if (source.ends_with(ending.text)) return ending.kind;
+  }
+  return std::nullopt;
+}
+
+std::string list_of_endings() {
+  std::string text;
+  for (const Ending& ending : endings) text.append(text.empty() ? "" : " ").append(ending.text);
+  return text;
+}
 
 /// Faster than any jet.
 constexpr Real highest_speed = 1e4;
 
 void check_music(Section& section, const Scene& scene, const MusicSettings& music) {
   if (!section.fine("music")) return;
-  const std::optional<MusicKind> kind = music_kind(music.source);
-  if (!section.check("music", kind.has_value(), "unknown kind of music; give a file ending in " + music_endings()))
-    return;
+  const bool known = kind_of(music.source).has_value();
+  if (!section.check("music", known, "unknown kind of music; give a file ending in " + list_of_endings())) return;
+  const MusicKind kind = music.kind;
   const auto only_for = [&](const char* key, bool right, const std::string& words) {
     section.check(key, right || !section.given(key), "is for " + words + "; leave it out");
   };
@@ -56,7 +83,8 @@ void read_music(Section& section, const Scene& scene, FountainSettings& fountain
                                 "what grows evenly with the note or the loudness: linear is the speed, energy "
                                 "its square and with it the height of the jet"},
                                music.mapping, {{"linear", SpeedMapping::linear}, {"energy", SpeedMapping::energy}});
-  if (music_kind(music.source) == MusicKind::sound || music.source == "-") music.follow = Follow::loudness;
+  music.kind = kind_of(music.source).value_or(MusicKind::score);
+  if (music.kind == MusicKind::sound || music.kind == MusicKind::live) music.follow = Follow::loudness;
   section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
                          music.follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}});
   section.integer({"track", "the track of a MIDI file, from 1; default all"}, music.track, 1);

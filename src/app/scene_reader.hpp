@@ -85,7 +85,7 @@ class Section {
   template <std::integral T>
   bool integer(const Key& key, T& target, std::int64_t least);
   template <class E>
-  bool choice(const Key& key, E& target, std::initializer_list<std::pair<const char*, E>> options);
+  bool choice(const Key& key, E& target, const std::vector<std::pair<const char*, E>>& options);
   bool choice(const Key& key, std::string& target, std::span<const std::string> options);
 
   /// The value of a key of more than one type, and the way to refuse it.
@@ -131,12 +131,12 @@ bool Section::integer(const Key& key, T& target, std::int64_t least) {
 }
 
 template <class E>
-bool Section::choice(const Key& key, E& target, std::initializer_list<std::pair<const char*, E>> options) {
+bool Section::choice(const Key& key, E& target, const std::vector<std::pair<const char*, E>>& options) {
   std::vector<std::string> words;
   for (const auto& option : options) words.emplace_back(option.first);
   const int chosen = pick(key, words);
   if (chosen < 0) return false;
-  target = (options.begin() + chosen)->second;
+  target = options[static_cast<std::size_t>(chosen)].second;
   return true;
 }
 

@@ -11,6 +11,8 @@
 #include "fluid/kernels/list-inl.hpp"
 #include "trevi/error.hpp"
 
+#include "fluid/lattice_points.hpp"
+
 namespace trevi {
 
 namespace {
@@ -53,28 +55,9 @@ const Kernel& kernel_named(std::string_view name) {
 
 Kernels kernels_of(const FluidSettings& fluid) {
   const Kernel& density = kernel_named(fluid.density_kernel);
-  return {density,
-          fluid.gradient_kernel.given() ? kernel_named(fluid.gradient_kernel.value()) : all_kernels()[density.gradient_place]};
+  return {density, fluid.gradient_kernel.given() ? kernel_named(fluid.gradient_kernel.value())
+                                                 : all_kernels()[density.gradient_place]};
 }
-
-namespace {
-
-// Calls visit(offset) for each lattice point nearer than h, the centre included.
-template <class Visit>
-void for_each_lattice_point(Real spacing, Real h, Visit&& visit) {
-  const int reach = static_cast<int>(h / spacing) + 1;
-  for (int x = -reach; x <= reach; ++x) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int z = -reach; z <= reach; ++z) {
-        const Vec3 offset = spacing * Vec3(x, y, z);
-        // Points at exactly h count as outside whatever the rounding.
-        if (offset.norm() < h * (1 - 1e-9)) visit(offset);
-      }
-    }
-  }
-}
-
-}  // namespace
 
 Real lattice_density_sum(const Kernel& kernel, Real spacing, Real h) {
   Real sum = 0;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "fluid/lattice_points.hpp"
+
 namespace trevi {
 
 namespace {
@@ -15,20 +17,14 @@ struct Missing {
 };
 
 Missing behind_planes(std::span<const Real> d, const Kernel& kernel, Real spacing, Real h) {
-  const int reach = static_cast<int>(h / spacing) + 1;
   Missing missing;
-  for (int i = -reach; i <= reach; ++i) {
-    for (int j = -reach; j <= reach; ++j) {
-      for (int k = -reach; k <= reach; ++k) {
-        const Vec3 offset = spacing * Vec3(i, j, k);
-        bool behind = offset.norm() < h * (1 - 1e-9);
-        for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
-        if (!behind) continue;
-        missing.share += kernel.value(offset, h);
-        missing.pull += kernel.gradient(offset, h).x();
-      }
-    }
-  }
+  for_each_lattice_point(spacing, h, [&](const Vec3& offset) {
+    bool behind = true;
+    for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
+    if (!behind) return;
+    missing.share += kernel.value(offset, h);
+    missing.pull += kernel.gradient(offset, h).x();
+  });
   const Real whole = lattice_density_sum(kernel, spacing, h);
   return {missing.share / whole, std::abs(missing.pull) / whole};
 }

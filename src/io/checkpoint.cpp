@@ -10,7 +10,8 @@
 #include <span>
 #include <utility>
 
-#include "io/checksums.hpp"
+#include "base/hash.hpp"
+#include "io/fields.hpp"
 #include "io/files.hpp"
 #include "io/hdf5_writer.hpp"
 #include "io/id_order.hpp"
@@ -20,9 +21,6 @@
 namespace trevi {
 
 namespace {
-
-constexpr const char* prefix = "checkpoint_";
-constexpr const char* suffix = ".h5";
 
 constexpr std::int64_t format_version = 1;
 
@@ -53,6 +51,21 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
              {writes ? 0 : fountains, writes ? fountains : 0, fountains});
 }
 
+// Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
+// it needs chunks and HDF5's own hands on the rows (hdf5_writer.hpp says why not).
+constexpr std::int64_t rows_per_block = 1024;
+
+/// The last block may be shorter.
+template <class T>
+std::vector<std::int64_t> block_checksums(std::span<const T> rows) {
+  std::vector<std::int64_t> sums;
+  for (std::size_t first = 0; first < rows.size(); first += rows_per_block) {
+    const auto block = rows.subspan(first, std::min<std::size_t>(rows_per_block, rows.size() - first));
+    sums.push_back(checksum({reinterpret_cast<const char*>(block.data()), block.size_bytes()}));
+  }
+  return sums;
+}
+
 /// Block of rows `row` begins, or the number of blocks up to the end of the table.
 std::int64_t block_at(std::int64_t row) { return (row + rows_per_block - 1) / rows_per_block; }
 
@@ -71,8 +84,8 @@ void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles
   const IdOrder order(comm, particles.id, rows_per_block);
   const RowSlice slice{order.first_row(), static_cast<std::int64_t>(order.ids().size()), order.total()};
   write_column(file, "id", order.ids(), slice);
-  particles.for_each_saved_field(
-      [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
+  for_each_saved_field(
+      particles, [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
 }
 
 bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
@@ -117,7 +130,7 @@ ParticleRows read_checked_rows(const Source& source) {
   }
   ParticleRows rows = read_particle_rows(source.file, source.slice);
   check_column(source, "id", rows.id);
-  rows.for_each_saved_field([&](const char* name, const auto& field) { check_column(source, name, field); });
+  for_each_saved_field(rows, [&](const char* name, const auto& field) { check_column(source, name, field); });
   return rows;
 }
 
@@ -186,14 +199,14 @@ CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
 std::string latest_checkpoint(MPI_Comm comm, const std::string& directory) {
   std::int64_t step = -1;
   on_root(comm, [&] {
-    const auto files = stepped_files(directory, prefix, suffix);
+    const auto files = stepped_files(directory, checkpoint_files);
     if (files.empty()) {
       throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
     }
     step = files.back().step;
   });
   MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm);
-  return directory + "/" + prefix + step_digits(step) + suffix;
+  return directory + "/" + name_of_step(checkpoint_files, step);
 }
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
@@ -201,7 +214,7 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
   if (!options_.restart_step) return;
   const std::int64_t step = *options_.restart_step;
   on_root(comm_, [&] {
-    set_aside_after(options_.directory, prefix, suffix, step);
+    set_aside_after(options_.directory, checkpoint_files, step);
     if (std::filesystem::exists(path_of(step))) last_step_ = step;
   });
   MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
@@ -213,7 +226,7 @@ bool CheckpointWriter::due(const Clock& clock) const {
 }
 
 void CheckpointWriter::write(const Frame& frame) {
-  // A checkpoint vouches for the rows before it: they reach the disk first.
+  // A restart relies on the rows of series.csv up to its checkpoint, so they are on the disk before it is.
   on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);
   last_step_ = frame.clock.step;
@@ -230,11 +243,11 @@ void CheckpointWriter::finish(const Frame& frame) {
 }
 
 std::string CheckpointWriter::path_of(std::int64_t step) const {
-  return options_.directory + "/" + prefix + step_digits(step) + suffix;
+  return options_.directory + "/" + name_of_step(checkpoint_files, step);
 }
 
 void CheckpointWriter::remove_old() const {
-  const auto files = stepped_files(options_.directory, prefix, suffix);
+  const auto files = stepped_files(options_.directory, checkpoint_files);
   const auto keep = static_cast<std::size_t>(std::max(1, options_.keep));
   for (std::size_t k = 0; k + keep < files.size(); ++k) {
     if (std::remove(files[k].path.c_str()) != 0) throw_file_error(files[k].path, "remove", errno);

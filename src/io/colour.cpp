@@ -36,18 +36,17 @@ Rgb rainbow(Real position) {
 Rgb colour_of(const ColourScale& scale, const Particles& particles, LocalId i) {
   const auto k = static_cast<std::size_t>(i);
   switch (scale.by) {
-    case ColourBy::rainbow_x:
+    case Colour::rainbow_x:
       return rainbow(static_cast<Real>(particles.hue[k]));
-    case ColourBy::rainbow_height:
+    case Colour::rainbow_height:
       return rainbow(part_of(particles.position[k].z(), scale.bottom, scale.top));
-    case ColourBy::rainbow_id:
+    case Colour::rainbow_id:
       return rainbow(id_part(particles.id[k], scale.total));
-    case ColourBy::speed:
+    case Colour::speed:
       return rainbow(1 - part_of(particles.velocity[k].norm(), 0, scale.speed_max));
-    case ColourBy::blue:
+    default:
       return water;
   }
-  return water;
 }
 
 std::vector<Rgb> colours_of(const ColourScale& scale, const Particles& particles) {

@@ -8,17 +8,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "trevi/colour.hpp"
 #include "trevi/particles.hpp"
 
 namespace trevi {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-enum class ColourBy { rainbow_x, rainbow_height, rainbow_id, speed, blue };
-
 /// What a colour is measured against; fixed for a run, so that a colour means the same in all frames.
 struct ColourScale {
-  ColourBy by = ColourBy::blue;
+  Colour by = Colour::blue;
   Real bottom = 0, top = 1;  ///< z of the domain, m: rainbow_height
   Real speed_max = 10;       ///< m/s: shown red; slow is violet
   GlobalId total = 1;        ///< particles of all ranks: rainbow_id

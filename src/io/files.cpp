@@ -125,26 +125,26 @@ std::string MemoryFile::read(std::int64_t begin, std::int64_t end) const {
   return bytes;
 }
 
-PlacedFile::PlacedFile(const std::string& path) : path_(path), descriptor_(::open(path.c_str(), O_WRONLY)) {
+RandomAccessFile::RandomAccessFile(const std::string& path) : path_(path), descriptor_(::open(path.c_str(), O_WRONLY)) {
   if (descriptor_ < 0) throw_file_error(path, "open", errno);
 }
 
-PlacedFile::~PlacedFile() { ::close(descriptor_); }
+RandomAccessFile::~RandomAccessFile() { ::close(descriptor_); }
 
-void PlacedFile::write(std::int64_t place, std::string_view bytes) {
-  const std::int64_t start = place;
+void RandomAccessFile::write(std::int64_t offset, std::string_view bytes) {
+  const std::int64_t start = offset;
   while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), place);
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), offset);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) throw_file_error(path_, "write", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
-    place += written;
+    offset += written;
   }
   // The disk begins now, while the next rows are being made ready; sync() waits for it and has its errors.
-  static_cast<void>(::sync_file_range(descriptor_, start, place - start, SYNC_FILE_RANGE_WRITE));
+  static_cast<void>(::sync_file_range(descriptor_, start, offset - start, SYNC_FILE_RANGE_WRITE));
 }
 
-void PlacedFile::sync() { sync_descriptor(descriptor_, path_); }
+void RandomAccessFile::sync() { sync_descriptor(descriptor_, path_); }
 
 std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -188,7 +188,13 @@ void sync_if_there(const std::string& path) {
 
 std::string step_digits(std::int64_t step) { return fmt::format("{:06}", step); }
 
-std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view prefix, std::string_view suffix) {
+std::string name_of_step(const SteppedName& kind, std::int64_t step) {
+  return kind.prefix + step_digits(step) + kind.suffix;
+}
+
+std::optional<std::int64_t> step_in_name(std::string_view name, const SteppedName& kind) {
+  const std::string_view prefix = kind.prefix;
+  std::string_view suffix = kind.suffix;
   if (!name.starts_with(prefix)) return std::nullopt;
   name.remove_prefix(prefix.size());
   const std::string_view digits = take_digits(name);
@@ -206,11 +212,11 @@ std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view
   return name == suffix ? std::optional(step) : std::nullopt;
 }
 
-std::vector<SteppedFile> stepped_files(const std::string& directory, std::string_view prefix, std::string_view suffix) {
+std::vector<SteppedFile> stepped_files(const std::string& directory, const SteppedName& kind) {
   std::vector<SteppedFile> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(directory, error)) {
-    if (const auto step = step_in_name(entry.path().filename().string(), prefix, suffix)) {
+    if (const auto step = step_in_name(entry.path().filename().string(), kind)) {
       files.push_back({*step, entry.path().string()});
     }
   }
@@ -220,9 +226,8 @@ std::vector<SteppedFile> stepped_files(const std::string& directory, std::string
   return files;
 }
 
-void set_aside_after(const std::string& directory, std::string_view prefix, std::string_view suffix,
-                     std::int64_t step) {
-  for (const SteppedFile& file : stepped_files(directory, prefix, suffix)) {
+void set_aside_after(const std::string& directory, const SteppedName& kind, std::int64_t step) {
+  for (const SteppedFile& file : stepped_files(directory, kind)) {
     if (file.step > step) set_aside(file.path);
   }
 }

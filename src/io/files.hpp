@@ -50,15 +50,15 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// An open file that exists already, written to at any place.
-class PlacedFile {
+/// An open file that exists already, written to at any offset.
+class RandomAccessFile {
  public:
-  explicit PlacedFile(const std::string& path);
-  ~PlacedFile();
-  PlacedFile(const PlacedFile&) = delete;
-  PlacedFile& operator=(const PlacedFile&) = delete;
+  explicit RandomAccessFile(const std::string& path);
+  ~RandomAccessFile();
+  RandomAccessFile(const RandomAccessFile&) = delete;
+  RandomAccessFile& operator=(const RandomAccessFile&) = delete;
 
-  void write(std::int64_t place, std::string_view bytes);
+  void write(std::int64_t offset, std::string_view bytes);
   void sync();  ///< returns when what was written is on the disk
 
  private:
@@ -84,19 +84,33 @@ void sync_if_there(const std::string& path);
 /// A step as file names carry it: six digits at least.
 std::string step_digits(std::int64_t step);
 
+/// A name that carries a step: "<prefix><digits><suffix>", where a # in the suffix stands for a number.
+struct SteppedName {
+  const char *prefix, *suffix;
+};
+inline constexpr SteppedName checkpoint_files{"checkpoint_", ".h5"};
+inline constexpr SteppedName vtkhdf_frames{"particles_", ".hdf"};
+inline constexpr SteppedName vtu_frames{"particles_", ".pvtu"}, vtu_pieces{"particles_", "_#.vtu"};  ///< in vtu_folder
+inline constexpr const char* vtu_folder = "vtu/";
+
+/// The lists of frames.
+inline constexpr const char *vtu_list = "particles.pvd", *vtkhdf_list = "particles.hdf.series";
+
 struct SteppedFile {
   std::int64_t step;
   std::string path;
 };
 
-/// The step in "<prefix><digits><suffix>", where a # in the suffix stands for a number; nothing when `name` is not just
-/// what a run would write, as with a copy that somebody made: checkpoint_000120_good.h5.
-std::optional<std::int64_t> step_in_name(std::string_view name, std::string_view prefix, std::string_view suffix);
+std::string name_of_step(const SteppedName& kind, std::int64_t step);  ///< of a kind without a #
+
+/// Nothing when `name` is not just what a run would write, as with a copy that somebody made:
+/// checkpoint_000120_good.h5.
+std::optional<std::int64_t> step_in_name(std::string_view name, const SteppedName& kind);
 
 /// Files of `directory` with such names, by step and name; empty when there is no such folder.
-std::vector<SteppedFile> stepped_files(const std::string& directory, std::string_view prefix, std::string_view suffix);
+std::vector<SteppedFile> stepped_files(const std::string& directory, const SteppedName& kind);
 
 /// Renames those of them past `step` to "<name>.stale" (".1.stale", ... when that is taken): a restart deletes nothing.
-void set_aside_after(const std::string& directory, std::string_view prefix, std::string_view suffix, std::int64_t step);
+void set_aside_after(const std::string& directory, const SteppedName& kind, std::int64_t step);
 
 }  // namespace trevi

@@ -21,6 +21,11 @@ struct RowFormat {
   int components;
 };
 
+constexpr std::int64_t bytes_of(RowFormat format) {
+  constexpr std::int64_t scalar_bytes[] = {1, 4, 8, 4, 8};
+  return scalar_bytes[static_cast<std::size_t>(format.scalar)] * format.components;
+}
+
 template <class T>
 struct RowFormatOf;
 template <>

@@ -93,21 +93,21 @@ std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat forma
                                 creation.id(), H5P_DEFAULT),
                      H5Dclose);
   check(dataset.valid(), name);
-  const haddr_t place = H5Dget_offset(dataset.id());
-  check(total == 0 || place != HADDR_UNDEF, name);
+  const haddr_t offset = H5Dget_offset(dataset.id());
+  check(total == 0 || offset != HADDR_UNDEF, name);
   const auto size = static_cast<std::int64_t>(H5Dget_storage_size(dataset.id()));
   check(dataset.close(), name);
   if (total == 0) return 0;
-  const auto begin = static_cast<std::int64_t>(place);
+  const auto begin = static_cast<std::int64_t>(offset);
   tables_.push_back({begin, begin + size});
   return begin;
 }
 
-void Hdf5Writer::write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes) {
+void Hdf5Writer::write(const std::string& name, RowFormat format, RowSlice slice, const void* rows) {
   attempt([&] {
-    const std::int64_t place = create_dataset(name, format, slice.total);
-    const std::int64_t row = slice.count == 0 ? 0 : static_cast<std::int64_t>(bytes.size()) / slice.count;
-    disk_->write(place + slice.first * row, bytes);
+    const std::int64_t begin = create_dataset(name, format, slice.total), row = bytes_of(format);
+    disk_->write(begin + slice.first * row,
+                 {static_cast<const char*>(rows), static_cast<std::size_t>(slice.count * row)});
   });
 }
 
@@ -133,8 +133,8 @@ void Hdf5Writer::write_attribute(const std::string& name, std::int64_t type, con
     const std::size_t slash = name.rfind('/');
     const std::string group = slash == std::string::npos ? "/" : name.substr(0, slash + 1);
     const std::string own_name = slash == std::string::npos ? name : name.substr(slash + 1);
-    const Hdf5Handle place(H5Gopen2(file_.id(), group.c_str(), H5P_DEFAULT), H5Gclose);
-    Hdf5Handle attribute(H5Acreate2(place.id(), own_name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+    const Hdf5Handle parent(H5Gopen2(file_.id(), group.c_str(), H5P_DEFAULT), H5Gclose);
+    Hdf5Handle attribute(H5Acreate2(parent.id(), own_name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
                          H5Aclose);
     const bool good = attribute.valid() && H5Awrite(attribute.id(), type, value) >= 0;
     check(good && attribute.close(), "attribute " + name);

@@ -1,8 +1,8 @@
 // Writes tables of particles to one HDF5 file, all ranks together: HDF5 lays the same file out in the memory of every
 // rank (a few kilobytes, the rows are holes), so that each knows without a message where the tables lie and writes its
 // own rows there, with plain writes; rank 0 writes what is not rows.
-// HDF5 never sees the disk, because it cannot bear a full one: the ranks of its parallel driver lose step with each
-// other and hang, and its serial driver crashes at the end of the program. The file is the same.
+// HDF5 never writes to the disk itself, because of what it does when the disk is full: the ranks of its parallel driver
+// wait for each other for ever, and its serial driver crashes at the end of the program. The file is the same.
 // Collective: every member, with the same arguments on all ranks but for the rows. What goes wrong on a rank before
 // close() is kept until then, which spares a message for each table; close() throws it, the same RunError on all ranks.
 // The file is whole, and on the disk, only after close().
@@ -38,9 +38,9 @@ class Hdf5Writer {
   /// created.
   template <class T>
   void write(const std::string& name, const std::vector<T>& rows, RowSlice slice) {
-    write_rows(name, RowFormatOf<T>::value, slice,
-               {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(T)});
+    write(name, RowFormatOf<T>::value, slice, rows.data());
   }
+  void write(const std::string& name, RowFormat format, RowSlice slice, const void* rows);
 
   void text(const std::string& name, const std::string& value);  ///< a dataset that is one string, UTF-8
 
@@ -69,7 +69,6 @@ class Hdf5Writer {
   std::int64_t create_dataset(const std::string& name, RowFormat format, std::int64_t total);
   void create_text(const std::string& name, const std::string& value) const;
 
-  void write_rows(const std::string& name, RowFormat format, RowSlice slice, std::string_view bytes);
   void write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space, const void* value);
 
   MPI_Comm comm_;
@@ -77,7 +76,7 @@ class Hdf5Writer {
   std::optional<MemoryFile> layout_;
   Hdf5Handle file_;             ///< in `layout_`
   std::vector<Extent> tables_;  ///< where the rows lie
-  std::optional<PlacedFile> disk_;
+  std::optional<RandomAccessFile> disk_;
   std::exception_ptr failure_;
 };
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "trevi/error.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 
@@ -35,7 +35,7 @@ void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_
   for (const std::uint64_t n : from) to[starts[(n >> shift) % digits]++] = n;
 }
 
-// Five times as fast as comparing, for ids that span less than 2^32: id and place are packed into one number.
+// Five times as fast as comparing, for ids that span less than 2^32: id and index are packed into one number.
 Sorted sort_by_ids(std::span<const GlobalId> ids) {
   if (ids.empty()) return {};
   const auto [least, most] = std::minmax_element(ids.begin(), ids.end());
@@ -75,8 +75,7 @@ std::vector<int> starts_of(const std::vector<int>& counts) {
 IdOrder::IdOrder(MPI_Comm comm, std::span<const GlobalId> ids, GlobalId block) : comm_(comm) {
   Sorted sent = sort_by_ids(ids);
   send_order_ = std::move(sent.order);
-  const auto count = static_cast<GlobalId>(ids.size());
-  MPI_Allreduce(&count, &total_, 1, MPI_INT64_T, MPI_SUM, comm_);
+  total_ = sum_over_ranks(comm_, static_cast<GlobalId>(ids.size()));
   plan_exchange(sent.ids, find_splitters(sent.ids, block));
 
   ids_.resize(static_cast<std::size_t>(receive_starts_.back() + receive_counts_.back()));
@@ -88,9 +87,7 @@ IdOrder::IdOrder(MPI_Comm comm, std::span<const GlobalId> ids, GlobalId block) :
     ids_ = std::move(received.ids);
   }
 
-  const auto mine = static_cast<GlobalId>(ids_.size());
-  MPI_Exscan(&mine, &first_row_, 1, MPI_INT64_T, MPI_SUM, comm_);
-  if (rank_of(comm_) == 0) first_row_ = 0;  // MPI_Exscan leaves it undefined there
+  first_row_ = sum_over_lower_ranks(comm_, static_cast<GlobalId>(ids_.size()));
 }
 
 // Splitter k is the smallest id that as many ids do not exceed as belong to the ranks 0 to k.

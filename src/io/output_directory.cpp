@@ -19,19 +19,19 @@ namespace {
 
 /// The first file found that only a run writes; empty when there is none.
 std::string trace_of_a_run(const std::string& directory) {
-  for (const char* name : {"series.csv", "particles.pvd", "particles.hdf.series", "run.json"}) {
+  for (const char* name : {"series.csv", vtu_list, vtkhdf_list, "run.json"}) {
     if (fs::exists(directory + "/" + name)) return name;
   }
-  for (const auto& [prefix, suffix] : {std::pair{"checkpoint_", ".h5"}, std::pair{"particles_", ".hdf"}}) {
-    const auto files = stepped_files(directory, prefix, suffix);
+  for (const SteppedName& kind : {checkpoint_files, vtkhdf_frames}) {
+    const auto files = stepped_files(directory, kind);
     if (!files.empty()) return fs::path(files.front().path).filename().string();
   }
-  const auto frames = stepped_files(directory + "/vtu", "particles_", ".pvtu");
-  return frames.empty() ? "" : "vtu/" + fs::path(frames.front().path).filename().string();
+  const auto frames = stepped_files(directory + "/" + vtu_folder, vtu_frames);
+  return frames.empty() ? "" : vtu_folder + fs::path(frames.front().path).filename().string();
 }
 
-bool has_files_past_start(const std::string& folder, const char* prefix, const char* suffix) {
-  const auto files = stepped_files(folder, prefix, suffix);
+bool has_files_past_start(const std::string& folder, const SteppedName& kind) {
+  const auto files = stepped_files(folder, kind);
   return !files.empty() && files.back().step > 0;
 }
 
@@ -89,9 +89,9 @@ void make_output_directory(MPI_Comm comm, const std::string& directory) {
 bool is_before_first_checkpoint(MPI_Comm comm, const std::string& directory) {
   int before = 1;
   on_root(comm, [&] {
-    const bool past = !stepped_files(directory, "checkpoint_", ".h5").empty() ||
-                      has_files_past_start(directory, "particles_", ".hdf") ||
-                      has_files_past_start(directory + "/vtu", "particles_", ".pvtu") ||
+    const bool past = !stepped_files(directory, checkpoint_files).empty() ||
+                      has_files_past_start(directory, vtkhdf_frames) ||
+                      has_files_past_start(directory + "/" + vtu_folder, vtu_frames) ||
                       series_is_past_start(directory + "/series.csv");
     before = past ? 0 : 1;
   });

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "io/fields.hpp"
 #include "io/id_order.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -41,8 +42,10 @@ ParticleRows read_particle_rows(const Hdf5Reader& file, RowSlice slice) {
   rows.total = slice.total;
   rows.first = slice.first;
   const auto count = static_cast<std::size_t>(slice.count);
-  rows.has_hue = file.has("/particles/hue");
-  rows.for_each_saved_field([&](const std::string& name, auto& field) {
+  for (const OutputField& field : output_fields) {
+    if (field.when != nullptr) rows.*field.when = file.has(std::string("/particles/") + field.name);
+  }
+  for_each_saved_field(rows, [&](const std::string& name, auto& field) {
     using Row = typename std::remove_reference_t<decltype(field)>::value_type;
     if (name == "velocity" && !file.has("/particles/velocity"))
       rows.velocity.assign(count, Vec3::Zero());

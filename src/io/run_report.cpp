@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/hash.hpp"
 #include "io/files.hpp"
 #include "parallel/collective.hpp"
 
@@ -57,11 +58,7 @@ Json report_json(const RunReport& report) {
 
 }  // namespace
 
-std::string scene_hash(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return fmt::format("{:016x}", hash);
-}
+std::string scene_hash(std::string_view text) { return fmt::format("{:016x}", fnv1a(text)); }
 
 void write_run_report(MPI_Comm comm, const std::string& directory, const RunReport& report) {
   on_root(comm, [&] {

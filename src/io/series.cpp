@@ -68,9 +68,9 @@ struct KeptRows {
 /// One of the fixed columns of a row, by its name.
 Real column_of(const std::string& row, std::string_view name) {
   const std::string columns = std::string(",") + fixed_columns + ",";
-  const std::size_t place = columns.find(fmt::format(",{},", name));
+  const std::size_t index = columns.find(fmt::format(",{},", name));
   std::size_t begin = 0;
-  for (const char c : columns.substr(1, place)) {
+  for (const char c : columns.substr(1, index)) {
     if (c == ',') begin = row.find(',', begin) + 1;
   }
   return std::strtod(row.c_str() + begin, nullptr);

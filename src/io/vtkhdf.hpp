@@ -1,6 +1,6 @@
 // Frames for ParaView in VTKHDF 1.0: one HDF5 file per frame, DIR/particles_<step>.hdf, written by all ranks together,
 // and DIR/particles.hdf.series that lists them with physical time. An unstructured grid with one vertex per particle
-// and one partition per rank that has any; fields as in frame_options.hpp.
+// and one partition per rank that has any; fields as in fields.hpp.
 // A frame is written under a temporary name and renamed, so the list names whole frames only. Collective.
 // Format: VTK File Formats, "VTKHDF"; the list: ParaView's file series, version 1.0.
 #pragma once
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "io/frame_options.hpp"
+#include "io/frame_writer.hpp"
 #include "io/hdf5_writer.hpp"
 #include "trevi/observer.hpp"
 
@@ -24,7 +24,10 @@ class VtkHdfFile {
 
   template <class T>
   void field(const std::string& name, const std::vector<T>& rows) {
-    file_.write("/VTKHDF/PointData/" + name, rows, points_);
+    field(name, RowFormatOf<T>::value, rows.data());
+  }
+  void field(const std::string& name, RowFormat format, const void* rows) {
+    file_.write("/VTKHDF/PointData/" + name, format, points_, rows);
   }
 
   Hdf5Writer& file() { return file_; }  ///< for what VTK does not know

@@ -1,25 +1,22 @@
 // Frames for ParaView in VTK XML: DIR/particles.pvd -> vtu/particles_<step>.pvtu -> one .vtu piece per rank.
-// Points are Float64; arrays, as asked for: velocity (Float32 x 3), density (Float32), id (Int64), rank (Int32), rgb
-// (UInt8 x 3). Pieces are appended raw binary, zlib compressed, one vertex cell per particle; a rank without particles
-// writes a valid piece. Collective.
+// Points are Float64; arrays, as asked for, as in fields.hpp. Pieces are appended raw binary, zlib compressed, one
+// vertex cell per particle; a rank without particles writes a valid piece. Collective.
 #pragma once
 
 #include <memory>
 #include <string>
 
-#include "io/frame_options.hpp"
+#include "io/frame_writer.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
 
-using VtuOptions = FrameOptions;
-
 /// Throws InputError, with the remedy, in a build without VTK (vtu_absent.cpp). To be asked before anything is written.
 void require_vtk();
 
 /// Requires VTK.
-std::unique_ptr<Observer> make_vtu_writer(MPI_Comm comm, VtuOptions options);
+std::unique_ptr<Observer> make_vtu_writer(MPI_Comm comm, FrameOptions options);
 
 /// "9.1.0", or "absent".
 std::string vtk_version();

@@ -10,7 +10,7 @@ void require_vtk() {
       "[output.vtkhdf], which ParaView opens, too");
 }
 
-std::unique_ptr<Observer> make_vtu_writer(MPI_Comm, VtuOptions) {
+std::unique_ptr<Observer> make_vtu_writer(MPI_Comm, FrameOptions) {
   require_vtk();
   return nullptr;
 }

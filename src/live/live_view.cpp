@@ -3,15 +3,15 @@
 #include <chrono>
 #include <thread>
 
-#include "live/visible.hpp"
+#include "io/visible.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
 
 namespace {
 
-constexpr int glance = 50;                           // ms between rank 0's looks at signals while the run is held
-constexpr auto doze = std::chrono::milliseconds(2);  // between the other ranks' looks for orders
+constexpr int look_interval = 50;  // ms between rank 0's looks at signals while the run is held
+constexpr auto test_interval = std::chrono::milliseconds(2);  // between the other ranks' looks for orders
 
 // Blocking collectives spin, which a held run must not do for hours.
 void finish_collective(MPI_Request& request, bool asleep) {
@@ -20,7 +20,7 @@ void finish_collective(MPI_Request& request, bool asleep) {
     return;
   }
   for (int done = 0; MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && done == 0;)
-    std::this_thread::sleep_for(doze);
+    std::this_thread::sleep_for(test_interval);
 }
 
 /// All ranks' particles on rank 0, in rank order.
@@ -84,7 +84,7 @@ LiveView::Orders LiveView::agree(std::int64_t step, bool held) {
 
 LiveView::Orders LiveView::decide_when_held(std::int64_t step) {
   for (;;) {
-    options_.link->wait(glance);
+    options_.link->wait(look_interval);
     const Orders orders = decide(step);
     if (orders.hold == 0 || orders.frame != 0) return orders;
   }
@@ -152,6 +152,10 @@ std::vector<ViewedParticle> LiveView::pick_visible(const Frame& frame, std::int6
     picked.push_back(particle);
   }
   return picked;
+}
+
+std::unique_ptr<Observer> make_live_view(MPI_Comm comm, LiveViewOptions options) {
+  return std::make_unique<LiveView>(comm, std::move(options));
 }
 
 }  // namespace trevi

@@ -12,12 +12,12 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int most_waiting = 4;       // messages in a queue; credit allows one frame anyway
-constexpr int last_word = 1000;       // ms the last message may take once the run is over
+constexpr int last_message = 1000;    // ms the last message may take once the run is over
 constexpr int reconnect = 200;        // ms between calls while nobody answers
 constexpr int heartbeat = 2000;       // ms
 constexpr int presumed_gone = 10000;  // ms without a heartbeat: a stopped process, a cut line
-constexpr int glance = 5;             // ms between looks at the line while greeting
-constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);
+constexpr int look_interval = 5;      // ms between looks at the line while greeting
+constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);  // patience with a viewer
 
 /// What ZeroMQ's thread sees of the line: it is the one to know at once that a viewer was killed.
 class LineMonitor : public zmq::monitor_t {
@@ -38,7 +38,7 @@ class ZmqLink : public ViewerLink {
  public:
   explicit ZmqLink(const std::string& endpoint) : socket_(context_, zmq::socket_type::dealer) {
     socket_.set(zmq::sockopt::sndhwm, most_waiting);
-    socket_.set(zmq::sockopt::linger, last_word);
+    socket_.set(zmq::sockopt::linger, last_message);
     socket_.set(zmq::sockopt::immediate, true);  // nothing is kept for a viewer that is not there
     socket_.set(zmq::sockopt::reconnect_ivl, reconnect);
     socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
@@ -61,7 +61,7 @@ class ZmqLink : public ViewerLink {
   void greet() override {
     const auto begin = std::chrono::steady_clock::now();
     const auto passed = [&] { return std::chrono::steady_clock::now() - begin; };
-    while (!has_viewer() && passed() < (answered_ ? to_wish : to_answer)) wait(glance);
+    while (!has_viewer() && passed() < (answered_ ? to_wish : to_answer)) wait(look_interval);
   }
 
   void introduce(const ViewedScene& scene) override { scene_ = text_of(scene); }
@@ -119,7 +119,8 @@ class ZmqLink : public ViewerLink {
 
 }  // namespace
 
-std::unique_ptr<ViewerLink> connect_viewer(const std::string& endpoint) {
+std::unique_ptr<ViewerLink> connect_viewer(const std::string& address) {
+  const std::string endpoint = viewer_endpoint("--view", address);
   try {
     return std::make_unique<ZmqLink>(endpoint);
   } catch (const zmq::error_t& error) {

@@ -3,8 +3,8 @@
 // Invariant: nothing here waits for the viewer but wait(), no longer than it is told, and greet(), once; and no failure
 // of the line reaches the run: it counts as a viewer that is gone, which wishes nothing. Rank-local.
 //
-// Transport: ZeroMQ (a thread of its own sends and receives). Without it in the build (viewer_link_absent.cpp)
-// connecting throws InputError.
+// Transport: ZeroMQ (a thread of its own sends and receives). A build without live viewing has live_absent.cpp in place
+// of this room: connecting throws InputError.
 #pragma once
 
 #include <memory>
@@ -54,7 +54,7 @@ class ViewerLink {
   bool has_viewer_ = false, changed_ = false;
 };
 
-/// InputError where viewing is not built in, or for an address that is none.
-std::unique_ptr<ViewerLink> connect_viewer(const std::string& endpoint);
+/// `address` as --view gives it. InputError where viewing is not built in, or for an address that is none.
+std::unique_ptr<ViewerLink> connect_viewer(const std::string& address);
 
 }  // namespace trevi

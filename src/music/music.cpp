@@ -3,50 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <set>
 
 #include "music/sound.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
-
-namespace {
-
-struct Ending {
-  const char* text;
-  MusicKind kind;
-};
-
-constexpr std::array<Ending, 11> endings = {{{".txt", MusicKind::score},
-                                             {".mid", MusicKind::midi},
-                                             {".midi", MusicKind::midi},
-                                             {".wav", MusicKind::sound},
-                                             {".flac", MusicKind::sound},
-                                             {".ogg", MusicKind::sound},
-                                             {".mp3", MusicKind::sound},
-                                             {".aif", MusicKind::sound},
-                                             {".aiff", MusicKind::sound},
-                                             {".au", MusicKind::sound},
-                                             {".snd", MusicKind::sound}}};
-
-Melody read_melody(MPI_Comm comm, const MusicSettings& settings) {
-  const std::string bytes = read_file_everywhere(comm, settings.source);
-  switch (music_kind(settings.source).value_or(MusicKind::live)) {
-    case MusicKind::score:
-      return read_score(settings.source, bytes);
-    case MusicKind::midi:
-      return read_midi(settings.source, bytes, settings);
-    case MusicKind::sound:
-      return read_sound(settings.source, bytes, settings.follow);
-    case MusicKind::live:
-      break;
-  }
-  throw InputError(settings.source + ": unknown kind of music; its ending must be one of " + music_endings());
-}
-
-}  // namespace
 
 const Tone* Melody::at(Real time) const {
   const auto after =
@@ -85,20 +47,18 @@ Melody melody_of_notes(std::vector<Tone> notes) {
   return melody;
 }
 
-std::optional<MusicKind> music_kind(const std::string& source) {
-  if (source == "-") return MusicKind::live;
-  std::string lower = source;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const Ending& ending : endings) {
-    if (lower.ends_with(ending.text)) return ending.kind;
+Melody read_melody(const std::string& bytes, const MusicSettings& settings) {
+  switch (settings.kind) {
+    case MusicKind::score:
+      return read_score(settings.source, bytes);
+    case MusicKind::midi:
+      return read_midi(settings.source, bytes, settings);
+    case MusicKind::sound:
+      return read_sound(settings.source, bytes, settings.follow);
+    case MusicKind::live:
+      break;
   }
-  return std::nullopt;
-}
-
-std::string music_endings() {
-  std::string text;
-  for (const Ending& ending : endings) text.append(text.empty() ? "" : " ").append(ending.text);
-  return text;
+  throw InputError(settings.source + ": live sound has no melody to be read beforehand");
 }
 
 Real SpeedScale::speed(Real x) const {
@@ -132,8 +92,8 @@ std::unique_ptr<Pump> make_music_pump(MPI_Comm comm, const MusicSettings& settin
   const Event event("Music");
   const ScopedEvent timed(event);
   const SpeedScale scale(settings);
-  if (music_kind(settings.source) != MusicKind::live)
-    return std::make_unique<MelodyPump>(read_melody(comm, settings), scale);
+  if (settings.kind != MusicKind::live)
+    return std::make_unique<MelodyPump>(read_melody(read_file_everywhere(comm, settings.source), settings), scale);
   if (!live) live = std::make_shared<LiveSound>(comm, STDIN_FILENO, settings.rate);
   return std::make_unique<LivePump>(live, settings.follow, scale);
 }

@@ -1,7 +1,8 @@
 // Music as the speed of a fountain's pump: a score, a MIDI file or a sound file becomes a Melody, a Melody a Pump.
 // Invariant: a Melody plays one tone at a time (of notes that overlap the highest sounds), and where none sounds the
 // pump is off; a higher tone never gives a lower speed. Times are simulated times: the piece begins at time 0.
-// The same bytes give the same Melody on all ranks. Collective: make_pump() only, which reads the file on rank 0.
+// The same bytes give the same Melody on all ranks. Collective: make_music_pump() only, which reads the file on rank 0.
+// A build without this room has music_absent.cpp in its place.
 #pragma once
 
 #include <memory>
@@ -48,14 +49,11 @@ Melody read_score(const std::string& name, const std::string& text);
 /// other tracks and channels do not count for the range. InputError names the byte where the file is damaged.
 Melody read_midi(const std::string& name, const std::string& bytes, const MusicSettings& settings);
 
-/// A sound file, all channels as one, by loudness or by pitch (fluid/sound.hpp). InputError for an empty or silent one.
+/// A sound file, all channels as one, by loudness or by pitch (sound.hpp). InputError for an empty or silent one.
 Melody read_sound(const std::string& name, const std::string& bytes, Follow follow);
 
-enum class MusicKind { score, midi, sound, live };
-
-/// By the ending of a path, or "-"; nothing when the ending is unknown. music_endings() lists the known ones.
-std::optional<MusicKind> music_kind(const std::string& source);
-std::string music_endings();
+/// What the bytes of settings.source, a file, hold, by its kind.
+Melody read_melody(const std::string& bytes, const MusicSettings& settings);
 
 /// Maps x in [0, 1], low to high, to a speed: linear in x is the speed, or its square, so that equal steps of x are
 /// equal steps of energy and of the height v²/2g of a jet.

@@ -67,7 +67,7 @@ Line read_line(const std::vector<std::string_view>& words) {
 }  // namespace
 
 std::optional<Real> note_number(std::string_view name) {
-  constexpr std::string_view letters = "C D EF G A B";  // a place for each semitone
+  constexpr std::string_view letters = "C D EF G A B";  // the index of a letter is its semitone
   if (name.empty() || name[0] == ' ') return std::nullopt;
   const char letter = static_cast<char>(name[0] >= 'a' && name[0] <= 'g' ? name[0] - 'a' + 'A' : name[0]);
   const std::size_t semitone = letters.find(letter);

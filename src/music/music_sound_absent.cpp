@@ -7,7 +7,7 @@ namespace trevi {
 namespace {
 
 [[noreturn]] void refuse(const std::string& name) {
-  throw InputError("[[fountain]] music: " + name +
+  throw InputError(name +
                    ": this build reads no sound files; configure with -DTREVI_WITH_SOUND=ON (it needs libsndfile), or "
                    "give a text score (.txt)");
 }

@@ -53,7 +53,7 @@ void LiveSound::hear(Real time) {
   if (!fresh) return;
   const std::size_t count = std::min(bytes_.size() / 2, samples_.size());
   std::fill(samples_.begin(), samples_.end(), 0.0F);
-  // The latest whole samples end at an even place, as the buffer begins at one.
+  // The buffer begins with a whole sample, so its latest whole samples end at an even number of bytes.
   const unsigned char* from = bytes_.data() + 2 * (bytes_.size() / 2 - count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto value = static_cast<std::int16_t>(from[2 * i] | from[2 * i + 1] << 8);

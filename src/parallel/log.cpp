@@ -8,48 +8,60 @@ namespace trevi {
 
 namespace {
 
-constexpr const char* class_name = "Trevi";
+struct NamedEvent {
+  std::string name;
+  PetscLogEvent handle;
+};
 
-PetscClassId class_id() {
-  PetscClassId id = 0;
-  // Looked up by name instead of kept in a global: PETSc's own registry is the one place that knows.
-  PetscBool known = PETSC_FALSE;
-  PetscStageLog log = nullptr;
-  PetscLogGetStageLog(&log);
-  for (int i = 0; log != nullptr && i < log->classLog->numClasses; ++i) {
-    PetscStrcmp(log->classLog->classInfo[i].name, class_name, &known);
-    if (known) return log->classLog->classInfo[i].classid;
+/// What Trevi has registered with PETSc. PETSc gives no list of it by its public functions, and its own registry is one
+/// a process, too; hence the static object.
+struct Registry {
+  PetscClassId class_id = 0;
+  std::vector<NamedEvent> events;
+  std::vector<PetscLogStage> stages{0};  ///< PETSc's main stage is always there
+};
+
+Registry& registry() {
+  static Registry the_one;
+  return the_one;
+}
+
+PetscLogEvent register_event(Registry& known, const std::string& name) {
+  if (known.class_id == 0) {
+    require(PetscClassIdRegister("Trevi", &known.class_id) == 0, "PETSc would not register the solver's log class");
   }
-  require(PetscClassIdRegister(class_name, &id) == 0, "PETSc would not register the solver's log class");
-  return id;
+  PetscLogEvent handle = 0;
+  require(PetscLogEventRegister(name.c_str(), known.class_id, &handle) == 0, "PETSc would not register event " + name);
+  known.events.push_back({name, handle});
+  return handle;
 }
 
 }  // namespace
 
 Event::Event(const std::string& name) {
   // Registering a name twice would give two lines; objects of one kind share their event.
-  if (PetscLogEventGetId(name.c_str(), &handle_) == 0 && handle_ >= 0) return;
-  require(PetscLogEventRegister(name.c_str(), class_id(), &handle_) == 0, "PETSc would not register event " + name);
+  Registry& known = registry();
+  const auto found = std::find_if(known.events.begin(), known.events.end(),
+                                  [&](const NamedEvent& event) { return event.name == name; });
+  handle_ = found != known.events.end() ? found->handle : register_event(known, name);
 }
 
 ScopedStage::ScopedStage(const std::string& name) {
   PetscLogStage stage = -1;
-  if (PetscLogStageGetId(name.c_str(), &stage) != 0 || stage < 0) PetscLogStageRegister(name.c_str(), &stage);
+  if (PetscLogStageGetId(name.c_str(), &stage) != 0 || stage < 0) {
+    require(PetscLogStageRegister(name.c_str(), &stage) == 0, "PETSc would not register stage " + name);
+    registry().stages.push_back(stage);
+  }
   PetscLogStagePush(stage);
 }
 
 std::vector<EventTotals> event_totals() {
-  PetscStageLog log = nullptr;
-  PetscLogGetStageLog(&log);
   std::vector<EventTotals> totals;
-  if (log == nullptr) return totals;
-  const PetscClassId ours = class_id();
-  for (int event = 0; event < log->eventLog->numEvents; ++event) {
-    if (log->eventLog->eventInfo[event].classid != ours) continue;
-    EventTotals total{log->eventLog->eventInfo[event].name};
-    for (int stage = 0; stage < log->numStages; ++stage) {
+  for (const NamedEvent& event : registry().events) {
+    EventTotals total{event.name};
+    for (const PetscLogStage stage : registry().stages) {
       PetscEventPerfInfo info{};
-      PetscLogEventGetPerfInfo(stage, event, &info);
+      PetscLogEventGetPerfInfo(stage, event.handle, &info);
       total.seconds += info.time;
       total.flops += info.flops;
       total.calls += info.count;

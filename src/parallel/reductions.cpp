@@ -20,6 +20,12 @@ Real max_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, 
 Real min_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, MPI_DOUBLE, MPI_MIN); }
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value) { return all_reduce(comm, value, MPI_INT64_T, MPI_SUM); }
 
+GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value) {
+  GlobalId sum = 0;
+  MPI_Exscan(&value, &sum, 1, MPI_INT64_T, MPI_SUM, comm);
+  return rank_of(comm) == 0 ? 0 : sum;  // MPI_Exscan leaves it undefined on rank 0
+}
+
 std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial) {
   const int mine = static_cast<int>(partial.size());
   std::vector<int> counts(static_cast<std::size_t>(size_of(comm)));

@@ -16,6 +16,8 @@ namespace trevi {
 Real max_over_ranks(MPI_Comm comm, Real value);
 Real min_over_ranks(MPI_Comm comm, Real value);
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value);
+/// Over the ranks below this one: where its rows begin, when ranks give theirs in rank order.
+GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value);
 
 /// What each rank has of its planes, joined in plane order on all ranks; every rank hands in whole rows of one length.
 std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial);

@@ -23,6 +23,14 @@ void agree_on_instruction_set(MPI_Comm comm) {
   restrict_instruction_sets(sets);
 }
 
+// Libraries have threads of their own (ZeroMQ, MPI's progress), while all our calls come from the main one.
+void require_threads() {
+  int provided = MPI_THREAD_SINGLE;
+  MPI_Query_thread(&provided);
+  if (provided >= MPI_THREAD_FUNNELED) return;
+  throw RunError("this MPI allows no threads beside it (MPI_THREAD_FUNNELED); use one that does", Reach::all_ranks);
+}
+
 // PETSc would fail on one rank alone, with a stack trace.
 void check_options_files(MPI_Comm comm, int argc, const char* const* argv) {
   for (int k = 1; k + 1 < argc; ++k) {
@@ -36,7 +44,8 @@ Mpi::Mpi(int& argc, char**& argv) {
   int begun = 0;
   MPI_Initialized(&begun);
   owner_ = begun == 0;
-  if (owner_) MPI_Init(&argc, &argv);
+  int provided = 0;  // the session looks at it, when there is somebody to report an error
+  if (owner_) MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }
 
 Mpi::~Mpi() {
@@ -44,6 +53,7 @@ Mpi::~Mpi() {
 }
 
 Session::Session(int& argc, char**& argv) : mpi_(argc, argv) {
+  require_threads();
   check_options_files(comm(), argc, argv);
   MPI_Comm_rank(comm(), &rank_);
   MPI_Comm_size(comm(), &size_);

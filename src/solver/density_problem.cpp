@@ -6,18 +6,12 @@
 #include <utility>
 
 #include "base/growth.hpp"
+#include "base/hash.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
 
 namespace {
-
-// splitmix64
-std::uint64_t hash(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  return x ^ (x >> 31);
-}
 
 // Unit vector of a pair of ids, evenly spread over the sphere: from the first point of a hashed sequence in the cube
 // that is in the ball. The same on any machine, too, which the last bits of a sine are not.
@@ -26,7 +20,7 @@ Vec3 direction_of(GlobalId a, GlobalId b) {
   constexpr Real half = 1U << 20U;
   const auto number = [](std::uint64_t bits) { return (static_cast<Real>(bits & 0x1FFFFFU) + 0.5) / half - 1; };
   for (std::uint64_t x = static_cast<std::uint64_t>(a) * next + static_cast<std::uint64_t>(b);; x += next) {
-    const std::uint64_t bits = hash(x);
+    const std::uint64_t bits = mix(x);
     const Vec3 v(number(bits), number(bits >> 21U), number(bits >> 42U));
     if (v.squaredNorm() <= 1) return v / std::sqrt(v.squaredNorm());
   }

@@ -32,19 +32,19 @@ constexpr std::array<Bytes, 8> distinct = {{{86, 180, 233},
 
 Bytes on_scale(Scale scale, double part) {
   if (std::isnan(part)) return unknown;
-  const double place = std::clamp(part, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
-  const auto k = std::min(static_cast<std::size_t>(place), scale.size() - 2);
+  const double position = std::clamp(part, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(position), scale.size() - 2);
   Bytes mixed{};
   for (std::size_t c = 0; c < 3; ++c)
-    mixed[c] = static_cast<unsigned char>(std::lerp(scale[k][c], scale[k + 1][c], place - static_cast<double>(k)));
+    mixed[c] = static_cast<unsigned char>(std::lerp(scale[k][c], scale[k + 1][c], position - static_cast<double>(k)));
   return mixed;
 }
 
-Bytes colour_of(const ViewedParticle& particle, ColourMode mode, const ColourRange& range) {
-  switch (mode) {
-    case ColourMode::speed:
+Bytes colour_of(const ViewedParticle& particle, Colour by, const ColourRange& range) {
+  switch (by) {
+    case Colour::speed:
       return on_scale(water, particle.speed / range.fastest);
-    case ColourMode::density:
+    case Colour::density:
       return on_scale(diverging, (particle.density / range.rest_density - 1) / (2 * density_margin) + 0.5);
     default:
       return {particle.rgb[0], particle.rgb[1], particle.rgb[2]};
@@ -57,7 +57,7 @@ bool has(const ViewedFrame& frame, float ViewedParticle::*field) {
 
 }  // namespace
 
-void colour_particles(const ViewedFrame& frame, ColourMode mode, ColourRange& range, std::vector<unsigned char>& rgb) {
+void colour_particles(const ViewedFrame& frame, Colour by, ColourRange& range, std::vector<unsigned char>& rgb) {
   for (const ViewedParticle& particle : frame.shown) {
     if (particle.speed > range.fastest) range.fastest = particle.speed;
   }
@@ -66,29 +66,34 @@ void colour_particles(const ViewedFrame& frame, ColourMode mode, ColourRange& ra
   std::size_t i = 0;
   for (std::size_t rank = 0; rank < frame.rank_counts.size(); ++rank) {
     for (const std::size_t end = i + static_cast<std::size_t>(frame.rank_counts[rank]); i < end; ++i, to += 3) {
-      const Bytes colour =
-          mode == ColourMode::rank ? distinct[rank % distinct.size()] : colour_of(frame.shown[i], mode, range);
+      const Bytes colour = by == Colour::rank ? distinct[rank % distinct.size()] : colour_of(frame.shown[i], by, range);
       std::copy(colour.begin(), colour.end(), to);
     }
   }
 }
 
-std::string legend(const ViewedFrame& frame, ColourMode mode, const ColourRange& range) {
+std::string legend(const ViewedFrame& frame, Colour by, const ColourRange& range) {
   const double rest = range.rest_density;
-  switch (mode) {
-    case ColourMode::rainbow:
-      return "rainbow";
-    case ColourMode::speed:
+  switch (by) {
+    case Colour::speed:
       if (!has(frame, &ViewedParticle::speed)) return "speed: not in this frame";
       return fmt::format("speed 0 (blue) to {:.1f} m/s (white)", range.fastest);
-    case ColourMode::density:
+    case Colour::density:
       if (!has(frame, &ViewedParticle::density)) return "density: not in this frame";
       return fmt::format("density {:.0f} (blue) to {:.0f} kg/m3 (red)", (1 - density_margin) * rest,
                          (1 + density_margin) * rest);
-    case ColourMode::rank:
+    case Colour::rank:
       return fmt::format("rank 0 to {}", frame.rank_counts.empty() ? 0 : frame.rank_counts.size() - 1);
+    default:
+      return colour_list[static_cast<std::size_t>(by)].name;
   }
-  return "";
+}
+
+Colour next_colour(Colour colour) {
+  auto k = static_cast<std::size_t>(colour);
+  do k = (k + 1) % colour_list.size();
+  while (!colour_list[k].in_viewer);
+  return colour_list[k].colour;
 }
 
 }  // namespace trevi

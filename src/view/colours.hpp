@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "live/viewer_messages.hpp"
+#include "io/viewed_frame.hpp"
+#include "trevi/colour.hpp"
 
 namespace trevi {
 
-enum class ColourMode { rainbow, speed, density, rank };
-inline constexpr std::array<const char*, 4> colour_names = {"rainbow", "speed", "density", "rank"};
+/// The colour of colour_list that follows in the viewer, which begins again after the last.
+Colour next_colour(Colour colour);
 
 /// What the ends of a scale stand for: kept over frames, so that a colour means the same in all of them.
 struct ColourRange {
@@ -19,9 +20,9 @@ struct ColourRange {
 };
 
 /// Fills `rgb` (three bytes a particle) and widens the range where need be.
-void colour_particles(const ViewedFrame& frame, ColourMode mode, ColourRange& range, std::vector<unsigned char>& rgb);
+void colour_particles(const ViewedFrame& frame, Colour by, ColourRange& range, std::vector<unsigned char>& rgb);
 
 /// What the colours mean, for the status line: "speed 0 to 12 m/s".
-std::string legend(const ViewedFrame& frame, ColourMode mode, const ColourRange& range);
+std::string legend(const ViewedFrame& frame, Colour by, const ColourRange& range);
 
 }  // namespace trevi

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "live/viewer_messages.hpp"
+#include "io/viewed_frame.hpp"
 
 namespace trevi {
 

@@ -2,24 +2,20 @@
 // replaces in one stroke as it writes. Rank-local; no particle is read here.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace trevi {
+#include "io/frame_list_file.hpp"
 
-struct FrameEntry {
-  std::int64_t step = 0;  ///< by the file's name; its place in the list when the name has none
-  double time = 0;        ///< s
-  std::string path;       ///< .pvtu, .vtu or .hdf
-};
+namespace trevi {
 
 class FrameList {
  public:
   /// A directory, or one of the two files. InputError when there is no frame, or the list is damaged.
   explicit FrameList(const std::string& path);
 
+  /// A frame whose name has no step has its index as one; paths are those of this process.
   const std::vector<FrameEntry>& entries() const { return entries_; }
   const std::string& path() const { return path_; }
   std::string directory() const;

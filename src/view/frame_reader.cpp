@@ -1,14 +1,14 @@
 #include "view/frame_reader.hpp"
 
 #include "io/colour.hpp"
-#include "live/visible.hpp"
+#include "io/visible.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
 
 namespace {
 
-// The colours of the run, or else a rainbow over ids, which in a start lattice go by place, or else over the width.
+// The colours of the run, or else a rainbow over ids, which in a start lattice grow with the position, or else over x.
 Rgb rainbow_of(const RawFrame& raw, const ViewedScene& scene, std::size_t i) {
   if (!raw.rgb.empty()) return raw.rgb[i];
   const auto count = static_cast<Real>(raw.position.size());

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "live/viewer_messages.hpp"
+#include "io/viewed_frame.hpp"
 
 namespace trevi {
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <zmq.hpp>
 
+#include "live/viewer_messages.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -49,13 +50,13 @@ class ZmqLiveSource : public LiveSource {
 
   void start(const RunToStart& run) {
     const auto here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    std::string place = socket_.get(zmq::sockopt::last_endpoint);
-    place = place.substr(std::string("tcp://").size());
+    std::string address = socket_.get(zmq::sockopt::last_endpoint);
+    address = address.substr(std::string("tcp://").size());
     std::vector<std::string> words;
     if (run.ranks > 1) words = {"mpirun", "-np", std::to_string(run.ranks)};
     words.insert(words.end(), {(here / "trevi").string(), run.scene});
     words.insert(words.end(), run.arguments.begin(), run.arguments.end());
-    words.insert(words.end(), {"--view", place});
+    words.insert(words.end(), {"--view", address});
     child_.emplace(words, ChildOptions{.own_session = true});
     message_ = "the run is starting";
   }
@@ -194,8 +195,8 @@ std::unique_ptr<LiveSource> start_run(const RunToStart& run, const LiveOptions& 
   return source;
 }
 
-std::unique_ptr<LiveSource> listen_for_run(const std::string& endpoint, const LiveOptions& options) {
-  return std::make_unique<ZmqLiveSource>(endpoint, options);
+std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const LiveOptions& options) {
+  return std::make_unique<ZmqLiveSource>(viewer_endpoint("--listen", address), options);
 }
 
 }  // namespace trevi

@@ -1,4 +1,4 @@
-// A run that is watched while it computes: waits for the run's call (output/viewer_link.hpp), shows its frames, steers
+// A run that is watched while it computes: waits for the run's call (live/viewer_link.hpp), shows its frames, steers
 // it by what it wishes. A run that ends, fails or is killed leaves its last picture and a message. Without ZeroMQ in
 // the build (live_source_absent.cpp) both functions throw InputError.
 #pragma once
@@ -29,7 +29,7 @@ class LiveSource : public FrameSource {
 };
 
 std::unique_ptr<LiveSource> start_run(const RunToStart& run, const LiveOptions& options);
-/// `endpoint` as viewer_endpoint() gives it. InputError when the address is taken.
-std::unique_ptr<LiveSource> listen_for_run(const std::string& endpoint, const LiveOptions& options);
+/// `address` as --listen gives it. InputError when it is none, or taken.
+std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const LiveOptions& options);
 
 }  // namespace trevi

@@ -20,7 +20,7 @@ namespace {
 constexpr int lowest_priority = 19;
 constexpr auto nap = std::chrono::milliseconds(10);
 
-bool handless(const ViewOptions& options) {
+bool unattended(const ViewOptions& options) {
   return !options.screenshot.empty() || !options.frames.empty() || options.benchmark;
 }
 
@@ -52,7 +52,7 @@ std::size_t index_at(const FrameList& list, std::optional<std::int64_t> step, st
   return index;
 }
 
-ExitCode play_handless(const ViewOptions& options, Playback& playback, Window& window, std::size_t index) {
+ExitCode play_unattended(const ViewOptions& options, Playback& playback, Window& window, std::size_t index) {
   if (!options.frames.empty()) {
     std::filesystem::create_directories(options.frames);
     for (std::size_t k = 0; k < playback.count(); ++k) {
@@ -71,11 +71,11 @@ ExitCode play(const ViewOptions& options) {
   const auto scene = find_scene(list.directory(), options.scene);
   const ViewedScene viewed = describe_run(list, scene);
   const std::size_t last = list.entries().size() - 1;
-  const std::size_t index = index_at(list, options.at, handless(options) ? last : 0);
+  const std::size_t index = index_at(list, options.at, unattended(options) ? last : 0);
   Playback playback(std::move(list), viewed,
                     {options.speed, options.loop, options.paused, options.budget, options.all});
   Window window(playback, options);
-  if (handless(options)) return play_handless(options, playback, window, index);
+  if (unattended(options)) return play_unattended(options, playback, window, index);
   playback.show(index);
   MusicPlayer music(options.mute ? Pcm() : music_if_possible(scene));
   window.run(music);
@@ -90,7 +90,7 @@ void wait_for_call(LiveSource& source) {
   }
 }
 
-ExitCode watch_handless(const ViewOptions& options, LiveSource& source, Window& window) {
+ExitCode watch_unattended(const ViewOptions& options, LiveSource& source, Window& window) {
   wait_for_call(source);
   if (options.benchmark && source.frame()) print_benchmark(window, options, source);
   if (!options.frames.empty()) std::filesystem::create_directories(options.frames);
@@ -119,21 +119,21 @@ std::optional<Scene> scene_of_run(const ViewOptions& options) {
   return std::nullopt;
 }
 
-// Drawing in software takes a core; where all cores compute, the run comes first. After the run was started, which
-// would inherit it.
-void step_back() { std::ignore = setpriority(PRIO_PROCESS, 0, lowest_priority); }
+// Drawing in software takes a core, which the run needs more. To be called after the run was started, as a child
+// inherits the priority.
+void lower_priority() { std::ignore = setpriority(PRIO_PROCESS, 0, lowest_priority); }
 
 ExitCode watch(const ViewOptions& options) {
   const LiveOptions live{options.budget, options.paused};
   const bool starts = !options.target.empty();
   const auto source = starts ? start_run({options.target, options.ranks, options.run_arguments}, live)
-                             : listen_for_run(viewer_endpoint("--listen", options.listen), live);
-  step_back();
+                             : listen_for_run(options.listen, live);
+  lower_priority();
   if (starts) wait_for_call(*source);
   // A run that could not even start has said why.
   if (!source->frame() && source->exit_code()) return static_cast<ExitCode>(*source->exit_code());
   Window window(*source, options);
-  if (handless(options)) return watch_handless(options, *source, window);
+  if (unattended(options)) return watch_unattended(options, *source, window);
   MusicPlayer music(options.mute ? Pcm() : music_if_possible(scene_of_run(options)));
   window.run(music);
   if (starts && !source->at_end()) std::fprintf(stderr, "trevi-view: the run goes on\n");

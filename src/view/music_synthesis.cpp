@@ -39,22 +39,19 @@ void add_recording(Pcm& music, const Recording& recording) {
   const double step = recording.rate / pcm_rate;
   const auto count = static_cast<std::size_t>(static_cast<double>(recording.samples.size()) / step);
   for (std::size_t k = 0; k < count; ++k) {
-    const double place = static_cast<double>(k) * step;
-    const auto left = static_cast<std::size_t>(place);
+    const double position = static_cast<double>(k) * step;
+    const auto left = static_cast<std::size_t>(position);
     const std::size_t right = std::min(left + 1, recording.samples.size() - 1);
-    const double part = place - static_cast<double>(left);
+    const double part = position - static_cast<double>(left);
     add(music, k, std::lerp(static_cast<double>(recording.samples[left]), recording.samples[right], part));
   }
 }
 
 void add_music(Pcm& music, const MusicSettings& settings) {
-  const auto kind = music_kind(settings.source);
-  if (!kind || *kind == MusicKind::live) return;  // live sound is gone
+  if (settings.kind == MusicKind::live) return;  // live sound is gone
   const std::string bytes = read_text(settings.source);
-  if (*kind == MusicKind::sound) return add_recording(music, read_recording(settings.source, bytes));
-  const Melody melody =
-      *kind == MusicKind::midi ? read_midi(settings.source, bytes, settings) : read_score(settings.source, bytes);
-  for (const Tone& tone : melody.tones) add_tone(music, tone);
+  if (settings.kind == MusicKind::sound) return add_recording(music, read_recording(settings.source, bytes));
+  for (const Tone& tone : read_melody(bytes, settings).tones) add_tone(music, tone);
 }
 
 }  // namespace
@@ -65,7 +62,7 @@ Pcm music_of(const Scene& scene) {
   for (const FountainSettings& fountain : scene.fountains) {
     if (!fountain.music) continue;
     const MusicSettings& settings = *fountain.music;
-    const bool tracks = music_kind(settings.source) == MusicKind::midi;
+    const bool tracks = settings.kind == MusicKind::midi;
     const std::string voice = settings.source + (tracks ? std::to_string(settings.track * 17 + settings.channel) : "");
     if (heard.insert(voice).second) add_music(music, settings);
   }

@@ -29,6 +29,14 @@ std::map<std::string, int> numbered(const std::array<const char*, N>& names) {
   return numbers;
 }
 
+std::map<std::string, int> viewer_colours() {
+  std::map<std::string, int> numbers;
+  for (const ColourEntry& entry : colour_list) {
+    if (entry.in_viewer) numbers[entry.name] = static_cast<int>(entry.colour);
+  }
+  return numbers;
+}
+
 // -np is how people give ranks to mpirun; CLI11 has one letter after one dash.
 std::vector<std::string> words_of(int argc, const char* const* argv) {
   std::vector<std::string> words;
@@ -37,7 +45,7 @@ std::vector<std::string> words_of(int argc, const char* const* argv) {
 }
 
 struct Raw {
-  int style = 0, colour = 0;
+  int style = 0, colour = static_cast<int>(Colour::rainbow);
   std::vector<int> size;
   std::vector<double> camera;
 };
@@ -46,7 +54,7 @@ void add_looks(CLI::App& app, ViewOptions& options, Raw& raw) {
   app.add_option("--style", raw.style, "points, spheres or fluid")
       ->transform(CLI::CheckedTransformer(numbered(style_names)));
   app.add_option("--colour", raw.colour, "rainbow, speed, density or rank")
-      ->transform(CLI::CheckedTransformer(numbered(colour_names)));
+      ->transform(CLI::CheckedTransformer(viewer_colours()));
   app.add_option("--size", raw.size, "width and height in pixels (1280 720)")
       ->expected(2)
       ->check(CLI::Range(64, 16384));
@@ -65,7 +73,7 @@ void add_playing(CLI::App& app, ViewOptions& options) {
   app.add_flag("--mute", options.mute, "no music");
 }
 
-void add_handless(CLI::App& app, ViewOptions& options) {
+void add_unattended(CLI::App& app, ViewOptions& options) {
   app.add_option("--screenshot", options.screenshot, "write this PNG of the last frame, or of --at, and end");
   app.add_option("--frames", options.frames, "write a PNG of each frame into this directory, and end");
   app.add_option("--benchmark", options.benchmark, "turn the camera for so many seconds, print pictures a second, end")
@@ -85,7 +93,7 @@ ViewOptions parse_view_options(int argc, const char* const* argv) {
   app.add_option("-n,--np", options.ranks, "ranks of the run to start")->check(CLI::PositiveNumber);
   add_looks(app, options, raw);
   add_playing(app, options);
-  add_handless(app, options);
+  add_unattended(app, options);
   app.allow_extras();
   try {
     app.parse(words_of(argc, argv));
@@ -97,7 +105,7 @@ ViewOptions parse_view_options(int argc, const char* const* argv) {
   }
   options.run_arguments = app.remaining();
   options.style = static_cast<Style>(raw.style);
-  options.colour = static_cast<ColourMode>(raw.colour);
+  options.colour = static_cast<Colour>(raw.colour);
   if (!raw.size.empty()) options.width = raw.size[0], options.height = raw.size[1];
   if (!raw.camera.empty()) options.camera = {raw.camera[0], raw.camera[1], raw.camera[2]};
   if (options.budget == 0) options.budget = std::int64_t{options.width} * options.height / 4;

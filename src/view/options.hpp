@@ -16,9 +16,9 @@ struct ViewOptions {
   std::vector<std::string> run_arguments;  ///< for the solver, as given
   std::string scene;                       ///< file; for a directory that does not tell
   Style style = Style::points;
-  ColourMode colour = ColourMode::rainbow;
+  Colour colour = Colour::rainbow;
   int width = 1280, height = 720;
-  CameraPlace camera;
+  CameraPose camera;
   double speed = 1;
   bool loop = false, paused = false, mute = false;
   bool all = false;                 ///< particles that cannot be seen, too

@@ -31,8 +31,8 @@ namespace {
 constexpr double least_point = 2, largest_point = 16;  // pixels
 constexpr double sphere_radius = 0.5;                  // in spacings: neighbours touch
 constexpr double fluid_radius = 0.75;                  // larger, so that the gaps close
-// The mapper adds the colours of all particles on a line of sight and shows 1 - sum^power * scale. A small power makes
-// little of how many they are, so that with about so many the picture has the particles' colours.
+// The mapper adds the colours of all particles on a line of sight and shows 1 - sum^power * scale. With a
+// small power that depends little on how many particles there are; with fluid_overlap of them it is their colour.
 constexpr float fluid_power = 0.1F;
 constexpr double fluid_overlap = 8;
 constexpr double view_angle = 30;  // degrees, VTK's own
@@ -113,9 +113,9 @@ void Painter::add_fluid() {
   renderer_->AddVolume(fluid_volume_);
 }
 
-void Painter::set_scene(const ViewedScene& scene, const CameraPlace& place) {
+void Painter::set_scene(const ViewedScene& scene, const CameraPose& pose) {
   scene_ = scene;
-  place_ = place;
+  pose_ = pose;
   range_ = {1, scene.rest_density};
   spheres_->SetRadius(static_cast<float>(sphere_radius * scene.spacing));
   fluid_->SetParticleRadius(static_cast<float>(fluid_radius * scene.spacing));
@@ -147,13 +147,13 @@ void Painter::draw_box(const ViewedScene& scene) {
 void Painter::reset_camera() {
   const Vec3 extent = scene_.max - scene_.min;
   Vec3 center = 0.5 * (scene_.min + scene_.max);
-  if (place_.zoom > 1) center.z() = scene_.min.z() + 0.5 * extent.z() / place_.zoom;  // the water lies below the air
+  if (pose_.zoom > 1) center.z() = scene_.min.z() + 0.5 * extent.z() / pose_.zoom;  // the water lies below the air
   const double degree = std::numbers::pi / 180;
-  const double around = (place_.azimuth - 90) * degree, above = place_.elevation * degree;
+  const double around = (pose_.azimuth - 90) * degree, above = pose_.elevation * degree;
   const Vec3 toward(std::cos(around) * std::cos(above), std::sin(around) * std::cos(above), std::sin(above));
   vtkCamera* camera = renderer_->GetActiveCamera();
   camera->SetViewAngle(view_angle);
-  const double distance = 0.5 * extent.norm() / std::sin(0.5 * view_angle * degree) / std::max(place_.zoom, 1e-3);
+  const double distance = 0.5 * extent.norm() / std::sin(0.5 * view_angle * degree) / std::max(pose_.zoom, 1e-3);
   const Vec3 eye = center + distance * toward;
   camera->SetFocalPoint(center.x(), center.y(), center.z());
   camera->SetPosition(eye.x(), eye.y(), eye.z());
@@ -170,23 +170,23 @@ void Painter::size_points() {
 
 void Painter::show(std::shared_ptr<const ViewedFrame> frame) {
   frame_ = std::move(frame);
-  vtkNew<vtkFloatArray> places;
-  places->SetNumberOfComponents(3);
-  places->SetNumberOfTuples(static_cast<vtkIdType>(frame_->shown.size()));
-  float* to = places->GetPointer(0);
+  vtkNew<vtkFloatArray> positions;
+  positions->SetNumberOfComponents(3);
+  positions->SetNumberOfTuples(static_cast<vtkIdType>(frame_->shown.size()));
+  float* to = positions->GetPointer(0);
   for (const ViewedParticle& particle : frame_->shown) {
     *to++ = particle.x;
     *to++ = particle.y;
     *to++ = particle.z;
   }
   vtkNew<vtkPoints> points;
-  points->SetData(places);
+  points->SetData(positions);
   particles_->SetPoints(points);
   recolour();
 }
 
 void Painter::recolour() {
-  colour_particles(*frame_, mode_, range_, rgb_);
+  colour_particles(*frame_, colour_, range_, rgb_);
   vtkNew<vtkUnsignedCharArray> colours;
   colours->SetName("colour");
   colours->SetNumberOfComponents(3);
@@ -215,11 +215,11 @@ void Painter::set_style(Style style) {
   fluid_volume_->SetVisibility(style == Style::fluid);
 }
 
-void Painter::set_colour(ColourMode mode) {
-  mode_ = mode;
+void Painter::set_colour(Colour colour) {
+  colour_ = colour;
   recolour();
 }
 
-std::string Painter::legend() const { return trevi::legend(*frame_, mode_, range_); }
+std::string Painter::legend() const { return trevi::legend(*frame_, colour_, range_); }
 
 }  // namespace trevi

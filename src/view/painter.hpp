@@ -27,7 +27,7 @@ enum class Style { points, spheres, fluid };
 inline constexpr std::array<const char*, 3> style_names = {"points", "spheres", "fluid"};
 
 /// Degrees around and above, and how near (1: the whole box).
-struct CameraPlace {
+struct CameraPose {
   double azimuth = 30, elevation = 20, zoom = 1;
 };
 
@@ -37,15 +37,15 @@ class Painter {
   ~Painter();
 
   /// Box, sizes of particles, camera.
-  void set_scene(const ViewedScene& scene, const CameraPlace& place);
+  void set_scene(const ViewedScene& scene, const CameraPose& pose);
   void reset_camera();
   /// Before a picture, as the camera may have moved: neighbouring points touch where the camera looks.
   void size_points();
   void show(std::shared_ptr<const ViewedFrame> frame);
   void set_style(Style style);
-  void set_colour(ColourMode mode);
+  void set_colour(Colour colour);
   Style style() const { return style_; }
-  ColourMode colour() const { return mode_; }
+  Colour colour() const { return colour_; }
   std::string legend() const;
 
  private:
@@ -65,12 +65,12 @@ class Painter {
   vtkNew<vtkVolume> fluid_volume_;
   std::vector<vtkSmartPointer<vtkProp>> box_;
   ViewedScene scene_;
-  CameraPlace place_;
+  CameraPose pose_;
   std::shared_ptr<const ViewedFrame> frame_ = std::make_shared<ViewedFrame>();
   ColourRange range_;
   std::vector<unsigned char> rgb_;
   Style style_ = Style::points;
-  ColourMode mode_ = ColourMode::rainbow;
+  Colour colour_ = Colour::rainbow;
 };
 
 }  // namespace trevi

@@ -52,7 +52,7 @@ std::optional<Scene> find_scene(const std::string& directory, const std::string&
   }
   try {
     const std::string path = scene_path_of(directory);
-    const auto checkpoints = stepped_files(directory, "checkpoint_", ".h5");
+    const auto checkpoints = stepped_files(directory, checkpoint_files);
     if (!checkpoints.empty()) {
       const std::string text = Hdf5Reader(checkpoints.back().path).text("/scene");
       return parse_scene(path.empty() ? directory + "/scene.toml" : path, text, {});

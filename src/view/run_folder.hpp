@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "live/viewer_messages.hpp"
+#include "io/viewed_frame.hpp"
 #include "trevi/scene.hpp"
 #include "view/frame_list.hpp"
 

@@ -13,7 +13,7 @@ std::string status_of(const ViewedFrame& frame);
 /// A note by name, with the cents of a voice left out: "E4".
 std::string note_name(double number);
 
-/// "69.3k", "1,234,567": with commas between thousands.
+/// "1,234,567": with commas between thousands.
 std::string with_commas(std::int64_t number);
 
 /// The keys and what they do, a line each.

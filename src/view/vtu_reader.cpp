@@ -11,6 +11,7 @@
 #include <regex>
 
 #include "io/files.hpp"
+#include "io/vtk_error_text.hpp"
 #include "trevi/error.hpp"
 #include "view/frame_reader.hpp"
 
@@ -20,26 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// VTK would print its errors; the first is kept for our own message.
-class ErrorText : public vtkCommand {
- public:
-  static ErrorText* New() { return new ErrorText; }
-  void Execute(vtkObject*, unsigned long, void* data) override {
-    if (data != nullptr && text_.empty()) text_ = static_cast<const char*>(data);
-    if (text_.empty()) text_ = "no reason given";
-  }
-  /// Its first line, without where in VTK it came from.
-  std::string text() const {
-    const std::size_t from = text_.find("): ");
-    const std::string line = from == std::string::npos ? text_ : text_.substr(from + 3);
-    return line.substr(0, line.find('\n'));
-  }
-  bool empty() const { return text_.empty(); }
-
- private:
-  std::string text_;
-};
-
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
   throw InputError(path + ": damaged or cut short (" + why + "); use another copy, or delete its line in the list");
 }
@@ -47,7 +28,7 @@ class ErrorText : public vtkCommand {
 vtkSmartPointer<vtkUnstructuredGrid> read_piece(const std::string& path) {
   if (!fs::exists(path)) throw InputError(path + ": is listed but not there; copy the directory whole");
   vtkNew<vtkXMLUnstructuredGridReader> reader;
-  vtkNew<ErrorText> errors;
+  vtkNew<VtkErrorText> errors;
   reader->AddObserver(vtkCommand::ErrorEvent, errors);
   reader->SetReaderErrorObserver(errors);
   reader->SetParserErrorObserver(errors);

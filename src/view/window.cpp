@@ -61,8 +61,8 @@ void require_screen() {
 
 Window::Window(FrameSource& source, const ViewOptions& options)
     : source_(source), options_(options), painter_((require_screen(), renderer_)) {
-  const bool hands = options.screenshot.empty() && options.frames.empty() && !options.benchmark;
-  window_->SetOffScreenRendering(hands ? 0 : 1);
+  const bool attended = options.screenshot.empty() && options.frames.empty() && !options.benchmark;
+  window_->SetOffScreenRendering(attended ? 0 : 1);
   window_->SetMultiSamples(0);  // several times the work in software, for little
   window_->SetSize(options.width, options.height);
   window_->AddRenderer(renderer_);
@@ -76,7 +76,7 @@ Window::Window(FrameSource& source, const ViewOptions& options)
   for (vtkTextActor* text : {status_.Get(), message_.Get(), help_.Get()}) renderer_->AddViewProp(text);
   painter_.set_style(options.style);
   painter_.set_colour(options.colour);
-  source_.want_density(options.colour == ColourMode::density);
+  source_.want_density(options.colour == Colour::density);
   last_tick_ = last_picture_ = WallClock::now();
 }
 
@@ -169,7 +169,7 @@ void Window::update_texts() {
 void Window::update_title() {
   const std::string step = shown_ ? fmt::format("step {}", shown_->step) : "no frame";
   const std::string style = style_names[static_cast<std::size_t>(painter_.style())];
-  const std::string colour = colour_names[static_cast<std::size_t>(painter_.colour())];
+  const std::string colour = colour_list[static_cast<std::size_t>(painter_.colour())].name;
   window_->SetWindowName(
       fmt::format("trevi-view: {}, {}, {}, {}, {}", source_.scene().name, step, source_.pace(), style, colour).c_str());
 }
@@ -209,8 +209,7 @@ bool Window::press_looks(const std::string& key) {
   if (key == "r")
     painter_.reset_camera();
   else if (key == "c")
-    painter_.set_colour(
-        static_cast<ColourMode>((static_cast<std::size_t>(painter_.colour()) + 1) % colour_names.size()));
+    painter_.set_colour(next_colour(painter_.colour()));
   else if (key == "p")
     painter_.set_style(static_cast<Style>((static_cast<std::size_t>(painter_.style()) + 1) % style_names.size()));
   else if (key == "s")
@@ -220,7 +219,7 @@ bool Window::press_looks(const std::string& key) {
   else
     return false;
   help_->SetInput(key_help(options_.live()).c_str());
-  source_.want_density(painter_.colour() == ColourMode::density);
+  source_.want_density(painter_.colour() == Colour::density);
   return true;
 }
 

@@ -1,4 +1,4 @@
-// The window: moves a source on with a timer, paints what is new, turns keys into deeds. Draws only when something has
+// The window: moves a source on with a timer, paints what is new, acts on keys. Draws only when something has
 // changed, so a paused picture takes no processor.
 #pragma once
 
@@ -63,8 +63,7 @@ class Window {
   std::string scene_name_, note_;  ///< note_: for the user, until the next
   bool dirty_ = true;
   Instant last_tick_, last_picture_;
-  double rendering_ = 0;  ///< s a picture takes, smoothed
-  double interval_ = 0;   ///< s from picture to picture, smoothed
+  double interval_ = 0;  ///< s from picture to picture, smoothed
 };
 
 }  // namespace trevi

@@ -3,8 +3,8 @@
 #include <set>
 
 #include "distributed.hpp"
+#include "io/visible.hpp"
 #include "live/live_view.hpp"
-#include "live/visible.hpp"
 
 namespace trevi {
 namespace {
@@ -40,7 +40,7 @@ class LiveViewTest : public testing::Test {
     options.requests = [this] { return requests; };
     options.scene.min = cloud_box.min;
     options.scene.max = cloud_box.max;
-    options.colour.by = ColourBy::rainbow_id;
+    options.colour.by = Colour::rainbow_id;
     view.emplace(world, options);
     particles = particles_of(cloud);
   }

@@ -9,10 +9,10 @@
 
 #include "io/colour.hpp"
 #include "io/files.hpp"
+#include "io/frame_list_file.hpp"
 #include "io/id_order.hpp"
 #include "io/output_directory.hpp"
 #include "io/progress.hpp"
-#include "io/pvd.hpp"
 #include "io/run_report.hpp"
 #include "io/series.hpp"
 #include "io/vtkhdf.hpp"
@@ -229,11 +229,11 @@ TEST_F(Output, SeriesReportsAFullDisk) {
 
 TEST_F(Output, PvdListsPhysicalTimesAndSurvivesARestart) {
   if (rank_of(world) == 0) {
-    PvdFile list(path("particles.pvd"), std::nullopt);
+    FrameListFile list(path("particles.pvd"), std::nullopt);
     for (const std::int64_t step : {0, 5, 10}) {
       list.add(Clock{step, 0.1, 1}, "vtu/particles_" + step_digits(step) + ".pvtu");
     }
-    PvdFile restarted(path("particles.pvd"), 5);
+    FrameListFile restarted(path("particles.pvd"), 5);
     EXPECT_EQ(restarted.last_step(), 5);
     restarted.add(Clock{7, 0.1, 1}, "vtu/particles_000007.pvtu");
     const std::string text = text_of(path("particles.pvd"));
@@ -250,8 +250,8 @@ TEST_F(Output, ColoursRunFromRedToViolet) {
   EXPECT_EQ(rainbow(1), (Rgb{128, 0, 255}));
   EXPECT_EQ(rainbow(7), rainbow(1));
   const Particles all = whole_cloud(5);
-  EXPECT_EQ(colours_of({ColourBy::rainbow_id, 0, 1, 10, 5}, all).size(), 5u);
-  EXPECT_EQ(colour_of({ColourBy::rainbow_x, 0, 1, 10, 5}, all, 0), rainbow(0));
+  EXPECT_EQ(colours_of({Colour::rainbow_id, 0, 1, 10, 5}, all).size(), 5u);
+  EXPECT_EQ(colour_of({Colour::rainbow_x, 0, 1, 10, 5}, all, 0), rainbow(0));
 }
 
 // ---- progress, report, folder -----------------------------------------------------------------------------------

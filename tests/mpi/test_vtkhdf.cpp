@@ -21,7 +21,7 @@ FrameOptions frame_options(const std::string& folder) {
   options.directory = folder;
   options.schedule.every_steps = 5;
   options.fields = {"velocity", "density", "id", "rank", "rgb"};
-  options.colour.by = ColourBy::rainbow_x;
+  options.colour.by = Colour::rainbow_x;
   return options;
 }
 

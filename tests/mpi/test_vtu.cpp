@@ -14,12 +14,12 @@
 namespace trevi {
 namespace {
 
-VtuOptions vtu_options(const std::string& folder) {
-  VtuOptions options;
+FrameOptions vtu_options(const std::string& folder) {
+  FrameOptions options;
   options.directory = folder;
   options.schedule.every_steps = 5;
   options.fields = {"velocity", "density", "id", "rank", "rgb"};
-  options.colour.by = ColourBy::rainbow_x;
+  options.colour.by = Colour::rainbow_x;
   return options;
 }
 
@@ -54,7 +54,7 @@ void expect_frame(const std::string& path, const Particles& all) {
   }
 }
 
-void write_frames(const VtuOptions& options, const Particles& all, std::int64_t first, std::int64_t last) {
+void write_frames(const FrameOptions& options, const Particles& all, std::int64_t first, std::int64_t last) {
   const Particles mine = my_part(all);
   std::vector<Real> density;
   for (const Vec3& p : mine.position) density.push_back(1000 + p.x());
@@ -77,7 +77,7 @@ TEST_F(Output, VtuFramesReadBackWithAnEmptyRank) {
 
 TEST_F(Output, VtuRestartSetsLaterFramesAside) {
   const Particles all = whole_cloud(50);
-  VtuOptions options = vtu_options(folder());
+  FrameOptions options = vtu_options(folder());
   write_frames(options, all, 0, 12);
   barrier();
   options.restart_step = 7;
@@ -95,9 +95,9 @@ TEST_F(Output, VtuRestartSetsLaterFramesAside) {
 }
 
 TEST_F(Output, VtuFailuresReachAllRanks) {
-  VtuOptions options = vtu_options(folder());
+  FrameOptions options = vtu_options(folder());
   options.fields.push_back("vorticity");
-  expect_mentions(input_error_of([&] { make_vtu_writer(world, options); }), {"[output.vtu]", "vorticity"});
+  expect_mentions(input_error_of([&] { make_vtu_writer(world, options); }), {"unknown output field", "vorticity"});
   options.fields = {"id"};
   const auto writer = make_vtu_writer(world, options);
   EXPECT_FALSE(writer->wants_density());

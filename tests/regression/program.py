@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 INPUTS = Path(__file__).resolve().parents[2] / "inputs"
-WITHOUT = os.environ.get("TREVI_WITHOUT", "").split()  # the parts that the build leaves out: VTK MIDI SOUND LIVE
+WITHOUT = os.environ.get("TREVI_WITHOUT", "").split()  # the parts that the build leaves out: VTK MUSIC SOUND LIVE
 if "VTK" in WITHOUT:  # then the frames of the scenes are VTKHDF
     copies = tempfile.TemporaryDirectory()
     INPUTS = Path(shutil.copytree(INPUTS, copies.name, dirs_exist_ok=True))

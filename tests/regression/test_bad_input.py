@@ -143,12 +143,14 @@ class BadInput(ProgramTest):
     def test_parts_that_are_not_built(self):
         fountain = "\n[[fountain]]\ncenter = [1, 0.5]\nspeed_range = [1, 2]\nmusic = 'song."
         cases = {"VTK": ("\n[output.vtu]\nevery = 1", [], ["[output.vtu]", "[output.vtkhdf]"]),
-                 "MIDI": (fountain + "mid'", [], ["[[fountain]] music", "song.mid", ".txt"]),
+                 "MUSIC": (fountain + "mid'", [], ["[[fountain]] music", "song.mid", "leave"]),
                  "SOUND": (fountain + "wav'", [], ["[[fountain]] music", "song.wav", ".txt"]),
                  "LIVE": ("", ["--view", "localhost:5555"], ["--view", "leave"])}
         if not WITHOUT:
             self.skipTest("all parts are built")
         for part in WITHOUT:
+            if part == "SOUND" and "MUSIC" in WITHOUT:
+                continue
             more, arguments, words = cases[part]
             self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments],
                                       [f"-DTREVI_WITH_{part}=ON", *words],

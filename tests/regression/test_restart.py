@@ -33,6 +33,7 @@ class Restart(unittest.TestCase):
     def test_cube(self):
         self.same_bits(CUBE)
 
+    @unittest.skipIf("MUSIC" in runs.WITHOUT, "this build plays no music")
     def test_musical_fountain(self):
         parted = self.same_bits(FOUNTAIN + MUSIC)
         self.assertGreater(len(set(runs.column(parted, "speed_0"))), 3)
@@ -134,6 +135,7 @@ class SceneChanges(unittest.TestCase):
         self.assertEqual(code, 2, told)
         self.assertIn("say --set tensile.k=0.002 again, or say --set tensile.k=0.001", told)
 
+    @unittest.skipIf("MUSIC" in runs.WITHOUT, "this build plays no music")
     def test_music_under_its_old_name(self):
         scene, output = self.folder.scene(FOUNTAIN + MUSIC + CHECKPOINTS.format(10, 2)), self.folder.path("music")
         self.folder.scene(SCORE, "score.txt")

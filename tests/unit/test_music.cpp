@@ -112,14 +112,5 @@ TEST(Pump, OneNotePlaysAtTheHighEnd) {
   EXPECT_EQ(pump.at(0.5)->speed, 20);
 }
 
-TEST(MusicKinds, GoByTheEnding) {
-  EXPECT_EQ(music_kind("a/b.TXT"), MusicKind::score);
-  EXPECT_EQ(music_kind("a.mid"), MusicKind::midi);
-  EXPECT_EQ(music_kind("a.Flac"), MusicKind::sound);
-  EXPECT_EQ(music_kind("-"), MusicKind::live);
-  EXPECT_FALSE(music_kind("a.pdf"));
-  EXPECT_FALSE(music_kind("txt"));
-}
-
 }  // namespace
 }  // namespace trevi::test

@@ -121,6 +121,8 @@ TEST(Scene, MusicHasDefaultsByItsKind) {
       "[[fountain]]\ncenter = [1, 0.5]\nmusic = '/m.mid'\ntrack = 2\nchannel = 3\nspeed_range = [1, 2]\n"));
   const MusicSettings &text = *scene.fountains.at(0).music, &sound = *scene.fountains.at(1).music,
                       &live = *scene.fountains.at(2).music, &midi = *scene.fountains.at(3).music;
+  EXPECT_TRUE(text.kind == MusicKind::score && sound.kind == MusicKind::sound);
+  EXPECT_TRUE(live.kind == MusicKind::live && midi.kind == MusicKind::midi);
   EXPECT_EQ(text.speed_range, (std::pair<Real, Real>{4, 8}));
   EXPECT_TRUE(text.follow == Follow::pitch && text.mapping == SpeedMapping::linear);
   EXPECT_TRUE(sound.follow == Follow::loudness && sound.mapping == SpeedMapping::energy);

@@ -5,11 +5,11 @@
 // Invariant: the same on any rank count once the marks of all ranks are merged. Rank-local, no communication.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "domain/slabs.hpp"
 #include "trevi/box.hpp"
 
 namespace trevi {

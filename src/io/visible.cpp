@@ -1,7 +1,9 @@
-#include "live/visible.hpp"
+#include "io/visible.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "base/hash.hpp"
 
 namespace trevi {
 
@@ -23,13 +25,6 @@ void erode(std::vector<std::uint8_t>& marks, std::size_t stride, std::size_t cou
   }
 }
 
-// The mixer of SplitMix64 (Steele, Lea, Flood 2014): every bit of the id moves every bit of the result.
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31);
-}
-
 }  // namespace
 
 VisibleCells::VisibleCells(const Box& box, Real size) : min_(box.min) {
@@ -48,8 +43,8 @@ std::size_t VisibleCells::cell_of(const Vec3& p) const {
   for (int a = 2; a >= 0; --a) {
     const std::ptrdiff_t count = count_[static_cast<std::size_t>(a)];
     // In double first: a particle of a file may be anywhere, or nowhere (nan becomes 0).
-    const Real place = std::floor((p[a] - min_[a]) * per_metre_);
-    cell = cell * count + (place > 0 ? static_cast<std::ptrdiff_t>(std::min(place, static_cast<Real>(count - 1))) : 0);
+    const Real index = std::floor((p[a] - min_[a]) * per_metre_);
+    cell = cell * count + (index > 0 ? static_cast<std::ptrdiff_t>(std::min(index, static_cast<Real>(count - 1))) : 0);
   }
   return static_cast<std::size_t>(cell);
 }

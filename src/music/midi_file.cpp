@@ -1,8 +1,7 @@
-#include "music/midi_notes.hpp"
+#include "music/midi_file.hpp"
 
 #include <algorithm>
 #include <cstdint>
-#include <string_view>
 
 #include "trevi/error.hpp"
 
@@ -13,7 +12,7 @@ namespace {
 /// What the time of one event can hold, four bytes of seven bits; no piece comes near it.
 constexpr std::int64_t most_ticks = (1 << 28) - 1;
 
-/// A place in the file that moves forward and never past the end, neither of the file nor of a chunk.
+/// A position in the file that moves forward and never past the end, neither of the file nor of a chunk.
 class Cursor {
  public:
   Cursor(const std::string& name, const std::string& bytes) : name_(name), bytes_(bytes), end_(bytes.size()) {}
@@ -24,7 +23,6 @@ class Cursor {
   }
 
   std::size_t at() const { return at_; }
-  std::string_view since(std::size_t at) const { return std::string_view(bytes_).substr(at, at_ - at); }
   bool at_end() const { return at_ == end_; }
 
   int byte(const char* of) {
@@ -80,42 +78,57 @@ class Cursor {
   std::size_t at_ = 0, end_;
 };
 
-std::string big_endian(std::size_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
-  return bytes;
-}
+struct Tempo {
+  std::int64_t tick = 0;       ///< from which it holds
+  Real microseconds = 500000;  ///< per quarter note; the default of the format
+  Real time = 0;               ///< s, of that tick
+};
 
-/// The events that are kept, in the format of a track.
-class TrackWriter {
+/// Turns ticks into seconds.
+class TempoMap {
  public:
-  void write(std::int64_t tick, std::string_view event) {
-    std::string time(1, static_cast<char>((tick - last_) & 0x7f));
-    for (std::int64_t rest = (tick - last_) >> 7; rest > 0; rest >>= 7)
-      time.insert(time.begin(), static_cast<char>((rest & 0x7f) | 0x80));
-    events_ += time;
-    events_ += event;
-    last_ = tick;
+  /// `changes` in the order of the tracks; of those at one tick the last holds.
+  TempoMap(std::vector<Tempo> changes, std::int64_t ticks_per_quarter) : ticks_(static_cast<Real>(ticks_per_quarter)) {
+    std::stable_sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.tick < b.tick; });
+    for (Tempo& change : changes) {
+      change.time = seconds(change.tick);
+      if (change.tick == map_.back().tick) map_.pop_back();
+      map_.push_back(change);
+    }
   }
-  std::string chunk() const { return "MTrk" + big_endian(events_.size()) + events_; }
+
+  Real seconds(std::int64_t tick) const {
+    const auto after = std::upper_bound(map_.begin(), map_.end(), tick,
+                                        [](std::int64_t t, const Tempo& tempo) { return t < tempo.tick; });
+    const Tempo& now = *std::prev(after);
+    return now.time + static_cast<Real>(tick - now.tick) * (now.microseconds / (ticks_ * 1e6));
+  }
 
  private:
-  std::int64_t last_ = 0;
-  std::string events_;
+  Real ticks_;
+  std::vector<Tempo> map_{1};
+};
+
+/// What a file holds, in ticks.
+struct Contents {
+  MidiFile file;
+  std::vector<Tempo> tempi;
+  std::int64_t last_tick = 0;
 };
 
 class TrackReader {
  public:
-  TrackReader(Cursor& cursor, int number) : cursor_(cursor), name_("track " + std::to_string(number)) {}
+  TrackReader(Cursor& cursor, int number, Contents& contents)
+      : cursor_(cursor), number_(number), name_("track " + std::to_string(number)), contents_(contents) {}
 
-  std::string notes() {
+  void read() {
     while (!ended_) {
       if (cursor_.at_end()) cursor_.fail(name_ + " has no end-of-track event");
       tick_ += cursor_.variable_length("the time of an event");
       if (tick_ > most_ticks) cursor_.fail(name_ + " lasts more than 2^28 ticks");
       read_event();
     }
-    return kept_.chunk();
+    contents_.last_tick = std::max(contents_.last_tick, tick_);
   }
 
  private:
@@ -138,34 +151,31 @@ class TrackReader {
     const int more = cursor_.byte("an event");
     if (more >= 0x80) cursor_.fail_at(cursor_.at() - 1, "a data byte is over 127");
     if (kind != 0x80 && kind != 0x90) return;
-    const char event[3] = {static_cast<char>(status_), static_cast<char>(data), static_cast<char>(more)};
-    kept_.write(tick_, {event, 3});
+    contents_.file.events.push_back({tick_, number_, (status_ & 0x0f) + 1, data, kind == 0x90 && more > 0});
   }
 
   void read_meta(std::size_t at) {
     const int type = cursor_.byte("an event");
     const std::int64_t length = cursor_.variable_length("the length of an event");
-    if (type == 0x51 && length != 3) cursor_.fail_at(at, "a change of tempo must be 3 bytes long");
-    const std::size_t data = cursor_.at();
-    cursor_.skip(length, "an event");
     ended_ = type == 0x2f;
-    if (ended_) kept_.write(tick_, {"\xff\x2f\x00", 3});
-    if (type != 0x51) return;
-    if (cursor_.since(data) == std::string_view("\0\0\0", 3)) cursor_.fail_at(at, "a tempo must not be 0");
-    kept_.write(tick_, cursor_.since(at));
+    if (type != 0x51) return cursor_.skip(length, "an event");
+    if (length != 3) cursor_.fail_at(at, "a change of tempo must be 3 bytes long");
+    const std::int64_t microseconds = cursor_.big_endian(3, "an event");
+    if (microseconds == 0) cursor_.fail_at(at, "a tempo must not be 0");
+    contents_.tempi.push_back({tick_, static_cast<Real>(microseconds)});
   }
 
   Cursor& cursor_;
+  int number_;
   std::string name_;
-  TrackWriter kept_;
+  Contents& contents_;
   std::int64_t tick_ = 0;
   int status_ = 0;
   bool ended_ = false;
 };
 
 struct Header {
-  std::int64_t tracks;
-  std::string bytes;
+  std::int64_t tracks, ticks_per_quarter;
 };
 
 Header read_header(Cursor& cursor, const std::string& bytes) {
@@ -180,27 +190,30 @@ Header read_header(Cursor& cursor, const std::string& bytes) {
   if (tracks < 1) cursor.fail("there is no track");
   const std::int64_t division = cursor.big_endian(2, "the header");
   if (division == 0 || division >= 0x8000) cursor.fail("times must be in ticks per quarter note, not in SMPTE frames");
-  return {tracks, std::string(cursor.since(0))};
+  return {tracks, division};
 }
 
 }  // namespace
 
-MidiNotes midi_notes(const std::string& name, const std::string& bytes) {
+MidiFile read_midi_file(const std::string& name, const std::string& bytes) {
   Cursor cursor(name, bytes);
-  Header header = read_header(cursor, bytes);
-  MidiNotes notes{0, std::move(header.bytes)};
-  while (notes.tracks < header.tracks) {
+  const Header header = read_header(cursor, bytes);
+  Contents contents;
+  for (int tracks = 0; tracks < header.tracks;) {
     if (cursor.at_end()) {
-      cursor.fail("the file ends after " + std::to_string(notes.tracks) + " of " + std::to_string(header.tracks) +
+      cursor.fail("the file ends after " + std::to_string(tracks) + " of " + std::to_string(header.tracks) +
                   " tracks, so it is cut short");
     }
     const bool is_track = cursor.word("MTrk");
     if (!is_track) cursor.skip(4, "the name of a chunk");  // other kinds of chunks are allowed anywhere
     const std::size_t outer = cursor.enter(cursor.big_endian(4, "the length of a chunk"));
-    if (is_track) notes.bytes += TrackReader(cursor, ++notes.tracks).notes();
+    if (is_track) TrackReader(cursor, ++tracks, contents).read();
     cursor.leave(outer);
   }
-  return notes;
+  const TempoMap tempi(std::move(contents.tempi), header.ticks_per_quarter);
+  for (MidiEvent& event : contents.file.events) event.time = tempi.seconds(event.tick);
+  contents.file.length = tempi.seconds(contents.last_tick);
+  return std::move(contents.file);
 }
 
 }  // namespace trevi

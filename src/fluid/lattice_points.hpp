@@ -1,0 +1,24 @@
+// The points of a cubic lattice around one of its points: every sum over the lattice goes through here, so that all of
+// them agree which points are inside. Rank-local; the order is that of the loops, on which the bits of the sums rest.
+#pragma once
+
+#include "trevi/types.hpp"
+
+namespace trevi {
+
+/// Calls visit(offset) for each lattice point nearer than h, the centre included; metres.
+template <class Visit>
+void for_each_lattice_point(Real spacing, Real h, Visit&& visit) {
+  const int reach = static_cast<int>(h / spacing) + 1;
+  for (int x = -reach; x <= reach; ++x) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int z = -reach; z <= reach; ++z) {
+        const Vec3 offset = spacing * Vec3(x, y, z);
+        // Points at exactly h count as outside whatever the rounding.
+        if (offset.norm() < h * (1 - 1e-9)) visit(offset);
+      }
+    }
+  }
+}
+
+}  // namespace trevi
