@@ -72,7 +72,7 @@ void write_plainly(const Session& session, const std::string& path, std::int64_t
   const std::string data(static_cast<std::size_t>(share), 'x');
   if (session.rank() == 0) create_empty_file(path);
   MPI_Barrier(session.comm());
-  PlacedFile file(path);
+  RandomAccessFile file(path);
   file.write(share * session.rank(), data);
   file.sync();
 }
