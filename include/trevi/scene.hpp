@@ -3,11 +3,15 @@
 // The same text gives the same Scene on all ranks.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "trevi/clock.hpp"
+#include "trevi/forcing.hpp"
+#include "trevi/particles.hpp"
+#include "trevi/session.hpp"
 #include "trevi/settings.hpp"
 #include "trevi/types.hpp"
 
@@ -44,29 +48,13 @@ struct OutputSettings {
   bool operator==(const OutputSettings&) const = default;
 };
 
-/// Who owns which planes: as even a share of the work as whole planes allow, throughout; or as many planes each.
-enum class SlabCuts { balanced, equal };
-
-struct Scene {
+/// Settings of the solver and all that a run needs besides.
+struct Scene : Settings {
   std::string path, name;      ///< as given, and the file name without folder and ending
   std::string text;            ///< the file, plus one line "# --set table.key=value" for each override
   std::int64_t overrides = 0;  ///< number of these lines
-  Vec3 domain_min = Vec3::Zero(), domain_max = Vec3::Zero();  ///< m
-  int slab_axis = 0;                                          ///< 0 x, 1 y
-  SlabCuts slabs = SlabCuts::balanced;
-  FluidSettings fluid;
   std::vector<ParticleSource> particles;
-  Real dt = 1.0 / 60, end = 0;  ///< s
-  Real cfl = 0;                 ///< 0: steps are never split
-  std::optional<Vec3> gravity;  ///< m/s²
-  DensitySettings density;
-  WallSettings walls;
-  std::optional<TensileSettings> tensile;
-  std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
-  std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
-  /// nu, m²/s, by XSPH as well: at most one of the two. A step is at most longest_viscous_step(), or split by the CFL
-  /// rule.
-  std::optional<Real> kinematic_viscosity;
+  Real end = 0;  ///< s
   std::vector<FountainSettings> fountains;
   OutputSettings output;
   std::optional<Colour> colour;
@@ -82,6 +70,17 @@ struct Scene {
 /// Reads the text of a scene. `overrides` are "table.key=value" with TOML values, applied in order.
 /// Throws InputError that lists every problem as "file:line: [table] key: what is wrong; remedy", one a line.
 Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& overrides);
+
+/// Reads a scene file on one rank of `comm` for all. Collective. InputError on all ranks alike, as parse_scene().
+Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// The particles of [[particles]], those of this rank's slab; ids x fastest within a block, sources in file order.
+/// Collective. InputError for a file that cannot be used, particles outside the box, more ranks than planes, or more
+/// particles than a rank can count.
+Particles initial_particles(MPI_Comm comm, const Scene& scene);
+
+/// The fountains with their music, in the order of the scene. Collective. InputError for music that cannot be used.
+std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene);
 
 /// Keys a scene may use, with type and unit, one a line (for --help and the documentation test).
 std::string scene_reference();

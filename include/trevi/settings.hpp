@@ -1,17 +1,38 @@
-// What a scene says about its physics, in the scene's own units (SI) and names, checked but not yet scaled.
-// Plain data: the scene reader fills it, the scene builder hands each part to the object that needs it.
-// Tables that are absent stay std::nullopt or empty, and then nothing is built for them.
+// What a solver is to do, in SI units and by the names of the scene file (inputs/README.md). Plain data: a program or
+// the scene reader fills it, resolved() gives the derived defaults their values, and make_solver() builds from it. What
+// stays std::nullopt is a feature that is absent, and then nothing is built for it.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "trevi/box.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
+
+/// A setting whose default follows from other settings: it has no value until it is assigned, by hand or by resolved().
+template <class T>
+class Derived {
+ public:
+  Derived() = default;
+  Derived(const T& value) : value_(value) {}
+  /// Only where nothing was assigned before.
+  void set_default(const T& value) { value_ = value_.value_or(value); }
+  bool given() const { return value_.has_value(); }
+  T value() const { return value_.value(); }  ///< std::bad_optional_access without one
+  operator T() const { return value(); }
+  bool operator==(const Derived&) const = default;
+  template <std::convertible_to<T> U>
+  requires(!std::same_as<U, Derived>) bool operator==(const U& other) const { return value_ == T(other); }
+
+ private:
+  std::optional<T> value_;
+};
 
 enum class Mass { calibrated, volume };
 enum class Kernel { poly6, spiky };
@@ -24,9 +45,9 @@ enum class Follow { pitch, loudness };
 enum class SpeedMapping { linear, energy };
 
 struct FluidSettings {
-  Real spacing = 0.1;        ///< of the start lattice, m
-  Real rest_density = 1000;  ///< kg/m³
-  Real kernel_radius = 0.2;  ///< h, m
+  Real spacing = 0.1;           ///< of the start lattice, m
+  Real rest_density = 1000;     ///< kg/m³
+  Derived<Real> kernel_radius;  ///< h, m; default 2 spacing
   Mass mass = Mass::calibrated;
   Kernel density_kernel = Kernel::spiky;  ///< of rho; gradients are Spiky's with either
   bool operator==(const FluidSettings&) const = default;
@@ -36,10 +57,10 @@ struct DensitySettings {
   Method method = Method::chebyshev;
   int iterations = 4;             ///< the coarse-grid correction counts as one; a sweep follows it at least
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
-  Real relaxation = 0.7;          ///< default: a share of what the kernel allows (lattice_jacobi_eigenvalue)
+  Derived<Real> relaxation;       ///< under-relaxation; default: a share of what the kernel's lattice allows
   Real spectral_radius = 0.95;    ///< chebyshev: assumed of the relaxed Jacobi iteration
-  bool coarse_grid = true;        ///< the smooth part of the correction from the cell grid
-  Real max_shift = 0.1;           ///< cap on what a pair is pushed apart in a sweep, in units of h; 0: none
+  Derived<bool> coarse_grid;      ///< the smooth part of the correction from the cell grid; default: with chebyshev
+  Derived<Real> max_shift;        ///< cap on what a pair is pushed apart in an iteration, in units of h; 0: none
   Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
@@ -85,5 +106,35 @@ struct FountainSettings {
 
   bool operator==(const FountainSettings&) const = default;
 };
+
+/// Who owns which planes: as even a share of the work as whole planes allow, throughout; or as many planes each.
+enum class SlabCuts { balanced, equal };
+
+struct Settings {
+  Box domain;              ///< m
+  Derived<int> slab_axis;  ///< 0 x, 1 y; default the longer one
+  SlabCuts slabs = SlabCuts::balanced;
+  FluidSettings fluid;
+  Real dt = 1.0 / 60;           ///< s
+  Derived<Real> cfl;            ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
+  std::optional<Vec3> gravity;  ///< m/s²
+  DensitySettings density;
+  WallSettings walls;
+  std::optional<TensileSettings> tensile;
+  std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
+  std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
+  /// nu, m²/s, by XSPH as well: at most one of the two. A step is at most longest_viscous_step(), or split by the CFL
+  /// rule.
+  std::optional<Real> kinematic_viscosity;
+
+  bool operator==(const Settings&) const = default;
+};
+
+/// The same with a value for every Derived setting. Not collective, and the same bits on any rank.
+Settings resolved(Settings settings);
+
+/// The settings of the students' report (density.preset = "report"): plain Jacobi, no walls in the density, every
+/// filter on. Domain, spacing, dt and gravity are left to the caller.
+Settings report_settings();
 
 }  // namespace trevi

@@ -31,14 +31,8 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
-/// Physical constants of a scene, scaled to its resolution (inputs/README.md, "Resolution").
-DensityModel density_model(const Scene& scene);
-
 /// For the series of a scene in which nothing pumps; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
-
-/// Gravity and the fountains with their music, in the order of the scene.
-std::vector<std::unique_ptr<Forcing>> build_forcings(MPI_Comm comm, const Scene& scene);
 
 /// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any
 /// communicator will do, so that a test can set one rank beside many.

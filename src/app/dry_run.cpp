@@ -9,7 +9,8 @@
 #include "app/envelope.hpp"
 #include "app/initial_particles.hpp"
 #include "fluid/velocity_filter.hpp"
-#include "solver/density_method.hpp"
+#include "solver/density_solver.hpp"
+#include "solver/first_slabs.hpp"
 
 namespace trevi {
 
@@ -43,17 +44,17 @@ BytesEach bytes_each(const Scene& scene) {
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   if (!scene.density.coarse_grid || !is_downward(scene.gravity.value_or(Vec3::Zero()))) return 0;
   constexpr double sums = 13 * 8, fields = 2 * 8 + 1 + 3 * 8, pressure = 7 * 8;
-  Real top = scene.domain_min.z();
+  Real top = scene.domain.min.z();
   for (const ParticleSource& source : scene.particles)
-    top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain_max.z());
-  const Real cell = (scene.domain_max.z() - scene.domain_min.z()) / grid.columns();
-  const Real columns = std::min<Real>(std::ceil((top - scene.domain_min.z()) / cell) + 2, grid.columns());
+    top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain.max.z());
+  const Real cell = (scene.domain.max.z() - scene.domain.min.z()) / grid.columns();
+  const Real columns = std::min<Real>(std::ceil((top - scene.domain.min.z()) / cell) + 2, grid.columns());
   return (grid.rows() + 2.0) * (columns + 2.0) * (sums + fields + pressure);
 }
 
 // The fastest a particle may get: pumped, thrown, or fallen from the top of the water.
 Real expected_speed(const Scene& scene) {
-  Real speed = 0, top = scene.domain_min.z();
+  Real speed = 0, top = scene.domain.min.z();
   for (const FountainSettings& fountain : scene.fountains)
     speed = std::max(speed, fountain.top_speed() + fountain.jitter);
   for (const ParticleSource& source : scene.particles) {
@@ -61,7 +62,7 @@ Real expected_speed(const Scene& scene) {
     top = std::max(top, source.max.z());
   }
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
-  return std::max(speed, std::sqrt(2 * g * (top - scene.domain_min.z())));
+  return std::max(speed, std::sqrt(2 * g * (top - scene.domain.min.z())));
 }
 
 std::string schedule_text(const Schedule& schedule) {
@@ -91,7 +92,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
 
 std::string time_text(const Scene& scene) {
   const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
-  const Real cfl = scene.cfl > 0 ? scene.cfl : 0.4;
+  const Real cfl = scene.cfl > 0 ? scene.cfl.value() : 0.4;
   const Real by_speed = v > 0 ? cfl * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
   const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, h);
   return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}{}\n", scene.steps(),
@@ -116,9 +117,9 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 }  // namespace
 
 void print_dry_run(const Session& session, const Scene& scene, const std::string& directory) {
-  build_forcings(session.comm(), scene);  // reads the music, so that a bad note is found here
+  make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
-  const CellGrid grid(scene.domain_min, scene.domain_max, model.h, scene.slab_axis);
+  const CellGrid grid = cell_grid(scene);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
   if (session.rank() != 0) return;

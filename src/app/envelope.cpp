@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "solver/density_method.hpp"
+#include "solver/density_solver.hpp"
 
 namespace trevi {
 

@@ -1,9 +1,6 @@
 #include "app/initial_particles.hpp"
 
 #include <fmt/format.h>
-#include <petscsys.h>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -15,7 +12,7 @@
 #include "domain/migrate.hpp"
 #include "parallel/collective.hpp"
 #include "parallel/reductions.hpp"
-#include "particles/packed.hpp"
+#include "solver/first_slabs.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 
@@ -72,7 +69,7 @@ void append_rows(Particles& particles, const ParticleRows& rows, GlobalId first_
 
 void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, const std::string& source) {
   const auto is_outside = [&](const Vec3& p) {
-    return (p.array() < scene.domain_min.array()).any() || (p.array() > scene.domain_max.array()).any();
+    return (p.array() < scene.domain.min.array()).any() || (p.array() > scene.domain.max.array()).any();
   };
   all_or_none(comm, [&] {
     const auto bad = std::find_if(rows.position.begin(), rows.position.end(), is_outside);
@@ -114,33 +111,6 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene) {
   return result;
 }
 
-// Weights of the planes from particles anywhere on any rank.
-void add_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles, std::vector<Real>& weights) {
-  std::vector<Real> counted(weights.size(), 0.0);
-  for (const Vec3& p : particles.position) counted[static_cast<std::size_t>(grid.plane_of(p))] += 1;
-  MPI_Allreduce(MPI_IN_PLACE, counted.data(), static_cast<int>(counted.size()), MPI_DOUBLE, MPI_SUM, comm);
-  for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += counted[k];
-}
-
-// The unknowns of PETSc's solver are three a particle, those of all ranks counted together.
-void check_unknowns(const Scene& scene, const std::vector<Real>& weights) {
-  const Real particles = std::accumulate(weights.begin(), weights.end(), 0.0);
-  if (scene.density.method != Method::anderson || 3 * particles <= static_cast<Real>(PETSC_MAX_INT)) return;
-  throw InputError(
-      fmt::format("{}: [density] method = \"anderson\" can count {:.0f} particles with this PETSc, got "
-                  "{:.0f}; use another method",
-                  scene.path, std::floor(static_cast<Real>(PETSC_MAX_INT) / 3), particles));
-}
-
-Slabs first_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights) {
-  const std::vector<Real> ones(weights.size(), 1);
-  Slabs slabs(scene.slabs == SlabCuts::equal ? ones : weights, size_of(comm));
-  check_unknowns(scene, weights);
-  const bool single = scene.density.precision == Precision::single;
-  slabs.check_capacity(weights, grid.cells_per_plane(), single ? sizeof(Packed<float>) : sizeof(Packed<double>));
-  return slabs;
-}
-
 // Particles in each plane, for those sources that are blocks.
 std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
   std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
@@ -152,6 +122,14 @@ std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
       weights[static_cast<std::size_t>(plane)] += static_cast<Real>(in_layer);
     });
   }
+  return weights;
+}
+
+// The same with particles from files, which may be on any rank.
+std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const Particles& files) {
+  std::vector<Real> weights = plane_weights(comm, grid, files);
+  const std::vector<Real> blocks = block_weights(scene, grid);
+  for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
   return weights;
 }
 
@@ -175,39 +153,38 @@ void add_hue(MPI_Comm comm, Particles& particles) {
 
 Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights) {
   const FileParticles files = read_files(comm, scene);
-  weights = block_weights(scene, grid);
-  add_weights(comm, grid, files.particles, weights);
-  return first_slabs(comm, scene, grid, weights);
+  weights = source_weights(comm, scene, grid, files.particles);
+  return first_slabs(scene, grid, weights, size_of(comm));
 }
 
-InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid) {
+Particles initial_particles(MPI_Comm comm, const Scene& scene) {
+  const CellGrid grid = cell_grid(scene);
   FileParticles files = read_files(comm, scene);
-  std::vector<Real> weights = block_weights(scene, grid);
-  add_weights(comm, grid, files.particles, weights);
-  InitialState state{first_slabs(comm, scene, grid, weights), std::move(files.particles)};
-  migrate(comm, state.particles, &Particles::position, grid, state.slabs);
+  const std::vector<Real> weights = source_weights(comm, scene, grid, files.particles);
+  const Slabs slabs = first_slabs(scene, grid, weights, size_of(comm));
+  Particles particles = std::move(files.particles);
+  migrate(comm, particles, &Particles::position, grid, slabs);
   const int rank = rank_of(comm);
-  const auto owned = std::accumulate(weights.begin() + state.slabs.first_plane(rank),
-                                     weights.begin() + state.slabs.last_plane(rank), 0.0);
+  const auto owned =
+      std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.last_plane(rank), 0.0);
   // Growth by doubling would leave these arrays up to twice as large as they need be, for the whole run.
-  state.particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
+  particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
     const ParticleSource& source = scene.particles[s];
     if (source.type != ParticleSource::Type::block) continue;
     const Lattice lattice(source, scene.fluid.spacing);
     for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
-      if (state.slabs.owner(plane) != rank) return;
-      add_layer(state.particles, lattice, {grid.slab_axis(), layer}, source, files.first_id[s]);
+      if (slabs.owner(plane) != rank) return;
+      add_layer(particles, lattice, {grid.slab_axis(), layer}, source, files.first_id[s]);
     });
   }
-  if (scene.colour == Colour::rainbow_x) add_hue(comm, state.particles);
-  return state;
+  if (scene.colour == Colour::rainbow_x) add_hue(comm, particles);
+  return particles;
 }
 
-InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows) {
+Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows rows) {
   check_inside(comm, scene, rows, "the checkpoint");
   Particles particles = std::move(static_cast<Particles&>(rows));
-  particles.predicted = particles.position;
   const bool had_hue = particles.has_hue;
   particles.has_hue = scene.colour == Colour::rainbow_x;
   if (particles.has_hue && !had_hue) {
@@ -216,11 +193,7 @@ InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGri
         "colour with --set colour.by=rainbow_id");
   }
   if (!particles.has_hue) particles.hue.clear();
-  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
-  add_weights(comm, grid, particles, weights);
-  InitialState state{first_slabs(comm, scene, grid, weights), std::move(particles)};
-  migrate(comm, state.particles, &Particles::position, grid, state.slabs);
-  return state;
+  return particles;
 }
 
 }  // namespace trevi

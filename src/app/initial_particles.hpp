@@ -11,18 +11,8 @@
 
 namespace trevi {
 
-/// The particles of a scene and how the planes are shared, by particle count.
-struct InitialState {
-  Slabs slabs;
-  Particles particles;  ///< those this rank owns
-};
-
-/// Ids: x fastest within a block, sources in file order. Throws InputError for a file that cannot be used, particles
-/// outside the box, more ranks than planes, or more particles than a rank can count.
-InitialState initial_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid);
-
-/// The same from the rows of a checkpoint, whatever rank count wrote it.
-InitialState restored_particles(MPI_Comm comm, const Scene& scene, const CellGrid& grid, ParticleRows rows);
+/// Those of a checkpoint, whatever rank count wrote it; make_solver() brings them home.
+Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows rows);
 
 /// The slabs that initial_particles() would make, and the particles in each plane, without making those of blocks: a
 /// scene too large for this machine can be looked at. Throws as it does.

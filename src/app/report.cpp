@@ -8,6 +8,7 @@
 #include "io/hdf5_rows.hpp"
 #include "io/run_report.hpp"
 #include "io/vtu.hpp"
+#include "parallel/log.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -110,7 +111,7 @@ void write_report(const Session& session, const RunContext& context, const Solve
   report.halo_bytes_per_step = sum_real(comm, static_cast<double>(counters.halo_bytes)) / steps;
   report.halo_messages_per_step = sum_real(comm, static_cast<double>(counters.halo_messages)) / steps;
   report.halo_wait_seconds = halo_wait_seconds(comm);
-  const Balance::History& balance = counters.balance;
+  const Solver::Counters::Balance& balance = counters.balance;
   report.imbalance_mean = balance.looks > 0 ? balance.sum / static_cast<double>(balance.looks) : 1;
   report.imbalance_max = balance.max;
   report.cut_moves = balance.moves;

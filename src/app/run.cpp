@@ -17,6 +17,7 @@
 #include "io/output_directory.hpp"
 #include "io/vtu.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/log.hpp"
 
 namespace trevi {
 
@@ -169,7 +170,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     flush_output(session.comm());
     return ExitCode::done;
   }
-  const Scene scene = parse_scene(line.scene, read_file_everywhere(session.comm(), line.scene), line.overrides);
+  const Scene scene = read_scene(session.comm(), line.scene, line.overrides);
   if (!scene.instruction_set.empty()) use_instruction_set(scene.instruction_set);
   if (!line.preview.empty()) {
     write_preview(session, scene, {line.preview, line.steps.value_or(scene.steps())});

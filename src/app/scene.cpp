@@ -146,7 +146,7 @@ void read_random(Section random, Scene& scene) {
   random.reject_unknown();
 }
 
-void read_scene(const toml::table& document, Findings& findings, Scene& scene) {
+void read_tables(const toml::table& document, Findings& findings, Scene& scene) {
   Section root(document, findings);
   read_physics(root, scene);
   Section colour = root.child("colour");
@@ -174,9 +174,13 @@ Scene parse_scene(const std::string& path, const std::string& text, const std::v
     scene.text += "# --set " + assignment + '\n';
   }
   const toml::table document = read_document(path, text, overrides, findings);
-  read_scene(document, findings, scene);
+  read_tables(document, findings, scene);
   findings.throw_if_any();
   return scene;
+}
+
+Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides) {
+  return parse_scene(path, read_file_everywhere(comm, path), overrides);
 }
 
 std::string scene_reference() {
@@ -188,7 +192,7 @@ std::string scene_reference() {
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";
   Findings findings("reference");
   Scene scene;
-  read_scene(read_document("reference", every_table, {}, findings), findings, scene);
+  read_tables(read_document("reference", every_table, {}, findings), findings, scene);
   return fmt::format("{}\n", fmt::join(findings.descriptions(), "\n"));
 }
 

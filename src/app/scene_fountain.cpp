@@ -95,7 +95,7 @@ void read_fountain(Section& section, Scene& scene, bool box_known) {
   section.numbers({"center", "the middle [x, y] of the fountain on the floor in metres", true}, fountain.center);
   if (box_known && section.fine("center")) {
     const Eigen::Map<const Eigen::Vector2d> center(fountain.center);
-    const auto low = scene.domain_min.head<2>(), high = scene.domain_max.head<2>();
+    const auto low = scene.domain.min.head<2>(), high = scene.domain.max.head<2>();
     section.check("center", (center - low).minCoeff() >= 0 && (high - center).minCoeff() >= 0,
                   fmt::format("the fountain is outside the floor, x {} to {} and y {} to {}; move it inside", low.x(),
                               high.x(), low.y(), high.y()));

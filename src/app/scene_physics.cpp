@@ -6,9 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/build.hpp"
 #include "app/scene_fountain.hpp"
-#include "fluid/kernels.hpp"
 #include "fluid/velocity_filter.hpp"
 
 namespace trevi {
@@ -27,13 +25,18 @@ std::string rounded_down(Real positive) {
 
 std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
 
+void read_derived(Section& section, const Key& key, Derived<Real>& target, const Interval& range) {
+  Real value = 0;
+  if (section.number(key, value, range)) target = value;
+}
+
 class PhysicsReader {
  public:
   PhysicsReader(Section& root, Scene& scene)
       : root_(root), scene_(scene), domain_(root.child("domain")), fluid_(root.child("fluid")) {}
 
   void read() {
-    Section density = root_.child("density");
+    Section density = root_.child("density"), viscosity = root_.child("viscosity");
     read_preset(density);  // first: it changes what absent keys of the other tables mean
     read_domain();
     read_fluid();
@@ -41,11 +44,16 @@ class PhysicsReader {
     read_time();
     read_forces();
     read_density(density);
-    read_filters();
+    read_walls();
+    read_tensile();
+    read_vorticity();
+    read_viscosity(viscosity);
+    resolve(viscosity);
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     domain_.reject_unknown();
     fluid_.reject_unknown();
     density.reject_unknown();
+    viscosity.reject_unknown();
   }
 
  private:
@@ -58,54 +66,40 @@ class PhysicsReader {
   void read_time();
   void read_density(Section& density);
   void read_forces();
-  void read_relaxation(Section& density);
   void read_walls();
   void read_tensile();
-  void read_filters();
-  void read_viscosity();
+  void read_vorticity();
+  void read_viscosity(Section& viscosity);
+  void resolve(Section& viscosity);
   void check_viscosity(Section& viscosity);
 
   bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
-  void check_kernel_radius();
+  bool check_kernel_radius();
+  void check_cells();
   void check_coordinates();
 
   Section& root_;
   Scene& scene_;
   Section domain_, fluid_;
-  bool report_ = false;     // preset
-  bool cfl_given_ = false;  // [time] cfl
   bool dt_known_ = false;
 };
 
 void PhysicsReader::read_preset(Section& density) {
-  density.choice<bool>({"preset", "the values of absent keys"}, report_, {{"default", false}, {"report", true}});
-  if (!report_) return;
-  scene_.density = {.method = Method::jacobi,
-                    .iterations = 4,
-                    .tolerance = std::nullopt,
-                    .relaxation = 1,
-                    .coarse_grid = false,
-                    .max_shift = 0,
-                    .epsilon = 1,
-                    .constraint = Constraint::equality};
-  scene_.fluid.mass = Mass::volume;
-  scene_.fluid.density_kernel = Kernel::poly6;
-  scene_.walls = {.restitution = 0.5, .density = WallDensity::none, .reflection = Reflection::report};
-  scene_.cfl = 0;
-  scene_.tensile = {.k = 0.001, .n = 4, .dq = 0.2};
-  scene_.vorticity = 0.002;
-  scene_.viscosity = 0.001;
+  bool report = false;
+  density.choice<bool>({"preset", "the values of absent keys"}, report, {{"default", false}, {"report", true}});
+  static_cast<Settings&>(scene_) = report ? report_settings() : Settings{};
 }
 
 void PhysicsReader::read_domain() {
-  domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, components(scene_.domain_min));
-  domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, components(scene_.domain_max));
-  const Vec3 extent = scene_.domain_max - scene_.domain_min;
+  domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, components(scene_.domain.min));
+  domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, components(scene_.domain.max));
+  const Vec3 extent = scene_.domain.max - scene_.domain.min;
   if (box_known())
     domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
-  scene_.slab_axis = extent.y() > extent.x() ? 1 : 0;
-  domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
-                      scene_.slab_axis, {{"x", 0}, {"y", 1}});
+  int axis = 0;
+  if (domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
+                          axis, {{"x", 0}, {"y", 1}}))
+    scene_.slab_axis = axis;
   domain_.choice<SlabCuts>(
       {"slabs", "each rank's share: the same work, followed as the water moves, or the same planes"}, scene_.slabs,
       {{"balanced", SlabCuts::balanced}, {"equal", SlabCuts::equal}});
@@ -115,56 +109,66 @@ void PhysicsReader::read_fluid() {
   FluidSettings& fluid = scene_.fluid;
   fluid_.number({"spacing", "the lattice spacing in metres", true}, fluid.spacing, above(0));
   fluid_.number({"rest_density", "the density at rest in kg/m³"}, fluid.rest_density, above(0));
-  fluid.kernel_radius = 2 * fluid.spacing;
-  fluid_.number({"kernel_radius", "the kernel radius h in metres; default twice the spacing"}, fluid.kernel_radius,
-                above(0));
+  read_derived(fluid_, {"kernel_radius", "the kernel radius h in metres; default twice the spacing"},
+               fluid.kernel_radius, above(0));
   fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
                       {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
   fluid_.choice<Kernel>(
       {"density_kernel", "the kernel of the density; default spiky, the one the gradients are of, too"},
       fluid.density_kernel, {{"poly6", Kernel::poly6}, {"spiky", Kernel::spiky}});
-  check_kernel_radius();
-  check_coordinates();
 }
 
 // Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.
 void PhysicsReader::check_coordinates() {
   constexpr Real finest = 1e-6;  // of the spacing
-  const Real farthest = std::max(scene_.domain_min.cwiseAbs().maxCoeff(), scene_.domain_max.cwiseAbs().maxCoeff());
+  const Real farthest = std::max(scene_.domain.min.cwiseAbs().maxCoeff(), scene_.domain.max.cwiseAbs().maxCoeff());
   if (!box_known() || !fluid_.fine("spacing")) return;
-  const char* corner = farthest > scene_.domain_max.cwiseAbs().maxCoeff() ? "min" : "max";
+  const char* corner = farthest > scene_.domain.max.cwiseAbs().maxCoeff() ? "min" : "max";
   domain_.check(
       corner, farthest * std::numeric_limits<Real>::epsilon() <= finest * scene_.fluid.spacing,
       fmt::format("{} m from the origin, places are too coarse for a spacing of {} m; move the scene to the origin",
                   farthest, scene_.fluid.spacing));
 }
 
-void PhysicsReader::check_kernel_radius() {
+// Before anything is derived from it: sums over the lattice would hardly end with an absurd radius.
+bool PhysicsReader::check_kernel_radius() {
   constexpr Real rounding = 1e-9;  // 0.06 / 0.05 need not be 1.2 or more
-  constexpr Real most_cells = 1e6, most_cells_in_plane = 2e9;
+  if (!fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return false;
+  if (!scene_.fluid.kernel_radius.given()) return true;
   const Real h = scene_.fluid.kernel_radius, ratio = h / scene_.fluid.spacing;
-  const Vec3 extent = scene_.domain_max - scene_.domain_min;
-  const std::string value = fmt::format("{} m{}", h, fluid_.given("kernel_radius") ? "" : " (the default)");
-  if (fluid_.fine("spacing")) {
-    fluid_.check("kernel_radius", ratio >= 1.2 - rounding && ratio <= 4 + rounding,
-                 fmt::format("must be 1.2 to 4 times the spacing {} m, got {}; give about twice the spacing",
-                             scene_.fluid.spacing, value));
-  }
+  return fluid_.check("kernel_radius", ratio >= 1.2 - rounding && ratio <= 4 + rounding,
+                      fmt::format("must be 1.2 to 4 times the spacing {} m, got {} m; give about twice the spacing",
+                                  scene_.fluid.spacing, h));
+}
+
+void PhysicsReader::check_cells() {
+  constexpr Real most_cells = 1e6, most_cells_in_plane = 2e9;
   if (!box_known()) return;
-  fluid_.check("kernel_radius", h <= extent.minCoeff(),
-               fmt::format("must not exceed the smallest extent of the box, {} m, got {}; enlarge the box or refine",
-                           extent.minCoeff(), value));
-  if (fluid_.fine("kernel_radius")) {
-    domain_.check("max", extent.maxCoeff() <= most_cells * h,
-                  fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
-                              extent.maxCoeff(), h));
-    const Real cells = extent[1 - scene_.slab_axis] * extent.z() / (h * h);
-    domain_.check(
-        "max", cells < most_cells_in_plane,
-        fmt::format("a plane across the slab axis has {:.3g} cells of the kernel radius {} m, where 2e9 can be "
-                    "counted; make the box smaller, or take another slab_axis",
-                    cells, h));
-  }
+  const Real h = scene_.fluid.kernel_radius;
+  const Vec3 extent = scene_.domain.max - scene_.domain.min;
+  const char* origin = fluid_.given("kernel_radius") ? "" : " (the default)";
+  if (!fluid_.check("kernel_radius", h <= extent.minCoeff(),
+                    fmt::format("must not exceed the smallest extent of the box, {} m, got {} m{}; enlarge the box or "
+                                "refine",
+                                extent.minCoeff(), h, origin)))
+    return;
+  domain_.check("max", extent.maxCoeff() <= most_cells * h,
+                fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
+                            extent.maxCoeff(), h));
+  const Real cells = extent[1 - scene_.slab_axis] * extent.z() / (h * h);
+  domain_.check("max", cells < most_cells_in_plane,
+                fmt::format("a plane across the slab axis has {:.3g} cells of the kernel radius {} m, where 2e9 can be "
+                            "counted; make the box smaller, or take another slab_axis",
+                            cells, h));
+}
+
+// What the absent keys mean, and the rules that need to know.
+void PhysicsReader::resolve(Section& viscosity) {
+  if (!check_kernel_radius()) return;
+  static_cast<Settings&>(scene_) = resolved(scene_);
+  check_cells();
+  check_coordinates();
+  check_viscosity(viscosity);
 }
 
 void PhysicsReader::read_particles() {
@@ -197,9 +201,9 @@ void PhysicsReader::read_block(Section& section, ParticleSource& source) {
   const Vec3 extent = source.max - source.min;
   section.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the block");
   if (box_known()) {
-    section.check("min", (source.min - scene_.domain_min).minCoeff() >= 0,
+    section.check("min", (source.min - scene_.domain.min).minCoeff() >= 0,
                   "the block is outside the box; move min to [domain] min or above");
-    section.check("max", (scene_.domain_max - source.max).minCoeff() >= 0,
+    section.check("max", (scene_.domain.max - source.max).minCoeff() >= 0,
                   "the block is outside the box; move max to [domain] max or below");
   }
   if (!fluid_.fine("spacing") || !section.fine("max")) return;
@@ -215,10 +219,11 @@ void PhysicsReader::read_time() {
   Section time = root_.child("time");
   time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
   time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
-  cfl_given_ = time.number({"cfl",
-                            "the CFL number that splits a step; 0 never splits; default 2, 0.2 without gravity, and 0 "
-                            "with another method than the default one"},
-                           scene_.cfl, at_least(0));
+  read_derived(time,
+               {"cfl",
+                "the CFL number that splits a step; 0 never splits; default 2, 0.2 without gravity, and 0 with another "
+                "method than the default one"},
+               scene_.cfl, at_least(0));
   dt_known_ = time.fine("dt");
   if (dt_known_) {
     const Real steps = scene_.end / scene_.dt;
@@ -236,18 +241,6 @@ void PhysicsReader::read_density(Section& section) {
   section.choice<Method>(
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
-  // By its value, not by whether it is written out, so that the default's name changes nothing.
-  const bool default_method = density.method == DensitySettings{}.method;
-  if (default_method && !report_ && !cfl_given_) {
-    // Without gravity no coarse grid stops water before it meets other water, and overlaps would part with a bang.
-    const bool falls = scene_.gravity && !scene_.gravity->isZero();
-    scene_.cfl = falls ? 2 : 0.2;
-  }
-  // The other methods are what the literature calls them.
-  if (!default_method && !report_) {
-    density.coarse_grid = false;
-    density.max_shift = 0;
-  }
   section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
                   density.iterations, 1);
   section.check("iterations", density.iterations <= most_iterations,
@@ -257,12 +250,16 @@ void PhysicsReader::read_density(Section& section) {
     density.tolerance = tolerance;
   section.number({"spectral_radius", "chebyshev: the spectral radius assumed of the relaxed iteration"},
                  density.spectral_radius, {.low = 0, .high = 1, .with_high = false});
-  section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, density.coarse_grid);
-  section.number(
+  bool coarse_grid = false;
+  if (section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, coarse_grid))
+    density.coarse_grid = coarse_grid;
+  read_derived(
+      section,
       {"max_shift", "what a pair is pushed apart at most in one iteration in units of kernel_radius; 0: no cap"},
       density.max_shift, at_least(0));
   section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
-  read_relaxation(section);
+  read_derived(section, {"relaxation", "the factor on each position correction; default: as the kernel allows"},
+               density.relaxation, {.low = 0, .high = 2, .with_low = false});
   section.choice<Constraint>({"constraint", "whether stretched fluid is pulled together, too"}, density.constraint,
                              {{"equality", Constraint::equality}, {"inequality", Constraint::inequality}});
   section.check(
@@ -271,22 +268,6 @@ void PhysicsReader::read_density(Section& section) {
       "grows by 13,000 in a second; leave it out, or take density.preset = \"report\"");
   section.choice<Precision>({"precision", "the arithmetic of the pair loops"}, density.precision,
                             {{"double", Precision::double_}, {"single", Precision::single}});
-  read_walls();
-  read_tensile();
-}
-
-// A share of the relaxation at which some wave begins to grow. Measured at h = 2 spacings, where they are 0.7 and 0.5.
-void PhysicsReader::read_relaxation(Section& density) {
-  constexpr Real with_safeguard = 0.9587, without = 0.685;
-  if (!report_ && fluid_.fine("spacing") && fluid_.fine("kernel_radius") && density.fine("epsilon")) {
-    const DensityModel model = density_model(scene_);
-    const Real largest = lattice_jacobi_eigenvalue(model.kernel, scene_.fluid.spacing, model.h,
-                                                   model.mass / model.rest_density, model.epsilon);
-    const Real share = scene_.density.method == Method::chebyshev ? with_safeguard : without;
-    scene_.density.relaxation = share * 2 / largest;
-  }
-  density.number({"relaxation", "the factor on each position correction; default: as the kernel allows"},
-                 scene_.density.relaxation, {.low = 0, .high = 2, .with_low = false});
 }
 
 void PhysicsReader::read_walls() {
@@ -322,17 +303,15 @@ void PhysicsReader::read_forces() {
   section.reject_unknown();
 }
 
-void PhysicsReader::read_filters() {
+void PhysicsReader::read_vorticity() {
   Section vorticity = root_.child("vorticity");
   Real epsilon = scene_.vorticity.value_or(0.002);  // a table without its key means the value of the report
   vorticity.number({"epsilon", "the strength of the vorticity confinement"}, epsilon, at_least(0));
   if (vorticity.present()) scene_.vorticity = epsilon;
   vorticity.reject_unknown();
-  read_viscosity();
 }
 
-void PhysicsReader::read_viscosity() {
-  Section section = root_.child("viscosity");
+void PhysicsReader::read_viscosity(Section& section) {
   Real c = scene_.viscosity.value_or(0.001), nu = 0;
   section.number({"c", "the XSPH viscosity in m³/kg, a share per step; default 0.001 where nu is absent"}, c,
                  at_least(0));
@@ -346,8 +325,6 @@ void PhysicsReader::read_viscosity() {
   } else if (section.present()) {
     scene_.viscosity = c;
   }
-  check_viscosity(section);
-  section.reject_unknown();
 }
 
 // XSPH must not take a velocity past the mean of its neighbours.
@@ -361,7 +338,7 @@ void PhysicsReader::check_viscosity(Section& section) {
                fmt::format("XSPH would overshoot: c * rest_density must not exceed 1, got {} * {}; lower [viscosity] c",
                            c, fluid.rest_density));
   }
-  if (!scene_.kinematic_viscosity || !dt_known_ || !fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return;
+  if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
   constexpr int most_parts = 1000;  // of a step: more is a slip of the pen
   const int parts = scene_.cfl > 0 ? most_parts : 1;
   const Real nu = *scene_.kinematic_viscosity;

@@ -18,12 +18,12 @@ struct Directions {
   int farthest = 0;                      // slabs to cross
 };
 
-Directions directions(int rank, const std::vector<Vec3>& places, const CellGrid& grid, const Slabs& slabs) {
+Directions directions(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
   Directions result;
-  result.side.assign(places.size(), 0);
+  result.side.assign(positions.size(), 0);
   const LocalId first = slabs.first_plane(rank), last = slabs.last_plane(rank);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const LocalId plane = grid.plane_of(places[i]);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const LocalId plane = grid.plane_of(positions[i]);
     if (plane >= first && plane < last) continue;
     result.side[i] = plane < first ? -1 : 1;
     ++result.leaving[plane < first ? 0 : 1];
@@ -98,16 +98,16 @@ std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<s
 
 }  // namespace
 
-GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*place, const CellGrid& grid,
+GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*position, const CellGrid& grid,
                  const Slabs& slabs) {
   if (slabs.ranks() == 1) return 0;
   const int rank = rank_of(comm);
-  Directions to = directions(rank, particles.*place, grid, slabs);
+  Directions to = directions(rank, particles.*position, grid, slabs);
   int rounds = 0;
   MPI_Allreduce(&to.farthest, &rounds, 1, MPI_INT, MPI_MAX, comm);
   GlobalId sent = 0;
   for (int round = 0; round < rounds; ++round) {
-    if (round > 0) to = directions(rank, particles.*place, grid, slabs);
+    if (round > 0) to = directions(rank, particles.*position, grid, slabs);
     const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, to, -1), pack(particles, to, 1)};
     remove_leaving(particles, to);
     for (const std::vector<std::byte>& buffer : exchange(comm, outgoing, bytes_per_particle(particles)))

@@ -11,9 +11,9 @@
 
 namespace trevi {
 
-/// `place` is the field that decides, &Particles::position or &Particles::predicted. Returns the particles this rank
+/// `position` is the field that decides, &Particles::position or &Particles::predicted. Returns the particles this rank
 /// sent.
-GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*place, const CellGrid& grid,
+GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*position, const CellGrid& grid,
                  const Slabs& slabs);
 
 }  // namespace trevi

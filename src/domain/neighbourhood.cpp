@@ -9,10 +9,10 @@ Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3&
     : order_(grid), halo_(comm), encoding_(origin, h) {}
 
 template <class T>
-void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last) {
+void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Velocities velocities) {
   {
     const ScopedEvent timed(sort_event_);
-    order_.sort(particles, first, last);
+    order_.sort(particles, planes, velocities);
   }
   {
     const ScopedEvent timed(halo_event_);
@@ -26,8 +26,8 @@ void Neighbourhood<T>::rebuild(Particles& particles, LocalId first, LocalId last
 }
 
 template <class T>
-void Neighbourhood<T>::encode(const std::vector<Vec3>& place, Range range) {
-  for (LocalId i = range.begin; i < range.end; ++i) record(i) = encoding_(place[static_cast<std::size_t>(i)], T{0});
+void Neighbourhood<T>::encode(const std::vector<Vec3>& position, Range range) {
+  for (LocalId i = range.begin; i < range.end; ++i) record(i) = encoding_(position[static_cast<std::size_t>(i)], T{0});
 }
 
 template <class T>

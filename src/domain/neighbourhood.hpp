@@ -19,12 +19,12 @@ class Neighbourhood {
   Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
-  /// particles must be in the planes [first, last). A particle may have too many neighbours, on the rank concerned
+  /// particles must be in the planes. A particle may have too many neighbours, on the rank concerned
   /// alone (list().crowded()); the list then lacks it and those after it, and the collective calls may go on.
-  void rebuild(Particles& particles, LocalId first, LocalId last);
+  void rebuild(Particles& particles, const Planes& planes, Velocities velocities = Velocities::overwritten);
 
   /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.
-  void encode(const std::vector<Vec3>& place, Range range);
+  void encode(const std::vector<Vec3>& position, Range range);
 
   /// Record of owned particle i.
   Packed<T>& record(LocalId i) { return records_[static_cast<std::size_t>(order_.low_ghosts() + i)]; }

@@ -31,6 +31,11 @@ struct DensityModel {
 /// density.
 Real particle_mass(const FluidSettings& fluid);
 
+/// Physical constants, with the lengths of epsilon and artificial pressure scaled to the resolution: they are given for
+/// the report's spacing, 0.1 m. `settings` are resolved, but for the under-relaxation.
+DensityModel density_model(const Settings& settings);
+std::optional<Tensile> tensile_of(const Settings& settings);
+
 /// `sum`: Σ (1 − u²)³, or with Spiky (1 − u)³, over the neighbours without i; the density in kg/m³ without boundary
 /// terms.
 Real density(const DensityModel& model, Real sum);

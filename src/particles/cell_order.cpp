@@ -21,7 +21,7 @@ void CellOrder::count(const Particles& particles, LocalId first) {
   }
 }
 
-void CellOrder::place(const Particles& particles) {
+void CellOrder::find_order(const Particles& particles) {
   std::vector<LocalId>& next = start_;  // filled for real in add_ghosts
   next.resize(counts_.size() + 1);
   std::exclusive_scan(counts_.begin(), counts_.end(), next.begin(), 0);
@@ -47,18 +47,21 @@ void CellOrder::apply(std::vector<T>& field, std::vector<T>& scratch) const {
   std::swap(scratch, field);
 }
 
-void CellOrder::sort(Particles& particles, LocalId first, LocalId last) {
-  planes_ = last - first;
+void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velocities) {
+  planes_ = planes.last - planes.first;
   owned_ = particles.size();
-  count(particles, first);
-  place(particles);
+  count(particles, planes.first);
+  find_order(particles);
+  std::vector<Vec3> own;
+  std::vector<Vec3>& vectors = velocities == Velocities::overwritten ? particles.velocity : own;
   particles.for_each_kept_field([&]<class T>(std::vector<T>& field) {
     if constexpr (std::is_same_v<T, Vec3>) {
-      apply(field, particles.velocity);
+      apply(field, vectors);
     } else {
       apply(field, std::get<std::vector<T>>(scratch_));
     }
   });
+  if (velocities == Velocities::kept) apply(particles.velocity, own);
 }
 
 std::span<const LocalId> CellOrder::first_plane_counts() const { return {counts_.data(), cells()}; }

@@ -19,13 +19,21 @@ struct Range {
   LocalId size() const { return end - begin; }
 };
 
+/// Cell planes [first, last).
+struct Planes {
+  LocalId first = 0, last = 0;
+};
+
+/// Whether velocities have a value when particles are sorted. Between the prediction and the update of a substep they
+/// have none, and CellOrder, and nothing else, sorts the other fields into their memory (24 bytes a particle).
+enum class Velocities { kept, overwritten };
+
 class CellOrder {
  public:
   explicit CellOrder(const CellGrid& grid) : grid_(grid) {}
 
-  /// Sorts the owned particles, all of which must be in the planes [first, last). The velocities are lost: between the
-  /// prediction and the update they have no value, and their array is what the other fields are sorted into.
-  void sort(Particles& particles, LocalId first, LocalId last);
+  /// Sorts the owned particles by `predicted`, all of which must be in the planes.
+  void sort(Particles& particles, const Planes& planes, Velocities velocities);
 
   /// Particles in each cell of the first and the last owned plane, for the neighbour ranks.
   std::span<const LocalId> first_plane_counts() const;
@@ -50,7 +58,7 @@ class CellOrder {
  private:
   std::size_t cells() const { return static_cast<std::size_t>(grid_.cells_per_plane()); }
   void count(const Particles& particles, LocalId first);
-  void place(const Particles& particles);
+  void find_order(const Particles& particles);
   template <class T>
   void apply(std::vector<T>& field, std::vector<T>& scratch) const;
 
@@ -59,7 +67,7 @@ class CellOrder {
   std::vector<LocalId> counts_;  // of each owned cell
   std::vector<LocalId> start_;   // cells of planes_ + 2 planes, and the end
   std::vector<LocalId> cell_;    // of each particle, before sorting
-  std::vector<LocalId> order_;   // sorted place -> old place
+  std::vector<LocalId> order_;   // sorted index -> old index
   std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
 };
 

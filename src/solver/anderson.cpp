@@ -12,6 +12,20 @@ void check(PetscErrorCode code) {
   require(code == 0, "PETSc's nonlinear solver failed with code " + std::to_string(code));
 }
 
+/// A shift shortened to `longest`, m; 0: as it is.
+Vec3 capped(const Vec3& shift, Real longest) {
+  const Real length = shift.norm();
+  return longest > 0 && length > longest ? Vec3(shift * (longest / length)) : shift;
+}
+
+// p* of all particles at three numbers each, inside the walls.
+template <class T>
+void place_all(DensityProblem<T>& problem, const PetscScalar* positions) {
+  problem.with_halo(Phase::move, [&](Range part) {
+    problem.place(part, [&](LocalId i) { return problem.walls().clamp(Eigen::Map<const Vec3>(positions + 3 * i)); });
+  });
+}
+
 // What the residual needs; SNES hands it back as a void pointer.
 template <class T>
 struct Residual {
@@ -24,19 +38,16 @@ struct Residual {
 template <class T>
 PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
   auto& residual = *static_cast<Residual<T>*>(context);
-  const PetscScalar* place = nullptr;
+  const PetscScalar* positions = nullptr;
   PetscScalar* out = nullptr;
-  PetscCall(VecGetArrayRead(x, &place));
-  residual.problem.move([&](std::size_t i, const Vec3&, const Vec3&) {
-    return residual.problem.walls().clamp(Eigen::Map<const Vec3>(place + 3 * i));
-  });
-  PetscCall(VecRestoreArrayRead(x, &place));
-  residual.problem.compute_lambda();
+  PetscCall(VecGetArrayRead(x, &positions));
+  place_all(residual.problem, positions);
+  PetscCall(VecRestoreArrayRead(x, &positions));
+  residual.problem.with_halo(Phase::lambda, [&](Range part) { residual.problem.compute_lambda(part); });
   residual.problem.compute_delta();
   PetscCall(VecGetArray(f, &out));
-  residual.problem.for_each_delta([&](std::size_t i, const Vec3& delta) {
-    Eigen::Map<Vec3>(out + 3 * i) = -capped(residual.relaxation * delta, residual.longest);
-  });
+  for (LocalId i = 0; i < residual.problem.particles().size(); ++i)
+    Eigen::Map<Vec3>(out + 3 * i) = -capped(residual.relaxation * residual.problem.delta(i), residual.longest);
   PetscCall(VecRestoreArray(f, &out));
   return 0;
 }
@@ -56,8 +67,8 @@ PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConv
 
 template <class T>
 SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
-  std::vector<Vec3>& places = problem.particles().predicted;
-  const auto size = static_cast<PetscInt>(3 * places.size());  // fits: initial_particles() has seen to it
+  const std::vector<Vec3>& positions = problem.particles().predicted;
+  const auto size = static_cast<PetscInt>(3 * positions.size());  // fits: initial_particles() has seen to it
   Residual<T> residual{problem, settings_.relaxation, longest_};
   std::pair<const DensitySettings*, DensityProblem<T>*> goal{&settings_, &problem};
   Vec start = nullptr, f = nullptr;
@@ -67,7 +78,7 @@ SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   check(VecDuplicate(start, &f));
   PetscScalar* values = nullptr;
   check(VecGetArray(start, &values));
-  std::copy(places.begin(), places.end(), reinterpret_cast<Vec3*>(values));
+  std::copy(positions.begin(), positions.end(), reinterpret_cast<Vec3*>(values));
   check(VecRestoreArray(start, &values));
   check(SNESCreate(comm_, &snes));
   check(SNESSetType(snes, SNESANDERSON));
@@ -81,9 +92,7 @@ SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   check(SNESGetIterationNumber(snes, &iterations));
   check(SNESGetConvergedReason(snes, &reason));
   check(VecGetArray(start, &values));
-  problem.move([&](std::size_t i, const Vec3&, const Vec3&) {
-    return problem.walls().clamp(Eigen::Map<const Vec3>(values + 3 * i));
-  });
+  place_all(problem, values);
   check(VecRestoreArray(start, &values));
   check(SNESDestroy(&snes));
   check(VecDestroy(&f));

@@ -3,12 +3,12 @@
 // Collective.
 #pragma once
 
-#include "solver/density_method.hpp"
+#include "solver/density_solver.hpp"
 
 namespace trevi {
 
 template <class T>
-class Anderson : public DensityMethod<T> {
+class Anderson : public DensitySolver<T> {
  public:
   Anderson(MPI_Comm comm, const DensitySettings& settings, Real h)
       : comm_(comm), settings_(settings), longest_(settings.max_shift * h) {}

@@ -48,14 +48,14 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
 }
 
 template <class T>
-void DensityProblem<T>::lambda_of(Range run) {
-  constraint_.lambdas(pairs(), run, particles_->predicted, rho_, near_.records());
-  count_pass(run, DensityConstraint<T>::density_flops);
+void DensityProblem<T>::compute_lambda(Range part) {
+  constraint_.lambdas(pairs(), part, particles_->predicted, rho_, near_.records());
+  count_pass(part, DensityConstraint<T>::density_flops);
 }
 
 template <class T>
-void DensityProblem<T>::count_pass(Range run, double flops_per_pair) {
-  const auto pairs = static_cast<double>(near_.list().first(run.end) - near_.list().first(run.begin));
+void DensityProblem<T>::count_pass(Range part, double flops_per_pair) {
+  const auto pairs = static_cast<double>(near_.list().first(part.end) - near_.list().first(part.begin));
   pair_passes_ += pairs;
   log_flops(pairs * flops_per_pair);
 }
@@ -65,6 +65,12 @@ void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
+}
+
+template <class T>
+void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
+  const std::vector<Vec3>& p = particles_->predicted;
+  place(part, [&](LocalId i) { return walls_.collide(p[static_cast<std::size_t>(i)], relaxation * delta(i)); });
 }
 
 template <class T>
@@ -103,7 +109,7 @@ void DensityProblem<T>::separate_coincident() {
 
 template <class T>
 void DensityProblem<T>::compute_density() {
-  const ScopedEvent timed(lambda_event_);
+  const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::lambda)]);
   constraint_.densities(pairs(), near_.all(), particles_->predicted, rho_);
   count_pass(near_.all(), DensityConstraint<T>::density_flops);
 }

@@ -1,7 +1,10 @@
-// One density solve of a step: positions p* to be moved until rho_i = rho0, on a frozen neighbour list.
-// The methods (density_method.hpp) are written in terms of the three operations here; each leaves the ghosts up to
-// date, with the messages under way while interior planes are worked on. Collective.
+// One density solve of a substep: positions p* to be moved until rho_i = rho0, on a frozen neighbour list.
+// The density solvers (density_solver.hpp) are written in terms of the parts here. A part that is computed for ranges
+// leaves the records of the owned particles changed; with_halo() brings the ghosts up to date, with the messages under
+// way while interior planes are worked on. Collective: with_halo, compression, compute_coarse_delta.
 #pragma once
+
+#include <array>
 
 #include "domain/neighbourhood.hpp"
 #include "fluid/density.hpp"
@@ -9,6 +12,9 @@
 #include "solver/coarse_correction.hpp"
 
 namespace trevi {
+
+/// What of an iteration an event of the log covers.
+enum class Phase : std::size_t { lambda, move };
 
 /// Compression max(0, rho/rho0 − 1) over all particles of all ranks.
 struct Compression {
@@ -23,30 +29,30 @@ class DensityProblem {
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
 
-  /// rho and lambda of all particles from the present p*; ghosts receive lambda.
-  void compute_lambda() {
-    compute_lambda([](std::size_t, Real lambda) { return lambda; });
-  }
-  /// The same with lambda_i replaced by use(i, lambda_i).
-  template <class Use>
-  void compute_lambda(Use&& use);
-  /// Compression at the last compute_lambda() or compute_density(), the same bits on any rank count.
+  /// Calls work(part) for the boundary planes, sends their records, calls work(interior) and takes in the ghosts'.
+  template <class Work>
+  void with_halo(Phase phase, Work&& work);
+
+  /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11).
+  void compute_lambda(Range part);
+  /// lambda_i, m², of an owned particle, as its neighbours see it.
+  T& lambda(LocalId i) { return near_.record(i).w; }
+  /// Compression at the last compute_lambda() or compute_density() of all, the same bits on any rank count.
   Compression compression() const;
-  /// delta of all owned particles from the present lambda, m.
+  /// delta_i, m, of all owned particles from the present lambda (lines 12 and 13).
   void compute_delta();
   /// The same array from the coarse grid: displacements that keep the volume over longer ways.
   void compute_coarse_delta(CoarseCorrection& coarse);
   /// Adds to delta a small shift of particles in one place, which no gradient would ever part; opposite for the two.
   void separate_coincident();
-  template <class Visit>
-  void for_each_delta(Visit&& visit) const {
-    for (std::size_t i = 0; i < delta_.size(); ++i) visit(i, vector_of(delta_[i]));
-  }
-  /// p*_i = place(i, p*_i, delta_i) for all owned particles; ghosts receive the new positions.
-  template <class Place>
-  void move(Place&& place);
+  Vec3 delta(LocalId i) const { return vector_of(delta_[static_cast<std::size_t>(i)]); }
+  /// p*_i += relaxation · delta_i as far as walls allow (lines 14 to 18).
+  void collide_and_move(Range part, Real relaxation = 1);
+  /// p*_i = position(i) for the range.
+  template <class Position>
+  void place(Range part, Position&& position);
 
-  /// rho at the present p*, without touching lambda; for observers.
+  /// rho_i of all owned particles at the present p*, without touching lambda.
   void compute_density();
 
   const CellOrder& order() const { return near_.order(); }
@@ -60,7 +66,6 @@ class DensityProblem {
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
-  void lambda_of(Range run);
   void count_pass(Range run, double flops_per_pair);
 
   MPI_Comm comm_;
@@ -72,42 +77,26 @@ class DensityProblem {
   std::vector<Real> rho_;
   std::vector<Quad<T>> delta_;
   double pair_passes_ = 0;
-  Event lambda_event_{"Lambda"}, delta_event_{"Delta"}, move_event_{"Move"};
+  std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
+  Event delta_event_{"Delta"};
 };
 
 template <class T>
-template <class Place>
-void DensityProblem<T>::move(Place&& place) {
-  const ScopedEvent timed(move_event_);
-  std::vector<Vec3>& p = particles_->predicted;
-  const auto update = [&](Range run) {
-    for (LocalId i = run.begin; i < run.end; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      p[k] = place(k, p[k], vector_of(delta_[k]));
-    }
-    near_.encode(p, run);
-  };
-  for (const Range& run : near_.boundary()) update(run);
+template <class Work>
+void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
+  const ScopedEvent timed(phase_event_[static_cast<std::size_t>(phase)]);
+  for (const Range& part : near_.boundary()) work(part);
   near_.halo().start(near_.records());
-  update(near_.interior());
+  work(near_.interior());
   near_.halo().finish();
 }
 
 template <class T>
-template <class Use>
-void DensityProblem<T>::compute_lambda(Use&& use) {
-  const ScopedEvent timed(lambda_event_);
-  const auto update = [&](Range run) {
-    lambda_of(run);
-    for (LocalId i = run.begin; i < run.end; ++i) {
-      T& w = near_.record(i).w;
-      w = static_cast<T>(use(static_cast<std::size_t>(i), static_cast<Real>(w)));
-    }
-  };
-  for (const Range& run : near_.boundary()) update(run);
-  near_.halo().start(near_.records());
-  update(near_.interior());
-  near_.halo().finish();
+template <class Position>
+void DensityProblem<T>::place(Range part, Position&& position) {
+  std::vector<Vec3>& p = particles_->predicted;
+  for (LocalId i = part.begin; i < part.end; ++i) p[static_cast<std::size_t>(i)] = position(i);
+  near_.encode(p, part);
 }
 
 extern template class DensityProblem<float>;

@@ -121,4 +121,10 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalI
   return box.min[axis] + (static_cast<Real>(interval) + 0.5) / per_metre;
 }
 
+void DriftMeter::end(const std::vector<Vec3>& predicted) {
+  largest_ = 0;
+  for (std::size_t i = 0; i < start_.size(); ++i) largest_ = std::max(largest_, (predicted[i] - start_[i]).norm());
+  start_.clear();
+}
+
 }  // namespace trevi

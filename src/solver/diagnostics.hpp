@@ -42,6 +42,20 @@ class DiagnosticsSum {
   Vec3 gravity_;
 };
 
+/// The farthest that p* of an owned particle goes between two moments of the frozen order; 0 where the first was not
+/// noted.
+class DriftMeter {
+ public:
+  void begin(const std::vector<Vec3>& predicted) { start_ = predicted; }
+  void end(const std::vector<Vec3>& predicted);
+  Real largest() const { return largest_; }  ///< m
+  std::size_t bytes() const { return start_.capacity() * sizeof(Vec3); }
+
+ private:
+  std::vector<Vec3> start_;
+  Real largest_ = 0;
+};
+
 /// The n-th smallest (from 1) of the coordinates along `axis` of the places of all ranks, to 1e-10 of the box. Three
 /// rounds of counting, no sorting. nan where n is 0. Collective.
 Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalId n, const Box& box);

@@ -15,11 +15,11 @@ constexpr Real wall_reach = 1.25;
 }  // namespace
 
 template <class T>
-FreeFlight<T>::FreeFlight(const MethodContext& context, std::unique_ptr<DensityMethod<T>> method)
+FreeFlight<T>::FreeFlight(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver)
     : comm_(context.comm),
       interior_{context.box.min.array() + wall_reach * context.model.h,
                 context.box.max.array() - wall_reach * context.model.h},
-      method_(std::move(method)) {}
+      solver_(std::move(solver)) {}
 
 template <class T>
 typename FreeFlight<T>::Sums FreeFlight<T>::sums_of(DensityProblem<T>& problem) const {
@@ -50,7 +50,7 @@ typename FreeFlight<T>::Sums FreeFlight<T>::sums_of(DensityProblem<T>& problem) 
 template <class T>
 SolveResult FreeFlight<T>::solve(DensityProblem<T>& problem) {
   const Sums before = sums_of(problem);
-  const SolveResult result = method_->solve(problem);
+  const SolveResult result = solver_->solve(problem);
   const Sums after = sums_of(problem);
   if (before.near_walls + after.near_walls > 0 || before.count == 0) return result;
   const Vec3 centre = before.x / before.count;
@@ -61,7 +61,13 @@ SolveResult FreeFlight<T>::solve(DensityProblem<T>& problem) {
   if (inertia.determinant() <= 1e-9 * size * size * size) return result;
   const Vec3 turn = inertia.inverse() * (after.moment - before.moment);
   const std::vector<Vec3>& x = problem.particles().position;
-  problem.move([&](std::size_t i, const Vec3& p, const Vec3&) { return Vec3(p - turn.cross(x[i] - centre)); });
+  const std::vector<Vec3>& p = problem.particles().predicted;
+  problem.with_halo(Phase::move, [&](Range part) {
+    problem.place(part, [&](LocalId i) {
+      const auto k = static_cast<std::size_t>(i);
+      return Vec3(p[k] - turn.cross(x[k] - centre));
+    });
+  });
   return result;
 }
 

@@ -4,18 +4,18 @@
 // turn of all the water, which changes no density. Linear momentum is kept by the pairs themselves. Collective.
 #pragma once
 
-#include "solver/density_method.hpp"
+#include "solver/density_solver.hpp"
 #include "trevi/box.hpp"
 
 namespace trevi {
 
 template <class T>
-class FreeFlight : public DensityMethod<T> {
+class FreeFlight : public DensitySolver<T> {
  public:
-  FreeFlight(const MethodContext& context, std::unique_ptr<DensityMethod<T>> method);
+  FreeFlight(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver);
 
   SolveResult solve(DensityProblem<T>& problem) override;
-  std::size_t bytes() const override { return method_->bytes(); }
+  std::size_t bytes() const override { return solver_->bytes(); }
 
  private:
   // Sums over all particles: how many, how many of them near a wall, and of positions x at the beginning of the step
@@ -29,7 +29,7 @@ class FreeFlight : public DensityMethod<T> {
 
   MPI_Comm comm_;
   Box interior_;  // m, out of reach of the walls
-  std::unique_ptr<DensityMethod<T>> method_;
+  std::unique_ptr<DensitySolver<T>> solver_;
 };
 
 }  // namespace trevi

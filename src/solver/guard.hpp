@@ -1,7 +1,7 @@
 // The guards of a run: particles finite and inside the box, neighbour lists of sane length, none lost, none doubled.
 // A failure is noted on the rank where it shows, and the substep goes on to its end, so that no rank waits for another
 // for ever; there all ranks vote, and all throw the same BlowUp with rank, step, particle and likely cause.
-// Collective: the constructor and agree().
+// Collective: the constructor, recount() and agree().
 #pragma once
 
 #include <functional>
@@ -17,6 +17,9 @@ class Guard {
  public:
   /// Counts the particles that must be there from now on. `requests` may be empty.
   Guard(MPI_Comm comm, const Particles& particles, std::function<RequestCounts()> requests);
+
+  /// The same again, after particles were added or removed. Collective.
+  void recount(const Particles& particles) { start_ = ballot_.count(vote_of(particles.id)); }
 
   /// The first failure of a substep is the one that is told. `step` counts from 1.
   void note(std::int64_t step, const std::string& failure);

@@ -69,8 +69,8 @@ ViewedScene describe_run(const FrameList& list, const std::optional<Scene>& scen
   viewed.directory = list.directory();
   if (!scene) return viewed;
   viewed.name = scene->name == "scene" ? viewed.name : scene->name;
-  viewed.min = scene->domain_min;
-  viewed.max = scene->domain_max;
+  viewed.min = scene->domain.min;
+  viewed.max = scene->domain.max;
   viewed.spacing = scene->fluid.spacing;
   viewed.rest_density = scene->fluid.rest_density;
   viewed.last_step = scene->steps();

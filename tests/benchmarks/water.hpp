@@ -56,7 +56,7 @@ struct Water {
     }
   }
 
-  void rebuild() { near.rebuild(particles, 0, grid.planes()); }
+  void rebuild() { near.rebuild(particles, {0, grid.planes()}); }
   Pairs<T> pairs() const { return {near.records(), near.list(), near.order().low_ghosts()}; }
   Range all() const { return {0, near.order().owned()}; }
 

@@ -89,7 +89,7 @@ inline Scene scene_with(const std::string& text, const std::vector<std::string>&
   return parse_scene("cloud.toml", text, overrides);
 }
 
-inline Box box_of(const Scene& scene) { return {scene.domain_min, scene.domain_max}; }
+inline Box box_of(const Scene& scene) { return scene.domain; }
 
 /// Rows [first, last) of rank `rank` among `size`, as even as they can be.
 inline Cloud slice_of(const Cloud& all, int rank, int size) {
@@ -103,15 +103,13 @@ inline Cloud slice_of(const Cloud& all, int rank, int size) {
 /// A solver of the scene whose particles are those of the cloud.
 inline std::unique_ptr<Solver> solver_of(MPI_Comm comm, const Scene& scene, const Cloud& all) {
   Cloud mine = slice_of(all, rank_of(comm), size_of(comm));
-  CheckpointState state;
-  state.rows.total = static_cast<GlobalId>(all.id.size());
-  state.rows.id = std::move(mine.id);
-  state.rows.position = std::move(mine.position);
-  state.rows.velocity = std::move(mine.velocity);
-  BuildOptions options;
-  options.progress = ProgressMode::none;
-  options.restart = std::move(state);
-  return build_solver(comm, scene, std::move(options));
+  Particles particles;
+  particles.id = std::move(mine.id);
+  particles.position = std::move(mine.position);
+  particles.velocity = std::move(mine.velocity);
+  SolverExtras extras;
+  extras.forcings = make_fountains(comm, scene);
+  return make_solver(comm, scene, std::move(particles), std::move(extras));
 }
 
 inline Cloud sorted_by_id(const Cloud& cloud) {

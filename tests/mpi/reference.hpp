@@ -95,7 +95,7 @@ class Reference {
       if (s_.gravity) v += dt_ * *s_.gravity;
       for (std::size_t f = 0; f < s_.fountains.size(); ++f) {
         const FountainSettings& fountain = s_.fountains[f];
-        const Vec3 r = cloud_.position[i] - Vec3(fountain.center[0], fountain.center[1], s_.domain_min.z());
+        const Vec3 r = cloud_.position[i] - Vec3(fountain.center[0], fountain.center[1], s_.domain.min.z());
         const bool inside = std::hypot(r.x(), r.y()) <= fountain.diameter / 2 && r.z() <= fountain.height;
         if (!inside || info.time < fountain.start || info.time >= fountain.stop) continue;
         const Real u = uniform(s_.seed, cloud_.id[i], info, static_cast<int>(f));
@@ -109,7 +109,7 @@ class Reference {
     int axis = -1;
     for (int a = 0; a < 3; ++a) {
       if (v[a] == 0) continue;
-      const Real plane = v[a] > 0 ? s_.domain_max[a] : s_.domain_min[a];
+      const Real plane = v[a] > 0 ? s_.domain.max[a] : s_.domain.min[a];
       if ((plane - p[a]) / v[a] < t) {
         t = (plane - p[a]) / v[a];
         axis = a;
@@ -123,7 +123,7 @@ class Reference {
     const auto [t1, axis] = exit_time(p, v, t);
     if (axis < 0) return p + t * v;
     Vec3 at = p + t1 * v;
-    at[axis] = v[axis] > 0 ? s_.domain_max[axis] : s_.domain_min[axis];
+    at[axis] = v[axis] > 0 ? s_.domain.max[axis] : s_.domain.min[axis];
     v[axis] = -v[axis];
     if (s_.walls.reflection == Reflection::report) {
       v *= s_.walls.restitution;
@@ -135,10 +135,10 @@ class Reference {
 
   /// Algorithm 3, Δp part.
   Vec3 shifted(const Vec3& p, const Vec3& d) const {
-    if (s_.walls.reflection == Reflection::normal) return (p + d).cwiseMax(s_.domain_min).cwiseMin(s_.domain_max);
+    if (s_.walls.reflection == Reflection::normal) return (p + d).cwiseMax(s_.domain.min).cwiseMin(s_.domain.max);
     const auto [t1, axis] = exit_time(p, d, 1);
     Vec3 at = p + t1 * d;
-    if (axis >= 0) at[axis] = d[axis] > 0 ? s_.domain_max[axis] - 1e-6 * h() : s_.domain_min[axis] + 1e-6 * h();
+    if (axis >= 0) at[axis] = d[axis] > 0 ? s_.domain.max[axis] - 1e-6 * h() : s_.domain.min[axis] + 1e-6 * h();
     return at;
   }
 
@@ -192,7 +192,7 @@ class Reference {
   void iterate(int sweep) {
     find_densities();
     find_steps(sweep);
-    const Real share = s_.density.method == Method::chebyshev ? 1 : s_.density.relaxation;
+    const Real share = s_.density.method == Method::chebyshev ? 1 : s_.density.relaxation.value();
     Vectors moved(size());
     for (std::size_t i = 0; i < size(); ++i) {
       Vec3 delta = Vec3::Zero();

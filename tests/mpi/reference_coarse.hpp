@@ -36,8 +36,8 @@ class CellArray {
 class ReferenceCoarse {
  public:
   explicit ReferenceCoarse(const Scene& scene)
-      : min_(scene.domain_min), s_(scene.fluid.spacing), h_(scene.fluid.kernel_radius) {
-    const Vec3 extent = scene.domain_max - scene.domain_min;
+      : min_(scene.domain.min), s_(scene.fluid.spacing), h_(scene.fluid.kernel_radius) {
+    const Vec3 extent = scene.domain.max - scene.domain.min;
     for (int a = 0; a < 3; ++a) count_[a] = std::max(1, static_cast<int>(std::floor(extent[a] / h_ * (1 + 1e-12))));
     size_ = extent.cwiseQuotient(count_.cast<Real>());
     if (scene.gravity) gravity_ = -scene.gravity->z();

@@ -37,8 +37,8 @@ struct ReferenceKernel {
 class ReferenceWalls {
  public:
   explicit ReferenceWalls(const Scene& scene)
-      : min_(scene.domain_min),
-        max_(scene.domain_max),
+      : min_(scene.domain.min),
+        max_(scene.domain.max),
         kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
         s_(scene.fluid.spacing) {
     for (int k = 0; missing({k}).share > 0; ++k) layers_ = k + 1;

@@ -89,7 +89,7 @@ Changes changes(const std::vector<std::string>& overrides) {
     linear += last.velocity[i] - first.velocity[i];
     angular += last.position[i].cross(last.velocity[i]) - first.position[i].cross(first.velocity[i]);
   }
-  for (const Vec3& p : last.position) EXPECT_GT((p - scene.domain_min).cwiseMin(scene.domain_max - p).minCoeff(), 0.3);
+  for (const Vec3& p : last.position) EXPECT_GT((p - scene.domain.min).cwiseMin(scene.domain.max - p).minCoeff(), 0.3);
   return {linear.norm() / speed, angular.norm() / moment, changed / speed};
 }
 

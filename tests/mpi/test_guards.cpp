@@ -1,10 +1,10 @@
 // The guards of the step under sabotage: a forcing that spoils one particle on one rank. Every rank must throw the same
 // BlowUp in that very step, and none may wait for another for ever. And what the step hands to observers.
 #include <functional>
+#include <numeric>
 
-#include "fluid/kernels.hpp"
 #include "output_fixture.hpp"
-#include "parallel/vote.hpp"
+#include "trevi/error.hpp"
 #include "trevi/solver.hpp"
 
 namespace trevi {
@@ -27,50 +27,42 @@ class Saboteur : public Forcing {
   Sabotage sabotage_;
 };
 
-/// A block of 10 x 4 x 4 particles that fills its box.
-Particles block(const CellGrid& grid, const Slabs& slabs) {
+/// A block of 10 x 4 x 4 particles that fills its box; every rank brings its share.
+Particles block() {
   Particles particles;
-  for (int n = 0; n < 160; ++n) {
+  for (int n = rank_of(world); n < 160; n += size_of(world)) {
     const int i = n / 16, j = n / 4 % 4, k = n % 4;
-    const Vec3 place = 0.1 * Vec3(i + 0.5, j + 0.5, k + 0.5);
-    if (slabs.owner(grid.plane_of(place)) != rank_of(world)) continue;
     particles.id.push_back(n);
-    particles.position.push_back(place);
+    particles.position.push_back(0.1 * Vec3(i + 0.5, j + 0.5, k + 0.5));
     particles.velocity.push_back(Vec3::Zero());
   }
-  particles.predicted = particles.position;
   return particles;
 }
 
-SolverParts<double> parts_with(Sabotage sabotage) {
-  SolverParts<double> parts;
-  parts.comm = world;
-  parts.box = {Vec3::Zero(), Vec3(1, 0.4, 0.6)};
-  parts.grid = std::make_unique<CellGrid>(parts.box.min, parts.box.max, h, 0);
-  parts.slabs =
-      std::make_unique<Slabs>(std::vector<Real>(static_cast<std::size_t>(parts.grid->planes()), 1.0), size_of(world));
-  parts.balance = std::make_unique<Balance>(world, 0.01);
-  parts.walls = std::make_unique<Walls>(parts.box, WallSettings{}, 1e-6 * h);
-  const DensityModel model{1.0, 1000, h, 1, Constraint::equality};
-  parts.constraint = std::make_unique<DensityConstraint<double>>(model, std::nullopt, std::nullopt);
-  DensitySettings settings;
-  settings.method = Method::jacobi;
-  settings.coarse_grid = false;
-  parts.method = make_density_method<double>(settings, {world, *parts.grid, parts.box, model, h / 2, Vec3::Zero()});
-  parts.forcings.push_back(std::make_unique<Saboteur>(std::move(sabotage)));
-  parts.clock.dt = 0.01;
-  parts.particles = block(*parts.grid, *parts.slabs);
-  return parts;
+Settings box_of_water() {
+  Settings settings;
+  settings.domain = {Vec3::Zero(), Vec3(1, 0.4, 0.6)};
+  settings.slabs = SlabCuts::equal;
+  settings.dt = 0.01;
+  settings.density.method = Method::jacobi;
+  settings.walls.density = WallDensity::none;
+  return settings;
+}
+
+std::unique_ptr<Solver> solver_with(Sabotage sabotage, Particles particles = block()) {
+  SolverExtras extras;
+  extras.forcings.push_back(std::make_unique<Saboteur>(std::move(sabotage)));
+  return make_solver(world, box_of_water(), std::move(particles), std::move(extras));
 }
 
 /// What the run ends with, and in which step.
 std::string blow_up_of(Sabotage sabotage) {
-  PbfSolver<double> solver(parts_with(std::move(sabotage)));
-  solver.start();
+  const std::unique_ptr<Solver> solver = solver_with(std::move(sabotage));
+  solver->start();
   try {
-    for (int k = 0; k < 10; ++k) solver.step();
+    for (int k = 0; k < 10; ++k) solver->step();
   } catch (const BlowUp& error) {
-    EXPECT_EQ(solver.clock().step + 1, bad_step);
+    EXPECT_EQ(solver->clock().step + 1, bad_step);
     EXPECT_EQ(error.reach(), Reach::all_ranks);
     return error.what();
   }
@@ -122,22 +114,18 @@ TEST(Guards, ManyLostAreCounted) {
 }
 
 TEST(Guards, CrowdOnOneRank) {
-  // The count is kept, so that the crowd alone is wrong: all of the particles of a rank come to one place, many times.
-  PbfSolver<double> solver([] {
-    SolverParts<double> parts = parts_with([](Particles&) {});
-    if (rank_of(world) == 0) {
-      const std::size_t n = parts.particles.id.size();
-      parts.particles.resize(n + 5000);
-      for (std::size_t k = n; k < n + 5000; ++k) {
-        parts.particles.id[k] = static_cast<GlobalId>(1000 + k);
-        parts.particles.position[k] = Vec3(0.05, 0.05, 0.05);
-        parts.particles.velocity[k] = Vec3::Zero();
-      }
-    }
-    return parts;
-  }());
+  // 5,000 particles more in one place.
+  Particles particles = block();
+  if (rank_of(world) == 0) {
+    const std::size_t n = particles.id.size();
+    particles.id.resize(n + 5000);
+    std::iota(particles.id.begin() + static_cast<std::ptrdiff_t>(n), particles.id.end(), GlobalId{1000});
+    particles.position.resize(n + 5000, Vec3(0.05, 0.05, 0.05));
+    particles.velocity.resize(n + 5000, Vec3::Zero());
+  }
+  const std::unique_ptr<Solver> solver = solver_with([](Particles&) {}, std::move(particles));
   try {
-    solver.start();
+    solver->start();
     FAIL() << "no blow-up";
   } catch (const BlowUp& error) {
     expect_mentions(error.what(), {"rank 0", "more than 4096 neighbours", "smaller dt"});
@@ -145,20 +133,20 @@ TEST(Guards, CrowdOnOneRank) {
 }
 
 TEST(Guards, RequestsOfOneRankReachAll) {
-  SolverParts<double> parts = parts_with([](Particles&) {});
   std::int64_t polls = 0;
-  parts.requests = [&polls]() -> RequestCounts {
+  SolverExtras extras;
+  extras.requests = [&polls]() -> RequestCounts {
     ++polls;
     const bool mine = polls >= 3 && rank_of(world) == size_of(world) - 1;
     return {mine ? 1 : 0, 0, 0, 0, 0, 0};
   };
-  PbfSolver<double> solver(std::move(parts));
-  solver.start();  // the first poll
-  solver.step();
-  EXPECT_EQ(count_of(solver.requests(), Request::checkpoint), 0);
-  solver.step();
-  EXPECT_EQ(count_of(solver.requests(), Request::checkpoint), 1);
-  EXPECT_FALSE(stop_reason(solver.requests()).has_value());
+  const std::unique_ptr<Solver> solver = make_solver(world, box_of_water(), block(), std::move(extras));
+  solver->start();  // the first poll
+  solver->step();
+  EXPECT_EQ(count_of(solver->requests(), Request::checkpoint), 0);
+  solver->step();
+  EXPECT_EQ(count_of(solver->requests(), Request::checkpoint), 1);
+  EXPECT_FALSE(stop_reason(solver->requests()).has_value());
 }
 
 /// Looks at every step and counts the densities it is given.
@@ -171,15 +159,15 @@ struct Onlooker : Observer {
 };
 
 TEST(Observers, DensitiesAreThereWhenAskedForAndThenOnly) {
-  SolverParts<double> parts = parts_with([](Particles&) {});
   auto* onlooker = new Onlooker;
-  parts.observers.emplace_back(onlooker);
-  PbfSolver<double> solver(std::move(parts));
-  solver.start();
-  EXPECT_EQ(onlooker->given, solver.particles().id.size());
+  SolverExtras extras;
+  extras.observers.emplace_back(onlooker);
+  const std::unique_ptr<Solver> solver = make_solver(world, box_of_water(), block(), std::move(extras));
+  solver->start();
+  EXPECT_EQ(onlooker->given, solver->particles().id.size());
   onlooker->wants = false;
-  solver.step();
-  EXPECT_EQ(onlooker->given, 0U);
+  solver->step();
+  EXPECT_EQ(onlooker->given, 0);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ Scene large_scene(int layers, const std::vector<std::string>& overrides = {}) {
 }
 
 CellGrid grid_of(const Scene& scene) {
-  return {scene.domain_min, scene.domain_max, scene.fluid.kernel_radius, scene.slab_axis};
+  return {scene.domain.min, scene.domain.max, scene.fluid.kernel_radius, scene.slab_axis};
 }
 
 TEST(LargeCounts, IdsOfALatticeAreIts64BitPlaces) {

@@ -133,7 +133,7 @@ NeighbourList list_of(const CellGrid& grid, const std::vector<Vec3>& places) {
   particles.resize(places.size());
   std::iota(particles.id.begin(), particles.id.end(), GlobalId{0});
   CellOrder order(grid);
-  order.sort(particles, 0, grid.planes());
+  order.sort(particles, {0, grid.planes()}, Velocities::overwritten);
   order.add_ghosts({}, {});
   const Encoding<T> encoding(Vec3::Zero(), radius);
   std::vector<Packed<T>> records;

@@ -237,9 +237,9 @@ TEST_F(Ranks, WildCloud) {
 // All particles near one corner, so that most ranks start, and some stay, without any.
 TEST_F(Ranks, AlmostAllRanksEmpty) {
   const Scene scene = scene_with(cloud_scene, {});
-  const Box corner{scene.domain_min, scene.domain_min + Vec3(0.19, 0.3, 0.3)};
+  const Box corner{scene.domain.min, scene.domain.min + Vec3(0.19, 0.3, 0.3)};
   Cloud cloud = random_cloud(40, corner, 0.5);
-  cloud.add(5, scene.domain_max, Vec3(-50, 0, 0));
+  cloud.add(5, scene.domain.max, Vec3(-50, 0, 0));
   const std::unique_ptr<Solver> many = solver_of(world, scene, cloud), one = solver_of(MPI_COMM_SELF, scene, cloud);
   for (int k = 0; k < 5; ++k) {
     many->step();

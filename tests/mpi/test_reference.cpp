@@ -114,10 +114,10 @@ seed = 9
 /// spray.
 Cloud sloping_pool(const Scene& scene, Real low, Real high) {
   const Cloud all = random_cloud(particles, box_of(scene), 0.3, 0.06);
-  const Vec3 extent = scene.domain_max - scene.domain_min;
+  const Vec3 extent = scene.domain.max - scene.domain.min;
   Cloud pool;
   for (std::size_t k = 0; k < all.id.size(); ++k) {
-    const Vec3 place = (all.position[k] - scene.domain_min).cwiseQuotient(extent);
+    const Vec3 place = (all.position[k] - scene.domain.min).cwiseQuotient(extent);
     if (k % 15 == 0 || place.z() < low + (high - low) * place.x())
       pool.add(all.id[k], all.position[k], all.velocity[k]);
   }
@@ -162,7 +162,7 @@ Cloud layered(const Scene& scene, const std::vector<std::pair<Real, Real>>& laye
   const Cloud all = random_cloud(count, box_of(scene), 0.3, 0.06);
   Cloud some;
   for (std::size_t k = 0; k < all.id.size(); ++k) {
-    const Real z = (all.position[k].z() - scene.domain_min.z()) / (scene.domain_max.z() - scene.domain_min.z());
+    const Real z = (all.position[k].z() - scene.domain.min.z()) / (scene.domain.max.z() - scene.domain.min.z());
     for (const auto& [low, high] : layers)
       if (z >= low && z < high) some.add(all.id[k], all.position[k], all.velocity[k]);
   }

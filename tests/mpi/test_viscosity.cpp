@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cloud.hpp"
+#include "domain/migrate.hpp"
 #include "fluid/velocity_filter.hpp"
 
 namespace trevi::test {
@@ -24,7 +25,7 @@ template <class Velocity>
 Cloud lattice(const Scene& scene, Velocity&& velocity) {
   Cloud cloud;
   const Real s = scene.fluid.spacing;
-  const Eigen::Array3i n = ((scene.domain_max - scene.domain_min) / s).array().round().cast<int>();
+  const Eigen::Array3i n = ((scene.domain.max - scene.domain.min) / s).array().round().cast<int>();
   for (int k = 0; k < n.prod(); ++k) {
     const int row = k / n.x(), layer = row / n.y();
     const Vec3 p = s * Vec3(k % n.x() + 0.5, row % n.y() + 0.5, layer + 0.5);
@@ -55,21 +56,21 @@ template <class T, class Wave>
 Slowed slowed(const Scene& scene, Wave&& wave) {
   const Cloud mine = slice_of(lattice(scene, wave), rank_of(world), size_of(world));
   const Real h = scene.fluid.kernel_radius, seconds = 0.4;
-  const CellGrid grid(scene.domain_min, scene.domain_max, h, 0);
+  const CellGrid grid(scene.domain.min, scene.domain.max, h, 0);
   const Slabs slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), size_of(world));
   Particles particles;
   particles.id = mine.id;
   particles.position = particles.predicted = particles.velocity = mine.position;
   migrate(world, particles, &Particles::predicted, grid, slabs);
-  Neighbourhood<T> near(world, grid, scene.domain_min, h);
-  near.rebuild(particles, slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world)));
+  Neighbourhood<T> near(world, grid, scene.domain.min, h);
+  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world))});
   // Only now, as the sort uses their memory.
   std::transform(particles.predicted.begin(), particles.predicted.end(), particles.velocity.begin(), wave);
   particles.position = particles.predicted;
   XsphViscosity<T> filter(xsph_of_viscosity(*scene.kinematic_viscosity, scene.fluid.spacing, h), h,
                           std::make_shared<VelocityField<T>>());
   const auto inside = [&](const Vec3& p) -> Vec3 {
-    const Vec3 room = p.cwiseMin(scene.domain_max - p);
+    const Vec3 room = p.cwiseMin(scene.domain.max - p);
     return room.head<2>().minCoeff() > 0.35 ? wave(p) : Vec3::Zero();
   };
   for (int k = 0; k < std::lround(seconds / scene.dt); ++k) filter.apply(near, particles, scene.dt);

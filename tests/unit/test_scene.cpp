@@ -47,7 +47,7 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   EXPECT_EQ(scene.output.directory, "out/s");
   EXPECT_EQ(scene.steps(), 100);
   EXPECT_EQ(scene.slab_axis, 0);
-  EXPECT_EQ(scene.fluid.kernel_radius, FluidSettings{}.kernel_radius);
+  EXPECT_EQ(scene.fluid.kernel_radius, 0.2);  // twice the spacing
   EXPECT_EQ(scene.fluid.mass, FluidSettings{}.mass);
   EXPECT_NEAR(scene.density.relaxation, 0.9587 * 2 / 2.70368, 1e-5);  // Spiky, h = 2 spacings
   EXPECT_EQ(scene.density.constraint, DensitySettings{}.constraint);
@@ -193,7 +193,7 @@ TEST(SceneOverrides, AreAppliedInOrderAndKeptInTheText) {
   EXPECT_EQ(*scene.gravity, Vec3(0, 0, -1));
   EXPECT_EQ(scene.output.vtu->schedule.every_steps, 2);
   EXPECT_EQ(scene.viscosity, 0);
-  EXPECT_EQ(scene.domain_max.z(), 1.5);
+  EXPECT_EQ(scene.domain.max.z(), 1.5);
   EXPECT_NE(scene.text.find("\n# --set density.iterations=8\n# --set density.iterations = 9\n"), std::string::npos);
   EXPECT_EQ(parse(scene_plus(), {"fountain.0.center=[1,0]"}).fountains.size(), 1u);
 }

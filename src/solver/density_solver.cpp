@@ -1,4 +1,4 @@
-#include "solver/density_method.hpp"
+#include "solver/density_solver.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -20,27 +20,36 @@ Real largest_multiplier(const DensitySettings& settings, const DensityModel& mod
 }
 
 template <class T>
-class Jacobi : public DensityMethod<T> {
+class Jacobi : public DensitySolver<T> {
  public:
   Jacobi(const DensitySettings& settings, const DensityModel& model)
-      : settings_(settings), largest_(largest_multiplier(settings, model)) {}
+      : settings_(settings), relaxation_(settings.relaxation), largest_(largest_multiplier(settings, model)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     for (int k = 0; k < settings_.iterations; ++k) {
-      problem.compute_lambda(
-          [&](std::size_t, Real lambda) { return std::max(lambda, -largest_ / settings_.relaxation); });
+      problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
+        problem.compute_lambda(part);
+        cap(problem, part);
+      });
       if (within_tolerance(settings_, problem)) return {k, true};
-      problem.compute_delta();
-      problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) {
-        return problem.walls().collide(p, settings_.relaxation * delta);
+      problem.compute_delta();                          // lines 12 to 14
+      problem.with_halo(Phase::move, [&](Range part) {  // lines 14 to 18
+        problem.collide_and_move(part, relaxation_);
       });
     }
     return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }
 
  private:
+  void cap(DensityProblem<T>& problem, Range part) const {
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      T& lambda = problem.lambda(i);
+      lambda = static_cast<T>(std::max(static_cast<Real>(lambda), -largest_ / relaxation_));
+    }
+  }
+
   DensitySettings settings_;
-  Real largest_;
+  Real relaxation_, largest_;
 };
 
 // Chebyshev semi-iteration. Wang combines positions; here the multipliers are combined,
@@ -49,48 +58,62 @@ class Jacobi : public DensityMethod<T> {
 // of each particle on its own (O'Donoghue & Candès 2015): where the new multiplier opposes the last step, or the
 // particle is no longer compressed, its memory is dropped. It needs no reduction, and it is what makes deep water safe.
 template <class T>
-class Chebyshev : public DensityMethod<T> {
+class Chebyshev : public DensitySolver<T> {
  public:
   Chebyshev(const DensitySettings& settings, const DensityModel& model)
-      : settings_(settings), largest_(largest_multiplier(settings, model)) {}
+      : settings_(settings), relaxation_(settings.relaxation), largest_(largest_multiplier(settings, model)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     step_.assign(problem.density().size(), T{0});
-    const Real r2 = settings_.spectral_radius * settings_.spectral_radius;
     Real weight = 1;
     for (int k = 0; k < settings_.iterations; ++k) {
-      weight = k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
-      problem.compute_lambda([&](std::size_t i, Real lambda) {
-        const Real memory = lambda * static_cast<Real>(step_[i]) > 0 ? (weight - 1) * static_cast<Real>(step_[i]) : 0;
-        step_[i] = static_cast<T>(std::max(weight * settings_.relaxation * lambda + memory, -largest_));
-        return static_cast<Real>(step_[i]);
+      weight = next_weight(k, weight);
+      problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
+        problem.compute_lambda(part);
+        accelerate(problem, part, weight);
       });
       if (within_tolerance(settings_, problem)) return {k, true};
-      problem.compute_delta();
+      problem.compute_delta();  // lines 12 to 14
       if (k == 0) problem.separate_coincident();
-      problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) { return problem.walls().collide(p, delta); });
+      problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });  // lines 14 to 18
     }
     return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }
   std::size_t bytes() const override { return step_.capacity() * sizeof(T); }
 
  private:
+  Real next_weight(int k, Real weight) const {
+    const Real r2 = settings_.spectral_radius * settings_.spectral_radius;
+    return k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
+  }
+
+  // Multipliers to steps, in place.
+  void accelerate(DensityProblem<T>& problem, Range part, Real weight) {
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      T& step = step_[static_cast<std::size_t>(i)];
+      const Real lambda = static_cast<Real>(problem.lambda(i)), last = static_cast<Real>(step);
+      const Real memory = lambda * last > 0 ? (weight - 1) * last : 0;
+      step = static_cast<T>(std::max(weight * relaxation_ * lambda + memory, -largest_));
+      problem.lambda(i) = step;
+    }
+  }
+
   DensitySettings settings_;
-  Real largest_;
+  Real relaxation_, largest_;
   std::vector<T> step_;  // m², of the owned particles
 };
 
-// The coarse-grid correction as the first iteration, then another method for what it leaves.
+// The coarse-grid correction as the first iteration, then another solver for what it leaves.
 template <class T>
-class CoarseFirst : public DensityMethod<T> {
+class CoarseFirst : public DensitySolver<T> {
  public:
-  CoarseFirst(const MethodContext& context, std::unique_ptr<DensityMethod<T>> fine)
+  CoarseFirst(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> fine)
       : coarse_(context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()}),
         fine_(std::move(fine)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
     problem.compute_coarse_delta(coarse_);
-    problem.move([&](std::size_t, const Vec3& p, const Vec3& delta) { return problem.walls().collide(p, delta); });
+    problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
     const SolveResult rest = fine_->solve(problem);
     return {rest.iterations + 1, rest.converged};
   }
@@ -98,11 +121,11 @@ class CoarseFirst : public DensityMethod<T> {
 
  private:
   CoarseCorrection coarse_;
-  std::unique_ptr<DensityMethod<T>> fine_;
+  std::unique_ptr<DensitySolver<T>> fine_;
 };
 
 template <class T>
-std::unique_ptr<DensityMethod<T>> make_fine(const DensitySettings& settings, const MethodContext& context) {
+std::unique_ptr<DensitySolver<T>> make_fine(const DensitySettings& settings, const DensitySolverContext& context) {
   switch (settings.method) {
     case Method::chebyshev:
       return std::make_unique<Chebyshev<T>>(settings, context.model);
@@ -118,7 +141,8 @@ std::unique_ptr<DensityMethod<T>> make_fine(const DensitySettings& settings, con
 bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >= gravity.head<2>().norm(); }
 
 template <class T>
-std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& settings, const MethodContext& context) {
+std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
+                                                      const DensitySolverContext& context) {
   if (settings.coarse_grid && context.gravity.isZero())
     return std::make_unique<FreeFlight<T>>(context, make_fine<T>(settings, context));
   if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
@@ -127,7 +151,8 @@ std::unique_ptr<DensityMethod<T>> make_density_method(const DensitySettings& set
   return std::make_unique<CoarseFirst<T>>(context, make_fine<T>(rest, context));
 }
 
-template std::unique_ptr<DensityMethod<float>> make_density_method(const DensitySettings&, const MethodContext&);
-template std::unique_ptr<DensityMethod<double>> make_density_method(const DensitySettings&, const MethodContext&);
+template std::unique_ptr<DensitySolver<float>> make_density_solver(const DensitySettings&, const DensitySolverContext&);
+template std::unique_ptr<DensitySolver<double>> make_density_solver(const DensitySettings&,
+                                                                    const DensitySolverContext&);
 
 }  // namespace trevi

@@ -1,0 +1,79 @@
+#include "trevi/settings.hpp"
+
+#include "fluid/density.hpp"
+#include "fluid/kernels.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Lengths of the report are in units of its spacing, 0.1 m.
+Real refinement(const Settings& settings) {
+  const Real ratio = settings.fluid.spacing / 0.1;
+  return ratio * ratio;
+}
+
+// A share of the under-relaxation at which some wave begins to grow. Measured at h = 2 spacings (0.7 and 0.5 with
+// Poly6); the safeguard of the Chebyshev iteration allows more.
+Real stable_relaxation(const Settings& settings) {
+  constexpr Real with_safeguard = 0.9587, without = 0.685;
+  const DensityModel model = density_model(settings);
+  const Real largest = lattice_jacobi_eigenvalue(model.kernel, settings.fluid.spacing, model.h,
+                                                 model.mass / model.rest_density, model.epsilon);
+  const Real share = settings.density.method == Method::chebyshev ? with_safeguard : without;
+  return share * 2 / largest;
+}
+
+// Without gravity no coarse grid stops water before it meets other water, and overlaps would part with a bang.
+Real stable_cfl(const Settings& settings) {
+  if (settings.density.method != Method::chebyshev) return 0;
+  const bool falls = settings.gravity && !settings.gravity->isZero();
+  return falls ? 2 : 0.2;
+}
+
+}  // namespace
+
+DensityModel density_model(const Settings& settings) {
+  return {particle_mass(settings.fluid), settings.fluid.rest_density,
+          settings.fluid.kernel_radius,  settings.density.epsilon / refinement(settings),
+          settings.density.constraint,   settings.fluid.density_kernel};
+}
+
+std::optional<Tensile> tensile_of(const Settings& settings) {
+  if (!settings.tensile) return std::nullopt;
+  return Tensile{settings.tensile->k * refinement(settings), settings.tensile->n, settings.tensile->dq};
+}
+
+Settings resolved(Settings settings) {
+  const Vec3 extent = settings.domain.max - settings.domain.min;
+  settings.slab_axis.set_default(extent.y() > extent.x() ? 1 : 0);
+  settings.fluid.kernel_radius.set_default(2 * settings.fluid.spacing);
+  settings.cfl.set_default(stable_cfl(settings));
+  // By its value, not by whether it is written out, so that the default's name changes nothing. The other methods are
+  // what the literature calls them.
+  const bool default_method = settings.density.method == DensitySettings{}.method;
+  settings.density.coarse_grid.set_default(default_method);
+  settings.density.max_shift.set_default(default_method ? 0.1 : 0);
+  if (!settings.density.relaxation.given()) settings.density.relaxation = stable_relaxation(settings);
+  return settings;
+}
+
+Settings report_settings() {
+  Settings settings;
+  settings.density.method = Method::jacobi;
+  settings.density.relaxation = 1;
+  settings.density.coarse_grid = false;
+  settings.density.max_shift = 0;
+  settings.density.constraint = Constraint::equality;
+  settings.fluid.mass = Mass::volume;
+  settings.fluid.density_kernel = Kernel::poly6;
+  settings.walls.density = WallDensity::none;
+  settings.walls.reflection = Reflection::report;
+  settings.cfl = 0;
+  settings.tensile = TensileSettings{};
+  settings.vorticity = 0.002;
+  settings.viscosity = 0.001;
+  return settings;
+}
+
+}  // namespace trevi

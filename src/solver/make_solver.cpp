@@ -1,0 +1,114 @@
+// From settings to a solver: the one place where the features of a step are chosen. What the settings do not name is
+// not built: no forcing, no filter, no array, no event.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "domain/migrate.hpp"
+#include "fluid/floor_friction.hpp"
+#include "fluid/gravity.hpp"
+#include "fluid/kernels.hpp"
+#include "parallel/collective.hpp"
+#include "solver/first_slabs.hpp"
+#include "solver/pbf_solver.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
+                                                    std::vector<std::unique_ptr<Forcing>> more) {
+  std::vector<std::unique_ptr<Forcing>> forcings;
+  if (settings.gravity) forcings.push_back(std::make_unique<Gravity>(*settings.gravity));
+  if (settings.walls.floor_friction > 0) {
+    forcings.push_back(std::make_unique<FloorFriction>(settings.walls.floor_friction, settings.domain.min.z(),
+                                                       settings.fluid.kernel_radius));
+  }
+  std::move(more.begin(), more.end(), std::back_inserter(forcings));
+  return forcings;
+}
+
+template <class T>
+std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& settings, const DensityModel& model) {
+  std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
+  const auto velocity = std::make_shared<VelocityField<T>>();
+  if (settings.vorticity)
+    filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
+  std::optional<XsphFactor> xsph;
+  if (settings.viscosity) xsph = xsph_of_share(*settings.viscosity, model);
+  if (settings.kinematic_viscosity)
+    xsph = xsph_of_viscosity(*settings.kinematic_viscosity, settings.fluid.spacing, model.h);
+  if (xsph) filters.push_back(std::make_unique<XsphViscosity<T>>(*xsph, model.h, velocity));
+  return filters;
+}
+
+std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
+  if (settings.walls.density != WallDensity::analytic) return std::nullopt;
+  return AnalyticWallDensity(settings.domain, settings.fluid.density_kernel, settings.fluid.spacing,
+                             settings.fluid.kernel_radius);
+}
+
+void check_inside(MPI_Comm comm, const Settings& settings, const Particles& particles) {
+  const auto is_outside = [&](const Vec3& p) {  // a NaN is, too
+    return !((p.array() >= settings.domain.min.array()).all() && (p.array() <= settings.domain.max.array()).all());
+  };
+  all_or_none(comm, [&] {
+    const auto bad = std::find_if(particles.position.begin(), particles.position.end(), is_outside);
+    if (bad == particles.position.end()) return;
+    throw InputError(fmt::format("particle {} at ({}, {}, {}) is outside the box; enlarge the domain or move it",
+                                 particles.id[static_cast<std::size_t>(bad - particles.position.begin())], bad->x(),
+                                 bad->y(), bad->z()));
+  });
+}
+
+template <class T>
+void make_fluid(const Settings& settings, SolverParts<T>& parts) {
+  const DensityModel model = density_model(settings);
+  const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
+  const Real spacing = settings.fluid.spacing;
+  parts.walls = std::make_unique<Walls>(parts.box, settings.walls, 1e-6 * model.h);
+  parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings));
+  parts.density_solver =
+      make_density_solver<T>(settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity});
+  parts.filters = make_filters<T>(settings, model);
+  parts.substep_rule = {settings.cfl, model.h, gravity,
+                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
+  parts.diagnostics =
+      std::make_unique<DiagnosticsSum>(*parts.comm, parts.box, model, lattice_neighbours(spacing, model.h), gravity);
+}
+
+template <class T>
+std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
+  SolverParts<T> parts;
+  parts.comm = std::make_unique<OwnCommunicator>(comm);
+  parts.box = settings.domain;
+  parts.grid = std::make_unique<CellGrid>(cell_grid(settings));
+  parts.particles = std::move(particles);
+  check_inside(*parts.comm, settings, parts.particles);
+  parts.particles.predicted = parts.particles.position;
+  parts.slabs = std::make_unique<Slabs>(
+      first_slabs(settings, *parts.grid, plane_weights(*parts.comm, *parts.grid, parts.particles), size_of(comm)));
+  migrate(*parts.comm, parts.particles, &Particles::position, *parts.grid, *parts.slabs);
+  constexpr Real least_gain = 0.01;
+  parts.balance = std::make_unique<Balance>(
+      *parts.comm, settings.slabs == SlabCuts::balanced ? least_gain : std::numeric_limits<Real>::max());
+  parts.clock = {extras.step, settings.dt, extras.substeps};
+  parts.requests = std::move(extras.requests);
+  parts.observers = std::move(extras.observers);
+  parts.forcings = make_forcings(settings, std::move(extras.forcings));
+  make_fluid(settings, parts);
+  return std::make_unique<PbfSolver<T>>(std::move(parts));
+}
+
+}  // namespace
+
+std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
+  const Settings all = resolved(settings);
+  if (all.density.precision == Precision::single)
+    return make<float>(comm, all, std::move(particles), std::move(extras));
+  return make<double>(comm, all, std::move(particles), std::move(extras));
+}
+
+}  // namespace trevi

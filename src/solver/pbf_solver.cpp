@@ -1,0 +1,168 @@
+#include "solver/pbf_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "domain/migrate.hpp"
+#include "parallel/collective.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+// Not while an error of this rank alone is on its way: the others would not come to free theirs.
+OwnCommunicator::~OwnCommunicator() {
+  if (std::uncaught_exceptions() == 0) MPI_Comm_free(&comm_);
+}
+
+template <class T>
+PbfSolver<T>::PbfSolver(SolverParts<T> parts)
+    : parts_(std::move(parts)),
+      guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
+      near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
+      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.walls),
+      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings}, std::move(parts_.observers),
+                *parts_.diagnostics) {}
+
+template <class T>
+void PbfSolver<T>::start() {
+  parts_.particles.predicted = parts_.particles.position;
+  find_neighbours(Velocities::kept);
+  problem_.start(parts_.particles, parts_.clock.dt);
+  guard_.agree(parts_.particles, 0);
+  reporter_.observe();
+}
+
+template <class T>
+void PbfSolver<T>::step() {
+  Clock& clock = parts_.clock;
+  {
+    const Stopwatch::Lap lap(reporter_.stopwatch());
+    reporter_.begin_step();
+    prepare_forcings();
+    clock.substeps = parts_.substep_rule.substeps(*parts_.comm, clock, parts_.particles, parts_.forcings);
+    const Real dt = clock.dt / clock.substeps;
+    for (int k = 0; k < clock.substeps; ++k) {
+      if (k > 0) migrate_particles(&Particles::position);
+      substep({clock.step, k, clock.time() + k * dt, dt});
+    }
+    ++clock.step;
+  }
+  reporter_.observe();
+  const Stopwatch::Lap lap(reporter_.stopwatch());
+  parts_.balance->update(clock.step, near_.order(), near_.list(), *parts_.slabs);
+  migrate_particles(&Particles::position);
+}
+
+// Algorithm 1 of the report, for one of the equal parts of a step.
+template <class T>
+void PbfSolver<T>::substep(const StepInfo& info) {
+  apply_forcings(info);                      //  2
+  predict_positions(info.dt);                //  3
+  migrate_particles(&Particles::predicted);  //     ownership follows p*
+  find_neighbours(Velocities::overwritten);  //  5 to 7: order, ghosts, lists, frozen until 22
+  reporter_.note_search(info.substep);
+  problem_.start(parts_.particles, info.dt);
+  const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
+  reporter_.note_solution(result);
+  update_velocities(info.dt);       // 21
+  apply_velocity_filters(info.dt);  // 22
+  vote_on_failures();               //     all ranks throw, or none
+  accept_positions();               // 23
+}
+
+template <class T>
+void PbfSolver<T>::prepare_forcings() {
+  const Clock& clock = parts_.clock;
+  for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
+}
+
+template <class T>
+void PbfSolver<T>::apply_forcings(const StepInfo& info) {
+  for (const auto& forcing : parts_.forcings) forcing->apply(parts_.particles, info);
+}
+
+template <class T>
+void PbfSolver<T>::predict_positions(Real dt) {
+  const ScopedEvent timed(predict_event_);
+  Particles& particles = parts_.particles;
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    particles.predicted[i] = parts_.walls->predict(particles.position[i], particles.velocity[i], dt);
+    // Here, as an infinite p* would be moved to a wall by the next collision and look sound again.
+    if (!parts_.walls->inside(particles.predicted[i])) guard_.note_particle(particles, i, parts_.clock.step + 1);
+  }
+}
+
+template <class T>
+void PbfSolver<T>::migrate_particles(std::vector<Vec3> Particles::*position) {
+  const ScopedEvent timed(migrate_event_);
+  reporter_.count_migrated(migrate(*parts_.comm, parts_.particles, position, *parts_.grid, *parts_.slabs));
+}
+
+template <class T>
+void PbfSolver<T>::find_neighbours(Velocities velocities) {
+  const int rank = rank_of(*parts_.comm);
+  near_.rebuild(parts_.particles, {parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank)}, velocities);
+  if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: told when all agree
+    guard_.note(
+        parts_.clock.step + 1,
+        fmt::format("particle {} has more than {} neighbours: the water has collapsed into a point; use a smaller dt, "
+                    "time.cfl, or under-relaxation",
+                    parts_.particles.id[static_cast<std::size_t>(i)], NeighbourList::most_neighbours));
+  }
+}
+
+template <class T>
+void PbfSolver<T>::update_velocities(Real dt) {
+  const ScopedEvent timed(update_event_);
+  Particles& particles = parts_.particles;
+  for (std::size_t i = 0; i < particles.id.size(); ++i)
+    particles.velocity[i] = (particles.predicted[i] - particles.position[i]) / dt;
+}
+
+template <class T>
+void PbfSolver<T>::apply_velocity_filters(Real dt) {
+  for (const auto& filter : parts_.filters) filter->apply(near_, parts_.particles, dt);
+}
+
+template <class T>
+void PbfSolver<T>::vote_on_failures() {
+  const std::int64_t step = parts_.clock.step + 1;
+  guard_.check(parts_.particles, *parts_.walls, step);
+  guard_.agree(parts_.particles, step);
+}
+
+template <class T>
+void PbfSolver<T>::accept_positions() {
+  parts_.particles.position = parts_.particles.predicted;
+}
+
+template <class T>
+void PbfSolver<T>::change_particles(const std::function<void(Particles&)>& change) {
+  Particles& particles = parts_.particles;
+  all_or_none(*parts_.comm, [&] {
+    change(particles);
+    particles.predicted = particles.position;
+    particles.for_each_field([&](const auto& field) {
+      require(field.size() == particles.id.size(), "after change_particles() the fields have different lengths");
+    });
+  });
+  guard_.recount(particles);
+  vote_on_failures();
+  migrate_particles(&Particles::position);
+}
+
+template <class T>
+Solver::Counters PbfSolver<T>::counters() const {
+  Counters counters = reporter_.counters();
+  const Balance::History& balance = parts_.balance->history();
+  counters.balance = {balance.looks, balance.moves, balance.sum, balance.max};
+  counters.bytes += parts_.density_solver->bytes();
+  for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();
+  return counters;
+}
+
+template class PbfSolver<float>;
+template class PbfSolver<double>;
+
+}  // namespace trevi

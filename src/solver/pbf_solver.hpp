@@ -1,0 +1,93 @@
+// The time step of position based fluids (report, Algorithm 1) on slabs, and the state it advances. Collective
+// throughout. During a substep the neighbour list, the ghosts and the order of the particles are frozen from the
+// prediction to the end of the filters.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "domain/balance.hpp"
+#include "fluid/velocity_filter.hpp"
+#include "solver/guard.hpp"
+#include "solver/reporter.hpp"
+#include "solver/substep_rule.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi {
+
+/// A duplicate of a communicator for the life of the object. Collective.
+class OwnCommunicator {
+ public:
+  explicit OwnCommunicator(MPI_Comm comm) { MPI_Comm_dup(comm, &comm_); }
+  ~OwnCommunicator();
+  OwnCommunicator(const OwnCommunicator&) = delete;
+  OwnCommunicator& operator=(const OwnCommunicator&) = delete;
+  operator MPI_Comm() const { return comm_; }
+
+ private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+};
+
+/// Everything a solver is made of; filled by make_solver().
+template <class T>
+struct SolverParts {
+  std::unique_ptr<OwnCommunicator> comm;
+  Box box;
+  std::unique_ptr<CellGrid> grid;
+  std::unique_ptr<Slabs> slabs;
+  std::unique_ptr<Balance> balance;
+  std::unique_ptr<Walls> walls;
+  std::unique_ptr<DensityConstraint<T>> constraint;
+  std::unique_ptr<DensitySolver<T>> density_solver;
+  std::vector<std::unique_ptr<Forcing>> forcings;
+  std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
+  std::vector<std::unique_ptr<Observer>> observers;
+  std::unique_ptr<DiagnosticsSum> diagnostics;
+  SubstepRule substep_rule;
+  Clock clock;
+  std::function<RequestCounts()> requests;  ///< of this rank, from outside; may be empty
+  Particles particles;                      ///< those in this rank's slab by position
+};
+
+template <class T>
+class PbfSolver : public Solver {
+ public:
+  explicit PbfSolver(SolverParts<T> parts);
+
+  void start() override;
+  void step() override;
+  void save() override { reporter_.save(); }
+  const RequestCounts& requests() const override { return guard_.requests(); }
+  void finish() override { reporter_.finish(); }
+
+  const Clock& clock() const override { return parts_.clock; }
+  const Particles& particles() const override { return parts_.particles; }
+  void change_particles(const std::function<void(Particles&)>& change) override;
+  Counters counters() const override;
+  std::vector<FountainState> fountains() const override { return reporter_.fountains(); }
+
+ private:
+  void prepare_forcings();
+  void substep(const StepInfo& info);
+  // The lines of a substep.
+  void apply_forcings(const StepInfo& info);
+  void predict_positions(Real dt);
+  void migrate_particles(std::vector<Vec3> Particles::*position);
+  void find_neighbours(Velocities velocities);
+  void update_velocities(Real dt);
+  void apply_velocity_filters(Real dt);
+  void vote_on_failures();
+  void accept_positions();
+
+  SolverParts<T> parts_;
+  Guard guard_;
+  Neighbourhood<T> near_;
+  DensityProblem<T> problem_;
+  Reporter<T> reporter_;
+  Event predict_event_{"Predict"}, migrate_event_{"Migrate"}, update_event_{"UpdateVelocity"};
+};
+
+extern template class PbfSolver<float>;
+extern template class PbfSolver<double>;
+
+}  // namespace trevi

@@ -1,0 +1,95 @@
+#include "solver/reporter.hpp"
+
+#include <algorithm>
+
+namespace trevi {
+
+template <class T>
+Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr<Observer>> observers,
+                      const DiagnosticsSum& diagnostics)
+    : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics) {}
+
+template <class T>
+void Reporter<T>::note_search(int substep) {
+  const bool last = substep + 1 == state_.clock.substeps;
+  if (last && wanted(&Observer::wants_diagnostics, state_.clock.step + 1)) drift_.begin(state_.particles.predicted);
+}
+
+template <class T>
+void Reporter<T>::note_solution(const SolveResult& result) {
+  drift_.end(state_.particles.predicted);
+  counters_.iterations += result.iterations;
+  counters_.unconverged += result.converged ? 0 : 1;
+  ++counters_.substeps;
+}
+
+template <class T>
+bool Reporter<T>::wanted(bool (Observer::*what)() const, std::int64_t step) const {
+  Clock clock = state_.clock;
+  clock.step = step;
+  return std::any_of(observers_.begin(), observers_.end(),
+                     [&](const auto& observer) { return observer->due(clock) && (observer.get()->*what)(); });
+}
+
+template <class T>
+void Reporter<T>::observe() {
+  Frame seen = frame();
+  const bool diagnose = wanted(&Observer::wants_diagnostics, seen.clock.step);
+  if (diagnose || wanted(&Observer::wants_density, seen.clock.step)) {
+    state_.problem.compute_density();
+    seen.density = state_.problem.density();
+  }
+  Diagnostics row;
+  if (diagnose) {
+    const ScopedEvent timed(diagnostics_event_);
+    row = diagnostics_({seen.particles, seen.density, drift_.largest(), state_.near.order(), state_.near.list()});
+    row.iterations = counters_.iterations - iterations_before_step_;
+    row.wall_seconds = stopwatch_.seconds();
+    seen.diagnostics = &row;
+  }
+  for (const auto& observer : observers_) {
+    if (observer->due(seen.clock)) observer->observe(seen);
+  }
+}
+
+template <class T>
+Frame Reporter<T>::frame() {
+  fountain_states_ = fountains();
+  return {state_.clock, state_.particles, {}, nullptr, fountain_states_};
+}
+
+template <class T>
+void Reporter<T>::save() {
+  for (const auto& observer : observers_) observer->save(frame());
+}
+
+template <class T>
+void Reporter<T>::finish() {
+  for (const auto& observer : observers_) observer->finish(frame());
+}
+
+template <class T>
+std::vector<FountainState> Reporter<T>::fountains() const {
+  std::vector<FountainState> states;
+  for (const auto& forcing : state_.forcings) {
+    if (const auto state = forcing->state(state_.clock.time())) states.push_back(*state);
+  }
+  return states;
+}
+
+template <class T>
+Solver::Counters Reporter<T>::counters() const {
+  Solver::Counters counters = counters_;
+  counters.pair_passes = state_.problem.pair_passes();
+  counters.halo_bytes = state_.near.halo().bytes();
+  counters.halo_messages = state_.near.halo().messages();
+  counters.seconds = stopwatch_.seconds();
+  counters.bytes = state_.near.bytes() + state_.problem.bytes() + drift_.bytes();
+  state_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });
+  return counters;
+}
+
+template class Reporter<float>;
+template class Reporter<double>;
+
+}  // namespace trevi
