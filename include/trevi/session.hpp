@@ -1,11 +1,12 @@
-// MPI and PETSc for the life of the program: construct one Session first in main, let it go last. A program that is to
-// tell an error of the Session itself on one rank constructs Mpi before it.
+// MPI and PETSc for the life of a program that uses Trevi: one Session at a time, before the first solver and until after
+// the last. A program that is to tell an error of the Session itself on one rank constructs Mpi before it.
 // Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as
 // the solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
 #pragma once
 
 #include <mpi.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,11 +29,14 @@ class Session {
   /// InputError on all ranks alike for an -options_file that cannot be read, RunError for an MPI that allows no
   /// threads.
   Session(int& argc, char**& argv);
+  /// On ranks that have called MPI_Init() themselves: those of `comm`, which outlives the session. PETSc is used as it
+  /// is where the program has initialised it, too.
+  explicit Session(MPI_Comm comm);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  MPI_Comm comm() const { return MPI_COMM_WORLD; }
+  MPI_Comm comm() const { return comm_; }
   int rank() const { return rank_; }
   int size() const { return size_; }
 
@@ -40,7 +44,11 @@ class Session {
   std::vector<std::string> unused_options() const;
 
  private:
-  Mpi mpi_;
+  void begin();
+
+  std::optional<Mpi> mpi_;
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  bool owns_petsc_ = true;
   int rank_ = 0;
   int size_ = 1;
 };

@@ -55,6 +55,8 @@ ScopedStage::ScopedStage(const std::string& name) {
   PetscLogStagePush(stage);
 }
 
+void forget_events() { registry() = {}; }
+
 std::vector<EventTotals> event_totals() {
   std::vector<EventTotals> totals;
   for (const NamedEvent& event : registry().events) {

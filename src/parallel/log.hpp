@@ -49,6 +49,9 @@ struct EventTotals {
   long calls = 0;
 };
 
+/// At the end of a session, as PETSc then forgets its log; events are registered anew in the next one.
+void forget_events();
+
 /// Totals of all events of the solver, in order of registration.
 std::vector<EventTotals> event_totals();
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/simd.hpp"
+#include "parallel/log.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -52,20 +53,41 @@ Mpi::~Mpi() {
   if (owner_) MPI_Finalize();
 }
 
-Session::Session(int& argc, char**& argv) : mpi_(argc, argv) {
+Session::Session(int& argc, char**& argv) {
+  mpi_.emplace(argc, argv);
+  comm_ = MPI_COMM_WORLD;
   require_threads();
-  check_options_files(comm(), argc, argv);
-  MPI_Comm_rank(comm(), &rank_);
-  MPI_Comm_size(comm(), &size_);
+  check_options_files(comm_, argc, argv);
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
   std::signal(SIGPIPE, SIG_IGN);  // a run goes on when nobody reads its progress any more
-  PetscLogDefaultBegin();         // run.json reads its phases from the log, -log_view or not
-  agree_on_instruction_set(comm());
+  begin();
+}
+
+Session::Session(MPI_Comm comm) : comm_(comm) {
+  PetscBool begun = PETSC_FALSE;
+  PetscInitialized(&begun);
+  owns_petsc_ = begun == PETSC_FALSE;
+  if (owns_petsc_) {
+    PETSC_COMM_WORLD = comm;
+    require(PetscInitializeNoArguments() == 0, "PETSc could not start");
+    PetscPopSignalHandler();
+  }
+  begin();
+}
+
+void Session::begin() {
+  rank_ = rank_of(comm_);
+  size_ = size_of(comm_);
+  PetscLogDefaultBegin();  // run.json reads its phases from the log, -log_view or not
+  agree_on_instruction_set(comm_);
   flush_denormals();
 }
 
-Session::~Session() { PetscFinalize(); }
+Session::~Session() {
+  forget_events();
+  if (owns_petsc_) PetscFinalize();
+}
 
 std::vector<std::string> Session::unused_options() const {
   PetscInt count = 0;

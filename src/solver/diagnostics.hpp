@@ -1,5 +1,5 @@
 // The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and
-// wall_seconds has the same bits on any rank count. Definitions: contract, "Outputs"; units SI. Collective. An interior
+// wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; units SI. Collective. An interior
 // particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
 #pragma once
 
