@@ -99,6 +99,20 @@ def check_layers(tree):
                 yield file, line, f"the public header includes {name}, which is not public"
 
 
+def check_public(tree):
+    """What solver.hpp and scene.hpp, the doors of the library, do not lead to only the library itself would include."""
+    reached, todo = set(), ["include/trevi/solver.hpp", "include/trevi/scene.hpp"]
+    while todo:
+        file = todo.pop()
+        if file in reached or file not in tree.includes:
+            continue
+        reached.add(file)
+        todo += [tree.resolve(file, include.name) for include in tree.includes[file]]
+    for file in tree.includes:
+        if file.startswith("include/") and room_of(file) and file not in reached:
+            yield file, 1, "no program that uses the library needs it; keep it beside its source"
+
+
 def check_libraries(tree):
     for file, includes in tree.includes.items():
         for line, name in includes:
@@ -151,7 +165,8 @@ def check_folders(root):
 def violations(root):
     root = root.resolve()
     tree = Tree(root)
-    checks = (check_layers(tree), check_libraries(tree), check_circles(tree), check_lengths(root), check_folders(root))
+    checks = (check_layers(tree), check_public(tree), check_libraries(tree), check_circles(tree), check_lengths(root),
+              check_folders(root))
     return [violation for check in checks for violation in check]
 
 
@@ -160,7 +175,7 @@ GOOD = {
     "include/trevi/types.hpp": "#pragma once\n#include <vector>\n",
     "include/trevi/session.hpp": '#include <mpi.h>\n#include "trevi/types.hpp"\n',
     "include/trevi/solver.hpp": '#include "trevi/session.hpp"\n#include "trevi/types.hpp"\n',
-    "include/trevi/scene.hpp": "\n",
+    "include/trevi/scene.hpp": "".join(f'#include "trevi/{name}.hpp"\n' for name in ("box", "forcing", "particles")),
     "src/domain/halo.hpp": "#include <petscvec.h>\n",
     "src/fluid/kernel.hpp": '// #include "trevi/scene.hpp"\n/*\n#include <hdf5.h>\n*/\n#include "trevi/types.hpp"\n',
     "src/music/music.cpp": '#include <sndfile.h>\n#include "table.hpp"\n',
@@ -179,6 +194,7 @@ BAD = [  # file, text, the line and a word of the violation
     ("include/trevi/forcing.hpp", '#include "fluid/kernel.hpp"\n', 1, "not public"),
     ("include/trevi/extra.hpp", "\n", 1, "in no room"),
     ("include/trevi/particles.hpp", "#include <mpi.h>\n", 1, "mpi.h"),
+    ("include/trevi/observer.hpp", "\n", 1, "no program"),
     ("src/fluid/up.cpp", '#include "../solver/private.hpp"\n', 1, "higher room"),
     ("src/solver/odd.cpp", '\n\n  #  include "trevi/extras/odd.hpp"\n', 3, "in no room"),
     ("src/stray.cpp", "\n", 1, "in no room"),

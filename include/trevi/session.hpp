@@ -1,5 +1,5 @@
-// MPI and PETSc for the life of a program that uses Trevi: one Session at a time, before the first solver and until after
-// the last. A program that is to tell an error of the Session itself on one rank constructs Mpi before it.
+// MPI and PETSc for the life of a program that uses Trevi: one Session at a time, before the first solver and until
+// after the last. A program that is to tell an error of the Session itself on one rank constructs Mpi before it.
 // Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as
 // the solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
 #pragma once

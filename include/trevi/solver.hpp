@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "trevi/clock.hpp"
+#include "trevi/error.hpp"
 #include "trevi/forcing.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/particles.hpp"

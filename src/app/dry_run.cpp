@@ -8,7 +8,7 @@
 #include "app/build.hpp"
 #include "app/envelope.hpp"
 #include "app/initial_particles.hpp"
-#include "fluid/velocity_filter.hpp"
+#include "fluid/xsph_viscosity.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "app/scene_fountain.hpp"
 #include "fluid/kernels.hpp"
-#include "fluid/velocity_filter.hpp"
+#include "fluid/xsph_viscosity.hpp"
 
 namespace trevi {
 namespace {

@@ -29,7 +29,7 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
       delta_loop_(loops_.delta),
       walls_(std::move(walls)) {
   if (tensile) {
-    delta_loop_ = [loop = loops_.tensile_delta, t = *tensile](const Pairs<T>& pairs, Range range, Quad<T>* out) {
+    delta_loop_ = [loop = loops_.tensile_delta, t = *tensile](const Pairs<T>& pairs, Range range, Vec4<T>* out) {
       loop(pairs, range, t, out);
     };
   }
@@ -38,8 +38,8 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
 template <class T>
 void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                      std::span<Real> rho) const {
-  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
-  for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T) {
+  const auto loop = [&](Range part, Vec4<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
+  for_each_sum<Vec4<T>, T>(range, loop, [&](std::size_t k, const Vec4<T>& sum, T) {
     rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
     if (walls_) rho[k] += model_.rest_density * walls_->at(p[k]).density;
   });
@@ -48,8 +48,8 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
                                    std::vector<Packed<T>>& records) const {
-  const auto loop = [&](Range part, Quad<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
-  for_each_sum<Quad<T>, T>(range, loop, [&](std::size_t k, const Quad<T>& sum, T squares) {
+  const auto loop = [&](Range part, Vec4<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
+  for_each_sum<Vec4<T>, T>(range, loop, [&](std::size_t k, const Vec4<T>& sum, T squares) {
     rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
     Vec3 gradient = -gradient_factor_ * vector_of(sum);
     if (walls_) {
@@ -65,8 +65,8 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
 
 template <class T>
 void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                                  std::span<Quad<T>> delta) const {
-  Quad<T>* out = delta.data() + range.begin;
+                                  std::span<Vec4<T>> delta) const {
+  Vec4<T>* out = delta.data() + range.begin;
   delta_loop_(pairs, range, out);
   const auto factor = static_cast<T>(-gradient_factor_);
   for (LocalId k = 0; k < range.size(); ++k) out[k] = {out[k].x * factor, out[k].y * factor, out[k].z * factor, 0};

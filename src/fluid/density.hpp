@@ -57,7 +57,7 @@ class DensityConstraint {
                std::vector<Packed<T>>& records) const;
 
   /// Writes delta_i in metres for the range (arrays of all owned particles).
-  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Quad<T>> delta) const;
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double density_flops = 27, delta_flops = 24;
@@ -67,7 +67,7 @@ class DensityConstraint {
   Real density_factor_;   // m W(0), kg/m³: what a particle without neighbours has
   Real gradient_factor_;  // m/rho0 times that of the slope, 1/m
   ConstraintLoops<T> loops_;
-  std::function<void(const Pairs<T>&, Range, Quad<T>*)> delta_loop_;
+  std::function<void(const Pairs<T>&, Range, Vec4<T>*)> delta_loop_;
   std::optional<AnalyticWallDensity> walls_;
 };
 

@@ -10,9 +10,10 @@ Real uniform(std::uint64_t seed, GlobalId id, const StepInfo& info, int stream) 
   const auto high = [](std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); };
   const auto particle = static_cast<std::uint64_t>(id), step = static_cast<std::uint64_t>(info.step);
   // 12 bits of stream, 20 of substep, of which a step has a million at most. A step past 2^32 would touch the latter's.
-  const auto place =
+  const auto stream_and_substep =
       static_cast<std::uint32_t>(static_cast<unsigned>(info.substep) << 12U | (static_cast<unsigned>(stream) & 0xfffU));
-  const Generator::ctr_type counter = {{low(particle), high(particle), low(step), place | high(step) << 24U}};
+  const Generator::ctr_type counter = {
+      {low(particle), high(particle), low(step), stream_and_substep | high(step) << 24U}};
   const Generator::key_type key = {{low(seed), high(seed)}};
   const Generator::ctr_type random = Generator()(counter, key);
   const std::uint64_t bits = (static_cast<std::uint64_t>(random[0]) << 32U | random[1]) >> 11U;

@@ -18,19 +18,19 @@ namespace trevi {
 namespace {
 
 template <class K, class... Listed>
-constexpr std::size_t place_of(std::type_identity<std::tuple<Listed...>>) {
+constexpr std::size_t index_of(std::type_identity<std::tuple<Listed...>>) {
   static_assert((std::is_same_v<K, Listed> || ...), "a kernel names another for its gradient that is not in the list");
-  std::size_t place = 0;
+  std::size_t index = 0;
   for (const bool found : {std::is_same_v<K, Listed>...}) {
-    if (found) return place;
-    ++place;
+    if (found) return index;
+    ++index;
   }
-  return place;
+  return index;
 }
 
 template <class... Listed>
 constexpr std::array<Kernel, sizeof...(Listed)> described(std::type_identity<std::tuple<Listed...>> list) {
-  return {Kernel{Listed::name, place_of<Listed>(list), place_of<typename Listed::Gradient>(list), Listed::factor,
+  return {Kernel{Listed::name, index_of<Listed>(list), index_of<typename Listed::Gradient>(list), Listed::factor,
                  Listed::slope_factor, Listed::steepest, Listed::value, Listed::gradient}...};
 }
 
@@ -56,7 +56,7 @@ const Kernel& kernel_named(std::string_view name) {
 Kernels kernels_of(const FluidSettings& fluid) {
   const Kernel& density = kernel_named(fluid.density_kernel);
   return {density, fluid.gradient_kernel.given() ? kernel_named(fluid.gradient_kernel.value())
-                                                 : all_kernels()[density.gradient_place]};
+                                                 : all_kernels()[density.gradient_index]};
 }
 
 Real lattice_density_sum(const Kernel& kernel, Real spacing, Real h) {
@@ -93,7 +93,7 @@ std::array<Real, 24> sines_of_twelfths() {
 
 Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Real volume, Real epsilon) {
   struct Neighbour {
-    std::array<int, 3> place;
+    std::array<int, 3> position;
     Vec3 dense, push;
   };
   std::vector<Neighbour> neighbours;
@@ -113,7 +113,7 @@ Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Rea
       for (int z = 0; z <= y; ++z) {
         Vec3 dense = Vec3::Zero(), push = Vec3::Zero();
         for (const Neighbour& n : neighbours) {
-          const int q = (x * n.place[0] + y * n.place[1] + z * n.place[2]) % 24;
+          const int q = (x * n.position[0] + y * n.position[1] + z * n.position[2]) % 24;
           const Real s = sine[static_cast<std::size_t>(q < 0 ? q + 24 : q)];
           dense += s * n.dense;
           push += s * n.push;

@@ -17,8 +17,8 @@ namespace trevi {
 /// All lengths in metres.
 struct Kernel {
   std::string_view name;                    ///< that a scene gives
-  std::size_t place;                        ///< in the list
-  std::size_t gradient_place;               ///< of the kernel whose gradient goes with densities of this one
+  std::size_t index;                        ///< in the list
+  std::size_t gradient_index;               ///< of the kernel whose gradient goes with densities of this one
   Real (*factor)(Real h);                   ///< W(0), 1/m³
   Real (*slope_factor)(Real h);             ///< what the shape of −dW/dr is multiplied by, 1/m⁴
   Real (*steepest)(Real h);                 ///< the largest −dW/dr there is, 1/m⁴

@@ -32,7 +32,7 @@ HWY_INLINE hn::Vec<D> slope_per_u(D d, const PairVector<D>& pair) {
 // Sums of three components start at zero; what they are multiplied with at the end takes r̂ from record units to none.
 template <class T>
 struct VectorTerms {
-  Quad<T>* out;
+  Vec4<T>* out;
 
   template <class D>
   static Four<D> start(D d, LocalId) {
@@ -46,10 +46,10 @@ struct VectorTerms {
     sums.z = hn::MulAdd(factor, pair.dz, sums.z);
   }
   template <class D>
-  Quad<T> finish(D d, LocalId place, const Four<D>& sums) const {
+  Vec4<T> finish(D d, LocalId index, const Four<D>& sums) const {
     constexpr T per_unit = static_cast<T>(1 / Packed<T>::units_per_h);
-    const Quad<T> total = sum_of_lanes(d, sums);
-    return out[place] = {total.x * per_unit, total.y * per_unit, total.z * per_unit, total.w};
+    const Vec4<T> total = sum_of_lanes(d, sums);
+    return out[index] = {total.x * per_unit, total.y * per_unit, total.z * per_unit, total.w};
   }
 };
 
@@ -76,9 +76,9 @@ struct DensityTerms : VectorTerms<T> {
     this->add_along(sums.vector, pair, slope.per_u);
   }
   template <class D>
-  void finish(D d, LocalId place, const Sums<D>& sums) const {
-    VectorTerms<T>::finish(d, place, sums.vector);
-    squares[place] = hn::GetLane(hn::SumOfLanes(d, sums.squares));
+  void finish(D d, LocalId index, const Sums<D>& sums) const {
+    VectorTerms<T>::finish(d, index, sums.vector);
+    squares[index] = hn::GetLane(hn::SumOfLanes(d, sums.squares));
   }
 };
 
@@ -139,12 +139,12 @@ struct GradientTerms : RecordTerms<T> {
 
 template <class T>
 struct VelocityTerms : VectorTerms<T> {
-  const Quad<T>* velocity;
+  const Vec4<T>* velocity;
 
   template <class D>
   SumsOf<D> start(D d, LocalId i) const {
     const auto zero = hn::Zero(d);
-    const Quad<T>& v = velocity[i];
+    const Vec4<T>& v = velocity[i];
     return {{zero, zero, zero, zero}, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), zero}};
   }
   template <class D>
@@ -181,37 +181,37 @@ struct SmoothingTerms : VelocityTerms<T> {
     sums.z = hn::MulAdd(weight, v.z, sums.z);
   }
   template <class D>
-  void finish(D d, LocalId place, const SumsOf<D>& sums) const {
-    this->out[place] = sum_of_lanes(d, static_cast<const Four<D>&>(sums));
+  void finish(D d, LocalId index, const SumsOf<D>& sums) const {
+    this->out[index] = sum_of_lanes(d, static_cast<const Four<D>&>(sums));
   }
 };
 
 // The entry points; Highway's dispatch takes plain functions only.
 template <class T, class Density, class Gradient>
-void density(const Pairs<T>& pairs, Range range, Quad<T>* out, T* squares) {
+void density(const Pairs<T>& pairs, Range range, Vec4<T>* out, T* squares) {
   for_each_particle(pairs, range, DensityTerms<T, Density, Gradient>{{out}, squares});
 }
 template <class T, class Gradient>
-void delta(const Pairs<T>& pairs, Range range, Quad<T>* out) {
+void delta(const Pairs<T>& pairs, Range range, Vec4<T>* out) {
   for_each_particle(pairs, range, DeltaTerms<T, Gradient>{{{out}, pairs.records.data()}});
 }
 template <class T, class Gradient>
-void tensile_delta(const Pairs<T>& pairs, Range range, const Tensile& tensile, Quad<T>* out) {
+void tensile_delta(const Pairs<T>& pairs, Range range, const Tensile& tensile, Vec4<T>* out) {
   const auto per_base = static_cast<T>(1 / (1 - tensile.dq * tensile.dq));
   for_each_particle(
       pairs, range,
       TensileDeltaTerms<T, Gradient>{{{out}, pairs.records.data()}, static_cast<T>(-tensile.k), per_base, tensile.n});
 }
 template <class T>
-void curl(const Pairs<T>& pairs, Range range, const Quad<T>* velocity, Quad<T>* out) {
+void curl(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
   for_each_particle(pairs, range, CurlTerms<T>{{{out}, velocity}});
 }
 template <class T>
-void gradient(const Pairs<T>& pairs, Range range, Quad<T>* out) {
+void gradient(const Pairs<T>& pairs, Range range, Vec4<T>* out) {
   for_each_particle(pairs, range, GradientTerms<T>{{{out}, pairs.records.data()}});
 }
 template <class T>
-void smoothing(const Pairs<T>& pairs, Range range, const Quad<T>* velocity, Quad<T>* out) {
+void smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
   for_each_particle(pairs, range, SmoothingTerms<T>{{{out}, velocity}});
 }
 
@@ -229,7 +229,7 @@ ConstraintLoops<T> listed_loops(std::size_t wanted, std::index_sequence<k...>) {
 template <class T>
 ConstraintLoops<T> loops_of_constraint(const Kernels& kernels) {
   constexpr std::size_t count = std::tuple_size_v<KernelList>;
-  return listed_loops<T>(kernels.density.place * count + kernels.gradient.place,
+  return listed_loops<T>(kernels.density.index * count + kernels.gradient.index,
                          std::make_index_sequence<count * count>());
 }
 template <class T>

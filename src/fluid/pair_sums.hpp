@@ -1,7 +1,7 @@
 // The sums over neighbours that the method consists of, dimensionless (u = r/h, r̂ from j to i), vectorised: with w(u)
 // the shape W/W(0) of one kernel and g(u) that of −dW/dr of one, see kernels.hpp.
 // This is where the run time goes. Each sum is a few terms under one common traversal of the neighbour list
-// (pair_sums-inl.hpp); what the sums mean is in density.hpp and velocity_filter.hpp.
+// (pair_sums-inl.hpp); what the sums mean is in density.hpp and the velocity filters.
 // Pairs that have drifted beyond h on the frozen list contribute nothing. Terms are added in the order of the list,
 // lane by lane: the same bits wherever a particle is stored. Not collective.
 #pragma once
@@ -26,16 +26,16 @@ struct Tensile {
   Real dq = 0.2;
 };
 
-/// The loops of a density constraint for the instruction set in use. Owned particle i of a range writes to place
+/// The loops of a density constraint for the instruction set in use. Owned particle i of a range writes to index
 /// i − range.begin of `out`.
 template <class T>
 struct ConstraintLoops {
   /// out = (Σ g r̂, Σ w), squares = Σ g².
-  void (*density)(const Pairs<T>&, Range, Quad<T>* out, T* squares);
+  void (*density)(const Pairs<T>&, Range, Vec4<T>* out, T* squares);
   /// out = Σ (lambda_i + lambda_j) g r̂, with lambda the scalar of the records.
-  void (*delta)(const Pairs<T>&, Range, Quad<T>* out);
+  void (*delta)(const Pairs<T>&, Range, Vec4<T>* out);
   /// out = Σ (lambda_i + lambda_j + s_corr) g r̂.
-  void (*tensile_delta)(const Pairs<T>&, Range, const Tensile&, Quad<T>* out);
+  void (*tensile_delta)(const Pairs<T>&, Range, const Tensile&, Vec4<T>* out);
 };
 
 /// w of the first kernel, g of the second.
@@ -51,11 +51,11 @@ ConstraintLoops<double> constraint_loops<double>(const Kernels& kernels);
 template <class T>
 struct FilterLoops {
   /// out = Σ (v_j − v_i) × g r̂.
-  void (*curl)(const Pairs<T>&, Range, const Quad<T>* velocity, Quad<T>* out);
+  void (*curl)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
   /// out = Σ (w_j − w_i) g r̂, with w_i the scalar of the records.
-  void (*gradient)(const Pairs<T>&, Range, Quad<T>* out);
+  void (*gradient)(const Pairs<T>&, Range, Vec4<T>* out);
   /// out = Σ (v_j − v_i) w.
-  void (*smoothing)(const Pairs<T>&, Range, const Quad<T>* velocity, Quad<T>* out);
+  void (*smoothing)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
 };
 
 template <class T>

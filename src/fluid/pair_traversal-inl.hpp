@@ -78,22 +78,22 @@ HWY_INLINE auto sum_of_blocks(D, V v) {
 
 // The four sums over lanes as one record.
 template <class D>
-requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Quad<float> sum_of_lanes(D d, const Four<D>& v) {
+requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Vec4<float> sum_of_lanes(D d, const Four<D>& v) {
   const hn::Repartition<double, D> wide;
   const auto xy = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y)));
   const auto zw = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w)));
   const auto sums =
       hn::Add(hn::BitCast(d, hn::InterleaveLower(wide, xy, zw)), hn::BitCast(d, hn::InterleaveUpper(wide, xy, zw)));
-  Quad<float> result;
+  Vec4<float> result;
   hn::Store(sum_of_blocks(D(), sums), hn::Full128<float>(), &result.x);
   return result;
 }
 
 template <class D>
-requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Quad<double> sum_of_lanes(D d, const Four<D>& v) {
+requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Vec4<double> sum_of_lanes(D d, const Four<D>& v) {
   const auto xy = hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y));
   const auto zw = hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w));
-  Quad<double> result;
+  Vec4<double> result;
   hn::Store(sum_of_blocks(D(), xy), hn::Full128<double>(), &result.x);
   hn::Store(sum_of_blocks(D(), zw), hn::Full128<double>(), &result.z);
   return result;
@@ -134,7 +134,7 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Pack
 }
 
 // For each owned particle i of the range: sums = terms.start(i), terms.add(sums, pairs) for all its neighbours,
-// terms.finish(place in the range, sums).
+// terms.finish(index in the range, sums).
 template <class T, class Terms>
 HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Terms& terms) {
   const hn::ScalableTag<T> d;

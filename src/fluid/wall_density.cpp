@@ -98,18 +98,18 @@ AnalyticWallDensity::Ratio AnalyticWallDensity::ratio(std::initializer_list<cons
   const std::vector<Real>& table = planes.size() == 2 ? edge_ : corner_;
   Ratio result;
   for (std::size_t corner = 0; corner < std::size_t{1} << planes.size(); ++corner) {
-    std::size_t place = 0, a = 0;
+    std::size_t index = 0, a = 0;
     std::array<Real, 3> weight{1, 1, 1}, slope{};
     for (const Plane* plane : planes) {
       const bool upper = (corner >> a & 1U) != 0;
-      place =
-          place * (static_cast<std::size_t>(layers_) + 1) + static_cast<std::size_t>(plane->layer) + (upper ? 1 : 0);
+      index =
+          index * (static_cast<std::size_t>(layers_) + 1) + static_cast<std::size_t>(plane->layer) + (upper ? 1 : 0);
       weight[a] = upper ? plane->blend : 1 - plane->blend;
       slope[a] = upper ? plane->blend_slope : -plane->blend_slope;
       ++a;
     }
-    result.value += table[place] * weight[0] * weight[1] * weight[2];
-    for (a = 0; a < 3; ++a) result.slope[a] += table[place] * slope[a] * weight[(a + 1) % 3] * weight[(a + 2) % 3];
+    result.value += table[index] * weight[0] * weight[1] * weight[2];
+    for (a = 0; a < 3; ++a) result.slope[a] += table[index] * slope[a] * weight[(a + 1) % 3] * weight[(a + 2) % 3];
   }
   return result;
 }

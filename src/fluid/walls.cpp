@@ -22,10 +22,10 @@ Hit first_hit(const Box& box, const Vec3& p, const Vec3& v, Real t_end) {
 
 }  // namespace
 
-Walls::Walls(const Box& box, const WallSettings& settings, Real hair)
+Walls::Walls(const Box& box, const WallSettings& settings, Real tolerance)
     : box_(box),
       restitution_(settings.restitution),
-      hair_(hair),
+      tolerance_(tolerance),
       along_ray_(settings.reflection == Reflection::report) {}
 
 Vec3 Walls::predict(const Vec3& p, const Vec3& v, Real dt) const {
@@ -33,12 +33,12 @@ Vec3 Walls::predict(const Vec3& p, const Vec3& v, Real dt) const {
   if (inside(straight)) return straight;
   if (!v.allFinite()) return straight;  // the guards of the step report it
   constexpr int most_bounces = 10000;   // a restitution of 1 and an absurd speed; the rest of the way is given up
-  Vec3 place = p, velocity = v;
+  Vec3 position = p, velocity = v;
   for (int bounce = 0; bounce < most_bounces && dt > 0; ++bounce) {
-    const Hit hit = first_hit(box_, place, velocity, dt);
-    place += velocity * hit.t;
+    const Hit hit = first_hit(box_, position, velocity, dt);
+    position += velocity * hit.t;
     if (hit.axis < 0) break;
-    place[hit.axis] = velocity[hit.axis] > 0 ? box_.max[hit.axis] : box_.min[hit.axis];
+    position[hit.axis] = velocity[hit.axis] > 0 ? box_.max[hit.axis] : box_.min[hit.axis];
     velocity[hit.axis] = -velocity[hit.axis];
     if (along_ray_) {
       velocity *= restitution_;
@@ -47,16 +47,16 @@ Vec3 Walls::predict(const Vec3& p, const Vec3& v, Real dt) const {
     }
     dt -= hit.t;
   }
-  return clamp(place);
+  return clamp(position);
 }
 
 Vec3 Walls::stop_on_ray(const Vec3& p, const Vec3& shift) const {
   const Hit hit = first_hit(box_, p, shift, 1.0);
-  Vec3 place = p + hit.t * shift;
+  Vec3 position = p + hit.t * shift;
   if (hit.axis >= 0) {
-    place[hit.axis] = shift[hit.axis] > 0 ? box_.max[hit.axis] - hair_ : box_.min[hit.axis] + hair_;
+    position[hit.axis] = shift[hit.axis] > 0 ? box_.max[hit.axis] - tolerance_ : box_.min[hit.axis] + tolerance_;
   }
-  return clamp(place);
+  return clamp(position);
 }
 
 }  // namespace trevi

@@ -13,14 +13,15 @@ namespace trevi {
 
 class Walls {
  public:
-  /// `hair`: how far inside the plane a shift stops in the report's reading, m (1e-6 h).
-  Walls(const Box& box, const WallSettings& settings, Real hair);
+  /// `tolerance`: how far inside the plane a shift stops in the report's reading, m (1e-6 h).
+  Walls(const Box& box, const WallSettings& settings, Real tolerance);
 
   /// Velocity part: p + v dt with a bounce at each plane met. Reflection "normal" damps the component along the plane's
   /// normal, "report" the whole velocity.
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) const;
 
-  /// Δp part: p + shift, stopped at the planes: per axis, or ("report") on the ray at the first plane, a hair inside.
+  /// Δp part: p + shift, stopped at the planes: per axis, or ("report") on the ray at the first plane, `tolerance`
+  /// inside.
   Vec3 collide(const Vec3& p, const Vec3& shift) const {
     const Vec3 target = p + shift;
     if (inside(target)) return target;
@@ -41,7 +42,7 @@ class Walls {
   Vec3 stop_on_ray(const Vec3& p, const Vec3& shift) const;
 
   Box box_;
-  Real restitution_, hair_;
+  Real restitution_, tolerance_;
   bool along_ray_;
 };
 

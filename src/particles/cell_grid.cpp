@@ -10,7 +10,7 @@ CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis)
   assert(slab_axis == 0 || slab_axis == 1);
   for (int k = 0; k < 3; ++k) {
     const Real extent = max[axis_[k]] - min[axis_[k]];
-    // A hair of tolerance, so that a box of n h has n cells whatever its rounding.
+    // A tolerance, so that a box of n h has n cells whatever its rounding.
     count_[k] = std::max(1, static_cast<LocalId>(std::min(std::floor(extent / h * (1 + 1e-12)), 2e9)));
     per_length_[k] = count_[k] / extent;
   }

@@ -11,7 +11,7 @@
 
 namespace trevi {
 
-// Row m: the places of the bits set in m, in ascending order, then zeros.
+// Row m: the indices of the bits set in m, in ascending order, then zeros.
 inline constexpr auto places_of_bits = [] {
   std::array<std::array<std::uint8_t, 8>, 256> table{};
   for (std::size_t m = 0; m < table.size(); ++m) {
@@ -63,8 +63,8 @@ requires(has_compress_instruction<D>) class Chosen<D> {
 template <class D>
 requires(!has_compress_instruction<D>) class Chosen<D> {
  public:
-  HWY_INLINE Chosen(D d, hn::Mask<D> mask) : places_(places(d, bits_of(d, mask))), count_(hn::CountTrue(d, mask)) {}
-  HWY_INLINE hn::Vec<D> first(hn::Vec<D> v) const { return hn::TableLookupLanes(v, places_); }
+  HWY_INLINE Chosen(D d, hn::Mask<D> mask) : indices_(indices(d, bits_of(d, mask))), count_(hn::CountTrue(d, mask)) {}
+  HWY_INLINE hn::Vec<D> first(hn::Vec<D> v) const { return hn::TableLookupLanes(v, indices_); }
   HWY_INLINE std::size_t count() const { return count_; }
 
  private:
@@ -74,7 +74,7 @@ requires(!has_compress_instruction<D>) class Chosen<D> {
     hn::StoreMaskBits(d, mask, bits);
     return bits[0];
   }
-  static HWY_INLINE auto places(D d, std::size_t bits) {
+  static HWY_INLINE auto indices(D d, std::size_t bits) {
     const hn::Rebind<std::uint8_t, D> d8;
     const hn::Rebind<std::int32_t, D> d32;
     const auto as32 = hn::PromoteTo(d32, hn::LoadU(d8, places_of_bits[bits].data()));
@@ -85,7 +85,7 @@ requires(!has_compress_instruction<D>) class Chosen<D> {
     }
   }
 
-  decltype(places(D(), 0)) places_;
+  decltype(indices(D(), 0)) indices_;
   std::size_t count_;
 };
 

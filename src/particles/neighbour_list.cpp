@@ -108,7 +108,7 @@ class Candidates {
     const auto pz = from_anchor(d, cz, bounds.anchor.z);
     const auto dx = outside(d, px, bounds, 0), dy = outside(d, py, bounds, 1), dz = outside(d, pz, bounds, 2);
     const auto r2 = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
-    // A hair more than h, so that no rounding drops a neighbour.
+    // A little more than h, so that no rounding drops a neighbour.
     const auto limit = hn::Set(d, static_cast<T>(1.0001 * Packed<T>::units_per_h * Packed<T>::units_per_h));
     const Chosen<D> near(d, hn::And(hn::FirstN(d, left), hn::Lt(r2, limit)));
     hn::StoreU(near.first(px), d, &x[size_]);
@@ -207,8 +207,8 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
         // Row by row: for a whole cell that a crowd fills it would be more memory than there is.
         rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding));
         const LocalId self = begin + n;
-        const auto place = bounds.relative(records[static_cast<std::size_t>(self)]);
-        const std::size_t found = near(candidates, self, place, rows.index.data() + end);
+        const auto position = bounds.relative(records[static_cast<std::size_t>(self)]);
+        const std::size_t found = near(candidates, self, position, rows.index.data() + end);
         if (found > static_cast<std::size_t>(NeighbourList::most_neighbours)) {
           rows.crowded = i;
           return;

@@ -44,7 +44,7 @@ class NeighbourList {
   std::int64_t pairs() const { return rows_.first.back(); }
   LocalId count(LocalId i) const { return static_cast<LocalId>(first(i + 1) - first(i)); }
   std::span<const LocalId> operator[](LocalId i) const { return {row(i), static_cast<std::size_t>(count(i))}; }
-  /// Where the row of owned particle i starts; a full vector may be read at any place of it.
+  /// Where the row of owned particle i starts; a full vector may be read from any index of it.
   const LocalId* row(LocalId i) const { return rows_.index.data() + first(i); }
   /// Pairs of the particles before owned particle i.
   std::int64_t first(LocalId i) const { return rows_.first[static_cast<std::size_t>(i)]; }

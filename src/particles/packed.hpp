@@ -60,12 +60,12 @@ class Encoding {
 
 /// Four lanes of anything else a neighbour is asked for, velocities for instance.
 template <class T>
-struct alignas(4 * sizeof(T)) Quad {
+struct alignas(4 * sizeof(T)) Vec4 {
   T x, y, z, w;
 };
 
 template <class T>
-Vec3 vector_of(const Quad<T>& q) {
+Vec3 vector_of(const Vec4<T>& q) {
   return Vec3(static_cast<Real>(q.x), static_cast<Real>(q.y), static_cast<Real>(q.z));
 }
 

@@ -20,9 +20,10 @@ Vec3 capped(const Vec3& shift, Real longest) {
 
 // p* of all particles at three numbers each, inside the walls.
 template <class T>
-void place_all(DensityProblem<T>& problem, const PetscScalar* positions) {
+void set_all_positions(DensityProblem<T>& problem, const PetscScalar* positions) {
   problem.with_halo(Phase::move, [&](Range part) {
-    problem.place(part, [&](LocalId i) { return problem.walls().clamp(Eigen::Map<const Vec3>(positions + 3 * i)); });
+    problem.set_positions(part,
+                          [&](LocalId i) { return problem.walls().clamp(Eigen::Map<const Vec3>(positions + 3 * i)); });
   });
 }
 
@@ -41,7 +42,7 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
   const PetscScalar* positions = nullptr;
   PetscScalar* out = nullptr;
   PetscCall(VecGetArrayRead(x, &positions));
-  place_all(residual.problem, positions);
+  set_all_positions(residual.problem, positions);
   PetscCall(VecRestoreArrayRead(x, &positions));
   residual.problem.with_halo(Phase::lambda, [&](Range part) { residual.problem.compute_lambda(part); });
   residual.problem.compute_delta();
@@ -92,7 +93,7 @@ SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   check(SNESGetIterationNumber(snes, &iterations));
   check(SNESGetConvergedReason(snes, &reason));
   check(VecGetArray(start, &values));
-  place_all(problem, values);
+  set_all_positions(problem, values);
   check(VecRestoreArray(start, &values));
   check(SNESDestroy(&snes));
   check(VecDestroy(&f));

@@ -70,7 +70,7 @@ Vec3 CoarseCorrection::displacement(const Faces& faces, const Damping& damping, 
 
 template <class T>
 void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt, std::span<const Vec3> x,
-                                     std::span<const Vec3> p, std::span<Quad<T>> out) {
+                                     std::span<const Vec3> p, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
   const Real time = dt / std::sqrt(model_.h / model_.gravity);
   const Damping damping{std::min(1.0, time / noise_time), noise_speed * time * model_.h};
@@ -94,8 +94,8 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
 }
 
 template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, std::span<const Vec3>,
-                                              std::span<const Vec3>, std::span<Quad<float>>);
+                                              std::span<const Vec3>, std::span<Vec4<float>>);
 template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, std::span<const Vec3>,
-                                              std::span<const Vec3>, std::span<Quad<double>>);
+                                              std::span<const Vec3>, std::span<Vec4<double>>);
 
 }  // namespace trevi

@@ -31,7 +31,7 @@ class CoarseCorrection {
   /// Displacements, m, of the owned particles in `order`, which go from x to p in the time dt, s.
   template <class T>
   void displacements(const CellOrder& order, Halo& halo, Real dt, std::span<const Vec3> x, std::span<const Vec3> p,
-                     std::span<Quad<T>> out);
+                     std::span<Vec4<T>> out);
 
   std::size_t bytes() const { return water_.bytes() + pressure_.bytes(); }
 

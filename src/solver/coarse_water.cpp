@@ -111,14 +111,14 @@ void CoarseWater::sum_cell(const CellParticles& cell, std::span<const Vec3> x, s
   PlaneSums& sums = sums_[grid_.index(cell.k, cell.r, cell.c)];
   const Vec3 own(0, cell.r, cell.c);
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
-    const Vec3 u = grid_.turned(p[i] - x[i]), place = grid_.in_cells(p[i]), f = grid_.fraction(place);
+    const Vec3 u = grid_.turned(p[i] - x[i]), in_cells = grid_.in_cells(p[i]), f = grid_.fraction(in_cells);
     sums.low.add(1 - f[0], f[0], u[0]);
     sums.high.add(f[0], f[0] - 1, u[0]);
     row_faces_[in_plane].add(1 - f[1], f[1], u[1]);
     row_faces_[in_plane + grid_.step(1)].add(f[1], f[1] - 1, u[1]);
     column_faces_[in_plane].add(1 - f[2], f[2], u[2]);
     column_faces_[in_plane + 1].add(f[2], f[2] - 1, u[2]);
-    add_volume(cell.k, surface_position(x[i], p[i]), Vec3(place[0] - f[0], own[1], own[2]));
+    add_volume(cell.k, surface_position(x[i], p[i]), Vec3(in_cells[0] - f[0], own[1], own[2]));
   }
 }
 

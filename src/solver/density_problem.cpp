@@ -64,7 +64,7 @@ void DensityProblem<T>::compute_delta() {
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
   const std::vector<Vec3>& p = particles_->predicted;
-  place(part, [&](LocalId i) { return walls_.collide(p[static_cast<std::size_t>(i)], relaxation * delta(i)); });
+  set_positions(part, [&](LocalId i) { return walls_.collide(p[static_cast<std::size_t>(i)], relaxation * delta(i)); });
 }
 
 template <class T>

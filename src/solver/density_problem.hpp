@@ -50,7 +50,7 @@ class DensityProblem {
   void collide_and_move(Range part, Real relaxation = 1);
   /// p*_i = position(i) for the range.
   template <class Position>
-  void place(Range part, Position&& position);
+  void set_positions(Range part, Position&& position);
 
   /// rho_i of all owned particles at the present p*, without touching lambda.
   void compute_density();
@@ -62,7 +62,7 @@ class DensityProblem {
   std::span<const Real> density() const { return rho_; }
   /// Pairs times passes over them so far, those for observers among them: what the phases Lambda and Delta consist of.
   double pair_passes() const { return pair_passes_; }
-  std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Quad<T>); }
+  std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>); }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
@@ -75,7 +75,7 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
-  std::vector<Quad<T>> delta_;
+  std::vector<Vec4<T>> delta_;
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};
@@ -93,7 +93,7 @@ void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
 
 template <class T>
 template <class Position>
-void DensityProblem<T>::place(Range part, Position&& position) {
+void DensityProblem<T>::set_positions(Range part, Position&& position) {
   std::vector<Vec3>& p = particles_->predicted;
   for (LocalId i = part.begin; i < part.end; ++i) p[static_cast<std::size_t>(i)] = position(i);
   near_.encode(p, part);

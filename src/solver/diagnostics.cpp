@@ -97,7 +97,7 @@ Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
   return row;
 }
 
-Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalId n, const Box& box) {
+Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, GlobalId n, const Box& box) {
   constexpr int digit = 12, rounds = 3;  // 4096 intervals in each round
   constexpr GlobalId bins = GlobalId{1} << digit, cells = GlobalId{1} << (digit * rounds);
   if (n == 0) return std::numeric_limits<Real>::quiet_NaN();
@@ -109,7 +109,7 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalI
   GlobalId interval = 0;
   for (int round = 1; round <= rounds; ++round) {
     std::vector<GlobalId> count(bins, 0);
-    for (const Vec3& p : places) {
+    for (const Vec3& p : positions) {
       const GlobalId part = cell(p) >> (digit * (rounds - round));
       if (part >> digit == interval) ++count[static_cast<std::size_t>(part & (bins - 1))];
     }

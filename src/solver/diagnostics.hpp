@@ -1,6 +1,6 @@
 // The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and
-// wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; units SI. Collective. An interior
-// particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
+// wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; units SI. Collective. An
+// interior particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
 #pragma once
 
 #include "domain/balance.hpp"
@@ -56,8 +56,8 @@ class DriftMeter {
   Real largest_ = 0;
 };
 
-/// The n-th smallest (from 1) of the coordinates along `axis` of the places of all ranks, to 1e-10 of the box. Three
+/// The n-th smallest (from 1) of the coordinates along `axis` of the positions of all ranks, to 1e-10 of the box. Three
 /// rounds of counting, no sorting. nan where n is 0. Collective.
-Real nth_smallest(MPI_Comm comm, std::span<const Vec3> places, int axis, GlobalId n, const Box& box);
+Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, GlobalId n, const Box& box);
 
 }  // namespace trevi

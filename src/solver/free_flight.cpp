@@ -63,7 +63,7 @@ SolveResult FreeFlight<T>::solve(DensityProblem<T>& problem) {
   const std::vector<Vec3>& x = problem.particles().position;
   const std::vector<Vec3>& p = problem.particles().predicted;
   problem.with_halo(Phase::move, [&](Range part) {
-    problem.place(part, [&](LocalId i) {
+    problem.set_positions(part, [&](LocalId i) {
       const auto k = static_cast<std::size_t>(i);
       return Vec3(p[k] - turn.cross(x[k] - centre));
     });

@@ -9,6 +9,8 @@
 #include "fluid/floor_friction.hpp"
 #include "fluid/gravity.hpp"
 #include "fluid/kernels.hpp"
+#include "fluid/vorticity_confinement.hpp"
+#include "fluid/xsph_viscosity.hpp"
 #include "parallel/collective.hpp"
 #include "solver/first_slabs.hpp"
 #include "solver/pbf_solver.hpp"

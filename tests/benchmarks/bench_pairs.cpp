@@ -60,11 +60,11 @@ struct Loop {
 
 // Sums go to an array as long as the cloud. Each particle: where its row starts, its record, its sums.
 template <class T>
-constexpr double bytes_of_sums = 8 + sizeof(Packed<T>) + sizeof(Quad<T>);
+constexpr double bytes_of_sums = 8 + sizeof(Packed<T>) + sizeof(Vec4<T>);
 
 // Of the constraint with densities of this kernel and the gradient that goes with them.
 template <class T>
-std::vector<Loop<T>> constraint_benchmarks(const Kernel& kernel, std::vector<Quad<T>>& out, std::vector<T>& squares) {
+std::vector<Loop<T>> constraint_benchmarks(const Kernel& kernel, std::vector<Vec4<T>>& out, std::vector<T>& squares) {
   constexpr double sums = bytes_of_sums<T>;
   const Kernels kernels{kernel, all_kernels()[kernel.gradient_place]};
   const auto loops = [kernels] { return constraint_loops<T>(kernels); };  // of the instruction set at the time
@@ -81,8 +81,8 @@ std::vector<Loop<T>> constraint_benchmarks(const Kernel& kernel, std::vector<Qua
 }
 
 template <class T>
-std::vector<Loop<T>> filter_benchmarks(std::vector<Quad<T>>& out) {
-  constexpr double sums = bytes_of_sums<T>, velocities = sums + sizeof(Quad<T>);
+std::vector<Loop<T>> filter_benchmarks(std::vector<Vec4<T>>& out) {
+  constexpr double sums = bytes_of_sums<T>, velocities = sums + sizeof(Vec4<T>);
   return {
       {"curl", velocities,
        [&](Water<T>& w) { filter_loops<T>().curl(w.pairs(), w.all(), w.velocity.data(), out.data()); }},
@@ -109,7 +109,7 @@ template <class T>
 struct Bench {
   Waters& waters;
   double bandwidth;
-  std::vector<Quad<T>> out;
+  std::vector<Vec4<T>> out;
   std::vector<T> squares;
   NeighbourList list;
 

@@ -64,7 +64,7 @@ struct Water {
   CellGrid grid;
   Particles particles;
   Neighbourhood<T> near;
-  std::vector<Quad<T>> velocity;
+  std::vector<Vec4<T>> velocity;
 };
 
 /// Keeps the last water asked for: consecutive benchmarks share it, and memory holds one at a time.

@@ -68,7 +68,7 @@ using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(PairSumsOf, Precisions);
 
 template <class T>
-void expect_near(const Quad<T>& found, const Vec3& expected, Real scale) {
+void expect_near(const Vec4<T>& found, const Vec3& expected, Real scale) {
   EXPECT_LT((vector_of(found) - expected).norm(), (std::is_same_v<T, float> ? 1e-5 : 1e-12) * scale);
 }
 
@@ -100,13 +100,13 @@ struct Drifted : Distributed<T> {
     return sums;
   }
 
-  std::vector<Quad<T>> velocity;
+  std::vector<Vec4<T>> velocity;
 };
 
 /// What the loops of the instruction set in use write for the owned particles [begin, end).
 template <class T>
 struct FoundByConstraint {
-  std::vector<Quad<T>> density, delta, tensile_delta;
+  std::vector<Vec4<T>> density, delta, tensile_delta;
   std::vector<T> squares;
 
   FoundByConstraint(const Drifted<T>& d, const Kernels& kernels, Range range) {
@@ -123,7 +123,7 @@ struct FoundByConstraint {
 
 template <class T>
 struct FoundByFilters {
-  std::vector<Quad<T>> curl, gradient, smoothing;
+  std::vector<Vec4<T>> curl, gradient, smoothing;
 
   FoundByFilters(const Drifted<T>& d, Range range) {
     for (auto* field : {&curl, &gradient, &smoothing}) field->resize(static_cast<std::size_t>(range.size()));
@@ -153,7 +153,7 @@ void expect_brute_force(const Drifted<T>& d, const Kernels& kernels) {
     expect_near(found.density[k], sums.along, sums.scale);
     expect_near(found.delta[k], sums.delta, 2 * sums.scale);
     expect_near(found.tensile_delta[k], sums.tensile_delta, 2 * sums.scale);
-    expect_near(Quad<T>{found.density[k].w, found.squares[k], 0, 0}, Vec3(sums.value, sums.squares, 0), sums.scale);
+    expect_near(Vec4<T>{found.density[k].w, found.squares[k], 0, 0}, Vec3(sums.value, sums.squares, 0), sums.scale);
   }
 }
 
@@ -188,7 +188,7 @@ TYPED_TEST(PairSumsOf, EveryKernelEqualsBruteForceWithEveryInstructionSet) {
 TYPED_TEST(PairSumsOf, DoNotDependOnTheRange) {
   const Drifted<TypeParam> d(random_cloud(300, cloud_box, 1));
   const LocalId owned = d.near.order().owned();
-  const auto same = [](const Quad<TypeParam>& a, const Quad<TypeParam>& b) {
+  const auto same = [](const Vec4<TypeParam>& a, const Vec4<TypeParam>& b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;
   };
   const FoundByFilters<TypeParam> filtered(d, {0, owned});
@@ -214,7 +214,7 @@ TYPED_TEST(PairSumsOf, CoincidentParticlesGiveFiniteSums) {
   cloud.add(9, Vec3(0.55, 0.6, 0.7), Vec3::Zero());
   const Distributed<TypeParam> d(cloud);
   const LocalId owned = d.near.order().owned();
-  std::vector<Quad<TypeParam>> sums(static_cast<std::size_t>(owned));
+  std::vector<Vec4<TypeParam>> sums(static_cast<std::size_t>(owned));
   std::vector<TypeParam> squares(sums.size());
   const Pairs<TypeParam> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
   const Real tolerance = std::is_same_v<TypeParam, float> ? 1e-5 : 1e-12;

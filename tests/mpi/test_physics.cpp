@@ -36,10 +36,10 @@ class ByHand : public testing::Test {
     Solved solved{d.particles.id, std::vector<Real>(d.particles.id.size()), {}, {}};
     constraint.lambdas(pairs, all, d.particles.predicted, solved.rho, d.near.records());
     d.near.halo().exchange(d.near.records());
-    std::vector<Quad<T>> delta(d.particles.id.size());
+    std::vector<Vec4<T>> delta(d.particles.id.size());
     constraint.deltas(pairs, all, d.particles.predicted, delta);
     for (LocalId i = 0; i < all.end; ++i) solved.lambda.push_back(d.near.record(i).w);
-    for (const Quad<T>& q : delta) solved.delta.push_back(vector_of(q));
+    for (const Vec4<T>& q : delta) solved.delta.push_back(vector_of(q));
     return solved;
   }
 };

@@ -7,7 +7,7 @@
 
 #include "cloud.hpp"
 #include "domain/migrate.hpp"
-#include "fluid/velocity_filter.hpp"
+#include "fluid/xsph_viscosity.hpp"
 
 namespace trevi::test {
 namespace {

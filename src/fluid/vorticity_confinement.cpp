@@ -1,0 +1,53 @@
+#include "fluid/vorticity_confinement.hpp"
+
+#include <Eigen/Geometry>
+
+#include "base/growth.hpp"
+#include "fluid/for_each_sum.hpp"
+#include "fluid/kernels/spiky-inl.hpp"
+
+namespace trevi {
+
+// ∇_{p_j} W = +45/(π h⁶) (h − r)² r̂ with r̂ from j to i, the sign of the sum in the loop.
+template <class T>
+VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon,
+                                              std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(filter_loops<T>()),
+      omega_factor_(model.mass * Spiky::slope_factor(model.h)),
+      epsilon_(epsilon),
+      velocity_(std::move(velocity)) {}
+
+template <class T>
+void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
+  const Vec4<T>* velocities = velocity_->refresh(near, velocity);
+  const LocalId owned = near.order().owned();
+  resize_tightly(omega_, static_cast<std::size_t>(owned));
+  loops_.curl(pairs_of(near), {0, owned}, velocities, omega_.data());
+  const auto factor = static_cast<T>(omega_factor_);
+  for (LocalId i = 0; i < owned; ++i) {
+    Vec4<T>& omega = omega_[static_cast<std::size_t>(i)];
+    omega = {omega.x * factor, omega.y * factor, omega.z * factor, T{0}};
+    near.record(i).w = static_cast<T>(vector_of(omega).norm());
+  }
+}
+
+template <class T>
+void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
+  const ScopedEvent timed(event_);
+  compute_omega(near, particles.velocity);
+  near.halo().exchange(near.records());
+  const Pairs<T> pairs = pairs_of(near);
+  const auto gradients = [&](Range part, Vec4<T>* out) { loops_.gradient(pairs, part, out); };
+  for_each_sum<Vec4<T>>(near.all(), gradients, [&](std::size_t i, const Vec4<T>& sum) {
+    // Only the direction of eta matters: minus that of the sum, as ∇_{p_i}W points from i to j.
+    const Vec3 eta = -vector_of(sum);
+    const Real length = eta.norm();
+    if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omega_[i]));
+  });
+  log_flops(static_cast<double>(near.list().pairs()) * (34 + 25));
+}
+
+template class VorticityConfinement<float>;
+template class VorticityConfinement<double>;
+
+}  // namespace trevi
