@@ -20,9 +20,12 @@ def rows_of_series(folder):
         return [{key: value for key, value in row.items() if key not in NOT_STATE} for row in csv.DictReader(file)]
 
 
+def last_checkpoint(folder):
+    return max(folder.glob("checkpoint_*.h5"), key=lambda path: int(path.stem.split("_")[1]))
+
+
 def last_particles(folder):
-    newest = max(folder.glob("checkpoint_*.h5"), key=lambda path: int(path.stem.split("_")[1]))
-    with h5py.File(newest) as file:
+    with h5py.File(last_checkpoint(folder)) as file:
         return {name: table[()] for name, table in file["particles"].items() if "checksum" not in name}
 
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/simd.hpp"
 #include "solver/density_solver.hpp"
 
 namespace trevi {
@@ -55,6 +56,21 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
         fmt::format("dt = {:.4g} s is shorter than the {:.4g} s down to which the stability study looked; use "
                     "a longer dt, or watch the energy",
                     scene.dt, shortest));
+  }
+  return warnings;
+}
+
+std::vector<std::string> bits_warnings(const Scene& scene) {
+  std::vector<std::string> warnings;
+  if (!has_fused_multiply_add()) {
+    warnings.push_back(fmt::format(
+        "{} has no fused multiply-add: results agree with those of other instruction sets to rounding, not in bits",
+        instruction_set_name()));
+  }
+  if (scene.density.method == Method::anderson) {
+    warnings.emplace_back(
+        "the dot products of density.method = \"anderson\" are PETSc's: results agree with those on another number of "
+        "ranks to its tolerance, not in bits");
   }
   return warnings;
 }

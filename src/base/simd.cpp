@@ -17,6 +17,11 @@ std::string instruction_set_name() {
   return hwy::TargetName(sets & -sets);
 }
 
+bool has_fused_multiply_add() {
+  const std::string name = instruction_set_name();
+  return name.find("SSE") == std::string::npos && name != "EMU128" && name != "SCALAR";
+}
+
 std::vector<std::string> instruction_set_names() {
   std::vector<std::string> names;
   for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {

@@ -1,6 +1,6 @@
 // Which instruction set the pair loops use. One binary holds them for SSE2/SSE4, AVX2, AVX-512 (NEON on Arm) and picks
-// at run time; all ranks must use the same one, because the number of lanes decides in which order a particle's sum is
-// formed.
+// at run time. Sums have the same shape in all of them (fluid/pair_traversal-inl.hpp), so that those with a fused
+// multiply-add give the same bits; all ranks use the same one for the sake of the others.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,9 @@ void restrict_instruction_sets(std::int64_t allowed);
 
 /// Name of the instruction set in use, "AVX3" for instance.
 std::string instruction_set_name();
+
+/// Whether it multiplies and adds with one rounding. All that do give the same bits; the others agree to rounding.
+bool has_fused_multiply_add();
 
 /// Names of all that are supported and not ruled out, the one in use first.
 std::vector<std::string> instruction_set_names();

@@ -10,7 +10,7 @@ void FloorFriction::apply(Particles& particles, const StepInfo& info) {
     const Real d = particles.position[i].z() - floor_;
     if (d >= h_) continue;
     Vec3& v = particles.velocity[i];
-    const Real rate = coefficient_ / h_ * (1 - d / h_) * std::hypot(v.x(), v.y());
+    const Real rate = coefficient_ / h_ * (1 - d / h_) * std::sqrt(v.x() * v.x() + v.y() * v.y());
     v.head<2>() /= 1 + rate * info.dt;
   }
 }

@@ -39,16 +39,16 @@ struct VectorTerms {
     const auto zero = hn::Zero(d);
     return {zero, zero, zero, zero};
   }
-  template <class D>
-  static void add_along(Four<D>& sums, const PairVector<D>& pair, hn::Vec<D> factor) {
+  template <class D, class Sums>
+  static void add_along(Sums& sums, const PairVector<D>& pair, hn::Vec<D> factor) {
     sums.x = hn::MulAdd(factor, pair.dx, sums.x);
     sums.y = hn::MulAdd(factor, pair.dy, sums.y);
     sums.z = hn::MulAdd(factor, pair.dz, sums.z);
   }
-  template <class D>
-  Vec4<T> finish(D d, LocalId index, const Four<D>& sums) const {
+  template <class D, class Sums>
+  Vec4<T> finish(D d, LocalId index, const Sums* sums) const {
     constexpr T per_unit = static_cast<T>(1 / Packed<T>::units_per_h);
-    const Vec4<T> total = sum_of_lanes(d, sums);
+    const Vec4<T> total = sum_of_groups(d, sums);
     return out[index] = {total.x * per_unit, total.y * per_unit, total.z * per_unit, total.w};
   }
 };
@@ -59,32 +59,33 @@ struct DensityTerms : VectorTerms<T> {
 
   template <class D>
   struct Sums {
-    Four<D> vector;
-    hn::Vec<D> squares;
+    hn::Vec<D> x, y, z, w, squares;
   };
   template <class D>
-  Sums<D> start(D d, LocalId i) const {
-    return {VectorTerms<T>::start(d, i), hn::Zero(d)};
+  Sums<D> start(D d, LocalId) const {
+    const auto zero = hn::Zero(d);
+    return {zero, zero, zero, zero, zero};
   }
   template <class D>
   void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
     const Distance<D> distance = distance_of(pair);
     const Product<D> value = Shape<Density>::value(d, distance);
     const Slope<D> slope = Shape<Gradient>::slope(d, distance);
-    sums.vector.w = hn::MulAdd(value.first, value.second, sums.vector.w);
+    sums.w = hn::MulAdd(value.first, value.second, sums.w);
     sums.squares = hn::MulAdd(slope.size, slope.size, sums.squares);
-    this->add_along(sums.vector, pair, slope.per_u);
+    this->add_along(sums, pair, slope.per_u);
   }
   template <class D>
-  void finish(D d, LocalId index, const Sums<D>& sums) const {
-    VectorTerms<T>::finish(d, index, sums.vector);
-    squares[index] = hn::GetLane(hn::SumOfLanes(d, sums.squares));
+  void finish(D d, LocalId index, const Sums<D>* sums) const {
+    VectorTerms<T>::finish(d, index, sums);
+    squares[index] = sum_of_squares(d, sums);
   }
 };
 
 // The sums of terms that compare a scalar or vector of particle i with that of its neighbours.
 template <class D>
-struct SumsOf : Four<D> {
+struct SumsOf {
+  hn::Vec<D> x, y, z, w;
   Four<D> self;
 };
 
@@ -95,7 +96,7 @@ struct RecordTerms : VectorTerms<T> {
   template <class D>
   SumsOf<D> start(D d, LocalId i) const {
     const auto zero = hn::Zero(d);
-    return {{zero, zero, zero, zero}, {zero, zero, zero, hn::Set(d, records[i].w)}};
+    return {zero, zero, zero, zero, {zero, zero, zero, hn::Set(d, records[i].w)}};
   }
 };
 
@@ -145,7 +146,7 @@ struct VelocityTerms : VectorTerms<T> {
   SumsOf<D> start(D d, LocalId i) const {
     const auto zero = hn::Zero(d);
     const Vec4<T>& v = velocity[i];
-    return {{zero, zero, zero, zero}, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), zero}};
+    return {zero, zero, zero, zero, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), zero}};
   }
   template <class D>
   Four<D> relative(D d, const SumsOf<D>& sums, const PairVector<D>& pair) const {
@@ -181,8 +182,8 @@ struct SmoothingTerms : VelocityTerms<T> {
     sums.z = hn::MulAdd(weight, v.z, sums.z);
   }
   template <class D>
-  void finish(D d, LocalId index, const SumsOf<D>& sums) const {
-    this->out[index] = sum_of_lanes(d, static_cast<const Four<D>&>(sums));
+  void finish(D d, LocalId index, const SumsOf<D>* sums) const {
+    this->out[index] = sum_of_groups(d, sums);
   }
 };
 

@@ -133,24 +133,102 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Pack
   return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, index};
 }
 
-// For each owned particle i of the range: sums = terms.start(i), terms.add(sums, pairs) for all its neighbours,
-// terms.finish(index in the range, sums).
+// A particle's sum has the same shape on every processor: 64 bytes of virtual lanes, whatever the registers are. Neighbour
+// k of a row belongs to lane k modulo 16 (8 in double precision), each lane is summed in the order of the row, and the
+// lanes are added by one tree: halves of 32 bytes, then blocks of 16 bytes, then the lanes of a block. A register that is
+// narrower holds one of `groups` parts of the lanes.
+template <class D>
+inline constexpr std::size_t groups = 64 / (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>));
+
+// The two halves of the virtual lanes, added, for registers of 32 bytes and more.
+template <class D>
+using Narrow = hn::CappedTag<hn::TFromD<D>, 32 / sizeof(hn::TFromD<D>)>;
+template <class D, class Sums>
+HWY_INLINE hn::Vec<Narrow<D>> halves_added(D, const Sums* sums, hn::Vec<D> Sums::*field) {
+  if constexpr (groups<D> == 1) {
+    const Narrow<D> narrow;
+    return hn::Add(hn::LowerHalf(narrow, sums[0].*field), hn::UpperHalf(narrow, sums[0].*field));
+  } else {
+    return hn::Add(sums[0].*field, sums[1].*field);
+  }
+}
+
+// The four sums over all virtual lanes as one record.
+template <class D, class Sums>
+HWY_INLINE auto sum_of_groups(D d, const Sums* sums) {
+  if constexpr (groups<D> <= 2) {
+    const Four<Narrow<D>> v{halves_added(d, sums, &Sums::x), halves_added(d, sums, &Sums::y),
+                            halves_added(d, sums, &Sums::z), halves_added(d, sums, &Sums::w)};
+    return sum_of_lanes(Narrow<D>(), v);
+  } else {
+    const auto half = [=](std::size_t a, std::size_t b) {
+      return sum_of_lanes(d, Four<D>{hn::Add(sums[a].x, sums[b].x), hn::Add(sums[a].y, sums[b].y),
+                                     hn::Add(sums[a].z, sums[b].z), hn::Add(sums[a].w, sums[b].w)});
+    };
+    const auto low = half(0, 2), high = half(1, 3);
+    return decltype(sum_of_lanes(d, Four<D>())){low.x + high.x, low.y + high.y, low.z + high.z, low.w + high.w};
+  }
+}
+
+// The same for a single sum, `squares`.
+template <class D, class Sums>
+HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Sums* sums) {
+  using T = hn::TFromD<D>;
+  const hn::Full128<T> block;
+  constexpr std::size_t lanes = hn::MaxLanes(block);
+  hn::Vec<decltype(block)> total;
+  if constexpr (groups<D> <= 2) {
+    const auto v = halves_added(d, sums, &Sums::squares);
+    total = hn::Add(hn::LowerHalf(block, v), hn::UpperHalf(block, v));
+  } else {
+    total = hn::Add(hn::Add(sums[0].squares, sums[2].squares), hn::Add(sums[1].squares, sums[3].squares));
+  }
+  alignas(16) T lane[lanes];
+  hn::Store(total, block, lane);
+  if constexpr (lanes == 4) {
+    return (lane[0] + lane[2]) + (lane[1] + lane[3]);
+  } else {
+    return lane[0] + lane[1];
+  }
+}
+
+// A row of the list, and what is read of it.
+template <class T>
+struct Row {
+  const Packed<T>& self;
+  const Packed<T>* records;
+  const LocalId* index;
+  LocalId count;
+};
+
+template <class D, class Terms, class Sums, class T>
+HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& row, LocalId k) {
+  auto pair = pair_vector(d, row.self, row.records, row.index + k);
+  // Lanes past the end of the row are moved to r = h, where every smoothing kernel is zero.
+  if (row.count - k < static_cast<LocalId>(hn::Lanes(d)))
+    pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(row.count - k)), pair.r2, hn::Set(d, T{1}));
+  terms.add(d, sums, pair);
+}
+
+// For each owned particle i of the range: sums = terms.start(i) in each group, terms.add(sums, pairs) for all its
+// neighbours, terms.finish(index in the range, groups). A group past the end of a row would add zeros, which change no
+// sum, so it is left out.
 template <class T, class Terms>
 HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Terms& terms) {
   const hn::ScalableTag<T> d;
+  using D = hn::ScalableTag<T>;
   const auto lanes = static_cast<LocalId>(hn::Lanes(d));
-  const auto one = hn::Set(d, T{1});
   const Packed<T>* records = pairs.records.data();
   for (LocalId i = range.begin; i < range.end; ++i) {
-    const Packed<T>& self = records[pairs.low_ghosts + i];
-    const LocalId* row = pairs.list.row(i);
-    const LocalId count = pairs.list.count(i);
-    auto sums = terms.start(d, pairs.low_ghosts + i);
-    for (LocalId k = 0; k < count; k += lanes) {
-      auto pair = pair_vector(d, self, records, row + k);
-      // Lanes past the end of the row are moved to r = h, where every smoothing kernel is zero.
-      if (count - k < lanes) pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(count - k)), pair.r2, one);
-      terms.add(d, sums, pair);
+    const LocalId self = pairs.low_ghosts + i;
+    const Row<T> row{records[self], records, pairs.list.row(i), pairs.list.count(i)};
+    decltype(terms.start(d, self)) sums[groups<D>];
+    for (auto& group : sums) group = terms.start(d, self);
+    for (LocalId k = 0; k < row.count;) {
+      for (auto& group : sums) {  // unrolled by the compiler
+        if (k < row.count) add_vector(d, terms, group, row, k);
+        k += lanes;
+      }
     }
     terms.finish(d, i - range.begin, sums);
   }

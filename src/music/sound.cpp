@@ -72,7 +72,8 @@ Real Ear::pitch(std::span<const float> samples) const {
   while (lag < longest && d[lag + 1] < d[lag]) ++lag;
   if (lag >= longest || !(d[lag] < periodic)) return NAN;
   const Real period = static_cast<Real>(lag) + bottom(d[lag - 1], d[lag], d[lag + 1]);
-  return 69 + 12 * std::log2(rate / period / 440);
+  // In steps of a 4096th of a semitone, as the last bit of a logarithm differs between versions of the C library.
+  return std::round(4096 * (69 + 12 * std::log2(rate / period / 440))) / 4096;
 }
 
 }  // namespace trevi

@@ -1,0 +1,133 @@
+#!/usr/bin/python3
+"""Results have the bits that golden.txt says, on any number of ranks and on every instruction set with a fused
+multiply-add that this machine has: particles of the last checkpoint, and series.csv but for times.
+
+After a change that is meant to change results TREVI_WRITE_GOLDEN=1 makes it write golden.txt anew; the commit says why.
+"""
+
+import hashlib
+import os
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+from program import INPUTS, WITHOUT, ProgramTest, main
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
+from same_bits import last_checkpoint, rows_of_series  # noqa: E402
+
+GOLDEN = Path(__file__).with_name("golden.txt")
+ROUNDED = {"SSE2", "SSSE3", "SSE4"}  # without a fused multiply-add: to rounding only
+
+# Everything that a scene may have, and enough of it that all of it acts: jets through a pool, drops that meet walls.
+EVERYTHING = """
+[domain]
+min = [0, 0, 0]
+max = [1.6, 0.8, 2.0]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [1.6, 0.8, 0.5]
+[[particles]]
+min = [0.2, 0.2, 1.0]
+max = [0.6, 0.6, 1.4]
+velocity = [1, 0.3, 0]
+[time]
+dt = 0.016666666666666667
+end = 1.0
+[gravity]
+[walls]
+floor_friction = 0.02
+[tensile]
+[vorticity]
+[viscosity]
+[[fountain]]
+center = [1.0, 0.4]
+diameter = 0.3
+height = 0.3
+speed = 5.0
+jitter = 2.0
+{music}
+[colour]
+by = "rainbow_x"
+[output.series]
+every_steps = 1
+[output.checkpoint]
+every_steps = 30
+"""
+MUSIC = 'music = "ode.txt"\nspeed_range = [3.0, 6.0]'
+SCORE = "0 C4 0.2\n0.2 E4 0.2\n0.3 G4 0.3\n"
+
+
+def digest(folder):
+    """Hash of what two runs with the same bits have in common."""
+    state = hashlib.sha256()
+    with h5py.File(last_checkpoint(folder)) as file:
+        for name in ("id", "position", "velocity"):
+            state.update(file["particles"][name][()].tobytes())
+    for row in rows_of_series(folder):
+        state.update(",".join(row.values()).encode())
+    return state.hexdigest()[:16]
+
+
+def cases(folder):
+    """Name, scene, overrides of each run."""
+    for scene in sorted(INPUTS.glob("*_small.toml")):
+        if "music" not in scene.name or "MUSIC" not in WITHOUT:
+            yield scene.stem, scene, []
+    if "MUSIC" in WITHOUT:
+        return
+    everything = folder / "everything.toml"
+    everything.write_text(EVERYTHING.format(music=MUSIC))
+    (folder / "ode.txt").write_text(SCORE)
+    for precision in ("single", "double"):
+        for method in ("jacobi", "chebyshev"):
+            yield (f"everything_{precision}_{method}", everything,
+                   [f"density.precision='{precision}'", f"density.method='{method}'"])
+
+
+class Golden(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.trevi = self.program  # each run names its instruction set itself
+
+    def hash_of(self, case, instruction_set, ranks):
+        _, scene, overrides = case
+        sets = [*overrides, f"run.instruction_set='{instruction_set}'", "output.series.every_steps=1",
+                "output.checkpoint.every_steps=1000000"]
+        with tempfile.TemporaryDirectory() as out:
+            self.run_well(ranks, scene, "--steps", 60, "--output", f"{out}/run", *(f"--set={o}" for o in sets))
+            return digest(Path(out) / "run")
+
+    def instruction_sets(self):
+        """Those with a fused multiply-add, the best first, as the refusal of another one names them."""
+        refused = self.run_trevi(1, INPUTS / "falling_cube_small.toml", "--dry-run", "--set=run.instruction_set='none'")
+        names = re.search(r"this run has \(([^)]*)\)", refused.stderr)[1].split(", ")
+        return [name for name in names if name not in ROUNDED]
+
+    def test_bits(self):
+        golden = dict(line.split() for line in GOLDEN.read_text().splitlines() if not line.startswith("#"))
+        sets = self.instruction_sets()
+        if not sets:
+            self.skipTest("no instruction set of this machine has a fused multiply-add")
+        for case in cases(self.folder):
+            # Each set once, and the best on all numbers of ranks.
+            ranks = [1, 2, 3, 5] if case[0].startswith("everything") else [2]
+            for instruction_set in sets:
+                for count in ranks if instruction_set == sets[0] else ranks[-1:]:
+                    with self.subTest(case[0], instruction_set=instruction_set, ranks=count):
+                        self.assertEqual(self.hash_of(case, instruction_set, count), golden[case[0]])
+
+    @unittest.skipUnless(os.environ.get("TREVI_WRITE_GOLDEN"), "only after a change that is meant to change results")
+    def test_write(self):
+        best = self.instruction_sets()[0]
+        lines = [f"{case[0]} {self.hash_of(case, best, 1)}" for case in cases(self.folder)]
+        GOLDEN.write_text("# Hashes of small runs after 60 steps; test_golden.py says of what.\n" + "\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
