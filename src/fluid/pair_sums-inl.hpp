@@ -46,7 +46,7 @@ struct VectorTerms {
     sums.z = hn::MulAdd(factor, pair.dz, sums.z);
   }
   template <class D, class Sums>
-  Vec4<T> finish(D d, LocalId index, const Sums* sums) const {
+  Vec4<T> finish(D d, LocalId index, const Groups<Sums>& sums) const {
     constexpr T per_unit = static_cast<T>(1 / Packed<T>::units_per_h);
     const Vec4<T> total = sum_of_groups(d, sums);
     return out[index] = {total.x * per_unit, total.y * per_unit, total.z * per_unit, total.w};
@@ -76,7 +76,7 @@ struct DensityTerms : VectorTerms<T> {
     this->add_along(sums, pair, slope.per_u);
   }
   template <class D>
-  void finish(D d, LocalId index, const Sums<D>* sums) const {
+  void finish(D d, LocalId index, const Groups<Sums<D>>& sums) const {
     VectorTerms<T>::finish(d, index, sums);
     squares[index] = sum_of_squares(d, sums);
   }
@@ -182,7 +182,7 @@ struct SmoothingTerms : VelocityTerms<T> {
     sums.z = hn::MulAdd(weight, v.z, sums.z);
   }
   template <class D>
-  void finish(D d, LocalId index, const SumsOf<D>* sums) const {
+  void finish(D d, LocalId index, const Groups<SumsOf<D>>& sums) const {
     this->out[index] = sum_of_groups(d, sums);
   }
 };

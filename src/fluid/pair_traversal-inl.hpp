@@ -10,6 +10,8 @@
 
 #include <hwy/highway.h>
 
+#include <type_traits>
+
 #include "fluid/kernels/shape-inl.hpp"
 #include "fluid/pair_sums.hpp"
 
@@ -133,55 +135,62 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Pack
   return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, index};
 }
 
-// A particle's sum has the same shape on every processor: 64 bytes of virtual lanes, whatever the registers are. Neighbour
-// k of a row belongs to lane k modulo 16 (8 in double precision), each lane is summed in the order of the row, and the
-// lanes are added by one tree: halves of 32 bytes, then blocks of 16 bytes, then the lanes of a block. A register that is
-// narrower holds one of `groups` parts of the lanes.
+// A particle's sum has the same shape on every processor: 64 bytes of virtual lanes, whatever the registers are.
+// Neighbour k of a row belongs to lane k modulo 16 (8 in double precision), each lane is summed in the order of the
+// row, and the lanes are added by one tree: halves of 32 bytes, then blocks of 16 bytes, then the lanes of a block. A
+// register that is narrower holds one of `groups` parts of the lanes.
 template <class D>
 inline constexpr std::size_t groups = 64 / (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>));
+
+// The sums of all groups; of four, those that the registers need are used.
+template <class Sums>
+struct Groups {
+  Sums a, b, c, e;
+};
 
 // The two halves of the virtual lanes, added, for registers of 32 bytes and more.
 template <class D>
 using Narrow = hn::CappedTag<hn::TFromD<D>, 32 / sizeof(hn::TFromD<D>)>;
-template <class D, class Sums>
-HWY_INLINE hn::Vec<Narrow<D>> halves_added(D, const Sums* sums, hn::Vec<D> Sums::*field) {
+template <class D>
+HWY_INLINE hn::Vec<Narrow<D>> halves_added(D, hn::Vec<D> a, hn::Vec<D> b) {
   if constexpr (groups<D> == 1) {
     const Narrow<D> narrow;
-    return hn::Add(hn::LowerHalf(narrow, sums[0].*field), hn::UpperHalf(narrow, sums[0].*field));
+    return hn::Add(hn::LowerHalf(narrow, a), hn::UpperHalf(narrow, a));
   } else {
-    return hn::Add(sums[0].*field, sums[1].*field);
+    return hn::Add(a, b);
   }
+}
+
+template <class D, class Sums>
+HWY_INLINE Four<D> four_added(D, const Sums& a, const Sums& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z), hn::Add(a.w, b.w)};
 }
 
 // The four sums over all virtual lanes as one record.
 template <class D, class Sums>
-HWY_INLINE auto sum_of_groups(D d, const Sums* sums) {
+HWY_INLINE auto sum_of_groups(D d, const Groups<Sums>& s) {
   if constexpr (groups<D> <= 2) {
-    const Four<Narrow<D>> v{halves_added(d, sums, &Sums::x), halves_added(d, sums, &Sums::y),
-                            halves_added(d, sums, &Sums::z), halves_added(d, sums, &Sums::w)};
+    const Four<Narrow<D>> v{halves_added(d, s.a.x, s.b.x), halves_added(d, s.a.y, s.b.y), halves_added(d, s.a.z, s.b.z),
+                            halves_added(d, s.a.w, s.b.w)};
     return sum_of_lanes(Narrow<D>(), v);
   } else {
-    const auto half = [=](std::size_t a, std::size_t b) {
-      return sum_of_lanes(d, Four<D>{hn::Add(sums[a].x, sums[b].x), hn::Add(sums[a].y, sums[b].y),
-                                     hn::Add(sums[a].z, sums[b].z), hn::Add(sums[a].w, sums[b].w)});
-    };
-    const auto low = half(0, 2), high = half(1, 3);
-    return decltype(sum_of_lanes(d, Four<D>())){low.x + high.x, low.y + high.y, low.z + high.z, low.w + high.w};
+    const auto low = sum_of_lanes(d, four_added(d, s.a, s.c)), high = sum_of_lanes(d, four_added(d, s.b, s.e));
+    return std::remove_const_t<decltype(low)>{low.x + high.x, low.y + high.y, low.z + high.z, low.w + high.w};
   }
 }
 
 // The same for a single sum, `squares`.
 template <class D, class Sums>
-HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Sums* sums) {
+HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Groups<Sums>& s) {
   using T = hn::TFromD<D>;
   const hn::Full128<T> block;
   constexpr std::size_t lanes = hn::MaxLanes(block);
   hn::Vec<decltype(block)> total;
   if constexpr (groups<D> <= 2) {
-    const auto v = halves_added(d, sums, &Sums::squares);
+    const auto v = halves_added(d, s.a.squares, s.b.squares);
     total = hn::Add(hn::LowerHalf(block, v), hn::UpperHalf(block, v));
   } else {
-    total = hn::Add(hn::Add(sums[0].squares, sums[2].squares), hn::Add(sums[1].squares, sums[3].squares));
+    total = hn::Add(hn::Add(s.a.squares, s.c.squares), hn::Add(s.b.squares, s.e.squares));
   }
   alignas(16) T lane[lanes];
   hn::Store(total, block, lane);
@@ -210,26 +219,36 @@ HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& ro
   terms.add(d, sums, pair);
 }
 
+// A row's pairs, group after group. One past the end of the row would add zeros, which change no sum.
+template <class D, class Terms, class Sums, class T>
+HWY_INLINE void add_row(D d, const Terms& terms, Groups<Sums>& sums, const Row<T>& row) {
+  const auto lanes = static_cast<LocalId>(hn::Lanes(d));
+  for (LocalId k = 0; k < row.count; k += lanes) {
+    add_vector(d, terms, sums.a, row, k);
+    if constexpr (groups<D> >= 2) {
+      if ((k += lanes) >= row.count) break;
+      add_vector(d, terms, sums.b, row, k);
+    }
+    if constexpr (groups<D> == 4) {
+      if ((k += lanes) >= row.count) break;
+      add_vector(d, terms, sums.c, row, k);
+      if ((k += lanes) >= row.count) break;
+      add_vector(d, terms, sums.e, row, k);
+    }
+  }
+}
+
 // For each owned particle i of the range: sums = terms.start(i) in each group, terms.add(sums, pairs) for all its
-// neighbours, terms.finish(index in the range, groups). A group past the end of a row would add zeros, which change no
-// sum, so it is left out.
+// neighbours, terms.finish(index in the range, groups).
 template <class T, class Terms>
 HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Terms& terms) {
   const hn::ScalableTag<T> d;
-  using D = hn::ScalableTag<T>;
-  const auto lanes = static_cast<LocalId>(hn::Lanes(d));
   const Packed<T>* records = pairs.records.data();
   for (LocalId i = range.begin; i < range.end; ++i) {
     const LocalId self = pairs.low_ghosts + i;
-    const Row<T> row{records[self], records, pairs.list.row(i), pairs.list.count(i)};
-    decltype(terms.start(d, self)) sums[groups<D>];
-    for (auto& group : sums) group = terms.start(d, self);
-    for (LocalId k = 0; k < row.count;) {
-      for (auto& group : sums) {  // unrolled by the compiler
-        if (k < row.count) add_vector(d, terms, group, row, k);
-        k += lanes;
-      }
-    }
+    const auto start = terms.start(d, self);
+    Groups<std::remove_const_t<decltype(start)>> sums{start, start, start, start};
+    add_row(d, terms, sums, Row<T>{records[self], records, pairs.list.row(i), pairs.list.count(i)});
     terms.finish(d, i - range.begin, sums);
   }
 }
