@@ -78,27 +78,25 @@ HWY_INLINE auto sum_of_blocks(D, V v) {
   }
 }
 
-// The four sums over lanes as one record.
+// The four sums over the lanes of each block: in single precision a record in each block, in double precision half of
+// one in each block of two vectors.
 template <class D>
-requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Vec4<float> sum_of_lanes(D d, const Four<D>& v) {
+struct BlockSums {
+  hn::Vec<D> xy, zw;  // single precision: all in xy
+};
+template <class D>
+requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Four<D>& v) {
   const hn::Repartition<double, D> wide;
   const auto xy = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y)));
   const auto zw = hn::BitCast(wide, hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w)));
   const auto sums =
       hn::Add(hn::BitCast(d, hn::InterleaveLower(wide, xy, zw)), hn::BitCast(d, hn::InterleaveUpper(wide, xy, zw)));
-  Vec4<float> result;
-  hn::Store(sum_of_blocks(D(), sums), hn::Full128<float>(), &result.x);
-  return result;
+  return {sums, sums};
 }
-
 template <class D>
-requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Vec4<double> sum_of_lanes(D d, const Four<D>& v) {
-  const auto xy = hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y));
-  const auto zw = hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w));
-  Vec4<double> result;
-  hn::Store(sum_of_blocks(D(), xy), hn::Full128<double>(), &result.x);
-  hn::Store(sum_of_blocks(D(), zw), hn::Full128<double>(), &result.z);
-  return result;
+requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Four<D>& v) {
+  return {hn::Add(hn::InterleaveLower(d, v.x, v.y), hn::InterleaveUpper(d, v.x, v.y)),
+          hn::Add(hn::InterleaveLower(d, v.z, v.w), hn::InterleaveUpper(d, v.z, v.w))};
 }
 
 // A vector of pairs (i, j): d = p_i − p_j in the units of the records, r2 in h², w_j the scalar of record j.
@@ -137,8 +135,9 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Pack
 
 // A particle's sum has the same shape on every processor: 64 bytes of virtual lanes, whatever the registers are.
 // Neighbour k of a row belongs to lane k modulo 16 (8 in double precision), each lane is summed in the order of the
-// row, and the lanes are added by one tree: halves of 32 bytes, then blocks of 16 bytes, then the lanes of a block. A
-// register that is narrower holds one of `groups` parts of the lanes.
+// row, and the lanes are added by one tree, the one that costs AVX-512 least: those of each block of 16 bytes, then
+// halves of 32 bytes, then the two blocks that are left. A register that is narrower holds one of `groups` parts of the
+// lanes.
 template <class D>
 inline constexpr std::size_t groups = 64 / (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>));
 
@@ -148,52 +147,45 @@ struct Groups {
   Sums a, b, c, e;
 };
 
-// The two halves of the virtual lanes, added, for registers of 32 bytes and more.
+// One vector of each group: all blocks added to one.
 template <class D>
-using Narrow = hn::CappedTag<hn::TFromD<D>, 32 / sizeof(hn::TFromD<D>)>;
-template <class D>
-HWY_INLINE hn::Vec<Narrow<D>> halves_added(D, hn::Vec<D> a, hn::Vec<D> b) {
+HWY_INLINE auto sum_of_blocks(D d, const Groups<hn::Vec<D>>& v) {
   if constexpr (groups<D> == 1) {
-    const Narrow<D> narrow;
-    return hn::Add(hn::LowerHalf(narrow, a), hn::UpperHalf(narrow, a));
+    return sum_of_blocks(d, v.a);
+  } else if constexpr (groups<D> == 2) {
+    return sum_of_blocks(d, hn::Add(v.a, v.b));
   } else {
-    return hn::Add(a, b);
+    return hn::Add(hn::Add(v.a, v.c), hn::Add(v.b, v.e));
   }
 }
 
+// Those of groups that a set of registers does not have are copies of the first, and nobody computes them.
 template <class D, class Sums>
-HWY_INLINE Four<D> four_added(D, const Sums& a, const Sums& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z), hn::Add(a.w, b.w)};
+HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Sums& s) {
+  return sums_of_blocks(d, Four<D>{s.x, s.y, s.z, s.w});
 }
 
 // The four sums over all virtual lanes as one record.
 template <class D, class Sums>
-HWY_INLINE auto sum_of_groups(D d, const Groups<Sums>& s) {
-  if constexpr (groups<D> <= 2) {
-    const Four<Narrow<D>> v{halves_added(d, s.a.x, s.b.x), halves_added(d, s.a.y, s.b.y), halves_added(d, s.a.z, s.b.z),
-                            halves_added(d, s.a.w, s.b.w)};
-    return sum_of_lanes(Narrow<D>(), v);
-  } else {
-    const auto low = sum_of_lanes(d, four_added(d, s.a, s.c)), high = sum_of_lanes(d, four_added(d, s.b, s.e));
-    return std::remove_const_t<decltype(low)>{low.x + high.x, low.y + high.y, low.z + high.z, low.w + high.w};
-  }
+HWY_INLINE Vec4<hn::TFromD<D>> sum_of_groups(D d, const Groups<Sums>& s) {
+  using T = hn::TFromD<D>;
+  const auto a = sums_of_blocks(d, s.a), b = groups<D> >= 2 ? sums_of_blocks(d, s.b) : a;
+  const auto c = groups<D> == 4 ? sums_of_blocks(d, s.c) : a, e = groups<D> == 4 ? sums_of_blocks(d, s.e) : a;
+  Vec4<T> result;
+  hn::Store(sum_of_blocks(d, Groups<hn::Vec<D>>{a.xy, b.xy, c.xy, e.xy}), hn::Full128<T>(), &result.x);
+  if constexpr (sizeof(T) == 8)
+    hn::Store(sum_of_blocks(d, Groups<hn::Vec<D>>{a.zw, b.zw, c.zw, e.zw}), hn::Full128<T>(), &result.z);
+  return result;
 }
 
-// The same for a single sum, `squares`.
+// The same for a single sum, `squares`, whose blocks are added first.
 template <class D, class Sums>
 HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Groups<Sums>& s) {
   using T = hn::TFromD<D>;
   const hn::Full128<T> block;
   constexpr std::size_t lanes = hn::MaxLanes(block);
-  hn::Vec<decltype(block)> total;
-  if constexpr (groups<D> <= 2) {
-    const auto v = halves_added(d, s.a.squares, s.b.squares);
-    total = hn::Add(hn::LowerHalf(block, v), hn::UpperHalf(block, v));
-  } else {
-    total = hn::Add(hn::Add(s.a.squares, s.c.squares), hn::Add(s.b.squares, s.e.squares));
-  }
   alignas(16) T lane[lanes];
-  hn::Store(total, block, lane);
+  hn::Store(sum_of_blocks(d, Groups<hn::Vec<D>>{s.a.squares, s.b.squares, s.c.squares, s.e.squares}), block, lane);
   if constexpr (lanes == 4) {
     return (lane[0] + lane[2]) + (lane[1] + lane[3]);
   } else {
