@@ -45,14 +45,17 @@ enum class MusicKind { score, midi, sound, live };
 enum class Follow { pitch, loudness };
 enum class SpeedMapping { linear, energy };
 
+/// kernel_radius over spacing: with less a particle has hardly a neighbour, with more thousands.
+inline constexpr Real least_kernel_ratio = 1.2, largest_kernel_ratio = 4;
+
 struct FluidSettings {
-  Real spacing = 0.1;           ///< of the start lattice, m
-  Real rest_density = 1000;     ///< kg/m³
-  Derived<Real> kernel_radius;  ///< h, m; default 2 spacing
+  Real spacing = 0.1;             ///< of the start lattice, m
+  Real rest_density = 1000;       ///< kg/m³
+  Derived<Real> kernel_radius{};  ///< h, m; default 2 spacing
   Mass mass = Mass::calibrated;
   std::string density_kernel = "spiky";  ///< of rho, by its name
   /// That shifts follow; default: the one that goes with the density's.
-  Derived<std::string> gradient_kernel;
+  Derived<std::string> gradient_kernel{};
   bool operator==(const FluidSettings&) const = default;
 };
 
@@ -60,10 +63,10 @@ struct DensitySettings {
   Method method = Method::chebyshev;
   int iterations = 4;             ///< the coarse-grid correction counts as one; a sweep follows it at least
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
-  Derived<Real> relaxation;       ///< under-relaxation; default: a share of what the kernel's lattice allows
+  Derived<Real> relaxation{};     ///< under-relaxation; default: a share of what the kernel's lattice allows
   Real spectral_radius = 0.95;    ///< chebyshev: assumed of the relaxed Jacobi iteration
-  Derived<bool> coarse_grid;      ///< the smooth part of the correction from the cell grid; default: with chebyshev
-  Derived<Real> max_shift;        ///< cap on what a pair is pushed apart in an iteration, in units of h; 0: none
+  Derived<bool> coarse_grid{};    ///< the smooth part of the correction from the cell grid; default: with chebyshev
+  Derived<Real> max_shift{};      ///< cap on what a pair is pushed apart in an iteration, in units of h; 0: none
   Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
@@ -115,12 +118,12 @@ struct FountainSettings {
 enum class SlabCuts { balanced, equal };
 
 struct Settings {
-  Box domain;              ///< m
-  Derived<int> slab_axis;  ///< 0 x, 1 y; default the longer one
+  Box domain;                ///< m
+  Derived<int> slab_axis{};  ///< 0 x, 1 y; default the longer one
   SlabCuts slabs = SlabCuts::balanced;
   FluidSettings fluid;
   Real dt = 1.0 / 60;           ///< s
-  Derived<Real> cfl;            ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
+  Derived<Real> cfl{};          ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
   std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;

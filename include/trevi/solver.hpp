@@ -71,7 +71,8 @@ struct SolverExtras {
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be
 /// empty. It works on a duplicate of `comm`, so that its messages meet no others. Collective. Throws InputError on all
-/// ranks alike for a particle outside the box, more ranks than cell planes, or more particles than a rank can count.
+/// ranks alike for settings that cannot be, a particle outside the box, more ranks than cell planes, or more particles
+/// than a rank can count.
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles,
                                     SolverExtras extras = {});
 

@@ -56,7 +56,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   app.add_option("--output", line.output, "output directory, in place of the scene's")->check(refuse_empty);
   app.add_option("--set", line.overrides, "table.key=value, in place of the scene's value; repeatable")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);  // else it takes a scene that stands behind it
   app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest")->check(refuse_empty);
   app.add_option("--steps", line.steps, "stop when the run's total step count is this, before or past time.end")
       ->check(refuse_step);
@@ -69,11 +70,14 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
                                                                               {"bar", ProgressMode::bar},
                                                                               {"lines", ProgressMode::lines},
                                                                               {"none", ProgressMode::none}}));
+  app.set_version_flag("--version", std::string("trevi ") + TREVI_VERSION);
   refuse_single_dash(app, argc, argv);
   try {
     app.parse(own_arguments(argc, argv));
   } catch (const CLI::CallForHelp&) {
     line.help = app.help();
+  } catch (const CLI::CallForVersion& version) {
+    line.help = std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
     throw InputError(std::string(error.what()) +
                      "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "

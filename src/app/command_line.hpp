@@ -21,7 +21,7 @@ struct CommandLine {
   std::string preview;  ///< file for the curves of the fountains, instead of a run; empty: none
   std::string view;     ///< HOST:PORT of a viewer that may watch the run; empty: none
   ProgressMode progress = ProgressMode::automatic;
-  std::string help;  ///< not empty: print this and exit 0
+  std::string help;  ///< not empty: print this, the help or the version, and exit 0
 };
 
 /// Throws InputError with the usage line for what it does not understand.

@@ -141,9 +141,10 @@ bool PhysicsReader::check_kernel_radius() {
   if (!fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return false;
   if (!scene_.fluid.kernel_radius.given()) return true;
   const Real h = scene_.fluid.kernel_radius, ratio = h / scene_.fluid.spacing;
-  return fluid_.check("kernel_radius", ratio >= 1.2 - rounding && ratio <= 4 + rounding,
-                      fmt::format("must be 1.2 to 4 times the spacing {} m, got {} m; give about twice the spacing",
-                                  scene_.fluid.spacing, h));
+  return fluid_.check("kernel_radius",
+                      ratio >= least_kernel_ratio - rounding && ratio <= largest_kernel_ratio + rounding,
+                      fmt::format("must be {} to {} times the spacing {} m, got {} m; give about twice the spacing",
+                                  least_kernel_ratio, largest_kernel_ratio, scene_.fluid.spacing, h));
 }
 
 void PhysicsReader::check_cells() {

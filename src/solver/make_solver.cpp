@@ -65,6 +65,26 @@ void check_inside(MPI_Comm comm, const Settings& settings, const Particles& part
   });
 }
 
+// What a scene's reader has checked before, with the line at fault; a program may hand over anything. Comparisons are
+// written so that a NaN fails.
+void check_settings(const Settings& settings) {
+  const auto demand = [](bool holds, const char* rule) {
+    if (!holds) throw InputError(std::string("settings of the solver: ") + rule);
+  };
+  const FluidSettings& fluid = settings.fluid;
+  demand(fluid.spacing > 0 && fluid.rest_density > 0, "fluid.spacing and rest_density must be positive");
+  const Real h = fluid.kernel_radius.given() ? fluid.kernel_radius.value() : 2 * fluid.spacing, rounding = 1e-9;
+  demand(h >= (least_kernel_ratio - rounding) * fluid.spacing && h <= (largest_kernel_ratio + rounding) * fluid.spacing,
+         "fluid.kernel_radius must be 1.2 to 4 times the spacing");
+  demand(((settings.domain.max - settings.domain.min).array() >= h).all(),
+         "the domain must be at least a kernel_radius wide in each axis");
+  demand(settings.dt > 0, "dt must be positive");
+  demand(settings.density.iterations >= 1, "density.iterations must be at least 1");
+  demand(settings.density.method != Method::chebyshev || settings.density.constraint == Constraint::inequality,
+         "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
+  demand(!settings.viscosity || !settings.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
+}
+
 template <class T>
 void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const DensityModel model = density_model(settings);
@@ -107,6 +127,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
 }  // namespace
 
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
+  check_settings(settings);
   const Settings all = resolved(settings);
   if (all.density.precision == Precision::single)
     return make<float>(comm, all, std::move(particles), std::move(extras));

@@ -146,5 +146,21 @@ TEST(Library, RefusesWhatCannotBeDoneOnAllRanksAlike) {
   EXPECT_THROW(other->change_particles(cut), RunError);
 }
 
+TEST(Library, RefusesSettingsThatCannotBe) {
+  const auto refused = [](const std::function<void(Settings&)>& spoil) {
+    Settings settings = tank();
+    spoil(settings);
+    EXPECT_THROW(make_solver(world, settings, block(world)), InputError);
+  };
+  refused([](Settings& s) { s.fluid.spacing = 0; });
+  refused([](Settings& s) { s.fluid.spacing = NAN; });
+  refused([](Settings& s) { s.fluid.kernel_radius = 0.5; });
+  refused([](Settings& s) { s.fluid.density_kernel = "gauss"; });
+  refused([](Settings& s) { s.domain.max.y() = 0.1; });
+  refused([](Settings& s) { s.dt = -1; });
+  refused([](Settings& s) { s.density.constraint = Constraint::equality; });
+  refused([](Settings& s) { s.viscosity = s.kinematic_viscosity = 0.001; });
+}
+
 }  // namespace
 }  // namespace trevi::test

@@ -178,6 +178,10 @@ class Outputs(ProgramTest):
         self.assertEqual(result.returncode, 2)
         self.assertIn("use more ranks", result.stderr)
 
+    def test_version_and_the_scene_behind_an_override(self):
+        self.assertRegex(self.run_well(2, "--version").stdout, r"^trevi \d+\.\d+\.\d+\n$")
+        told = self.run_well(1, "--set", "fluid.spacing=0.05", "--set", "time.dt=0.005", CUBE, "--dry-run").stdout
+        self.assertNotEqual(told, self.run_well(1, CUBE, "--dry-run").stdout)
 
     def test_lost_output_is_told(self):
         with open("/dev/full", "w") as full:
