@@ -1,4 +1,4 @@
-// What the colour of a particle shows: the one list, for colour.by of a scene, the frames that a run writes, and
+// What the colour of a particle shows: the one list for colour.by of a scene, for the frames that a run writes, and for
 // --colour of trevi-view. Invariant: colour_list[k].colour is the k-th of the enumeration. Plain data.
 #pragma once
 

@@ -1,7 +1,7 @@
-// Errors that a user of Trevi can meet, each with the exit code of the program: 2 bad input, 3 a failed run.
-// Input errors are found by all ranks alike, before anything is written; run errors may strike one rank alone, and
-// carry whether they did: only after one that all ranks threw may the program still communicate. Internal bugs are
-// asserts, not errors.
+// Errors that a user of Trevi can meet, each with the exit code of the program: 2 bad input, 3 a failed run. Input
+// errors are found by all ranks alike, before anything is written. A run error may occur on one rank alone; it carries
+// whether all ranks threw it (Reach), as only then may the program still communicate. Bugs of Trevi itself are asserts,
+// not errors.
 #pragma once
 
 #include <source_location>
@@ -40,13 +40,13 @@ class RunError : public Error {
       : Error(ExitCode::run_failed, reach, message) {}
 };
 
-/// The particles went wrong. Thrown by all ranks alike, and the solver still holds what there is to look at.
+/// The run has become unstable. Thrown by all ranks alike; the solver still holds its particles, to be looked at.
 class BlowUp : public RunError {
  public:
   explicit BlowUp(const std::string& message) : RunError(message, Reach::all_ranks) {}
 };
 
-/// Throws RunError with the calling place unless `condition` holds.
+/// Throws RunError with the place of the call unless `condition` holds.
 inline void require(bool condition, const std::string& message,
                     std::source_location where = std::source_location::current()) {
   if (!condition) throw RunError(message + " [" + where.file_name() + ":" + std::to_string(where.line()) + "]");

@@ -1,7 +1,7 @@
-// What changes velocities before the prediction (report, Algorithm 1, line 2): a Forcing is called once per substep for
-// all the particles of a rank. For the same bits on any rank count it looks at one particle at a time, and draws random
-// numbers from what does not depend on the ranks: uniform(seed, id, step, substep).
-// Collective: prepare() only, which a source that one rank alone can hear (live sound) shares with all ranks.
+// What changes velocities before the prediction (Macklin & Müller 2013, Algorithm 1, line 2): a Forcing is called once
+// per substep for all particles of a rank. For the same bits on any rank count it treats each particle on its own and
+// draws random numbers from uniform(), whose arguments do not depend on the ranks. Collective: prepare() only, in which
+// a source that one rank alone can read (live sound) is shared with all ranks.
 #pragma once
 
 #include <cmath>
@@ -35,16 +35,16 @@ struct FountainState {
 class Forcing {
  public:
   virtual ~Forcing() = default;
-  /// Once before each step, all its substeps in one. Collective.
+  /// Called once before each step; `dt` is that of the whole step. Collective.
   virtual void prepare(const StepInfo&) {}
   virtual void apply(Particles& particles, const StepInfo& info) = 0;
   /// Highest speed it may give a particle within the times, m/s; for the choice of substeps.
   virtual Real fastest(const TimeSpan&) const { return 0; }
-  /// What a fountain does at a time; nothing for a forcing that is no fountain.
+  /// State of a fountain at a time; no value for a forcing that is not a fountain.
   virtual std::optional<FountainState> state(Real) const { return std::nullopt; }
 };
 
-/// Uniform in [0, 1), a pure function of its arguments (Random123's Philox); `stream` tells its users apart.
+/// Uniform in [0, 1), a pure function of its arguments (Random123's Philox); `stream` separates different users.
 Real uniform(std::uint64_t seed, GlobalId id, const StepInfo& info, int stream);
 
 }  // namespace trevi

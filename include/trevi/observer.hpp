@@ -1,5 +1,5 @@
-// Observers look at a run and write; they never change it. Each has its own schedule; the solver notifies them at the
-// end of a step, while the particles still stand in the frozen cell order of that step.
+// Observers look at a run and write output; they never change it. Each has its own schedule. The solver calls them at
+// the end of a step, while the particles are still in the cell order of that step.
 #pragma once
 
 #include <span>
@@ -41,7 +41,7 @@ class Observer {
   virtual bool wants_diagnostics() const { return false; }
   /// Collective.
   virtual void observe(const Frame& frame) = 0;
-  /// Asked for from outside (SIGUSR1, a request to stop), due or not: put on disk what a restart needs. Collective.
+  /// Writes what a restart needs, on a request from outside (SIGUSR1, a request to stop), due or not. Collective.
   virtual void save(const Frame&) {}
   /// Once at the end of the run, whatever its reason. Collective.
   virtual void finish(const Frame&) {}

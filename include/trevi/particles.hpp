@@ -1,8 +1,8 @@
-// The state of the particles one rank owns: a structure of arrays, one contiguous array per field, all of one length.
-// Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which no rank count
-// changes. Ghosts live in the packed records of the pair loops only (packed.hpp), so the double-precision state has
-// none. The one list of fields is for_each_field: migration goes through it, sorting through for_each_kept_field (the
-// velocities have no value then). What of them stands in files: src/io/fields.hpp.
+// The state of the particles that one rank owns: a structure of arrays, one contiguous array per field, all of one
+// length. Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which is the
+// same on any rank count. Ghosts exist only in the packed records of the pair loops (packed.hpp), not here. The one
+// list of fields is for_each_field, which migration uses; sorting uses for_each_kept_field, as velocities are about to
+// be overwritten then. The fields that are written to files: src/io/fields.hpp.
 #pragma once
 
 #include <cassert>
@@ -17,7 +17,7 @@ struct Particles {
   std::vector<Vec3> position;   ///< p at the start of the step, m
   std::vector<Vec3> predicted;  ///< p*, m
   std::vector<Vec3> velocity;   ///< v, m/s
-  std::vector<float> hue;       ///< start position on the rainbow, 0 to 1; empty unless the scene's colour asks for it
+  std::vector<float> hue;       ///< x at the start as a share of the water's extent; empty unless colour.by needs it
   bool has_hue = false;
 
   LocalId size() const { return static_cast<LocalId>(id.size()); }
@@ -32,7 +32,7 @@ struct Particles {
     for_each_field_of(*this, visit);
   }
 
-  /// The same for those that live on between the prediction and the update of the velocities: all but these.
+  /// The same for all fields but the velocities, which have no meaning between the prediction and their update.
   template <class Visit>
   void for_each_kept_field(Visit&& visit) {
     for_each_kept_field_of(*this, visit);

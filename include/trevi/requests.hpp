@@ -1,8 +1,8 @@
-// What the world outside asks of a run under way: a checkpoint (SIGUSR1), or an end with one (SIGUSR2, SIGTERM, SIGINT,
-// a stop file, the wall-clock limit, a viewer). A rank sees only some of this, and two ranks see a signal in different
-// steps; so each rank counts, and the largest counts over all ranks, which the solver finds with its vote of each step,
-// decide. Nothing here communicates. Signal handlers belong to the process: one watch at a time; the old handlers come
-// back with its end.
+// Requests to a run from outside: to write a checkpoint (SIGUSR1), or to write one and stop (SIGUSR2, SIGTERM, SIGINT,
+// a stop file, the wall-clock limit, a viewer). A rank sees only some of them, and two ranks may see a signal in
+// different steps; so each rank counts requests, and the largest counts over all ranks decide, which the solver finds
+// by its vote in each substep. Nothing here communicates. Signal handlers belong to the process, so there may be one
+// watch at a time; its destructor restores the old handlers.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace trevi {
 
-/// By kind, in the order of Request: how often asked for since the program started.
+/// Number of requests of each kind, in the order of Request, since the program started.
 enum class Request : std::size_t { checkpoint, stop_signal, terminate_signal, stop_file, wall_limit, viewer };
 using RequestCounts = std::array<std::int64_t, 6>;
 
@@ -39,11 +39,11 @@ class RequestWatch {
   RequestWatch(const RequestWatch&) = delete;
   RequestWatch& operator=(const RequestWatch&) = delete;
 
-  /// Requests this rank knows of, but for a viewer's. Rank 0 alone looks at the clock and, once a second, for the file.
-  /// To be called once a (sub)step: the limit is taken to be reached when the next one would pass it.
+  /// Requests that this rank knows of, except those of a viewer. Rank 0 alone looks at the clock and, once a second,
+  /// for the file. To be called once a substep: the limit counts as reached when the next substep would pass it.
   RequestCounts poll();
 
-  /// The stop file has done its work: gone, so that it does not stop the restart, too. Rank 0.
+  /// Removes the stop file once it has stopped the run, so that it does not stop the restart, too. On rank 0.
   void remove_stop_file() const;
 
  private:

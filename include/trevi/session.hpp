@@ -1,7 +1,8 @@
-// MPI and PETSc for the life of a program that uses Trevi: one Session at a time, before the first solver and until
-// after the last. A program that is to tell an error of the Session itself on one rank constructs Mpi before it.
-// Collective. PETSc reads its own options (-log_view and friends) from the command line; its signal handler is off, as
-// the solver has its own. Denormals are flushed to zero from here on: they are very slow in the high powers of s_corr.
+// MPI and PETSc for the life of a program that uses Trevi: one Session at a time, constructed before the first solver
+// and destroyed after the last. A program that reports an error of the Session itself on one rank only constructs Mpi
+// before it. Collective. PETSc reads its own options (-log_view and others) from the command line; its signal handler
+// is off, as the solver has its own. Denormal numbers are flushed to zero: they are very slow in the high powers of the
+// artificial pressure s_corr.
 #pragma once
 
 #include <mpi.h>
@@ -29,8 +30,8 @@ class Session {
   /// InputError on all ranks alike for an -options_file that cannot be read, RunError for an MPI that allows no
   /// threads.
   Session(int& argc, char**& argv);
-  /// On ranks that have called MPI_Init() themselves: those of `comm`, which outlives the session. PETSc is used as it
-  /// is where the program has initialised it, too.
+  /// For a program that has called MPI_Init() itself, on the ranks of `comm`, which must outlive the session. Where the
+  /// program has initialised PETSc, too, the session uses it as it is.
   explicit Session(MPI_Comm comm);
   ~Session();
   Session(const Session&) = delete;
@@ -40,7 +41,7 @@ class Session {
   int rank() const { return rank_; }
   int size() const { return size_; }
 
-  /// Options that PETSc was given and has not asked for, which tells slips of the pen; each as "-name".
+  /// Options that PETSc was given and has not used, probably mistyped; each as "-name".
   std::vector<std::string> unused_options() const;
 
  private:

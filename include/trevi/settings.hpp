@@ -1,6 +1,6 @@
-// What a solver is to do, in SI units and by the names of the scene file (inputs/README.md). Plain data: a program or
-// the scene reader fills it, resolved() gives the derived defaults their values, and make_solver() builds from it. What
-// stays std::nullopt is a feature that is absent, and then nothing is built for it.
+// What a solver is to do, in SI units and with the names of the scene file (inputs/README.md). Plain data: a program or
+// the scene reader fills it, resolved() sets the defaults that depend on other settings, and make_solver() builds from
+// it. Where a value stays std::nullopt the feature is absent, and nothing is built for it.
 #pragma once
 
 #include <concepts>
@@ -22,7 +22,7 @@ class Derived {
   Derived() = default;
   template <std::convertible_to<T> U>
   requires(!std::same_as<U, Derived>) Derived(const U& value) : value_(T(value)) {}
-  /// Only where nothing was assigned before.
+  /// Has no effect where a value was assigned before.
   void set_default(const T& value) { value_ = value_.value_or(value); }
   bool given() const { return value_.has_value(); }
   T value() const { return value_.value(); }  ///< std::bad_optional_access without one
@@ -54,18 +54,18 @@ struct FluidSettings {
   Derived<Real> kernel_radius{};  ///< h, m; default 2 spacing
   Mass mass = Mass::calibrated;
   std::string density_kernel = "spiky";  ///< of rho, by its name
-  /// That shifts follow; default: the one that goes with the density's.
+  /// Kernel along whose gradient particles are shifted; default: the density kernel, or Spiky for Poly6.
   Derived<std::string> gradient_kernel{};
   bool operator==(const FluidSettings&) const = default;
 };
 
 struct DensitySettings {
   Method method = Method::chebyshev;
-  int iterations = 4;             ///< the coarse-grid correction counts as one; a sweep follows it at least
+  int iterations = 4;             ///< the coarse-grid correction counts as one; at least one Jacobi sweep follows it
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
   Derived<Real> relaxation{};     ///< under-relaxation; default: a share of what the kernel's lattice allows
-  Real spectral_radius = 0.95;    ///< chebyshev: assumed of the relaxed Jacobi iteration
-  Derived<bool> coarse_grid{};    ///< the smooth part of the correction from the cell grid; default: with chebyshev
+  Real spectral_radius = 0.95;    ///< chebyshev: spectral radius assumed of the relaxed Jacobi iteration
+  Derived<bool> coarse_grid{};    ///< long-range part of the correction on the cell grid; default: with chebyshev
   Derived<Real> max_shift{};      ///< cap on what a pair is pushed apart in an iteration, in units of h; 0: none
   Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
@@ -91,7 +91,7 @@ struct TensileSettings {
 struct MusicSettings {
   std::string source;                        ///< a file, or "-" for raw PCM on standard input
   MusicKind kind = MusicKind::score;         ///< by the ending of source
-  Follow follow = Follow::pitch;             ///< what of it sets the speed; scores have a pitch only
+  Follow follow = Follow::pitch;             ///< what of the sound sets the speed; scores have pitch only
   int track = 0, channel = 0;                ///< of a MIDI file, from 1; 0: all (but channel 10, the drums)
   int rate = 44100;                          ///< of raw PCM, Hz
   std::pair<Real, Real> speed_range{5, 10};  ///< m/s, for the lowest and highest note, or silence and the loudest
@@ -114,7 +114,8 @@ struct FountainSettings {
   bool operator==(const FountainSettings&) const = default;
 };
 
-/// Who owns which planes: as even a share of the work as whole planes allow, throughout; or as many planes each.
+/// How planes are shared among ranks: by work, as evenly as whole planes allow, throughout the run; or the same number
+/// of planes each.
 enum class SlabCuts { balanced, equal };
 
 struct Settings {
@@ -130,18 +131,18 @@ struct Settings {
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
-  /// nu, m²/s, by XSPH as well: at most one of the two. A step is at most longest_viscous_step(), or split by the CFL
-  /// rule.
+  /// Kinematic viscosity nu, m²/s, also by XSPH, so that at most one of the two may be given. The CFL rule splits steps
+  /// longer than longest_viscous_step(); where cfl is 0 the scene reader refuses them.
   std::optional<Real> kinematic_viscosity;
 
   bool operator==(const Settings&) const = default;
 };
 
-/// The same with a value for every Derived setting. Not collective, and the same bits on any rank.
+/// The same settings with a value for every Derived one. Not collective; the same bits on any rank.
 Settings resolved(Settings settings);
 
-/// The settings of the students' report (density.preset = "report"): plain Jacobi, no walls in the density, every
-/// filter on. Domain, spacing, dt and gravity are left to the caller.
+/// The settings of density.preset = "report" (inputs/README.md, The report's preset): plain Jacobi, no walls in the
+/// density, every filter on. Domain, spacing, dt and gravity are left to the caller.
 Settings report_settings();
 
 }  // namespace trevi

@@ -1,5 +1,6 @@
-// A solver of position based fluids on slabs (report, Algorithm 1), as a program sees it. Collective throughout: all
-// ranks of its communicator make the same calls. Between steps each rank owns the particles in its slab.
+// A solver of position based fluids on slabs (Macklin & Müller 2013, Algorithm 1), as a program uses it. Collective
+// throughout: all ranks of its communicator make the same calls. Between steps each rank owns the particles in its
+// slab.
 #pragma once
 
 #include <functional>
@@ -27,7 +28,7 @@ class Solver {
   virtual void step() = 0;
   /// Makes the observers save what a restart needs, between two steps.
   virtual void save() = 0;
-  /// What is asked of the run from outside, agreed at the end of the last step.
+  /// Requests from outside the run, as agreed on by all ranks at the end of the last step.
   virtual const RequestCounts& requests() const = 0;
   /// Tells the observers that the run is over, whatever its reason.
   virtual void finish() = 0;
@@ -47,7 +48,8 @@ class Solver {
     std::int64_t substeps = 0;
     std::int64_t unconverged = 0;  ///< solves that missed their tolerance
     std::int64_t halo_bytes = 0, halo_messages = 0, migrated = 0;
-    /// Imbalance max/mean of the work of the ranks when it was looked at, and how often cuts were moved; 1 is even.
+    /// Imbalance (max/mean of the work of the ranks, 1 is even) whenever it was measured, and how often cuts were
+    /// moved.
     struct Balance {
       std::int64_t looks = 0, moves = 0;
       Real sum = 0, max = 1;

@@ -94,7 +94,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
-  // Last, as it may hold the run, which then has written all of its step.
+  // Last, as it may hold the run: all other observers have then written the step.
   if (options.viewed) observers.push_back(build_live_view(comm, scene, options, particles));
   return observers;
 }

@@ -1,6 +1,5 @@
-// From a scene to objects: the one place where features are chosen. What a scene does not name is not built: no
-// forcing, no filter, no array, no event. Collective; throws InputError on all ranks alike for what this program cannot
-// do.
+// From a scene to objects. A feature that a scene does not name is not built: it has no forcing, no filter, no array
+// and no event. Collective; throws InputError on all ranks alike for what this program cannot do.
 #pragma once
 
 #include <functional>
@@ -31,7 +30,7 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
-/// For the series of a scene in which nothing pumps; null for others.
+/// For the series of a scene without fountains; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 
 /// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any

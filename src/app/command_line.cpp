@@ -16,13 +16,13 @@ bool is_petsc_option(const std::string& argument) {
 
 std::string refuse_empty(const std::string& text) { return text.empty() ? "must not be empty" : ""; }
 
-// CLI11's own reading of numbers saturates, and its ranges are told with 309 digits.
+// CLI11's own conversion of numbers saturates, and its messages print the limits of a range with 309 digits.
 std::string refuse_step(const std::string& text) {
   const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
   return digits && !text.empty() && text.size() <= 15 ? "" : "must be a whole number from 0 to 999999999999999";
 }
 
-// A slip such as -steps would be taken for PETSc's and its wish be ignored.
+// A mistyped -steps would otherwise be passed to PETSc and silently ignored.
 void refuse_single_dash(const CLI::App& app, int argc, const char* const* argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
@@ -33,7 +33,7 @@ void refuse_single_dash(const CLI::App& app, int argc, const char* const* argv) 
   }
 }
 
-// What is left for us once PETSc's options and their values are taken out; last first, as CLI11 wants it.
+// The arguments without PETSc's options and their values; in reverse order, as CLI11 expects them.
 std::vector<std::string> own_arguments(int argc, const char* const* argv) {
   std::vector<std::string> own;
   for (int k = 1; k < argc; ++k) {

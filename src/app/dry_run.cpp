@@ -16,7 +16,7 @@ namespace trevi {
 
 namespace {
 
-// Everything the solver keeps for a particle of a full neighbourhood, for a ghost, and for a cell of the box.
+// Bytes that the solver keeps for a particle with a full neighbourhood, for a ghost, and for a cell of the box.
 struct BytesEach {
   double owned, ghost, cell;
 };
@@ -24,7 +24,7 @@ struct BytesEach {
 BytesEach bytes_each(const Scene& scene) {
   const bool single = scene.density.precision == Precision::single;
   const double quad = single ? 16 : 32;
-  // Around each particle a ball of water without itself, of which walls and surfaces take a twentieth.
+  // Neighbours per particle: those in a ball of radius h without itself, less a twentieth for walls and surfaces.
   const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
   double owned = 3 * 24 + 8;      // positions, velocity, id
   owned += 8 + 2 * 4;             // sorting
@@ -40,7 +40,7 @@ BytesEach bytes_each(const Scene& scene) {
   return {owned, ghost, cell};
 }
 
-// Of the coarse grid in a plane: its columns reach two cells above the water, as far as the scene tells.
+// Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of.
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   if (!scene.density.coarse_grid || !is_downward(scene.gravity.value_or(Vec3::Zero()))) return 0;
   constexpr double sums = 13 * 8, fields = 2 * 8 + 1 + 3 * 8, pressure = 7 * 8;

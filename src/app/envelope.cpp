@@ -41,7 +41,7 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   const FluidSettings& fluid = scene.fluid;
   const Real ratio = fluid.kernel_radius / fluid.spacing;
-  // What is outside by less than this is a rounded number, such as 0.0166666 for 1/60, and no choice.
+  // A value outside by less than this is a rounded number, such as 0.0166666 for 1/60, not a choice.
   constexpr Real rounded = 0.01;
   if (ratio < narrowest * (1 - rounded) || ratio > widest * (1 + rounded)) {
     warnings.push_back(fmt::format(

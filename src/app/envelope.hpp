@@ -13,8 +13,8 @@ namespace trevi {
 /// A sentence with the remedy for each setting outside the envelope; none for a scene without gravity.
 std::vector<std::string> envelope_warnings(const Scene& scene);
 
-/// What of a run depends on the processor or the number of ranks, where something does: results are the same bits on
-/// any of them else. A sentence each.
+/// One sentence for each feature whose results depend on the processor or the number of ranks; none in a run that gives
+/// the same bits on any of them.
 std::vector<std::string> bits_warnings(const Scene& scene);
 
 /// What is said at the end of a run without pumps whose energy rose by this share (EnergyRise): one sentence with

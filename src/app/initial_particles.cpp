@@ -80,7 +80,7 @@ void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, c
   });
 }
 
-// Returns the ids that the rows take, from 0 to the largest.
+// Returns how many ids the rows take, from 0 to the largest.
 GlobalId append_file(MPI_Comm comm, const Scene& scene, const std::string& path, GlobalId first_id,
                      Particles& particles) {
   const ParticleRows rows = read_particle_file(comm, path);
@@ -133,7 +133,7 @@ std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGr
   return weights;
 }
 
-// The start along x, as a share of the extent of all particles at the start.
+// Sets the hue: x at the start, as a share of the extent of all particles in x.
 void add_hue(MPI_Comm comm, Particles& particles) {
   Real low = 1e300, high = -1e300;
   for (const Vec3& p : particles.position) {
@@ -167,7 +167,8 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   const int rank = rank_of(comm);
   const auto owned =
       std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.last_plane(rank), 0.0);
-  // Growth by doubling would leave these arrays up to twice as large as they need be, for the whole run.
+  // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
+  // run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
     const ParticleSource& source = scene.particles[s];

@@ -11,11 +11,11 @@
 
 namespace trevi {
 
-/// Those of a checkpoint, whatever rank count wrote it; make_solver() brings them home.
+/// The particles of a checkpoint, written on any rank count; make_solver() sends them to their owners.
 Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows rows);
 
-/// The slabs that initial_particles() would make, and the particles in each plane, without making those of blocks: a
-/// scene too large for this machine can be looked at. Throws as it does.
+/// The slabs that initial_particles() would make, and the number of particles in each plane, without making the
+/// particles of blocks: so that a scene too large for this machine can be examined. Throws as initial_particles() does.
 Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights);
 
 }  // namespace trevi

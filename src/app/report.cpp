@@ -60,7 +60,7 @@ double resident_bytes() {
   return static_cast<double>(usage.ru_maxrss) * 1024;
 }
 
-// Where the passes over pairs are made that the solver counts.
+// The events in which the solver makes the passes over pairs that it counts.
 double pair_seconds(const std::vector<PhaseReport>& phases) {
   double seconds = 0;
   for (const PhaseReport& phase : phases) {

@@ -27,7 +27,7 @@ struct Outcome {
 /// Collective.
 void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
 
-/// The part of it that one rank knows, when it fails alone and the others cannot be asked. Not collective.
+/// The part of the report that one rank knows, for when it fails alone and cannot communicate. Not collective.
 void write_last_words(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
 
 }  // namespace trevi

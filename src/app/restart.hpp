@@ -1,4 +1,5 @@
-// How a run goes on: which checkpoint, whether the scene still fits it, and the command that continues a stopped run.
+// How a run continues: from which checkpoint, whether the scene still fits it, and the command that continues a stopped
+// run.
 // Collective: find_restart, whose InputErrors are thrown on all ranks alike.
 #pragma once
 

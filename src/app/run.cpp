@@ -27,7 +27,7 @@ void tell(const Session& session, const std::string& text) {
   if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", text.c_str());
 }
 
-// What a full disk or a closed pipe has not taken must not look like success.
+// Output that a full disk or a closed pipe did not take must not look like success.
 void flush_output(MPI_Comm comm) {
   on_root(comm, [] {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw_file_error("standard output", "write", errno);
@@ -42,7 +42,7 @@ void warn_of_missed_tolerances(const Session& session, const Solver::Counters& c
                    counters.unconverged, counters.substeps));
 }
 
-// To the last step, or until somebody asks for a stop, which a run that is at its end anyway does not notice.
+// Runs to the last step or until a stop is requested. A request after the last step has no effect.
 Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
   const ScopedStage stage("Solve");
   if (!restarted) solver.start();
@@ -61,7 +61,7 @@ Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
   return {};
 }
 
-// What can still be saved of a run that failed; a second failure (the disk) must not hide the first.
+// Saves what can be saved of a run that failed; a second failure (of the disk, say) must not hide the first.
 std::string leave_traces(const Session& session, const RunContext& context, const Solver& solver, const RunError& error,
                          bool blown_up) {
   const Outcome outcome{ExitCode::run_failed, std::string("failed: ") + error.what()};
@@ -93,7 +93,7 @@ Outcome run_guarded(const Session& session, const RunContext& context, Solver& s
   }
 }
 
-// What is asked of this rank, the viewer's wishes among it.
+// The requests that this rank sees, those of the viewer included.
 std::function<RequestCounts()> requests_of(RequestWatch& watch, std::shared_ptr<ViewerLink> viewer) {
   return [&watch, viewer = std::move(viewer)] {
     RequestCounts counts = watch.poll();
@@ -108,7 +108,7 @@ std::shared_ptr<ViewerLink> connect_on_root(MPI_Comm comm, const std::string& ad
   return link;
 }
 
-// Whether a restart has steps to do. One that would have to go back is refused: it would set aside what is newer.
+// Whether a restart has steps to do. One to an earlier step is refused, as it would set newer output aside.
 bool has_steps_left(const Restart& restart, const Scene& scene, const CommandLine& line) {
   if (!restart.state) return true;
   const std::int64_t step = restart.state->step, last = line.steps.value_or(scene.steps());

@@ -59,7 +59,7 @@ struct SceneText {
   std::int64_t overrides;  ///< lines at the end of the text
 };
 
-/// The overrides that end a text, in their order; they leave the text.
+/// The overrides at the end of a text, in order; they are removed from the text.
 std::vector<std::string> take_overrides(SceneText& scene) {
   std::vector<std::string> overrides(static_cast<std::size_t>(scene.overrides));
   for (auto assignment = overrides.rbegin(); assignment != overrides.rend(); ++assignment) {

@@ -20,7 +20,7 @@ namespace trevi {
 std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,
                                        const Scene& scene, const std::vector<std::int64_t>& music);
 
-/// Of what each fountain's file holds; 0 for a fountain without one. Collective; InputError when it cannot be read.
+/// Checksums of the music file of each fountain; 0 for one without. Collective; InputError when a file cannot be read.
 std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene);
 
 }  // namespace trevi

@@ -36,7 +36,7 @@ std::string list_of_endings() {
   return text;
 }
 
-/// Faster than any jet.
+/// m/s; far above any real jet.
 constexpr Real highest_speed = 1e4;
 
 void check_music(Section& section, const Scene& scene, const MusicSettings& music) {

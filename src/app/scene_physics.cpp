@@ -13,12 +13,12 @@
 namespace trevi {
 namespace {
 
-/// Beyond this many of anything (steps, particles) a count is a slip of the pen, and no longer exact in a double.
+/// A count (of steps, particles) above this is taken for a mistake; it would no longer be exact in a double.
 constexpr Real most_counted = 1e15;
 /// A request to stop is seen between two steps, so a step must not take hours.
 constexpr int most_iterations = 10000;
 
-/// In three digits, for a message that names the most there may be.
+/// With three digits, for messages that name an upper limit.
 std::string rounded_down(Real positive) {
   const Real unit = std::pow(10, std::floor(std::log10(positive)) - 2);
   return fmt::format("{:.3g}", std::floor(positive / unit) * unit);
@@ -135,7 +135,7 @@ void PhysicsReader::check_coordinates() {
                   farthest, scene_.fluid.spacing));
 }
 
-// Before anything is derived from it: sums over the lattice would hardly end with an absurd radius.
+// Tested before anything is derived from it: with an absurd radius the sums over the lattice would hardly end.
 bool PhysicsReader::check_kernel_radius() {
   constexpr Real rounding = 1e-9;  // 0.06 / 0.05 need not be 1.2 or more
   if (!fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return false;
@@ -345,7 +345,7 @@ void PhysicsReader::check_viscosity(Section& section) {
                            c, fluid.rest_density));
   }
   if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
-  constexpr int most_parts = 1000;  // of a step: more is a slip of the pen
+  constexpr int most_parts = 1000;  // of a step; more is taken for a mistake
   const int parts = scene_.cfl > 0 ? most_parts : 1;
   const Real nu = *scene_.kinematic_viscosity;
   const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²

@@ -1,4 +1,4 @@
-// Files that a scene names: what is wrong with one is told with the place in the scene that names it.
+// For files that a scene names: an error in one is reported with the place in the scene that names it.
 #pragma once
 
 #include <string>

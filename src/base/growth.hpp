@@ -1,5 +1,5 @@
-// Arrays of a particle count that wanders from step to step. std::vector doubles its memory when it runs out, which on
-// several ranks would happen to every array in the first steps; here a sixteenth is enough.
+// For arrays whose length changes a little from step to step. std::vector doubles its memory when it must grow, which
+// on several ranks would happen to every array in the first steps; a sixteenth more is enough.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace trevi {
 
-/// v.resize(n); an empty array takes what it needs, one that must grow a sixteenth more.
+/// v.resize(n), with a capacity of just n for an empty array and n + n/16 for one that must grow.
 template <class T>
 void resize_tightly(std::vector<T>& v, std::size_t n) {
   if (n > v.capacity()) v.reserve(v.capacity() == 0 ? n : n + n / 16);

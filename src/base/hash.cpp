@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t start = 0xcbf29ce484222325u, prime = 0x100000001b3u;
 
-/// The first 8 bytes as a number; zeros for those that are missing.
+/// The first 8 bytes as a number; missing bytes count as zero.
 std::uint64_t first_word(std::string_view bytes) {
   std::uint64_t word = 0;
   std::memcpy(&word, bytes.data(), std::min(bytes.size(), sizeof word));
@@ -26,7 +26,8 @@ std::uint64_t fnv1a(std::string_view bytes) {
 }
 
 std::int64_t checksum(std::string_view bytes) {
-  // Four sums side by side, as each waits for its last multiplication; then one over these and the rest.
+  // Four independent sums, so that a multiplication need not wait for the last one; then one sum over these and the
+  // rest.
   std::array<std::uint64_t, 4> sums;
   sums.fill(start);
   for (; bytes.size() >= sizeof sums; bytes.remove_prefix(sizeof sums)) {

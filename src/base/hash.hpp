@@ -1,5 +1,5 @@
-// All hashes of Trevi. Their results stand in checkpoints and reports, choose the particles that are drawn and turn
-// pairs apart, so that none may ever change. None keeps secrets. Rank-local.
+// All hashes of Trevi. Their values are stored in checkpoints and reports, select the particles that are drawn, and
+// give coincident particles a direction, so they must never change. Not for cryptography. Rank-local.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace trevi {
 /// FNV-1a (Fowler, Noll, Vo), 64 bits.
 std::uint64_t fnv1a(std::string_view bytes);
 
-/// Of long tables: FNV-1a over 8-byte words in four interleaved sums. Any change confined to one word changes it.
+/// For long tables: FNV-1a over 8-byte words in four interleaved sums. Any change within one word changes the result.
 std::int64_t checksum(std::string_view bytes);
 
 /// The mixer of SplitMix64 (Steele, Lea, Flood 2014): every bit of x moves every bit of the result.

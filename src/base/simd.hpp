@@ -1,6 +1,6 @@
 // Which instruction set the pair loops use. One binary holds them for SSE2/SSE4, AVX2, AVX-512 (NEON on Arm) and picks
-// at run time. Sums have the same shape in all of them (fluid/pair_traversal-inl.hpp), so that those with a fused
-// multiply-add give the same bits; all ranks use the same one for the sake of the others.
+// one at run time. Sums have the same structure on all of them (fluid/pair_traversal-inl.hpp), so that all with a fused
+// multiply-add give the same bits. All ranks use the same instruction set, as the others agree to rounding only.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace trevi {
 /// Bit mask of the instruction sets this machine and this binary share; a higher set is a lower bit.
 std::int64_t supported_instruction_sets();
 
-/// Leaves only those of `allowed`; to be called before the first pair loop, with the same mask on all ranks.
+/// Leaves only the sets of `allowed`. To be called before the first pair loop, with the same mask on all ranks.
 void restrict_instruction_sets(std::int64_t allowed);
 
 /// Name of the instruction set in use, "AVX3" for instance.

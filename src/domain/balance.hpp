@@ -1,6 +1,6 @@
-// Keeps the work of all ranks even while the water falls and spreads: now and then the cuts between slabs are moved to
-// where the present weights of the planes put them. The rule sees global weights only, so every rank comes to the same
-// cuts, and results do not depend on them: sums are formed plane by plane. Collective.
+// Keeps the work of all ranks even while the water falls and spreads: every few steps the cuts between slabs are moved
+// to where the present work in the planes puts them. The rule uses global numbers only, so every rank finds the same
+// cuts, and results do not depend on the cuts, as sums are formed plane by plane. Collective.
 #pragma once
 
 #include <mpi.h>
@@ -13,8 +13,9 @@
 
 namespace trevi {
 
-/// Work of the owned planes [k, l) of `order` in a step, in units of a pair: pairs, and what is done for each particle.
-/// Measured (falling cube and basin at rest): a particle costs as much as about twenty pairs.
+/// Work of the owned planes [k, l) of `order` in a step, in units of the work for one pair: the number of pairs, plus
+/// what is done for each particle. Measured (falling cube, basin at rest): a particle costs as much as about twenty
+/// pairs.
 Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, LocalId l);
 
 class Balance {
@@ -24,7 +25,7 @@ class Balance {
   /// Cuts move when that lowers the imbalance by more than `least_gain`; each move sends a plane or more of particles.
   Balance(MPI_Comm comm, Real least_gain) : comm_(comm), least_gain_(least_gain) {}
 
-  /// Moves the cuts, if it is time (step) and worth it; the particles are where they were.
+  /// Moves the cuts if a look is due at this step and the gain is large enough. It leaves the particles where they are.
   void update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs);
 
   /// Imbalance max/mean of the work at the looks so far, before a move; 1 is even.

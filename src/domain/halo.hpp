@@ -1,8 +1,8 @@
-// Ghost exchange with the two neighbour slabs. Particles are in cell order, so what a neighbour needs, and where its
-// answer goes, are contiguous slices of an array [low ghosts | owned | high ghosts]: no index list, no packing.
-// rebuild() makes the plan once a step; then any array of that layout is exchanged by start() and finish(), with work
-// that needs no ghosts in between. Whole planes of a grid travel the same way. Collective over neighbours: all ranks
-// call the same exchanges in the same order.
+// Ghost exchange with the two neighbour slabs. Particles are in cell order, so what is sent to a neighbour and what is
+// received from it are contiguous slices of an array [low ghosts | owned | high ghosts]: no index list, no packing.
+// rebuild() finds the slices once a substep; then any array of that layout is exchanged by start() and finish(), and
+// work that needs no ghosts can be done in between. Whole planes of a grid are exchanged in the same way. Collective
+// over neighbours: all ranks call the same exchanges in the same order.
 #pragma once
 
 #include <mpi.h>
@@ -47,7 +47,7 @@ class Halo {
     finish();
   }
 
-  /// Sent by this rank since the beginning.
+  /// Number of bytes and of messages sent by this rank since the beginning.
   std::int64_t bytes() const { return bytes_; }
   std::int64_t messages() const { return messages_; }
 

@@ -11,11 +11,11 @@ namespace trevi {
 
 namespace {
 
-// For each owned particle −1, 0 or +1: the side it leaves to.
+// For each owned particle the side to which it leaves: −1 low, +1 high, 0 if it stays.
 struct Directions {
   std::vector<signed char> side;
   std::array<std::size_t, 2> leaving{};  // low, high
-  int farthest = 0;                      // slabs to cross
+  int farthest = 0;                      // largest number of slabs that a particle has to cross
 };
 
 Directions directions(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
@@ -38,7 +38,7 @@ std::size_t bytes_per_particle(Particles& particles) {
   return bytes;
 }
 
-// Field after field, those particles that leave to `side`.
+// The particles that leave to `side`, one field after the other.
 std::vector<std::byte> pack(Particles& particles, const Directions& to, int side) {
   std::vector<std::byte> buffer(to.leaving[side < 0 ? 0 : 1] * bytes_per_particle(particles));
   std::byte* out = buffer.data();
@@ -73,8 +73,8 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
   });
 }
 
-// Swaps buffers with the neighbour on each side; what arrives from a side is returned at its place. Counted in
-// particles: 27 million of them, a plane of a large box, are more bytes than an int holds.
+// Swaps buffers with the neighbour on each side; incoming[side] is what arrived from that side. Messages count
+// particles rather than bytes: a plane of a large box may hold 27 million of them, whose bytes do not fit into an int.
 std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<std::vector<std::byte>, 2>& outgoing,
                                                std::size_t particle_bytes) {
   MPI_Datatype particle;

@@ -1,6 +1,6 @@
-// Sends each particle to the rank that owns its cell plane, over any distance: hand to hand between neighbour slabs, as
-// many rounds as the farthest traveller has slabs to cross (nearly always none or one). The order on arrival is of no
-// account, as the cell order sorts by id. Collective.
+// Sends each particle to the rank that owns its cell plane, over any distance: from slab to neighbour slab, in as many
+// rounds as the particle that moved farthest has slabs to cross (nearly always none or one). The order on arrival does
+// not matter, as the cell order sorts by id. Collective.
 #pragma once
 
 #include <mpi.h>
@@ -11,8 +11,8 @@
 
 namespace trevi {
 
-/// `position` is the field that decides, &Particles::position or &Particles::predicted. Returns the particles this rank
-/// sent.
+/// `position` is the field that decides, &Particles::position or &Particles::predicted. Returns the number of particles
+/// that this rank sent.
 GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*position, const CellGrid& grid,
                  const Slabs& slabs);
 

@@ -1,7 +1,7 @@
-// Everything about who is near whom in one step: cell order, ghosts, packed records, neighbour list.
-// rebuild() follows the prediction; list, ghosts and order are frozen until the end of the step, while the records
-// follow the particles: write the owned ones, then exchange() them. Interior work may go on between start() and
-// finish() of the halo. Collective: rebuild and everything that exchanges.
+// The neighbourhood of each particle in one substep: cell order, ghosts, packed records, neighbour list. rebuild() is
+// called after the prediction; list, ghosts and order then stay the same until the end of the substep. The records
+// follow the particles: write the owned ones, then exchange them by halo(). Work on interior planes may go on between
+// start() and finish() of the halo. Collective: rebuild and everything that exchanges.
 #pragma once
 
 #include <mpi.h>
@@ -19,8 +19,8 @@ class Neighbourhood {
   Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
-  /// particles must be in the planes. A particle may have too many neighbours, on the rank concerned
-  /// alone (list().crowded()); the list then lacks it and those after it, and the collective calls may go on.
+  /// particles must be in the planes. Where a particle has too many neighbours (list().crowded(), on its rank alone),
+  /// the rows of it and of those after it are empty; collective calls remain possible.
   void rebuild(Particles& particles, const Planes& planes, Velocities velocities = Velocities::overwritten);
 
   /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.
@@ -35,7 +35,8 @@ class Neighbourhood {
   Halo& halo() { return halo_; }
   const Halo& halo() const { return halo_; }
 
-  /// Particles whose records the neighbour ranks hold: those of the first and the last plane; and all others.
+  /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane;
+  /// interior(): all others.
   std::vector<Range> boundary() const;
   Range interior() const;
   Range all() const { return {0, order_.owned()}; }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Real most_counted = 2e9;  // below 2^31, with room for water that gathers
 
-// The last cut with at most this weight before it.
+// The last cut with at most this weight in the planes before it; `before` holds these weights for each cut.
 LocalId cut_at(std::span<const Real> before, Real weight) {
   return static_cast<LocalId>(std::upper_bound(before.begin(), before.end(), weight) - before.begin()) - 1;
 }
@@ -25,7 +25,8 @@ LocalId nearest_cut(std::span<const Real> before, Real weight) {
   return static_cast<LocalId>(next ? cut + 1 : cut);
 }
 
-// The lowest cuts that give no rank but the first more than `largest`, as far as whole planes, one each, allow.
+// The lowest cuts with at most the weight `largest` on each rank but the first, as far as at least one plane for each
+// rank allows.
 std::vector<LocalId> least_cuts(std::span<const Real> before, int ranks, Real largest) {
   std::vector<LocalId> cuts(static_cast<std::size_t>(ranks) + 1, 0);
   cuts.back() = static_cast<LocalId>(before.size()) - 1;
@@ -57,13 +58,13 @@ Slabs::Slabs(std::span<const Real> weights, int ranks) {
   }
   std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all planes before this one
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
-  // The smallest possible largest weight of a rank, by bisection to rounding.
+  // The smallest possible value of the largest weight of a rank, by bisection down to rounding.
   Real impossible = 0, largest = before.back();
   for (int round = 0; round < 50; ++round) {
     const Real middle = (impossible + largest) / 2;
     (heaviest(before, least_cuts(before, ranks, middle)) <= middle ? largest : impossible) = middle;
   }
-  // Within it, as near to even shares as can be.
+  // Among the cuts with no larger weight, those nearest to equal shares.
   const std::vector<LocalId> least = least_cuts(before, ranks, largest);
   cuts_.assign(least.size(), 0);
   cuts_.back() = planes;
@@ -109,7 +110,7 @@ void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plan
   check_messages(weights, cells_per_plane, record_bytes);
 }
 
-// Of what travels, records are the most for each particle, and numbers of the coarse grid for each cell.
+// The largest messages: the records of a plane's particles, or one number of the coarse grid for each of its cells.
 void Slabs::check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
   for (int r = 1; r < ranks(); ++r) {
     for (const LocalId plane : {first_plane(r) - 1, first_plane(r)}) {

@@ -15,7 +15,7 @@ inline constexpr std::size_t most_message_bytes = std::size_t{1} << 31;
 class Slabs {
  public:
   /// Cuts the planes so that the largest weight of a rank is as small as whole planes allow. `weights`: one per plane,
-  /// any unit. Throws InputError when there are more ranks than planes.
+  /// in any unit. Throws InputError when there are more ranks than planes.
   Slabs(std::span<const Real> weights, int ranks);
 
   int ranks() const { return static_cast<int>(cuts_.size()) - 1; }

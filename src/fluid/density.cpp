@@ -74,7 +74,7 @@ void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<
   for (LocalId k = 0; k < range.size(); ++k) {
     const LocalId i = range.begin + k;
     const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts + i)].w;
-    if (lambda_i == 0) continue;  // most of them, where there is no pressure
+    if (lambda_i == 0) continue;  // most particles, where there is no pressure
     const Vec3 shift = lambda_i * walls_->at(p[static_cast<std::size_t>(i)]).gradient;
     out[k].x += static_cast<T>(shift.x());
     out[k].y += static_cast<T>(shift.y());

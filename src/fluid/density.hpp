@@ -1,10 +1,10 @@
-// The density constraint of position based fluids (Macklin & Müller 2013; report, section 2.2), units as in the scene:
-//   rho_i = m Σ_j W(p_ij), W that of fluid.density_kernel;  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+// The density constraint of position based fluids (Macklin & Müller 2013, eqs. 1, 11, 12 and 14); units as in the
+// scene:
+//   rho_i = m Σ_j W(p_ij);  C_i = rho_i/rho0 − 1 (inequality: not below 0)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
-//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls' share],
-//   G that of fluid.gradient_kernel, of which the gradients in lambda_i are, too
-// The multiplier of one particle stands apart from the loops that drive it. Not collective: the
-// caller exchanges lambda, which lives in the scalar of the records, between the two loops.
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls' share]
+// W is the kernel of fluid.density_kernel, G that of fluid.gradient_kernel, with which the gradients in lambda_i are
+// formed, too. Not collective: the caller exchanges lambda, the scalar of the records, between the two loops.
 #pragma once
 
 #include <functional>
@@ -32,24 +32,25 @@ struct DensityModel {
 /// density.
 Real particle_mass(const FluidSettings& fluid);
 
-/// Physical constants, with the lengths of epsilon and artificial pressure scaled to the resolution: they are given for
-/// the report's spacing, 0.1 m. `settings` are resolved, but for the under-relaxation.
+/// Physical constants, with epsilon and artificial pressure scaled to the spacing: settings give their values at a
+/// spacing of 0.1 m (inputs/README.md, Resolution). `settings` are those of resolved(), but the under-relaxation may be
+/// missing.
 DensityModel density_model(const Settings& settings);
 std::optional<Tensile> tensile_of(const Settings& settings);
 
-/// Σ_k |∇_k C_i|² from gradient = ∇_i C_i and neighbours = Σ_j |∇_j C_i|², both in 1/m units; lambda in m².
+/// The multiplier lambda_i, m², from gradient = ∇_i C_i, 1/m, and neighbours = Σ_j |∇_j C_i|², 1/m².
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
 
 template <class T>
 class DensityConstraint {
  public:
-  /// Without `walls` a particle at a wall misses neighbours, as in the report.
+  /// Without `walls` a particle at a wall misses the neighbours that water behind it would give, as in the paper.
   DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
                     std::optional<AnalyticWallDensity> walls);
 
   const DensityModel& model() const { return model_; }
 
-  /// Writes rho_i (kg/m³, all owned particles' array) for the range.
+  /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
   /// Writes rho_i and puts lambda_i into the scalar of the records of the range.
@@ -64,8 +65,8 @@ class DensityConstraint {
 
  private:
   DensityModel model_;
-  Real density_factor_;   // m W(0), kg/m³: what a particle without neighbours has
-  Real gradient_factor_;  // m/rho0 times that of the slope, 1/m
+  Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours
+  Real gradient_factor_;  // m/rho0 times the slope factor of the gradient kernel, 1/m
   ConstraintLoops<T> loops_;
   std::function<void(const Pairs<T>&, Range, Vec4<T>*)> delta_loop_;
   std::optional<AnalyticWallDensity> walls_;

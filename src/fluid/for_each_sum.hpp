@@ -1,4 +1,4 @@
-// The sums of a pair loop, used while they are in the first-level cache: chunk by chunk instead of array by array.
+// Uses the sums of a pair loop while they are in the first-level cache: the range is worked on in chunks.
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,8 @@ Real uniform(std::uint64_t seed, GlobalId id, const StepInfo& info, int stream) 
   const auto low = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
   const auto high = [](std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32); };
   const auto particle = static_cast<std::uint64_t>(id), step = static_cast<std::uint64_t>(info.step);
-  // 12 bits of stream, 20 of substep, of which a step has a million at most. A step past 2^32 would touch the latter's.
+  // 12 bits for the stream and 20 for the substep, of which a step has at most a million. From step 2^32 on the upper
+  // bits of the step number would overlap with those of the substep.
   const auto stream_and_substep =
       static_cast<std::uint32_t>(static_cast<unsigned>(info.substep) << 12U | (static_cast<unsigned>(stream) & 0xfffU));
   const Generator::ctr_type counter = {

@@ -1,4 +1,4 @@
-// Fountains, and the pumps that drive them (report, section 3). Collective: prepare() only.
+// Fountains and the pumps that drive them (inputs/README.md, Fountains). Collective: prepare() only.
 #pragma once
 
 #include <cmath>
@@ -15,11 +15,11 @@ namespace trevi {
 class Pump {
  public:
   virtual ~Pump() = default;
-  /// As Forcing::prepare. Collective.
+  /// As Forcing::prepare(). Collective.
   virtual void prepare(const StepInfo&) {}
-  /// Note and speed at a time; nothing while the pump is off.
+  /// Note and speed at a time; no value while the pump is off.
   virtual std::optional<FountainState> at(Real time) const = 0;
-  /// Highest speed within the times, m/s; nothing while the pump is off throughout.
+  /// Highest speed within the times, m/s; no value where the pump is off throughout.
   virtual std::optional<Real> fastest(const TimeSpan& times) const = 0;
 };
 
@@ -33,11 +33,11 @@ class ConstantPump : public Pump {
   Real speed_;
 };
 
-/// Pumps the particles inside an upright cylinder on the floor: v = direction (speed + jitter u) in place of gravity.
-/// While the pump is off it leaves them alone.
+/// Sets the velocity of the particles inside an upright cylinder on the floor: v = direction (speed + jitter u), in
+/// place of gravity. While the pump is off the particles are left alone.
 class Fountain : public Forcing {
  public:
-  /// `index` tells fountains apart in the random numbers; `floor` is the height of the floor, m.
+  /// `index` distinguishes the random numbers of different fountains; `floor` is the height of the floor, m.
   Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
   void prepare(const StepInfo& step) override { pump_->prepare(step); }
   void apply(Particles& particles, const StepInfo& info) override;

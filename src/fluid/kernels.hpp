@@ -1,8 +1,8 @@
-// The smoothing kernels as the program knows them at run time: one description of each type of the list
-// (kernels/list-inl.hpp), taken from the type alone. Nothing asks which kernel it has.
-// The pair loops sum the dimensionless shapes W(r)/W(0) and (−dW/dr)/slope_factor r̂; the factors here give them their
-// units. A density constraint has two kernels, that of the density and that of the gradient which shifts follow: where
-// they are one, the shifts follow the constraint's own gradient. Not collective.
+// The smoothing kernels at run time: one Kernel describes each type of the list (kernels/list-inl.hpp), so that no
+// other code depends on which kernel it uses. The pair loops sum the dimensionless shapes W(r)/W(0) and
+// (−dW/dr)/slope_factor r̂; the factors here give these sums their units. A density constraint has two kernels, one for
+// the density and one for the gradient along which particles are shifted: where they are the same, shifts are along the
+// gradient of the constraint itself. Not collective.
 #pragma once
 
 #include <span>
@@ -16,12 +16,12 @@ namespace trevi {
 
 /// All lengths in metres.
 struct Kernel {
-  std::string_view name;                    ///< that a scene gives
+  std::string_view name;                    ///< by which a scene names it
   std::size_t index;                        ///< in the list
-  std::size_t gradient_index;               ///< of the kernel whose gradient goes with densities of this one
+  std::size_t gradient_index;               ///< of the gradient kernel to use by default with this density kernel
   Real (*factor)(Real h);                   ///< W(0), 1/m³
-  Real (*slope_factor)(Real h);             ///< what the shape of −dW/dr is multiplied by, 1/m⁴
-  Real (*steepest)(Real h);                 ///< the largest −dW/dr there is, 1/m⁴
+  Real (*slope_factor)(Real h);             ///< −dW/dr over its dimensionless shape, 1/m⁴
+  Real (*steepest)(Real h);                 ///< largest −dW/dr over all distances, 1/m⁴
   Real (*value)(const Vec3& r, Real h);     ///< W, 1/m³; zero from h on
   Vec3 (*gradient)(const Vec3& r, Real h);  ///< ∇W, 1/m⁴; zero from h on, and at r = 0
 };
@@ -29,10 +29,10 @@ struct Kernel {
 /// In the order of the list.
 std::span<const Kernel> all_kernels();
 std::vector<std::string> kernel_names();
-/// Throws InputError where there is none of this name.
+/// Throws InputError where there is no kernel of this name.
 const Kernel& kernel_named(std::string_view name);
 
-/// Those of a density constraint.
+/// The two kernels of a density constraint.
 struct Kernels {
   Kernel density, gradient;
 };
@@ -46,10 +46,11 @@ Real lattice_laplacian_moment(Real spacing, Real h);
 /// Points of the lattice nearer than h, without the point itself.
 int lattice_neighbours(Real spacing, Real h);
 
-/// Largest eigenvalue of a Jacobi sweep with relaxation 1 on the endless lattice, `volume` the mass of a particle over
-/// rest density, m³, and epsilon in 1/m². A wave e^{ik·x} in C leaves the sweep as 1 − relaxation mu(k) times itself,
+/// Largest eigenvalue mu of a Jacobi sweep with relaxation 1 on the infinite lattice. `volume` V is the mass of a
+/// particle over the rest density, m³; epsilon in 1/m². A sweep multiplies a wave e^{ik·x} in C by 1 − relaxation
+/// mu(k), with
 ///   mu(k) = V Σ_r ∇W sin(k·r) · V Σ_r ∇G sin(k·r) / (V² Σ_r |∇G|² + epsilon), W of the density, G of the gradient,
-/// so a relaxation of 2/mu or more makes some wave grow. Only IEEE operations: the same bits on any processor.
+/// so that with a relaxation above 2/mu some wave grows. IEEE operations only: the same bits on any processor.
 Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Real volume, Real epsilon);
 
 }  // namespace trevi

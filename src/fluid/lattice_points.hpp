@@ -1,5 +1,6 @@
-// The points of a cubic lattice around one of its points: every sum over the lattice goes through here, so that all of
-// them agree which points are inside. Rank-local; the order is that of the loops, on which the bits of the sums rest.
+// The points of a cubic lattice around one of its points. Every sum over the lattice uses this function, so that all
+// agree on which points are inside. Rank-local; the order of the points is fixed, as the last bits of the sums depend
+// on it.
 #pragma once
 
 #include "trevi/types.hpp"

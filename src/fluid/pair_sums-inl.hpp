@@ -1,7 +1,7 @@
-// The terms of the pair loops: what one vector of pairs adds to the sums of its particle, and the loops made of them
-// for one precision. The kernels come from the list alone. Included once per instruction set, inside the sources that
-// Highway compiles repeatedly (pair_sums_single.cpp, pair_sums_double.cpp: one for each precision, so that two
-// processors can compile them at a time).
+// The terms of the pair loops: what one vector of pairs adds to the sums of its particle, and the pair loops made of
+// them for one precision. Nothing here depends on a particular kernel of a constraint. Included once per instruction
+// set, inside the sources that Highway compiles repeatedly (pair_sums_single.cpp and pair_sums_double.cpp: one per
+// precision, so that they can be compiled in parallel).
 #if defined(TREVI_FLUID_PAIR_SUMS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_FLUID_PAIR_SUMS_INL
 #undef TREVI_FLUID_PAIR_SUMS_INL
@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// A root that no shape reads costs nothing: the compiler drops it.
+// Where the kernel uses no square root the compiler removes this one.
 template <class D>
 HWY_INLINE Distance<D> distance_of(const PairVector<D>& pair) {
   return {hn::Sqrt(pair.r2), pair.r2};
@@ -29,7 +29,8 @@ HWY_INLINE hn::Vec<D> slope_per_u(D d, const PairVector<D>& pair) {
   return Shape<Kernel>::slope(d, distance_of(pair)).per_u;
 }
 
-// Sums of three components start at zero; what they are multiplied with at the end takes r̂ from record units to none.
+// Base of terms whose sum is a vector along p_ij. finish() divides by the units of the records, so that distances are
+// u.
 template <class T>
 struct VectorTerms {
   Vec4<T>* out;
@@ -82,7 +83,7 @@ struct DensityTerms : VectorTerms<T> {
   }
 };
 
-// The sums of terms that compare a scalar or vector of particle i with that of its neighbours.
+// The sums, and values of particle i that the terms compare with those of its neighbours (self).
 template <class D>
 struct SumsOf {
   hn::Vec<D> x, y, z, w;
@@ -187,7 +188,7 @@ struct SmoothingTerms : VelocityTerms<T> {
   }
 };
 
-// The entry points; Highway's dispatch takes plain functions only.
+// The pair loops themselves as plain functions: Highway's dispatch takes no others.
 template <class T, class Density, class Gradient>
 void density(const Pairs<T>& pairs, Range range, Vec4<T>* out, T* squares) {
   for_each_particle(pairs, range, DensityTerms<T, Density, Gradient>{{out}, squares});
@@ -216,7 +217,7 @@ void smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4
   for_each_particle(pairs, range, SmoothingTerms<T>{{{out}, velocity}});
 }
 
-// The loops of pair k of kernels: density k / count, gradient k % count.
+// The loops of all pairs of kernels; that with number k has density kernel k / count and gradient kernel k % count.
 template <class T, std::size_t... k>
 ConstraintLoops<T> listed_loops(std::size_t wanted, std::index_sequence<k...>) {
   constexpr std::size_t count = std::tuple_size_v<KernelList>;

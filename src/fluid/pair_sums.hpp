@@ -1,9 +1,8 @@
-// The sums over neighbours that the method consists of, dimensionless (u = r/h, r̂ from j to i), vectorised: with w(u)
-// the shape W/W(0) of one kernel and g(u) that of −dW/dr of one, see kernels.hpp.
-// This is where the run time goes. Each sum is a few terms under one common traversal of the neighbour list
-// (pair_sums-inl.hpp); what the sums mean is in density.hpp and the velocity filters.
-// Pairs that have drifted beyond h on the frozen list contribute nothing. Terms are added in the order of the list,
-// lane by lane: the same bits wherever a particle is stored. Not collective.
+// The vectorised sums over neighbours, in dimensionless form (u = r/h, r̂ from j to i): w(u) is the shape W/W(0) of a
+// kernel, g(u) that of −dW/dr, see kernels.hpp. Most of the run time is spent here. All sums share one traversal of the
+// neighbour list (pair_sums-inl.hpp); what they mean is in density.hpp and in the velocity filters. Pairs on the list
+// that have moved further than h apart contribute nothing. Terms are added in the order of the list, in a fixed number
+// of lanes: the same bits wherever a particle is stored. Not collective.
 #pragma once
 
 #include "fluid/kernels.hpp"
@@ -11,7 +10,7 @@
 
 namespace trevi {
 
-/// What a pair loop reads. Owned particle i is records[low_ghosts + i].
+/// The input of a pair loop. Owned particle i is records[low_ghosts + i].
 template <class T>
 struct Pairs {
   const std::vector<Packed<T>>& records;
@@ -19,7 +18,8 @@ struct Pairs {
   LocalId low_ghosts;
 };
 
-/// s_corr = −k ((1 − u²)/(1 − dq²))^(3n), the report's −k (W6(r)/W6(dq h))ⁿ; k in the unit of lambda, m².
+/// Artificial pressure s_corr = −k (W6(r)/W6(dq h))ⁿ = −k ((1 − u²)/(1 − dq²))^(3n) (Macklin & Müller 2013, eq. 13); k
+/// has the unit of lambda, m².
 struct Tensile {
   Real k = 0;
   int n = 4;
@@ -38,7 +38,7 @@ struct ConstraintLoops {
   void (*tensile_delta)(const Pairs<T>&, Range, const Tensile&, Vec4<T>* out);
 };
 
-/// w of the first kernel, g of the second.
+/// w is that of the density kernel, g that of the gradient kernel.
 template <class T>
 ConstraintLoops<T> constraint_loops(const Kernels& kernels);
 template <>

@@ -1,5 +1,5 @@
-// One traversal for all pair loops: particle by particle, a vector of neighbours at a time. A neighbour's record is
-// loaded whole and the vector of records transposed in registers, which beats gather instructions by a factor of two.
+// The one traversal that all pair loops share: particle by particle, a vector of neighbours at a time. The whole
+// records of the neighbours are loaded and transposed in registers, which is twice as fast as gather instructions.
 // Included once per instruction set, inside the sources that Highway compiles repeatedly.
 #if defined(TREVI_FLUID_PAIR_TRAVERSAL_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_FLUID_PAIR_TRAVERSAL_INL
@@ -24,7 +24,7 @@ struct Four {
   hn::Vec<D> x, y, z, w;
 };
 
-// Block b of the result is the 16 bytes at records[index[first + b · stride]] + offset.
+// Block b of the result is the 16 bytes at `base` of the record with number index[b · stride].
 template <class D>
 HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const LocalId* index, std::size_t stride) {
   const auto block = [=](std::size_t b) { return base + 4 * static_cast<std::size_t>(index[b * stride]); };
@@ -50,7 +50,7 @@ requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Four<D> gather(D d, const void* 
   const auto* base = static_cast<const hn::TFromD<D>*>(records);
   const auto a = load_blocks(d, base, index, 4), b = load_blocks(d, base, index + 1, 4);
   const auto c = load_blocks(d, base, index + 2, 4), e = load_blocks(d, base, index + 3, 4);
-  const hn::Repartition<double, D> wide;  // two lanes moved as one
+  const hn::Repartition<double, D> wide;  // to move two lanes as one
   const auto ab = hn::BitCast(wide, hn::InterleaveLower(d, a, b)), ce = hn::BitCast(wide, hn::InterleaveLower(d, c, e));
   const auto ab2 = hn::BitCast(wide, hn::InterleaveUpper(d, a, b)),
              ce2 = hn::BitCast(wide, hn::InterleaveUpper(d, c, e));
@@ -67,7 +67,7 @@ requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Four<D> gather(D d, const void* 
           hn::InterleaveUpper(d, zw0, zw1)};
 }
 
-// Sum of the 128-bit blocks of a vector.
+// The sum of the 128-bit blocks of a vector, in one block.
 template <class D, class V>
 HWY_INLINE auto sum_of_blocks(D, V v) {
   if constexpr (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) <= 16) {
@@ -78,8 +78,8 @@ HWY_INLINE auto sum_of_blocks(D, V v) {
   }
 }
 
-// The four sums over the lanes of each block: in single precision a record in each block, in double precision half of
-// one in each block of two vectors.
+// For each 128-bit block, its sums of x, y, z and w over the lanes. In single precision a block holds all four sums; in
+// double precision it holds two, and there are two vectors.
 template <class D>
 struct BlockSums {
   hn::Vec<D> xy, zw;  // single precision: all in xy
@@ -133,21 +133,21 @@ HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Pack
   return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, index};
 }
 
-// A particle's sum has the same shape on every processor: 64 bytes of virtual lanes, whatever the registers are.
-// Neighbour k of a row belongs to lane k modulo 16 (8 in double precision), each lane is summed in the order of the
-// row, and the lanes are added by one tree, the one that costs AVX-512 least: those of each block of 16 bytes, then
-// halves of 32 bytes, then the two blocks that are left. A register that is narrower holds one of `groups` parts of the
-// lanes.
+// A particle's sum has the same structure on every processor: 64 bytes of virtual lanes, however wide the registers
+// are. Neighbour k of a row belongs to lane k modulo 16 (8 in double precision), each lane is summed in the order of
+// the row, and the lanes are then added as a fixed tree: first within each block of 16 bytes, then halves of 32 bytes,
+// then the two blocks that are left. This tree is the cheapest one on AVX-512. Narrower registers hold the lanes in
+// several groups.
 template <class D>
 inline constexpr std::size_t groups = 64 / (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>));
 
-// The sums of all groups; of four, those that the registers need are used.
+// The sums of each group; only the first `groups` of the four members are used.
 template <class Sums>
 struct Groups {
   Sums a, b, c, e;
 };
 
-// One vector of each group: all blocks added to one.
+// The sum of all 128-bit blocks of one vector per group, in one block.
 template <class D>
 HWY_INLINE auto sum_of_blocks(D d, const Groups<hn::Vec<D>>& v) {
   if constexpr (groups<D> == 1) {
@@ -159,13 +159,14 @@ HWY_INLINE auto sum_of_blocks(D d, const Groups<hn::Vec<D>>& v) {
   }
 }
 
-// Those of groups that a set of registers does not have are copies of the first, and nobody computes them.
+// The sums of x, y, z and w in each block of one group.
 template <class D, class Sums>
 HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Sums& s) {
   return sums_of_blocks(d, Four<D>{s.x, s.y, s.z, s.w});
 }
 
-// The four sums over all virtual lanes as one record.
+// The sums of x, y, z and w over all virtual lanes, as one record. Groups that do not exist are copies of the first and
+// are not used.
 template <class D, class Sums>
 HWY_INLINE Vec4<hn::TFromD<D>> sum_of_groups(D d, const Groups<Sums>& s) {
   using T = hn::TFromD<D>;
@@ -178,7 +179,7 @@ HWY_INLINE Vec4<hn::TFromD<D>> sum_of_groups(D d, const Groups<Sums>& s) {
   return result;
 }
 
-// The same for a single sum, `squares`, whose blocks are added first.
+// The sum of `squares` over all virtual lanes; here blocks are added before the lanes within them.
 template <class D, class Sums>
 HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Groups<Sums>& s) {
   using T = hn::TFromD<D>;
@@ -193,7 +194,7 @@ HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Groups<Sums>& s) {
   }
 }
 
-// A row of the list, and what is read of it.
+// The row of the neighbour list of one particle, with the records that its indices refer to.
 template <class T>
 struct Row {
   const Packed<T>& self;
@@ -211,7 +212,8 @@ HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& ro
   terms.add(d, sums, pair);
 }
 
-// A row's pairs, group after group. One past the end of the row would add zeros, which change no sum.
+// Adds the pairs of a row, one vector to each group in turn. A vector past the end of the row is skipped: it would only
+// add zeros.
 template <class D, class Terms, class Sums, class T>
 HWY_INLINE void add_row(D d, const Terms& terms, Groups<Sums>& sums, const Row<T>& row) {
   const auto lanes = static_cast<LocalId>(hn::Lanes(d));

@@ -7,14 +7,15 @@ namespace trevi {
 
 namespace {
 
-// Lengths of the report are in units of its spacing, 0.1 m.
+// (spacing / 0.1 m)², by which k and epsilon are scaled (inputs/README.md, Resolution).
 Real refinement(const Settings& settings) {
   const Real ratio = settings.fluid.spacing / 0.1;
   return ratio * ratio;
 }
 
-// A share of the under-relaxation at which some wave begins to grow. Measured at h = 2 spacings (0.7 and 0.5 with
-// Poly6); the safeguard of the Chebyshev iteration allows more.
+// Default under-relaxation: a share of 2/mu, the value at which some wave on the lattice begins to grow
+// (lattice_jacobi_eigenvalue). The shares are those that were measured to be stable at h = 2 spacings, where with Poly6
+// they mean 0.7 and 0.5; the safeguard of the Chebyshev iteration allows the larger one.
 Real stable_relaxation(const Settings& settings) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   const DensityModel model = density_model(settings);
@@ -24,7 +25,8 @@ Real stable_relaxation(const Settings& settings) {
   return share * 2 / largest;
 }
 
-// Without gravity no coarse grid stops water before it meets other water, and overlaps would part with a bang.
+// Without gravity there is no coarse grid, which would stop water before it meets other water: bodies that meet overlap
+// in longer steps, and parting them adds energy.
 Real stable_cfl(const Settings& settings) {
   if (settings.density.method != Method::chebyshev) return 0;
   const bool falls = settings.gravity && !settings.gravity->isZero();
@@ -50,8 +52,8 @@ Settings resolved(Settings settings) {
   settings.fluid.kernel_radius.set_default(2 * settings.fluid.spacing);
   settings.fluid.gradient_kernel.set_default(std::string(kernels_of(settings.fluid).gradient.name));
   settings.cfl.set_default(stable_cfl(settings));
-  // By its value, not by whether it is written out, so that the default's name changes nothing. The other methods are
-  // what the literature calls them.
+  // Depends on the value of the method, not on whether the key is given, so that writing out a default changes nothing.
+  // The other methods run as the literature describes them.
   const bool default_method = settings.density.method == DensitySettings{}.method;
   settings.density.coarse_grid.set_default(default_method);
   settings.density.max_shift.set_default(default_method ? 0.1 : 0);

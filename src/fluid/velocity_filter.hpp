@@ -1,6 +1,6 @@
-// What smooths or stirs velocities after the density solve, on the frozen neighbour list (report, section 2.3): one
-// file for each filter. A filter reads only the velocities the one before left, never half-updated ones. It refreshes
-// the ghosts it reads and uses the scalar of the records as it likes. Collective.
+// Filters change velocities after the density solve, on the neighbour list of the substep (Macklin & Müller 2013, eqs.
+// 15 to 17); each has its own file. A filter reads only velocities that the one before has completed. It refreshes the
+// ghosts that it reads and may overwrite the scalar of the records. Collective.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,8 @@ class VelocityFilter {
   virtual std::size_t bytes() const = 0;
 };
 
-/// Velocities of all particles, ghosts included, as the pair loops read them. Filters share one: each refreshes it.
+/// Velocities of all particles, ghosts included, in the form that the pair loops read. All filters share one field;
+/// each refreshes it before use.
 template <class T>
 class VelocityField {
  public:
@@ -30,13 +31,13 @@ class VelocityField {
   std::vector<Vec4<T>> vectors_;
 };
 
-/// What one of the filters that share a field answers for.
+/// Share of the field's memory, bytes, that each of the filters that share it reports.
 template <class T>
 std::size_t share_of(const std::shared_ptr<VelocityField<T>>& field) {
   return field->bytes() / static_cast<std::size_t>(field.use_count());
 }
 
-/// What the pair loops read.
+/// The input of a pair loop.
 template <class T>
 Pairs<T> pairs_of(const Neighbourhood<T>& near) {
   return {near.records(), near.list(), near.order().low_ghosts()};

@@ -8,7 +8,8 @@
 
 namespace trevi {
 
-// ∇_{p_j} W = +45/(π h⁶) (h − r)² r̂ with r̂ from j to i, the sign of the sum in the loop.
+// The loop sums g r̂ with r̂ from j to i, the direction of ∇_{p_j} W = +45/(π h⁶) (h − r)² r̂, so omega_factor_ is
+// positive.
 template <class T>
 VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon,
                                               std::shared_ptr<VelocityField<T>> velocity)

@@ -1,4 +1,4 @@
-// Vorticity confinement (report, section 2.3):
+// Vorticity confinement (Macklin & Müller 2013, eqs. 15 and 16):
 //   omega_i = m Σ_j (v_j − v_i) × ∇_{p_j}W_spiky,  eta_i = (m/rho0) Σ_j (|omega_j| − |omega_i|) ∇_{p_i}W_spiky
 //   v_i += dt epsilon (eta_i/|eta_i| × omega_i), nothing where |eta_i| = 0
 // Collective.
@@ -20,7 +20,7 @@ class VorticityConfinement : public VelocityFilter<T> {
 
   Event event_{"Vorticity"};
   FilterLoops<T> loops_;
-  Real omega_factor_;  // kg/m⁴ from the dimensionless sum
+  Real omega_factor_;  // m times the slope factor, kg/m⁴: turns the dimensionless sum into omega
   Real epsilon_;
   std::shared_ptr<VelocityField<T>> velocity_;
   std::vector<Vec4<T>> omega_;

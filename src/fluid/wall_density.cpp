@@ -10,7 +10,7 @@ namespace trevi {
 
 namespace {
 
-// The lattice points around a particle that lie behind all of the planes at distances d along the first axes.
+// What a particle misses where lattice points are behind all of the planes at distances d, along as many axes.
 struct Missing {
   Real share = 0;  // of the whole lattice sum
   Real pull = 0;   // magnitude of its gradient along the first axis, 1/m
@@ -72,7 +72,8 @@ void AnalyticWallDensity::tabulate_ratios() {
   }
 }
 
-// `side`: −1 for a plane below the particle, +1 above; the derivatives are along the axis, not the distance.
+// `side` is −1 for a plane below the particle and +1 for one above. Derivatives are along the axis, not by the
+// distance.
 AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis, Real side) const {
   Plane plane{.axis = axis};
   const Real x = distance / spacing_ - 0.5, per = -side / spacing_;
@@ -93,7 +94,7 @@ AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis
   return plane;
 }
 
-// Multilinear in the blends of the planes.
+// Interpolates the table linearly in the blend of each plane.
 AnalyticWallDensity::Ratio AnalyticWallDensity::ratio(std::initializer_list<const Plane*> planes) const {
   const std::vector<Real>& table = planes.size() == 2 ? edge_ : corner_;
   Ratio result;
@@ -133,7 +134,7 @@ BoundaryShare AnalyticWallDensity::near_walls(const Vec3& p) const {
   Planes near;
   const Real reach = (layers_ + 0.5) * spacing_;
   for (int axis = 0; axis < 3; ++axis) {
-    // A NaN is nowhere near; the guards report it.
+    // All comparisons with a NaN are false, so it has no wall; the guard of the run reports it.
     const Real low = p[axis] - box_.min[axis], high = box_.max[axis] - p[axis];
     if (low < reach) near.plane[static_cast<std::size_t>(near.count++)] = plane_at(std::max(low, 0.0), axis, -1);
     if (high < reach) near.plane[static_cast<std::size_t>(near.count++)] = plane_at(std::max(high, 0.0), axis, 1);

@@ -1,14 +1,14 @@
-// What the walls of the box add to the density of a particle near them, as if the start lattice went on behind
-// (walls.density = "analytic"). One function of the position and its exact derivative, so that what a wall gives back
-// is what it took: pushes that are no constraint's gradient would warm the water for ever.
+// What the walls of the box add to the density of a particle near them, as if the start lattice continued behind them
+// (walls.density = "analytic"). The gradient is the exact derivative of the density, so that a wall returns just the
+// energy that it took: pushes that are not the gradient of a function would add energy for ever.
 //
-// One plane at distance d adds the share w(d) of rest density. At the distances d_k = (k + 1/2) spacing of the lattice
-// layers w is what the lattice misses behind the plane, so that the start is at rest density; the slopes there are
-// `wall_slope` times what the missing particles would pull with. In between w is the monotone rational quadratic of
-// Gregory & Delbourgo (1982), a straight line below d_0, zero from the first layer on that misses nothing.
-// Several planes: inclusion and exclusion, behind A or B = A + B − A B r, where r(d_A, d_B) makes edges and corners of
-// the start lattice exact, too. Opposite planes, where the box is narrower than the reach of two, miss different
-// particles: they add. Not collective.
+// One plane at distance d adds the share w(d) of the rest density. At the distances d_k = (k + 1/2) spacing of the
+// lattice layers w is the share that lattice points behind the plane would have, so that the start is at rest density;
+// its slope there is `wall_slope` times that of the missing points. In between w is the monotone rational quadratic of
+// Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the first layer on whose neighbours are
+// all in front of the plane. Several planes are combined by inclusion and exclusion: the share behind A or B is A + B −
+// A B r, where r(d_A, d_B) makes edges and corners of the start lattice exact, too. For opposite planes, both near
+// where the box is narrow, different points are missing, so their shares add up. Not collective.
 #pragma once
 
 #include <array>
@@ -21,23 +21,24 @@
 
 namespace trevi {
 
-/// What fills the missing part of a particle's neighbourhood: a share of rest density, and its gradient in 1/m.
+/// What the walls add at a position: a share of the rest density, and its gradient in 1/m.
 struct BoundaryShare {
   Real density = 0;
   Vec3 gradient = Vec3::Zero();
 };
 
-/// Water that went on behind the wall would have multipliers of its own, the mirror images of those in front: twice the
-/// pull of missing particles that have none. With 1 the layers crowd at the wall, and a lattice at rest does not stay:
-/// pools of 5 layers gain 0.9 % of energy in 20 s, with 2 less than 0.01 %. Waves lose the same with either.
+/// Ratio of the slope of w to that of missing particles without multipliers. Water behind the wall would have
+/// multipliers of its own, mirror images of those in front, and so push twice as much. With 1 the layers crowd at the
+/// wall, and a lattice at rest begins to move: pools of 5 layers gain 0.9 % of energy in 20 s, with 2 less than 0.01 %.
+/// Waves lose the same energy with either.
 constexpr Real wall_slope = 2;
 
 class AnalyticWallDensity {
  public:
-  /// `spacing` and h define the lattice that shall be at rest; metres.
+  /// `spacing` and h, in metres, define the lattice that is to be at rest density.
   AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h);
 
-  /// Nearly all particles are out of reach of every wall: that test is made here, the rest behind a call.
+  /// The share at p. The test whether any wall is near is inline, as it is all that nearly all particles need.
   BoundaryShare at(const Vec3& p) const {
     const bool far = (p.array() >= interior_.min.array()).all() && (p.array() <= interior_.max.array()).all();
     return far ? BoundaryShare{} : near_walls(p);
@@ -45,8 +46,8 @@ class AnalyticWallDensity {
 
  private:
   static constexpr int most_planes = 6;
-  // A wall within reach of a particle: its share with the derivative along the axis, and where its distance lies
-  // between the layers: weight 1 − blend on `layer`, blend on the next one.
+  // A wall within reach of a particle: its share and derivative along the axis, and its distance relative to the
+  // layers, as weights for interpolation: 1 − blend for `layer` and blend for the next one.
   struct Plane {
     int axis = 0, layer = 0;
     Real share = 0, slope = 0;        // 1, 1/m
@@ -72,9 +73,9 @@ class AnalyticWallDensity {
   Box box_, interior_;
   Kernel kernel_;
   Real h_, spacing_;
-  int layers_;                       // that miss anything behind a plane
+  int layers_;                       // number of layers that miss points behind a plane
   std::vector<Real> share_, slope_;  // w and its slope at d_k, k = 0 ... layers_; zero at the last
-  std::vector<Real> edge_, corner_;  // r at the distances of layers, the first plane the most significant digit
+  std::vector<Real> edge_, corner_;  // r at the distances of layers; the first plane has the most significant index
 };
 
 }  // namespace trevi

@@ -4,7 +4,7 @@ namespace trevi {
 
 namespace {
 
-// The first plane that p + t v meets: its axis (−1: none before t_end) and time.
+// The first plane that p + t v meets: its axis (−1 for none before t_end) and the time.
 struct Hit {
   int axis = -1;
   Real t = 0;
@@ -31,8 +31,8 @@ Walls::Walls(const Box& box, const WallSettings& settings, Real tolerance)
 Vec3 Walls::predict(const Vec3& p, const Vec3& v, Real dt) const {
   const Vec3 straight = p + v * dt;
   if (inside(straight)) return straight;
-  if (!v.allFinite()) return straight;  // the guards of the step report it
-  constexpr int most_bounces = 10000;   // a restitution of 1 and an absurd speed; the rest of the way is given up
+  if (!v.allFinite()) return straight;  // the guard of the run reports it
+  constexpr int most_bounces = 10000;   // reached only at an absurd speed; the rest of the motion is then dropped
   Vec3 position = p, velocity = v;
   for (int bounce = 0; bounce < most_bounces && dt > 0; ++bounce) {
     const Hit hit = first_hit(box_, position, velocity, dt);

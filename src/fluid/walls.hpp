@@ -1,4 +1,4 @@
-// The six walls of the box (Algorithm 3 of the report): where a moving particle ends up, and where a shifted one stops.
+// The six walls of the box: where a moving particle ends up, and where a shifted one stops (inputs/README.md, Walls).
 // One particle at a time, metres and seconds; a particle inside the closed box stays inside at any speed. Not
 // collective.
 #pragma once
@@ -13,22 +13,22 @@ namespace trevi {
 
 class Walls {
  public:
-  /// `tolerance`: how far inside the plane a shift stops in the report's reading, m (1e-6 h).
+  /// `tolerance`: how far inside the plane a shift stops with reflection "report", m (1e-6 h).
   Walls(const Box& box, const WallSettings& settings, Real tolerance);
 
-  /// Velocity part: p + v dt with a bounce at each plane met. Reflection "normal" damps the component along the plane's
-  /// normal, "report" the whole velocity.
+  /// Motion with a velocity: p + v dt with a bounce at each plane that is met. Reflection "normal" scales the component
+  /// along the plane's normal by the restitution, "report" the whole velocity.
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) const;
 
-  /// Δp part: p + shift, stopped at the planes: per axis, or ("report") on the ray at the first plane, `tolerance`
-  /// inside.
+  /// Shift by the density solve: p + shift, cut at the planes on each axis for itself, or, with reflection "report", at
+  /// the point where the shift meets the first plane, `tolerance` inside.
   Vec3 collide(const Vec3& p, const Vec3& shift) const {
     const Vec3 target = p + shift;
     if (inside(target)) return target;
     return along_ray_ ? stop_on_ray(p, shift) : clamp(target);
   }
 
-  // std::clamp lets a NaN be one, which Eigen's cwiseMin need not: the guard of the step looks for it.
+  // std::clamp returns a NaN as it is, which Eigen's cwiseMin need not do: the guard of the run looks for NaNs.
   Vec3 clamp(const Vec3& p) const {
     const Vec3 &low = box_.min, &high = box_.max;
     return {std::clamp(p.x(), low.x(), high.x()), std::clamp(p.y(), low.y(), high.y()),

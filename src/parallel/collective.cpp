@@ -26,7 +26,7 @@ Failure attempt(const std::function<void()>& work) {
   }
 }
 
-// The lowest rank that says so, or the number of ranks.
+// The lowest rank where `here` is true; the number of ranks if there is none.
 int lowest_rank(MPI_Comm comm, bool here) {
   int rank = here ? rank_of(comm) : size_of(comm);
   MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, comm);

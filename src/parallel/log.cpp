@@ -13,8 +13,8 @@ struct NamedEvent {
   PetscLogEvent handle;
 };
 
-/// What Trevi has registered with PETSc. PETSc gives no list of it by its public functions, and its own registry is one
-/// a process, too; hence the static object.
+/// What Trevi has registered with PETSc, which has no public function to list it. Static, as PETSc's own registry is
+/// global to the process, too.
 struct Registry {
   PetscClassId class_id = 0;
   std::vector<NamedEvent> events;

@@ -1,6 +1,6 @@
-// Phases and kernels as PETSc stages and events, so that -log_view reads as a profile of the method, and run.json with
-// it. An event is registered when the object that needs it is built: what a scene does not use has no line in the log.
-// Not collective; all ranks must register the same events in the same order (the scene builder does).
+// Phases and kernels as PETSc stages and events, so that -log_view and run.json show the time of each part of the
+// method. An event is registered when the object that needs it is built, so the log has no line for what a scene does
+// not use. Not collective, but all ranks must register the same events in the same order, as make_solver() does.
 #pragma once
 
 #include <petsclog.h>
@@ -49,7 +49,7 @@ struct EventTotals {
   long calls = 0;
 };
 
-/// At the end of a session, as PETSc then forgets its log; events are registered anew in the next one.
+/// To be called at the end of a session, when PETSc discards its log; the next session registers events again.
 void forget_events();
 
 /// Totals of all events of the solver, in order of registration.

@@ -16,10 +16,10 @@ namespace trevi {
 Real max_over_ranks(MPI_Comm comm, Real value);
 Real min_over_ranks(MPI_Comm comm, Real value);
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value);
-/// Over the ranks below this one: where its rows begin, when ranks give theirs in rank order.
+/// Sum over the ranks below this one: the index of this rank's first row where ranks write rows in rank order.
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value);
 
-/// What each rank has of its planes, joined in plane order on all ranks; every rank hands in whole rows of one length.
+/// Joins the rows that each rank has for its planes, in plane order, on all ranks. All rows have the same length.
 std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial);
 
 /// `partial` holds one row of `columns` sums for each cell plane this rank owns, in plane order; ranks own planes in

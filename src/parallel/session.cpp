@@ -17,14 +17,14 @@ namespace trevi {
 
 namespace {
 
-// The lowest instruction set among the ranks is used by all of them, whatever mix of nodes a job was given.
+// All ranks use the best instruction set that every one of them supports, as a job may mix different processors.
 void agree_on_instruction_set(MPI_Comm comm) {
   std::int64_t sets = supported_instruction_sets();
   MPI_Allreduce(MPI_IN_PLACE, &sets, 1, MPI_INT64_T, MPI_BAND, comm);
   restrict_instruction_sets(sets);
 }
 
-// Libraries have threads of their own (ZeroMQ, MPI's progress), while all our calls come from the main one.
+// Libraries run threads of their own (ZeroMQ, MPI's progress), while Trevi calls MPI from the main thread only.
 void require_threads() {
   int provided = MPI_THREAD_SINGLE;
   MPI_Query_thread(&provided);
@@ -32,7 +32,7 @@ void require_threads() {
   throw RunError("this MPI allows no threads beside it (MPI_THREAD_FUNNELED); use one that does", Reach::all_ranks);
 }
 
-// PETSc would fail on one rank alone, with a stack trace.
+// Without this test PETSc would fail on one rank alone, with a stack trace.
 void check_options_files(MPI_Comm comm, int argc, const char* const* argv) {
   for (int k = 1; k + 1 < argc; ++k) {
     if (std::string_view(argv[k]) == "-options_file") read_file_everywhere(comm, argv[k + 1]);
@@ -45,7 +45,7 @@ Mpi::Mpi(int& argc, char**& argv) {
   int begun = 0;
   MPI_Initialized(&begun);
   owner_ = begun == 0;
-  int provided = 0;  // the session looks at it, when there is somebody to report an error
+  int provided = 0;  // tested by the Session, which can report an error
   if (owner_) MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }
 
@@ -94,10 +94,10 @@ std::vector<std::string> Session::unused_options() const {
   char **names = nullptr, **values = nullptr;
   std::vector<std::string> unused;
   PetscBool given = PETSC_FALSE;
-  PetscOptionsHasName(nullptr, nullptr, "-options_left", &given);  // PETSc itself asks for it at its end only
+  PetscOptionsHasName(nullptr, nullptr, "-options_left", &given);  // marks it as used: PETSc reads it at its end
   if (PetscOptionsLeftGet(nullptr, &count, &names, &values) != 0) return unused;
   for (PetscInt k = 0; k < count; ++k) {
-    if (names[k][0] != '-') unused.push_back(std::string("-") + names[k]);  // else it is ours: --name
+    if (names[k][0] != '-') unused.push_back(std::string("-") + names[k]);  // others are Trevi's own: --name
   }
   PetscOptionsLeftRestore(nullptr, &count, &names, &values);
   return unused;

@@ -1,4 +1,4 @@
-// Wall time of the simulation proper: runs while a Lap lives, so that output is not counted. Not collective.
+// Wall time of the simulation itself: counts while a Lap lives, so that output is not included. Not collective.
 #pragma once
 
 #include <mpi.h>

@@ -1,7 +1,7 @@
-// What all ranks have to know of each other once a substep, in one small reduction: how many particles there are and
-// which, whether a guard has failed anywhere, and what the world outside asks for. Collective: Ballot::count.
-// Ids enter as two sums modulo 2^64: of the ids, and of their squares. One particle lost or doubled changes the first
-// by its id, so the message can name it; one lost while another is doubled changes them, too.
+// What all ranks must agree on once a substep, in one small reduction: which particles exist, whether a guard has
+// failed on any rank, and what is requested from outside the run. Ids enter as two sums modulo 2^64, of the ids and of
+// their squares. A single particle lost or doubled changes the first sum by its id, so that the message can name it;
+// the sums change, too, where one particle is lost and another is there twice. Collective: Ballot::count.
 #pragma once
 
 #include <mpi.h>

@@ -1,7 +1,7 @@
-// The cells of Algorithm 2: a grid over the whole box with cells at least h wide, so that neighbours are in touching
-// cells. Cells are numbered plane by plane along the slab axis, then row by row, the vertical axis fastest; the
-// numbering is global and the same on every rank, which is what makes the order of particles, and with it every sum,
-// independent of the ranks. Lengths in metres. Not collective.
+// The cells of the neighbour search: a grid over the whole box with cells at least h wide, so that neighbours are in
+// the same or in adjacent cells. Cells are numbered plane by plane along the slab axis, then row by row, the vertical
+// axis fastest. The numbering is global and the same on every rank, which makes the order of particles, and with it
+// every sum, independent of the ranks. Lengths in metres. Not collective.
 #pragma once
 
 #include <algorithm>

@@ -22,14 +22,14 @@ void CellOrder::count(const Particles& particles, LocalId first) {
 }
 
 void CellOrder::find_order(const Particles& particles) {
-  std::vector<LocalId>& next = start_;  // filled for real in add_ghosts
+  std::vector<LocalId>& next = start_;  // used as scratch here; add_ghosts() fills it with its real values
   next.resize(counts_.size() + 1);
   std::exclusive_scan(counts_.begin(), counts_.end(), next.begin(), 0);
   resize_tightly(order_, cell_.size());
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     order_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell_[i])]++)] = static_cast<LocalId>(i);
   }
-  // Within a cell by id: the order of arrival depends on migration, ids do not.
+  // Within a cell by id: the order of arrival depends on the ranks, ids do not.
   const auto by_id = [&](LocalId a, LocalId b) {
     return particles.id[static_cast<std::size_t>(a)] < particles.id[static_cast<std::size_t>(b)];
   };
@@ -72,7 +72,7 @@ std::span<const LocalId> CellOrder::last_plane_counts() const {
 
 void CellOrder::add_ghosts(std::span<const LocalId> low_counts, std::span<const LocalId> high_counts) {
   start_.assign((static_cast<std::size_t>(planes_) + 2) * cells() + 1, 0);
-  // Counts go in one place further, so that the sum over all before is the start.
+  // Counts are stored one place further on, so that the partial sums are the starts.
   std::copy(low_counts.begin(), low_counts.end(), start_.begin() + 1);
   std::copy(counts_.begin(), counts_.end(), start_.begin() + 1 + static_cast<std::ptrdiff_t>(cells()));
   std::copy(high_counts.begin(), high_counts.end(),

@@ -1,7 +1,7 @@
 // Particles in cell order: sorted by (plane, row, cell, id) of their predicted positions, O(n).
-// The order is frozen from the prediction to the end of a step. Owned particles of the planes [first, last) come in
-// plane order, so a boundary plane, and the ghosts of a neighbour rank, are contiguous slices: low ghosts, owned, high
-// ghosts. Not collective: the cell counts of the ghost planes are handed in by the halo.
+// The order stays the same from the prediction to the end of a step. Owned particles of the planes [first, last) are in
+// plane order, so that a boundary plane, and the ghosts from a neighbour rank, are contiguous slices: low ghosts,
+// owned, high ghosts. Not collective: the halo provides the cell counts of the ghost planes.
 #pragma once
 
 #include <span>
@@ -24,8 +24,9 @@ struct Planes {
   LocalId first = 0, last = 0;
 };
 
-/// Whether velocities have a value when particles are sorted. Between the prediction and the update of a substep they
-/// have none, and CellOrder, and nothing else, sorts the other fields into their memory (24 bytes a particle).
+/// Whether velocities must be kept when particles are sorted. Between the prediction and the velocity update of a
+/// substep they will be overwritten anyway, and CellOrder (nothing else may) uses their array as scratch memory to sort
+/// the other fields, which saves 24 bytes a particle.
 enum class Velocities { kept, overwritten };
 
 class CellOrder {
@@ -39,7 +40,8 @@ class CellOrder {
   std::span<const LocalId> first_plane_counts() const;
   std::span<const LocalId> last_plane_counts() const;
 
-  /// Adds the ghost planes (empty spans where the box ends); after this the table below is valid.
+  /// Adds the ghost planes (empty spans where the box ends). size(), start() and owned_range() are valid only after
+  /// this.
   void add_ghosts(std::span<const LocalId> low_counts, std::span<const LocalId> high_counts);
 
   const CellGrid& grid() const { return grid_; }
@@ -65,7 +67,7 @@ class CellOrder {
   CellGrid grid_;
   LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
   std::vector<LocalId> counts_;  // of each owned cell
-  std::vector<LocalId> start_;   // cells of planes_ + 2 planes, and the end
+  std::vector<LocalId> start_;   // first particle of each cell of planes_ + 2 planes, and the total
   std::vector<LocalId> cell_;    // of each particle, before sorting
   std::vector<LocalId> order_;   // sorted index -> old index
   std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// A box around the particles of one cell, in units of the records relative to the first of them.
+// The bounding box of the particles of one cell, in units of the records, relative to the first of the particles.
 template <class T>
 struct Bounds {
   using Record = Packed<T>;
@@ -48,7 +48,7 @@ struct Bounds {
   }
 };
 
-// Coordinates minus the anchor's, as T; integers wrap around as they should.
+// Coordinates relative to the anchor's, as T; the difference of integers is taken modulo 2^32, as they wrap around.
 template <class D, class V>
 HWY_INLINE hn::Vec<D> from_anchor(D d, V v, typename Packed<hn::TFromD<D>>::Coordinate anchor) {
   if constexpr (sizeof(hn::TFromD<D>) == 4) {
@@ -58,8 +58,9 @@ HWY_INLINE hn::Vec<D> from_anchor(D d, V v, typename Packed<hn::TFromD<D>>::Coor
   }
 }
 
-// The particles around one cell that may be neighbours of any in it, in storage order: one array per coordinate.
-// Gathered once for all particles of the cell; those farther than h from the box around them, about half, are left out.
+// The particles around one cell that may be neighbours of any particle in it, in storage order, with one array per
+// coordinate. Gathered once for all particles of the cell; those farther than h from the cell's bounding box, about
+// half, are left out.
 template <class T>
 class Candidates {
  public:
@@ -84,7 +85,7 @@ class Candidates {
     }
   }
 
-  // Particles far away behind the last, so that whole vectors can be compared.
+  // Fills the vector past the last candidate with particles far away, so that whole vectors can be compared.
   void close() {
     const hn::ScalableTag<T> d;
     hn::StoreU(hn::Set(d, static_cast<T>(1e15)), d, &x[size_]);
@@ -114,7 +115,7 @@ class Candidates {
     hn::StoreU(near.first(px), d, &x[size_]);
     hn::StoreU(near.first(py), d, &y[size_]);
     hn::StoreU(near.first(pz), d, &z[size_]);
-    // Iota of anything but a constant is put together in memory.
+    // Iota(0) is a constant; with another start the compiler would build the vector in memory.
     const auto self = hn::Add(hn::Iota(di, 0), hn::Set(di, first));
     hn::StoreU(hn::BitCast(di, near.first(hn::BitCast(d, self))), di, &index[size_]);
     size_ += near.count();
@@ -204,7 +205,7 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
       });
       candidates.close();
       for (LocalId n = 0; n < count; ++n, ++i) {
-        // Row by row: for a whole cell that a crowd fills it would be more memory than there is.
+        // Reserved for one row at a time: for all rows of a crowded cell at once memory might not suffice.
         rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding));
         const LocalId self = begin + n;
         const auto position = bounds.relative(records[static_cast<std::size_t>(self)]);
@@ -218,7 +219,8 @@ void search(const CellOrder& order, const std::vector<Packed<T>>& records, Neigh
       }
     }
   }
-  // Whole vectors are read past the last row. What an earlier, longer list left there may name records that are gone.
+  // Pair loops read whole vectors, past the end of the last row. Indices there are set to 0, as those left by an
+  // earlier, longer list may refer to records that no longer exist.
   rows.reserve(end);
   std::fill_n(rows.index.begin() + end, NeighbourRows::slack, 0);
 }

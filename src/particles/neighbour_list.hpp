@@ -1,6 +1,6 @@
-// Neighbours of each owned particle: all others, ghosts included, with |p*_i − p*_j| < h at the time of the search
-// (Algorithm 2 of the report, found once a step). Compressed rows; within a row in storage order, which no rank count
-// changes. Indices count from the first low ghost. Not collective.
+// Neighbours of each owned particle: all others, ghosts included, with |p*_i − p*_j| < h at the time of the search,
+// which is once a substep. Stored as compressed rows; within a row in storage order, which is the same on any rank
+// count. Indices count from the first low ghost. Not collective.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct NeighbourRows {
   void reserve(std::int64_t n) {
     const auto wanted = static_cast<std::size_t>(n) + slack;
     if (wanted <= index.size()) return;
-    // Reserved first: resize alone would double the memory of the largest array there is.
+    // Without reserve(), resize() would double the capacity of what is the largest array of all.
     index.reserve(wanted + wanted / 16);
     index.resize(index.capacity());
   }
@@ -32,8 +32,8 @@ struct NeighbourRows {
 
 class NeighbourList {
  public:
-  /// More neighbours than this (all the water within a few h piled up in one place) end the run: lists grow as the
-  /// square.
+  /// More neighbours than this end the run: it means that all the water within a few h has collapsed into one place,
+  /// and the length of the lists grows as the square of the particles there.
   static constexpr LocalId most_neighbours = 4096;
 
   /// `records` are those of all particles of `order`, ghosts included. O(n).

@@ -58,7 +58,7 @@ class Encoding {
   Real per_metre_;
 };
 
-/// Four lanes of anything else a neighbour is asked for, velocities for instance.
+/// Four values per particle for other quantities that are read of neighbours, such as velocities.
 template <class T>
 struct alignas(4 * sizeof(T)) Vec4 {
   T x, y, z, w;

@@ -12,13 +12,13 @@ void check(PetscErrorCode code) {
   require(code == 0, "PETSc's nonlinear solver failed with code " + std::to_string(code));
 }
 
-/// A shift shortened to `longest`, m; 0: as it is.
+/// The shift, shortened to the length `longest` (m) where it is longer; 0 means no limit.
 Vec3 capped(const Vec3& shift, Real longest) {
   const Real length = shift.norm();
   return longest > 0 && length > longest ? Vec3(shift * (longest / length)) : shift;
 }
 
-// p* of all particles at three numbers each, inside the walls.
+// Sets p* of all particles from an array with three coordinates per particle, clamped to the box.
 template <class T>
 void set_all_positions(DensityProblem<T>& problem, const PetscScalar* positions) {
   problem.with_halo(Phase::move, [&](Range part) {
@@ -27,12 +27,11 @@ void set_all_positions(DensityProblem<T>& problem, const PetscScalar* positions)
   });
 }
 
-// What the residual needs; SNES hands it back as a void pointer.
+// What the residual function needs; SNES passes it on as a void pointer.
 template <class T>
 struct Residual {
   DensityProblem<T>& problem;
   Real relaxation, longest;
-  bool stop = false;  // the tolerance was met
 };
 
 // Puts the particles at `x`, inside the walls, and evaluates −relaxation · delta there.
@@ -53,7 +52,7 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
   return 0;
 }
 
-// Stops on the compression that the user asked for, not on the norm of a displacement.
+// Ends the iteration on the compression that the user asked for; SNES itself would test the norm of the shift.
 template <class T>  // PETSc gives the parameters. NOLINTNEXTLINE(readability-function-size)
 PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConvergedReason* reason, void* context) {
   const auto& settings_and_problem = *static_cast<std::pair<const DensitySettings*, DensityProblem<T>*>*>(context);
@@ -69,12 +68,12 @@ PetscErrorCode test(SNES, PetscInt it, PetscReal, PetscReal, PetscReal, SNESConv
 template <class T>
 SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   const std::vector<Vec3>& positions = problem.particles().predicted;
-  const auto size = static_cast<PetscInt>(3 * positions.size());  // fits: initial_particles() has seen to it
+  const auto size = static_cast<PetscInt>(3 * positions.size());  // no overflow: first_slabs() has checked it
   Residual<T> residual{problem, settings_.relaxation, longest_};
   std::pair<const DensitySettings*, DensityProblem<T>*> goal{&settings_, &problem};
   Vec start = nullptr, f = nullptr;
   SNES snes = nullptr;
-  // The unknowns start as a copy: SNES combines old iterates while the sweep moves the particles themselves.
+  // The unknowns are a copy: SNES combines earlier iterates, while each evaluation moves the particles themselves.
   check(VecCreateMPI(comm_, size, PETSC_DETERMINE, &start));
   check(VecDuplicate(start, &f));
   PetscScalar* values = nullptr;

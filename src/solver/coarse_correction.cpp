@@ -8,14 +8,16 @@ namespace trevi {
 
 namespace {
 
-// In units of sqrt(h/g), the time in which water falls by about h. Measured on pools of 5 to 20 layers at 1/60 and
-// 1/240 s: without a noise time 8e-4 to 2e-3 m²/s² of kinetic energy per mass stay for ever; with 3.5 it is 1e-4, and a
-// wave 20 h long loses 1.3 % of its amplitude in half a period; with 1.75 it loses 3.5 %.
+// Time constants in units of sqrt(h/g), the time in which water falls by about h: in noise_time a particle's motion
+// relaxes to that of its cell, in return_time a cell returns to its volume. Measured on pools of 5 to 20 layers at dt =
+// 1/60 and 1/240 s: without this damping 8e-4 to 2e-3 m²/s² of kinetic energy per mass never decay; with noise_time =
+// 3.5 it is 1e-4, and a wave 20 h long loses 1.3 % of its amplitude in half a period; with 1.75 it loses 3.5 %.
 constexpr Real noise_time = 3.5, return_time = 6;
-// In units of sqrt(g h): what moves faster against its cell is no noise but a jet, and damped by less the faster it is.
-// Without a bound a jet through a pool lost a sixth of its height.
+// In units of sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
+// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
 constexpr Real noise_speed = 0.2;
-// The correction is whole up to a quarter of a spacing below the surface and fades out over two spacings.
+// In spacings below the surface: the correction acts in full up to a quarter of a spacing above the surface, and fades
+// out over the next two spacings above that.
 constexpr Real fade_begins = -0.25, fade_length = 2;
 
 }  // namespace
@@ -28,7 +30,7 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
   const std::size_t own = grid.index(k, r, c);
   Faces faces;
   faces.wet = water_.is_wet(own);
-  const bool follows = !faces.wet && water_.is_wet(own - 1);  // the little above a top cell
+  const bool follows = !faces.wet && water_.is_wet(own - 1);  // a dry cell follows the top cell below it
   faces.surface = follows              ? c - 1 + water_.height(own - 1)
                   : water_.is_top(own) ? c + water_.height(own)
                                        : std::numeric_limits<Real>::infinity();
@@ -43,7 +45,7 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
     const auto b = static_cast<Eigen::Index>(a);
     faces.low[b] = through(at, grid.is_wall(a, k, r, c), low_known);
     faces.high[b] = through(above, grid.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2)), high_known);
-    // Spray outside the water moves as the face next to it.
+    // A face between two dry cells has no phi on either side; it takes the displacement of the opposite face.
     if (!low_known) faces.low[b] = faces.high[b];
     if (!high_known) faces.high[b] = faces.low[b];
     faces.mean_low[b] = water_.displacement(a, at);

@@ -1,15 +1,16 @@
-// Coarse-grid correction of the density solve. Sweeps over particles move a disturbance by about h each, so deep water
-// needs as many of them as it has layers; pressure over longer ways is found here instead, on the cell grid: from what
-// the grid can know without noise, the displacements that the particles mean to make (coarse_water.hpp), it finds those
-// that keep the volume (coarse_pressure.hpp). Densities are left to the sweeps; their sign is rectified there, and a
-// grid that followed them would lift deep water by their noise. Near to Kugelstadt et al., Implicit density projection
-// for volume conserving liquids, IEEE TVCG 2019.
+// Coarse-grid correction of the density solve. One iteration over the particles carries a disturbance by about h, so
+// deep water needs as many iterations as it has layers. This correction finds the long-range part of the pressure on
+// the cell grid instead: it takes the mean displacements that the prediction gives the particles of each cell face
+// (coarse_water.hpp) and finds those nearest to them that keep the volume (coarse_pressure.hpp). It does not use
+// densities: they are noisy, the inequality constraint keeps only their positive part, and a grid that followed them
+// would lift deep water by that noise. Similar in purpose to Kugelstadt et al., Implicit density projection for volume
+// conserving liquids, IEEE TVCG 2019.
 //
-// Particles take the face displacements of their cell, linear in between (lowest-order Raviart-Thomas). Using
-// displacements instead of multipliers leaves out their geometric stiffness, which explodes at large dt. In the top
-// layer of water the correction fades out above the surface, so that what is thrown up falls back. Besides, the motion
-// of each particle is drawn to that of its cell, with a time of `noise_time`: this takes the noise that no pressure
-// acts on, and from a wave only what it shears within a cell. For gravity along −z. Collective.
+// A particle takes the displacement of the faces of its cell, linear in between (lowest-order Raviart-Thomas).
+// Displacements are used rather than multipliers, whose geometric stiffness becomes unstable at large dt. Above the
+// surface the correction fades out, so that water thrown up falls back. In addition each particle's motion relaxes to
+// that of its cell, with the time constant `noise_time`: this damps noise on which no pressure acts, and of a wave only
+// the shear within a cell. For gravity along −z. Collective.
 #pragma once
 
 #include <span>
@@ -36,14 +37,16 @@ class CoarseCorrection {
   std::size_t bytes() const { return water_.bytes() + pressure_.bytes(); }
 
  private:
-  // The displacements through the lower and upper faces of a cell: of the correction, and those of the particles.
+  // Displacements, m, through the lower and upper faces of a cell: those of the correction (low, high), and the means
+  // over the predicted motion of the particles (mean_low, mean_high).
   struct Faces {
     Vec3 low, high, mean_low, mean_high;
     bool wet = false;
-    Real surface = 0;  // height above the floor of the box, in cells; far up where the water goes on above
+    Real surface = 0;  // height above the floor of the box, in cells; infinite where there is water above
   };
   Faces faces_of(LocalId k, LocalId r, LocalId c) const;
-  // The share of its motion against the cell that a slow particle loses, and how far it comes, m, with half of that.
+  // share: the part of its motion relative to its cell that a slow particle loses; noise: the distance relative to the
+  // cell, m, at which a particle loses half of that share.
   struct Damping {
     Real share, noise;
   };

@@ -1,8 +1,9 @@
-// The cells of the coarse-grid correction: those of the search (cell_grid.hpp), of a rank's planes, up to the highest
-// that holds water. Directions are counted as the cells are stored: 0 along the slabs, 1 the rows of a plane, 2 the
-// columns of a row, upwards. Arrays over cells have a ring of empty cells around each plane and a ghost plane on either
-// side, so that every cell has six neighbours. Face (a, at) is the lower one of cell `at` in direction a.
-// Not collective, but for the constructor.
+// The cells of the coarse-grid correction: those of the neighbour search (cell_grid.hpp) in the planes that this rank
+// owns, up to a little above the highest cell that holds water. Directions are counted in the order in which cells are
+// stored: 0 along the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays
+// over cells have a ring of empty cells around each plane and a ghost plane on either side, so that every cell has six
+// neighbours. Face (a, at) is the lower face of the cell with index `at` in direction a. Not collective, except for the
+// constructor.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +29,7 @@ class CoarseGrid {
       origin_[b] = box.min[axis_[a]];
       const Real extent = box.max[axis_[a]] - box.min[axis_[a]];
       size_[b] = extent / count_[a];
-      per_length_[b] = count_[a] / extent;  // as in CellGrid, so that a particle is in the cell that it is stored in
+      per_length_[b] = count_[a] / extent;  // the same factor as in CellGrid, so that rounding gives the same cell
     }
   }
 
@@ -45,7 +46,7 @@ class CoarseGrid {
   LocalId columns() const { return columns_; }
   /// Lengths of a cell, m.
   const Vec3& size() const { return size_; }
-  /// From a cell to its upper neighbour in each direction; step(0) is the size of a plane.
+  /// Difference of index from a cell to its upper neighbour in direction a; step(0) is the number of cells in a plane.
   std::size_t step(std::size_t a) const { return step_[a]; }
   std::size_t cells() const { return (static_cast<std::size_t>(planes_) + 2) * step_[0]; }
   /// Planes are counted from 1, rows and columns from 0.
@@ -66,11 +67,12 @@ class CoarseGrid {
     for (std::size_t a = 0; a < 3; ++a) result[axis_[a]] = v[static_cast<Eigen::Index>(a)];
     return result;
   }
-  /// A way in units of cells.
+  /// A vector in units of cells, in the grid's directions.
   Vec3 way_in_cells(const Vec3& way) const { return turned(way).cwiseProduct(per_length_); }
   /// A position in units of cells, counted in the grid's directions from the corner of the box.
   Vec3 in_cells(const Vec3& p) const { return (turned(p) - origin_).cwiseProduct(per_length_); }
-  /// Where in its cell a particle is, 0 at the lower face and 1 at the upper; what is on an upper wall is in the last.
+  /// Position of a particle within its cell, 0 at the lower face and 1 at the upper one. A particle on an upper wall
+  /// counts to the last cell.
   Vec3 fraction(const Vec3& in_cells) const {
     Vec3 f;
     for (Eigen::Index a = 0; a < 3; ++a) {

@@ -6,9 +6,9 @@ namespace trevi {
 
 namespace {
 
-// Of the Jacobi sweep; keeps the checkerboard mode, which a full step only flips, out of the iteration.
+// Under-relaxation of the Jacobi sweep: a full step would only change the sign of the checkerboard mode, not damp it.
 constexpr Real damping = 0.9;
-// With the hydrostatic start 2, 4 and 30 sweeps for each cell of depth give the same waves and the same rest.
+// From the hydrostatic start 2, 4 and 30 sweeps for each cell of depth give the same waves and the same pools at rest.
 constexpr int sweeps_per_cell = 4;
 
 }  // namespace
@@ -22,7 +22,7 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
   find_sources(water, return_share);
   start_at_rest(water, fall);
   const int depth = std::max(water.depth() + 1, 4);
-  // The slowest mode is a quarter wave from floor to surface, which fixes the spectral radius of the sweep.
+  // The slowest mode is a quarter wave from floor to surface; its eigenvalue is the spectral radius of a sweep.
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
   const Real angle = std::numbers::pi / (2.0 * depth);
   const Real radius = 1 - damping * angle * angle / 2 * stiffness[2] / stiffness.sum(), r2 = radius * radius;
@@ -62,7 +62,7 @@ void CoarsePressure::weigh_row(const CoarseWater& water, LocalId k, LocalId r) {
   }
 }
 
-// A top cell returns to its volume as far as there is water above it that could fill it.
+// A top cell returns to its volume only as far as the cell above holds water that could fill it.
 void CoarsePressure::find_sources(const CoarseWater& water, Real return_share) {
   const CoarseGrid& grid = water.grid();
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
@@ -84,7 +84,7 @@ void CoarsePressure::find_sources(const CoarseWater& water, Real return_share) {
   }
 }
 
-// Of the displacements through the faces; nothing passes a wall, and upward faces are under water as a whole.
+// Divergence of the particles' mean displacements. Nothing passes a wall; horizontal faces count with their whole area.
 Real CoarsePressure::divergence(const CoarseWater& water, std::size_t at) const {
   const CoarseGrid& grid = water.grid();
   Real sum = 0;
@@ -101,7 +101,7 @@ Real CoarsePressure::divergence(const CoarseWater& water, std::size_t at) const 
   return sum;
 }
 
-// Where a column stands on the floor, phi of water that does not move: no higher than its own surface asks for.
+// Initial guess: in a column that stands on the floor, the hydrostatic phi below that column's own surface.
 void CoarsePressure::start_at_rest(const CoarseWater& water, Real fall) {
   const CoarseGrid& grid = water.grid();
   const Real step = fall * grid.size()[2];
@@ -117,7 +117,7 @@ void CoarsePressure::start_at_rest(const CoarseWater& water, Real fall) {
   }
 }
 
-// phi of the next sweep takes the place of the one before the last, cell by cell.
+// Writes the new phi over that of two sweeps ago (`previous_`), cell by cell, as Chebyshev's recurrence allows.
 void CoarsePressure::sweep_plane(const CoarseGrid& grid, LocalId k, Real omega) {
   const std::size_t row = grid.step(1), plane = grid.step(0);
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();

@@ -4,16 +4,18 @@ namespace trevi {
 
 namespace {
 
-// A cell at the surface counts as wet from this share of its volume on: then a twelfth of a cell of water at least
-// stands above its middle, where its pressure is. Not 0.6, which the top layer of a lattice fills at h = 2.5 spacings:
-// rounding would have its cells wet here and dry there, and a pool at rest moves at 0.1 m/s. Below the surface cells of
-// disordered water may hold as little as a third, and on the floor a sheet of one layer shall be carried, too.
+// Share of its volume that a cell must hold to count as wet. At the surface 0.585: the water then stands at least a
+// twelfth of a cell above the cell's middle, where phi is given. It is not 0.6, as this is what the top layer of a
+// lattice fills at h = 2.5 spacings: rounding would make some of its cells wet and others dry, and a pool at rest would
+// move at 0.1 m/s. Below the surface the share is lower, as cells of disordered water may hold only a third; on the
+// floor lower still, so that a sheet of one layer is supported, too.
 constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
-// Volume that the rest of a column may give to its top or take from it, in cells. Torn water has far less than full
-// cells; without a bound its surface would lie below its top cell, and negative areas of faces make the sweeps run
-// away.
+// Largest volume, in cells, by which the fill of the cells below may raise or lower the surface in a top cell. The
+// cells of torn water are far from full; without this limit its surface would lie below its top cell, and faces of
+// negative area would make the sweeps diverge.
 constexpr Real most_excess = 0.25;
-// Keeps the regression line of a face from following noise, in cells²; a one-sided face has a variance of 0.05.
+// Added to the variance, in cells², so that the regression line of a face does not follow noise; particles on one side
+// of a face alone have a variance of 0.05.
 constexpr Real regression_damping = 0.1;
 
 }  // namespace
@@ -66,8 +68,9 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, std::span<const Ve
   find_surface();
 }
 
-// Two columns above the highest cell that may hold water: its surface, and a dry one. What flies higher is not looked
-// at. What flies above the water does not press on its floor, so depth counts cells right above one another.
+// Finds the number of columns to look at: two cells above the highest that may hold water, one for its surface and one
+// that is dry. Particles higher up are ignored. Depth counts cells directly above one another, as water in flight puts
+// no pressure on the water below it.
 void CoarseWater::look_for_water(const CellOrder& order) {
   const LocalId columns = order.grid().columns();
   LocalId found[] = {0, 0};  // depth, columns
@@ -128,8 +131,8 @@ Vec3 CoarseWater::surface_position(const Vec3& x, const Vec3& p) const {
   return grid_.in_cells(p) - way.cwiseMax(-farthest).cwiseMin(farthest);
 }
 
-// The cube of a particle in the middle of `mid`, inside the walls, shared among the cells it covers. `own` is the cell
-// that the particle is stored in, as far as planes are counted from the box.
+// Shares the cube of a particle, with its middle at `mid` but moved to lie inside the walls, among the cells that it
+// covers. `own` is the cell in which the particle is stored, its plane counted from the start of the box.
 void CoarseWater::add_volume(LocalId k, const Vec3& mid, const Vec3& own) {
   std::array<std::array<Real, 2>, 3> share{};
   std::array<LocalId, 3> first{};
@@ -137,7 +140,7 @@ void CoarseWater::add_volume(LocalId k, const Vec3& mid, const Vec3& own) {
     const auto b = static_cast<Eigen::Index>(a);
     const Real half = half_[b], m = std::clamp(mid[b], half, grid_.count(a) - half);
     const Real lowest = std::floor(m - half);
-    first[a] = static_cast<LocalId>(lowest - own[b]);  // −1 or 0, or 1 where rounding has it so
+    first[a] = static_cast<LocalId>(lowest - own[b]);  // −1 or 0; 1 is possible by rounding
     share[a][1] = std::clamp((m + half - lowest - 1) * per_cube_[b], 0.0, 1.0);
     share[a][0] = 1 - share[a][1];
   }
@@ -174,7 +177,7 @@ void CoarseWater::find_surface() {
         const bool on_floor = c == 0 && fill_[at] >= floor_fill;
         wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
       }
-      // Water under the ceiling has no surface.
+      // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
       const std::size_t end = grid_.index(k, r, grid_.columns());
       if (static_cast<Real>(grid_.columns()) == grid_.count(2)) wet_[end] = wet_[end - 1];
       find_tops(k, r);
@@ -185,7 +188,7 @@ void CoarseWater::find_surface() {
 void CoarseWater::find_tops(LocalId k, LocalId r) {
   const std::size_t floor = grid_.index(k, r, 0);
   bool standing = true;
-  Real excess = 0;  // volume in the cells of a standing column above their own, in cells
+  Real excess = 0;  // volume in the wet cells below the top one beyond one cell each, in cells
   for (LocalId c = 0; c < grid_.columns(); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (!is_wet(at)) {

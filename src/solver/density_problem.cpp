@@ -13,8 +13,8 @@ namespace trevi {
 
 namespace {
 
-// Unit vector of a pair of ids, evenly spread over the sphere: from the first point of a hashed sequence in the cube
-// that is in the ball. The same on any machine, too, which the last bits of a sine are not.
+// Direction for a pair of ids, evenly distributed over the sphere: the first of a sequence of hashed points in a cube
+// that lies in the inscribed ball. The same bits on any machine, which sine and cosine would not give.
 Vec3 direction_of(GlobalId a, GlobalId b) {
   constexpr std::uint64_t next = 0x9E3779B97F4A7C15ull;
   constexpr Real half = 1U << 20U;
@@ -72,11 +72,11 @@ void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
   coarse.displacements<T>(near_.order(), near_.halo(), dt_, particles_->position, particles_->predicted, delta_);
 }
 
-// Opposite shifts for the two, so that the momentum stays. Coincident particles share a cell, but for rounding; the
-// sweeps that follow push them apart as soon as they have a direction.
+// The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so
+// only pairs within a cell are tested. Later iterations push them further apart, as soon as the pair has a direction.
 template <class T>
 void DensityProblem<T>::separate_coincident() {
-  if (near_.list().crowded() >= 0) return;  // of a crowd it would look at each pair
+  if (near_.list().crowded() >= 0) return;  // the test of all pairs in a crowded cell would take too long
   const std::vector<Vec3>& p = particles_->predicted;
   const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
   const auto part = [&](std::size_t i, std::size_t j) {

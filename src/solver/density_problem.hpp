@@ -1,7 +1,8 @@
-// One density solve of a substep: positions p* to be moved until rho_i = rho0, on a frozen neighbour list.
-// The density solvers (density_solver.hpp) are written in terms of the parts here. A part that is computed for ranges
-// leaves the records of the owned particles changed; with_halo() brings the ghosts up to date, with the messages under
-// way while interior planes are worked on. Collective: with_halo, compression, compute_coarse_delta.
+// The density solve of a substep as the density solvers (density_solver.hpp) see it: they move the positions p* until
+// C_i = 0, on a neighbour list that stays as it is, by the operations below. Line numbers are those of Algorithm 1 of
+// Macklin & Müller 2013. An operation for a range changes the records of owned particles only; with_halo() brings the
+// ghosts up to date, and sends the messages while interior planes are worked on. Collective: with_halo, compression,
+// compute_coarse_delta.
 #pragma once
 
 #include <array>
@@ -13,7 +14,7 @@
 
 namespace trevi {
 
-/// What of an iteration an event of the log covers.
+/// The part of an iteration that is timed under one event of the log.
 enum class Phase : std::size_t { lambda, move };
 
 /// Compression max(0, rho/rho0 − 1) over all particles of all ranks.
@@ -29,21 +30,23 @@ class DensityProblem {
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
 
-  /// Calls work(part) for the boundary planes, sends their records, calls work(interior) and takes in the ghosts'.
+  /// Calls work(part) for the boundary planes, sends their records, calls work(interior) and receives the ghosts'
+  /// records.
   template <class Work>
   void with_halo(Phase phase, Work&& work);
 
   /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11).
   void compute_lambda(Range part);
-  /// lambda_i, m², of an owned particle, as its neighbours see it.
+  /// lambda_i, m², of an owned particle, in the record that its neighbours read.
   T& lambda(LocalId i) { return near_.record(i).w; }
-  /// Compression at the last compute_lambda() or compute_density() of all, the same bits on any rank count.
+  /// Compression of all particles at the last compute_lambda() or compute_density(); the same bits on any rank count.
   Compression compression() const;
   /// delta_i, m, of all owned particles from the present lambda (lines 12 and 13).
   void compute_delta();
-  /// The same array from the coarse grid: displacements that keep the volume over longer ways.
+  /// Sets delta from the coarse-grid correction instead: displacements that keep the volume over long distances.
   void compute_coarse_delta(CoarseCorrection& coarse);
-  /// Adds to delta a small shift of particles in one place, which no gradient would ever part; opposite for the two.
+  /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
+  /// them.
   void separate_coincident();
   Vec3 delta(LocalId i) const { return vector_of(delta_[static_cast<std::size_t>(i)]); }
   /// p*_i += relaxation · delta_i as far as walls allow (lines 14 to 18).
@@ -60,13 +63,14 @@ class DensityProblem {
   const Walls& walls() const { return walls_; }
   Particles& particles() { return *particles_; }
   std::span<const Real> density() const { return rho_; }
-  /// Pairs times passes over them so far, those for observers among them: what the phases Lambda and Delta consist of.
+  /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
+  /// included.
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>); }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
-  void count_pass(Range run, double flops_per_pair);
+  void count_pass(Range part, double flops_per_pair);
 
   MPI_Comm comm_;
   Neighbourhood<T>& near_;

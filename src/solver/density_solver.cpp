@@ -10,9 +10,9 @@ namespace trevi {
 
 namespace {
 
-// The cap on shifts, as one on multipliers: a shift that is cut for each particle on its own would not be paid back by
-// its neighbours, and momentum would be lost wherever water meets at speed. No pair is pushed apart by more than
-// max_shift then, from the largest gradient that two particles can have.
+// Limits each shift by a limit on the multipliers, such that no pair is pushed apart by more than max_shift even where
+// the kernel gradient is largest. Shortening the shift of a particle on its own would leave its neighbours' opposite
+// shifts as they are, and momentum would be lost wherever water meets at speed.
 Real largest_multiplier(const DensitySettings& settings, const DensityModel& model) {
   if (settings.max_shift == 0) return std::numeric_limits<Real>::infinity();
   return settings.max_shift * model.h /
@@ -52,11 +52,11 @@ class Jacobi : public DensitySolver<T> {
   Real relaxation_, largest_;
 };
 
-// Chebyshev semi-iteration. Wang combines positions; here the multipliers are combined,
+// Chebyshev semi-iteration. Wang (2015) combines positions; here the multipliers are combined,
 //   step_{k+1} = w_{k+1} relaxation lambda_k + (w_{k+1} − 1) step_k,
-// so that each shift is a sum over pairs of equal and opposite parts and keeps the momentum. The safeguard is a restart
-// of each particle on its own (O'Donoghue & Candès 2015): where the new multiplier opposes the last step, or the
-// particle is no longer compressed, its memory is dropped. It needs no reduction, and it is what makes deep water safe.
+// so that each shift is still a sum over pairs of equal and opposite parts, and momentum is kept. The safeguard is a
+// restart for each particle on its own (O'Donoghue & Candès 2015): where the new multiplier has the opposite sign of
+// the last step, or is zero, the last step is dropped. This needs no reduction, and deep water is unstable without it.
 template <class T>
 class Chebyshev : public DensitySolver<T> {
  public:
@@ -87,7 +87,7 @@ class Chebyshev : public DensitySolver<T> {
     return k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
   }
 
-  // Multipliers to steps, in place.
+  // Replaces the multipliers of the range by the steps.
   void accelerate(DensityProblem<T>& problem, Range part, Real weight) {
     for (LocalId i = part.begin; i < part.end; ++i) {
       T& step = step_[static_cast<std::size_t>(i)];
@@ -103,7 +103,7 @@ class Chebyshev : public DensitySolver<T> {
   std::vector<T> step_;  // m², of the owned particles
 };
 
-// The coarse-grid correction as the first iteration, then another solver for what it leaves.
+// The coarse-grid correction as the first iteration, then another solver for the error that it leaves.
 template <class T>
 class CoarseFirst : public DensitySolver<T> {
  public:
@@ -147,7 +147,7 @@ std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& set
     return std::make_unique<FreeFlight<T>>(context, make_fine<T>(settings, context));
   if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
   DensitySettings rest = settings;
-  rest.iterations = std::max(1, rest.iterations - 1);  // the coarse grid alone leaves noise that feeds on itself
+  rest.iterations = std::max(1, rest.iterations - 1);  // without an iteration after it the correction amplifies noise
   return std::make_unique<CoarseFirst<T>>(context, make_fine<T>(rest, context));
 }
 

@@ -1,12 +1,12 @@
-// The density solve of a substep (report, Algorithm 1, lines 8 to 19): an iteration over the four parts of
-// DensityProblem, lambda, delta, collide and move, with the halos between them. It leaves p* corrected, inside the
-// walls and with fresh ghosts. Collective; the same bits on any rank count, but for anderson, whose dot products are
-// PETSc's.
-//   jacobi     p* += relaxation · delta (relaxation 1 in the report)
-//   chebyshev  the same accelerated by Chebyshev weights (Wang 2015), kept on the multipliers
-//   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options reach it)
-// With `coarse_grid` the first iteration of any of them is the coarse-grid correction, where gravity makes pressure
-// over longer ways. Without gravity the iterations do as well, and keep momentum to rounding.
+// The density solve of a substep (Macklin & Müller 2013, Algorithm 1, lines 8 to 19): an iteration over the operations
+// of DensityProblem, with the halo exchanges between them. It leaves p* corrected, inside the walls and with ghosts
+// that are up to date. Collective; the same bits on any rank count, except for anderson, which uses PETSc's dot
+// products.
+//   jacobi     p* += relaxation · delta (relaxation 1 in the paper)
+//   chebyshev  the same, accelerated by Chebyshev weights (Wang 2015) on the multipliers
+//   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options apply)
+// With `coarse_grid` the first iteration of any of them is the coarse-grid correction, as under gravity pressure acts
+// over long distances. Without gravity the iterations alone do as well, and keep momentum to rounding.
 #pragma once
 
 #include <memory>
@@ -39,16 +39,16 @@ struct DensitySolverContext {
   Vec3 gravity;  ///< m/s²
 };
 
-/// Whether the coarse grid, whose columns stand upright, can serve: gravity down, and less of it sideways.
+/// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.
 bool is_downward(const Vec3& gravity);
 
-/// `settings` are resolved.
+/// `settings` are those of resolved().
 template <class T>
 std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
                                                       const DensitySolverContext& context);
 
-/// Whether the compression at the last densities meets the tolerance (mean; ten times it for the largest); never
-/// without one.
+/// Whether the compression at the densities computed last meets the tolerance: the mean is at most the tolerance, the
+/// largest at most ten times the tolerance. Always false without a tolerance.
 template <class T>
 bool within_tolerance(const DensitySettings& settings, const DensityProblem<T>& problem) {
   if (!settings.tolerance) return false;
@@ -56,7 +56,7 @@ bool within_tolerance(const DensitySettings& settings, const DensityProblem<T>& 
   return c.mean <= *settings.tolerance && c.max <= 10 * *settings.tolerance;
 }
 
-/// The same of where the last iteration has left p*, for which the density is summed once more; true without a
+/// The same for the p* that the last iteration has left, at which the density is computed once more. True without a
 /// tolerance.
 template <class T>
 bool ends_within_tolerance(const DensitySettings& settings, DensityProblem<T>& problem) {

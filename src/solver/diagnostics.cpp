@@ -9,7 +9,7 @@
 
 namespace trevi {
 
-// One row of partial sums, in the order in which they travel.
+// The sums over one plane, as a row of numbers in the order in which they are sent.
 struct DiagnosticsSum::Plane {
   Real count = 0, rho = 0, compression = 0, compression2 = 0, interior_count = 0, interior_rho = 0;
   Real v2 = 0, height = 0;
@@ -101,7 +101,7 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
   constexpr int digit = 12, rounds = 3;  // 4096 intervals in each round
   constexpr GlobalId bins = GlobalId{1} << digit, cells = GlobalId{1} << (digit * rounds);
   if (n == 0) return std::numeric_limits<Real>::quiet_NaN();
-  // Places as whole numbers, so that each round sees a particle in the part of the interval it was counted in before.
+  // Coordinates as integers, so that each round counts a particle in the same interval as the round before.
   const Real per_metre = static_cast<Real>(cells) / (box.max[axis] - box.min[axis]);
   const auto cell = [&](const Vec3& p) {
     return std::clamp<GlobalId>(static_cast<GlobalId>((p[axis] - box.min[axis]) * per_metre), 0, cells - 1);
@@ -115,7 +115,7 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
     }
     MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, comm);
     std::size_t bin = 0;
-    while (bin + 1 < static_cast<std::size_t>(bins) && n > count[bin]) n -= count[bin++];  // in this interval
+    while (bin + 1 < static_cast<std::size_t>(bins) && n > count[bin]) n -= count[bin++];  // n: from this interval on
     interval = interval * bins + static_cast<GlobalId>(bin);
   }
   return box.min[axis] + (static_cast<Real>(interval) + 0.5) / per_metre;

@@ -1,6 +1,7 @@
-// The row of series.csv: sums over planes, then over planes in order, so that every column but imbalance and
-// wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; units SI. Collective. An
-// interior particle is more than h from every wall and has at least 90 % of the neighbours of a lattice point.
+// The row of series.csv: sums over the particles of each plane, then over planes in order, so that every column except
+// imbalance and wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; SI units.
+// Collective. An interior particle is more than h from every wall and has at least 90 % of the neighbours of a lattice
+// point.
 #pragma once
 
 #include "domain/balance.hpp"
@@ -16,17 +17,17 @@ namespace trevi {
 struct DiagnosticsInput {
   const Particles& particles;
   std::span<const Real> density;  ///< kg/m³
-  Real drift = 0;                 ///< farthest an owned particle went since the list was built, m
+  Real drift = 0;                 ///< longest way of an owned particle since the list was built, m
   const CellOrder& order;
   const NeighbourList& list;
 };
 
 class DiagnosticsSum {
  public:
-  /// `lattice_neighbours`: of an interior point of the start lattice; `gravity` in m/s².
+  /// `lattice_neighbours`: number of neighbours of an interior point of the start lattice; `gravity` in m/s².
   DiagnosticsSum(MPI_Comm comm, const Box& box, const DensityModel& model, int lattice_neighbours, const Vec3& gravity);
 
-  /// Everything but iterations and wall_seconds.
+  /// All columns except iterations and wall_seconds.
   Diagnostics operator()(const DiagnosticsInput& input) const;
 
  private:
@@ -42,8 +43,8 @@ class DiagnosticsSum {
   Vec3 gravity_;
 };
 
-/// The farthest that p* of an owned particle goes between two moments of the frozen order; 0 where the first was not
-/// noted.
+/// The largest distance that p* of an owned particle moves between begin() and end(), while the neighbour list stays as
+/// it is; 0 without a begin().
 class DriftMeter {
  public:
   void begin(const std::vector<Vec3>& predicted) { start_ = predicted; }
@@ -56,8 +57,8 @@ class DriftMeter {
   Real largest_ = 0;
 };
 
-/// The n-th smallest (from 1) of the coordinates along `axis` of the positions of all ranks, to 1e-10 of the box. Three
-/// rounds of counting, no sorting. nan where n is 0. Collective.
+/// The n-th smallest (from 1) of the coordinates along `axis` of the positions on all ranks, to 1e-10 of the box, in
+/// three rounds of counting and without sorting. nan where n is 0. Collective.
 Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, GlobalId n, const Box& box);
 
 }  // namespace trevi

@@ -13,7 +13,7 @@ namespace trevi {
 
 namespace {
 
-// The unknowns of PETSc's solver are three a particle, those of all ranks counted together.
+// PETSc's solver has three unknowns per particle, and a PetscInt must count those of all ranks together.
 void check_unknowns(const Settings& settings, const std::vector<Real>& weights) {
   const Real particles = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (settings.density.method != Method::anderson || 3 * particles <= static_cast<Real>(PETSC_MAX_INT)) return;

@@ -9,14 +9,14 @@
 
 namespace trevi {
 
-/// The cells of a box, at least h wide. `settings` are resolved.
+/// The grid of cells, each at least h wide, over the box. `settings` are those of resolved().
 CellGrid cell_grid(const Settings& settings);
 
-/// Particles of all ranks in each plane.
+/// Number of particles in each plane, over all ranks.
 std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles);
 
-/// Throws InputError for more ranks than planes, more particles or cells than a rank can count, or more unknowns than
-/// PETSc can, for the method that asks it.
+/// Throws InputError where there are more ranks than planes, more particles or cells than a rank can count, or, with
+/// the method anderson, more unknowns than PETSc can count.
 Slabs first_slabs(const Settings& settings, const CellGrid& grid, const std::vector<Real>& weights, int ranks);
 
 }  // namespace trevi

@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-// How far walls can act, in units of h: their share of density ends there for the narrowest kernel.
+// How far from a wall its share of the density reaches, in units of h; this is the largest value, at h = 1.2 spacings.
 constexpr Real wall_reach = 1.25;
 
 }  // namespace
@@ -56,7 +56,7 @@ SolveResult FreeFlight<T>::solve(DensityProblem<T>& problem) {
   const Vec3 centre = before.x / before.count;
   const Eigen::Matrix3d spread = before.xx - before.count * centre * centre.transpose();
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
-  // A lone particle and a line have no inertia about some axis, and nothing that could turn about it.
+  // A single particle or a line of particles has no inertia about some axis, and no rotation about it to correct.
   const Real size = inertia.trace();
   if (inertia.determinant() <= 1e-9 * size * size * size) return result;
   const Vec3 turn = inertia.inverse() * (after.moment - before.moment);

@@ -1,7 +1,7 @@
-// The guards of a run: particles finite and inside the box, neighbour lists of sane length, none lost, none doubled.
-// A failure is noted on the rank where it shows, and the substep goes on to its end, so that no rank waits for another
-// for ever; there all ranks vote, and all throw the same BlowUp with rank, step, particle and likely cause.
-// Collective: the constructor, recount() and agree().
+// Checks during a run: all particles are finite and inside the box, neighbour lists are not too long, no particle is
+// lost and none is there twice. A failure is noted on the rank that finds it, and the substep goes on to its end, as a
+// rank that throws alone would leave the others waiting for ever. There all ranks vote, and all throw the same BlowUp
+// with rank, step, particle and likely cause. Collective: the constructor, recount() and agree().
 #pragma once
 
 #include <functional>
@@ -15,13 +15,13 @@ namespace trevi {
 
 class Guard {
  public:
-  /// Counts the particles that must be there from now on. `requests` may be empty.
+  /// Counts the particles that must exist from now on. `requests` may be empty.
   Guard(MPI_Comm comm, const Particles& particles, std::function<RequestCounts()> requests);
 
-  /// The same again, after particles were added or removed. Collective.
+  /// Counts again after particles were added or removed. Collective.
   void recount(const Particles& particles) { start_ = ballot_.count(vote_of(particles.id)); }
 
-  /// The first failure of a substep is the one that is told. `step` counts from 1.
+  /// Notes a failure; only the first one of a rank is reported. `step` counts from 1.
   void note(std::int64_t step, const std::string& failure);
 
   void note_particle(const Particles& particles, std::size_t i, std::int64_t step);
@@ -32,7 +32,7 @@ class Guard {
   /// Throws BlowUp on all ranks alike when any has noted a failure, or a particle is missing or there twice.
   void agree(const Particles& particles, std::int64_t step);
 
-  /// What is asked of the run from outside, as of the last agree(): the same on all ranks.
+  /// The requests from outside the run, as of the last agree(): the same on all ranks.
   const RequestCounts& requests() const { return requests_; }
 
  private:

@@ -1,5 +1,5 @@
-// From settings to a solver: the one place where the features of a step are chosen. What the settings do not name is
-// not built: no forcing, no filter, no array, no event.
+// From settings to a solver: the one place where the features of a step are chosen. A feature that the settings leave
+// out is not built: it has no forcing, no filter, no array and no event.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
 }
 
 void check_inside(MPI_Comm comm, const Settings& settings, const Particles& particles) {
-  const auto is_outside = [&](const Vec3& p) {  // a NaN is, too
+  const auto is_outside = [&](const Vec3& p) {  // true for a NaN, too
     return !((p.array() >= settings.domain.min.array()).all() && (p.array() <= settings.domain.max.array()).all());
   };
   all_or_none(comm, [&] {
@@ -83,6 +83,9 @@ void check_settings(const Settings& settings) {
   demand(settings.density.method != Method::chebyshev || settings.density.constraint == Constraint::inequality,
          "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
   demand(!settings.viscosity || !settings.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
+  demand(!settings.kinematic_viscosity || resolved(settings).cfl > 0 ||
+             settings.dt <= longest_viscous_step(*settings.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),
+         "kinematic_viscosity is too much for dt; lower one of them, or give a cfl, which splits steps");
 }
 
 template <class T>

@@ -10,7 +10,7 @@
 
 namespace trevi {
 
-// Not while an error of this rank alone is on its way: the others would not come to free theirs.
+// MPI_Comm_free is collective: while an error of this rank alone propagates, the other ranks would not call it.
 OwnCommunicator::~OwnCommunicator() {
   if (std::uncaught_exceptions() == 0) MPI_Comm_free(&comm_);
 }
@@ -54,13 +54,13 @@ void PbfSolver<T>::step() {
   migrate_particles(&Particles::position);
 }
 
-// Algorithm 1 of the report, for one of the equal parts of a step.
+// Algorithm 1 of Macklin & Müller 2013, with its line numbers, for one of the equal parts of a step.
 template <class T>
 void PbfSolver<T>::substep(const StepInfo& info) {
   apply_forcings(info);                      //  2
   predict_positions(info.dt);                //  3
   migrate_particles(&Particles::predicted);  //     ownership follows p*
-  find_neighbours(Velocities::overwritten);  //  5 to 7: order, ghosts, lists, frozen until 22
+  find_neighbours(Velocities::overwritten);  //  5 to 7: order, ghosts, lists, all unchanged until 22
   reporter_.note_search(info.substep);
   problem_.start(parts_.particles, info.dt);
   const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
@@ -88,7 +88,7 @@ void PbfSolver<T>::predict_positions(Real dt) {
   Particles& particles = parts_.particles;
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     particles.predicted[i] = parts_.walls->predict(particles.position[i], particles.velocity[i], dt);
-    // Here, as an infinite p* would be moved to a wall by the next collision and look sound again.
+    // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
     if (!parts_.walls->inside(particles.predicted[i])) guard_.note_particle(particles, i, parts_.clock.step + 1);
   }
 }
@@ -103,7 +103,7 @@ template <class T>
 void PbfSolver<T>::find_neighbours(Velocities velocities) {
   const int rank = rank_of(*parts_.comm);
   near_.rebuild(parts_.particles, {parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank)}, velocities);
-  if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: told when all agree
+  if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: thrown when all ranks vote
     guard_.note(
         parts_.clock.step + 1,
         fmt::format("particle {} has more than {} neighbours: the water has collapsed into a point; use a smaller dt, "

@@ -1,6 +1,6 @@
-// The time step of position based fluids (report, Algorithm 1) on slabs, and the state it advances. Collective
-// throughout. During a substep the neighbour list, the ghosts and the order of the particles are frozen from the
-// prediction to the end of the filters.
+// The time step of position based fluids (Macklin & Müller 2013, Algorithm 1) on slabs, and the state that it advances.
+// Collective throughout. The neighbour list, the ghosts and the order of the particles stay the same from the
+// prediction to the end of the velocity filters of a substep.
 #pragma once
 
 #include <memory>
@@ -45,7 +45,7 @@ struct SolverParts {
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
   Clock clock;
-  std::function<RequestCounts()> requests;  ///< of this rank, from outside; may be empty
+  std::function<RequestCounts()> requests;  ///< requests from outside that this rank sees; may be empty
   Particles particles;                      ///< those in this rank's slab by position
 };
 
@@ -69,7 +69,7 @@ class PbfSolver : public Solver {
  private:
   void prepare_forcings();
   void substep(const StepInfo& info);
-  // The lines of a substep.
+  // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);
   void predict_positions(Real dt);
   void migrate_particles(std::vector<Vec3> Particles::*position);

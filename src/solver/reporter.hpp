@@ -1,6 +1,6 @@
-// What a solver tells of itself beside the step: rows and frames for the observers, the largest drift on the frozen
-// neighbour list, and counts of work. It reads the state of the solver and never changes it, but for the density, which
-// it has summed anew where an observer asks. Collective: observe, save, finish.
+// What a solver reports besides the step: rows and frames for the observers, the largest motion of a particle since the
+// neighbour list was built (drift), and counts of work. It never changes the state of the solver, except for the
+// density, which it computes again when an observer asks for it. Collective: observe, save, finish.
 #pragma once
 
 #include <memory>
@@ -30,20 +30,22 @@ class Reporter {
            const DiagnosticsSum& diagnostics);
 
   void begin_step() { iterations_before_step_ = counters_.iterations; }
-  /// After the search and after the density solve of a substep: the drift is what p* moves in between.
+  /// To be called after the neighbour search and after the density solve of a substep: the drift is how far p* moves
+  /// between.
   void note_search(int substep);
   void note_solution(const SolveResult& result);
   void count_migrated(GlobalId particles) { counters_.migrated += particles; }
 
-  /// Observers see the particles in the order that sums were formed in; sums are made only when one of them asks.
+  /// Calls the observers that are due, while the particles are still in the cell order of the step. Density and
+  /// diagnostics are computed only when one of them asks.
   void observe();
   void save();
   void finish();
 
   std::vector<FountainState> fountains() const;
-  /// Of the parts that this class sees.
+  /// The counters of the parts that this class sees.
   Solver::Counters counters() const;
-  /// Time in its laps is that of the simulation proper.
+  /// Measures the time of the simulation itself, without output.
   Stopwatch& stopwatch() { return stopwatch_; }
 
  private:
@@ -57,7 +59,7 @@ class Reporter {
   Solver::Counters counters_;
   Stopwatch stopwatch_;
   std::int64_t iterations_before_step_ = 0;
-  std::vector<FountainState> fountain_states_;  // what the frames of observers point to
+  std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
   Event diagnostics_event_{"Diagnostics"};
 };
 

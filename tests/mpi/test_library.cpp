@@ -159,6 +159,10 @@ TEST(Library, RefusesSettingsThatCannotBe) {
   refused([](Settings& s) { s.domain.max.y() = 0.1; });
   refused([](Settings& s) { s.dt = -1; });
   refused([](Settings& s) { s.density.constraint = Constraint::equality; });
+  refused([](Settings& s) {
+    s.kinematic_viscosity = 100;
+    s.cfl = 0;
+  });
   refused([](Settings& s) { s.viscosity = s.kinematic_viscosity = 0.001; });
 }
 

@@ -1,6 +1,7 @@
-// The list of the smoothing kernels. A kernel is one file beside this one and its two lines here: from the list come
-// the names that scenes may give, the lattice sums, and the pair loops of each kernel for densities with each for
-// gradients. May be included anywhere; in the sources that Highway compiles repeatedly, once per instruction set.
+// The list of the smoothing kernels. To add a kernel, write one file beside this one and add two lines here, its
+// include and its entry: the names that scenes may give, the sums over the lattice, and the pair loops for each pair of
+// density and gradient kernel follow from the list. May be included anywhere; in the sources that Highway compiles
+// repeatedly, once per instruction set.
 #include <tuple>
 
 #include "fluid/kernels/poly6-inl.hpp"

@@ -1,8 +1,8 @@
-// Poly6 (Müller 2003; report, section 2.2), smooth and without a root:
+// Poly6 (Müller et al. 2003, eq. 20), smooth and without a square root:
 //   W(r)     = 315/(64 π h⁹) (h² − r²)³ = 315/(64 π h³) (1 − u²)³,  u = r/h        [1/m³]
 //   −dW/dr   = 945/(32 π h⁴) u (1 − u²)²                                           [1/m⁴]
-// Its gradient vanishes at the centre, where particles that crowd must part: densities of Poly6 go with the gradient of
-// Spiky. The scalar type comes once, the shape for the pair loops once per instruction set.
+// Its gradient vanishes at the centre, where crowded particles must be pushed apart, so the default gradient kernel for
+// densities of Poly6 is Spiky. The scalar type is compiled once, the shape for the pair loops once per instruction set.
 #ifndef TREVI_FLUID_KERNELS_POLY6
 #define TREVI_FLUID_KERNELS_POLY6
 
@@ -21,7 +21,7 @@ struct Poly6 {
 
   static constexpr Real factor(Real h) { return 315 / (64 * std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 6 * factor(h) / h; }
-  /// At u² = 1/5: u (1 − u²)² = 16/(25 √5).
+  /// The maximum is at u² = 1/5, where u (1 − u²)² = 16/(25 √5).
   static constexpr Real steepest(Real h) { return 0.28621670111997307 * slope_factor(h); }
 
   static Real value(const Vec3& r, Real h) {
@@ -53,7 +53,7 @@ namespace HWY_NAMESPACE {
 
 template <>
 struct Shape<Poly6> {
-  // 1 − u², of which the artificial pressure takes powers, too.
+  // 1 − u²; the artificial pressure also uses powers of it.
   template <class D>
   static HWY_INLINE hn::Vec<D> base(D d, const Distance<D>& distance) {
     return rest_to_one(d, distance.u2);

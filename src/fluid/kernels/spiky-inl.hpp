@@ -1,7 +1,7 @@
-// Spiky (Müller 2003; report, section 2.2), whose slope is largest where particles are nearest:
+// Spiky (Müller et al. 2003, eq. 21), whose slope is largest where particles are nearest:
 //   W(r)     = 15/(π h⁶) (h − r)³ = 15/(π h³) (1 − u)³,  u = r/h        [1/m³]
 //   −dW/dr   = 45/(π h⁴) (1 − u)²                                       [1/m⁴]
-// The scalar type comes once, the shape for the pair loops once per instruction set.
+// The scalar type is compiled once, the shape for the pair loops once per instruction set.
 #ifndef TREVI_FLUID_KERNELS_SPIKY
 #define TREVI_FLUID_KERNELS_SPIKY
 
@@ -18,7 +18,7 @@ struct Spiky {
 
   static constexpr Real factor(Real h) { return 15 / (std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 45 / (std::numbers::pi * h * h * h * h); }
-  /// In the limit of u = 0.
+  /// The slope is largest in the limit u = 0.
   static constexpr Real steepest(Real h) { return slope_factor(h); }
 
   static Real value(const Vec3& r, Real h) {
@@ -58,7 +58,7 @@ struct Shape<Spiky> {
     const auto t = rest_to_one(d, distance.u);
     return {hn::Mul(t, t), t};
   }
-  // Coincident particles get a finite factor of a zero vector.
+  // At u = 0 the factor is finite; it multiplies a zero vector.
   template <class D>
   static HWY_INLINE Slope<D> slope(D d, const Distance<D>& distance) {
     const auto t = rest_to_one(d, distance.u), t2 = hn::Mul(t, t);

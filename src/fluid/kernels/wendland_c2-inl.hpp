@@ -1,8 +1,8 @@
 // Wendland's C2 function in three dimensions (Wendland 1995; Dehnen & Aly 2012), with support h, not 2h:
 //   W(r)     = 21/(2 π h³) (1 − u)⁴ (1 + 4u),  u = r/h        [1/m³]
 //   −dW/dr   = 210/(π h⁴) u (1 − u)³                          [1/m⁴]
-// Its Fourier transform is positive, so particles do not pair however wide it is; its slope vanishes at the centre.
-// The scalar type comes once, the shape for the pair loops once per instruction set.
+// Its Fourier transform is positive, so that particles do not pair, however large h is; its slope vanishes at the
+// centre. The scalar type is compiled once, the shape for the pair loops once per instruction set.
 #ifndef TREVI_FLUID_KERNELS_WENDLAND_C2
 #define TREVI_FLUID_KERNELS_WENDLAND_C2
 
@@ -19,7 +19,7 @@ struct WendlandC2 {
 
   static constexpr Real factor(Real h) { return 21 / (2 * std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 210 / (std::numbers::pi * h * h * h * h); }
-  /// At u = 1/4.
+  /// The slope is largest at u = 1/4.
   static constexpr Real steepest(Real h) { return slope_factor(h) * 27 / 256; }
 
   static Real value(const Vec3& r, Real h) {
