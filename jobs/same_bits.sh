@@ -6,6 +6,7 @@
 # precision with each and compares particles and series bit for bit. For changes that are to change nothing.
 # Exit code 1 when a run differs or fails.
 set -euo pipefail
+# shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 if [[ $# -lt 2 || $1 == -h || $1 == --help ]]; then
@@ -32,7 +33,7 @@ for scene in "${scenes[@]}"; do
     for precision in single double; do
       what="$(basename "$scene" .toml), $ranks ranks, $precision"
       for k in 0 1; do
-        rm -rf "$work/$k"
+        rm -rf "${work:?}/$k"
         run "${programs[$k]}" "$scene" "$ranks" "$precision" "$work/$k" ||
           { echo "$what: ${programs[$k]} failed: $(tail -n 1 "$work/$k.log")"; different=1; continue 2; }
       done

@@ -7,6 +7,8 @@ namespace trevi {
 
 struct Box {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
+  /// Surface included; false for a NaN.
+  bool contains(const Vec3& p) const { return (p.array() >= min.array()).all() && (p.array() <= max.array()).all(); }
   bool operator==(const Box&) const = default;
 };
 

@@ -37,6 +37,7 @@ BytesEach bytes_each(const Scene& scene) {
   if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
     owned += quad, ghost += quad;  // velocities, which both use
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
+  if (scene.output.series) owned += 24;  // positions at the search, for the drift
   return {owned, ghost, cell};
 }
 
@@ -127,7 +128,7 @@ void print_dry_run(const Session& session, const Scene& scene, const std::string
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
-  for (const std::string& warning : envelope_warnings(scene)) fmt::print("warning     {}\n", warning);
+  for (const std::string& warning : start_warnings(scene)) fmt::print("warning     {}\n", warning);
   fmt::print("{}{}", time_text(scene), output_text(scene, directory));
 }
 

@@ -60,7 +60,7 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
   return warnings;
 }
 
-std::vector<std::string> bits_warnings(const Scene& scene) {
+std::vector<std::string> start_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   if (!has_fused_multiply_add()) {
     warnings.push_back(fmt::format(
@@ -72,6 +72,7 @@ std::vector<std::string> bits_warnings(const Scene& scene) {
         "the dot products of density.method = \"anderson\" are PETSc's: results agree with those on another number of "
         "ranks to its tolerance, not in bits");
   }
+  for (std::string& warning : envelope_warnings(scene)) warnings.push_back(std::move(warning));
   return warnings;
 }
 

@@ -13,9 +13,9 @@ namespace trevi {
 /// A sentence with the remedy for each setting outside the envelope; none for a scene without gravity.
 std::vector<std::string> envelope_warnings(const Scene& scene);
 
-/// One sentence for each feature whose results depend on the processor or the number of ranks; none in a run that gives
-/// the same bits on any of them.
-std::vector<std::string> bits_warnings(const Scene& scene);
+/// What is said at the start of a run: one sentence for each feature whose results depend on the processor or the number
+/// of ranks, then envelope_warnings().
+std::vector<std::string> start_warnings(const Scene& scene);
 
 /// What is said at the end of a run without pumps whose energy rose by this share (EnergyRise): one sentence with
 /// remedies above 0.5 %, the mark of the stability study, else none.

@@ -68,11 +68,9 @@ void append_rows(Particles& particles, const ParticleRows& rows, GlobalId first_
 }
 
 void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, const std::string& source) {
-  const auto is_outside = [&](const Vec3& p) {
-    return (p.array() < scene.domain.min.array()).any() || (p.array() > scene.domain.max.array()).any();
-  };
   all_or_none(comm, [&] {
-    const auto bad = std::find_if(rows.position.begin(), rows.position.end(), is_outside);
+    const auto bad = std::find_if(rows.position.begin(), rows.position.end(),
+                                  [&](const Vec3& p) { return !scene.domain.contains(p); });
     if (bad == rows.position.end()) return;
     throw InputError(fmt::format(
         "{}: /particles/position: row {} is outside the box ({}, {}, {}); enlarge [domain] or move the particle",

@@ -78,8 +78,7 @@ RunReport local_report(const Session& session, const RunContext& context, const 
   report.versions = versions();
   report.scene = context.scene.path;
   report.scene_hash = scene_hash(context.scene.text);
-  report.warnings = bits_warnings(context.scene);
-  for (std::string& warning : envelope_warnings(context.scene)) report.warnings.push_back(std::move(warning));
+  report.warnings = start_warnings(context.scene);
   if (context.energy != nullptr) {
     report.energy_gain = context.energy->share();
     for (std::string& warning : energy_warnings(context.scene, report.energy_gain))

@@ -134,8 +134,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
     tell(session, "which is the last; nothing to do");
     return ExitCode::done;
   }
-  for (const std::string& warning : bits_warnings(scene)) tell(session, "warning: " + warning);
-  for (const std::string& warning : envelope_warnings(scene)) tell(session, "warning: " + warning);
+  for (const std::string& warning : start_warnings(scene)) tell(session, "warning: " + warning);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
   options.viewed = !line.view.empty();

@@ -117,8 +117,8 @@ void PhysicsReader::read_fluid() {
   fluid_.choice({"density_kernel", "the kernel of the density; default spiky"}, fluid.density_kernel, kernel_names());
   std::string gradient_kernel;
   if (fluid_.choice({"gradient_kernel",
-                     "the kernel along whose gradient particles are shifted; default density_kernel, but spiky for "
-                     "poly6"},
+                     "the kernel along whose gradient particles are shifted; default the one that goes with "
+                     "density_kernel"},
                     gradient_kernel, kernel_names()))
     fluid.gradient_kernel = gradient_kernel;
 }

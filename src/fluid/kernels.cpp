@@ -9,9 +9,8 @@
 #include <type_traits>
 
 #include "fluid/kernels/list-inl.hpp"
-#include "trevi/error.hpp"
-
 #include "fluid/lattice_points.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 

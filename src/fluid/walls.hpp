@@ -34,9 +34,7 @@ class Walls {
     return {std::clamp(p.x(), low.x(), high.x()), std::clamp(p.y(), low.y(), high.y()),
             std::clamp(p.z(), low.z(), high.z())};
   }
-  bool inside(const Vec3& p) const {
-    return (p.array() >= box_.min.array()).all() && (p.array() <= box_.max.array()).all();
-  }
+  bool inside(const Vec3& p) const { return box_.contains(p); }
 
  private:
   Vec3 stop_on_ray(const Vec3& p, const Vec3& shift) const;

@@ -33,10 +33,8 @@ std::string attribute(const std::string& element, const std::string& name) {
   return std::regex_search(element, found, std::regex("\\b" + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
 }
 
-std::vector<FrameEntry> read_pvd(const std::string& path) {
-  const std::string text = read_text(path);
-  if (text.find("</VTKFile>") == std::string::npos)
-    throw InputError(path + ": damaged or cut short (no </VTKFile>); use another copy, or the .hdf.series beside it");
+// Of a file that was cut short those that are whole.
+std::vector<FrameEntry> pvd_entries(const std::string& path, const std::string& text) {
   std::vector<FrameEntry> entries;
   static const std::regex data_set("<DataSet\\b[^>]*>");
   for (std::sregex_iterator it(text.begin(), text.end(), data_set), end; it != end; ++it) {
@@ -48,6 +46,13 @@ std::vector<FrameEntry> read_pvd(const std::string& path) {
     entries.push_back({step_of(file), seconds, file});
   }
   return entries;
+}
+
+std::vector<FrameEntry> read_pvd(const std::string& path) {
+  const std::string text = read_text(path);
+  if (text.find("</VTKFile>") == std::string::npos)
+    throw InputError(path + ": damaged or cut short (no </VTKFile>); use another copy, or the .hdf.series beside it");
+  return pvd_entries(path, text);
 }
 
 std::vector<FrameEntry> read_series(const std::string& path) {
@@ -95,8 +100,9 @@ std::vector<FrameEntry> read_frame_list(const std::string& path) {
 FrameListFile::FrameListFile(const std::string& path, std::optional<std::int64_t> restart_step) : path_(path) {
   if (!restart_step || !fs::exists(path)) return;
   try {
-    entries_ = read_frame_list(path);
-  } catch (const InputError&) {  // the frames themselves stay; a run must not fail for their list
+    entries_ = is_pvd(path) ? pvd_entries(path, read_text(path)) : read_series(path);
+  } catch (const InputError&) {  // a run must not fail for its list; the damaged one stays to be looked at
+    fs::rename(path, path + ".stale");
   }
   std::erase_if(entries_, [&](const FrameEntry& entry) { return entry.step < 0 || entry.step > *restart_step; });
   write();

@@ -53,11 +53,9 @@ std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
 }
 
 void check_inside(MPI_Comm comm, const Settings& settings, const Particles& particles) {
-  const auto is_outside = [&](const Vec3& p) {  // true for a NaN, too
-    return !((p.array() >= settings.domain.min.array()).all() && (p.array() <= settings.domain.max.array()).all());
-  };
   all_or_none(comm, [&] {
-    const auto bad = std::find_if(particles.position.begin(), particles.position.end(), is_outside);
+    const auto bad = std::find_if(particles.position.begin(), particles.position.end(),
+                                  [&](const Vec3& p) { return !settings.domain.contains(p); });
     if (bad == particles.position.end()) return;
     throw InputError(fmt::format("particle {} at ({}, {}, {}) is outside the box; enlarge the domain or move it",
                                  particles.id[static_cast<std::size_t>(bad - particles.position.begin())], bad->x(),
@@ -65,27 +63,32 @@ void check_inside(MPI_Comm comm, const Settings& settings, const Particles& part
   });
 }
 
+void demand(bool holds, const char* rule) {
+  if (!holds) throw InputError(std::string("settings of the solver: ") + rule);
+}
+
 // What a scene's reader has checked before, with the line at fault; a program may hand over anything. Comparisons are
-// written so that a NaN fails.
-void check_settings(const Settings& settings) {
-  const auto demand = [](bool holds, const char* rule) {
-    if (!holds) throw InputError(std::string("settings of the solver: ") + rule);
-  };
+// written so that a NaN fails. Lengths first: sums over the lattice would hardly end with an absurd radius.
+Settings checked_and_resolved(const Settings& settings) {
+  constexpr Real rounding = 1e-9;
   const FluidSettings& fluid = settings.fluid;
   demand(fluid.spacing > 0 && fluid.rest_density > 0, "fluid.spacing and rest_density must be positive");
-  const Real h = fluid.kernel_radius.given() ? fluid.kernel_radius.value() : 2 * fluid.spacing, rounding = 1e-9;
-  demand(h >= (least_kernel_ratio - rounding) * fluid.spacing && h <= (largest_kernel_ratio + rounding) * fluid.spacing,
+  demand(!fluid.kernel_radius.given() || (fluid.kernel_radius >= (least_kernel_ratio - rounding) * fluid.spacing &&
+                                          fluid.kernel_radius <= (largest_kernel_ratio + rounding) * fluid.spacing),
          "fluid.kernel_radius must be 1.2 to 4 times the spacing");
-  demand(((settings.domain.max - settings.domain.min).array() >= h).all(),
+  Settings all = resolved(settings);
+  const Real h = all.fluid.kernel_radius;
+  demand(((all.domain.max - all.domain.min).array() >= h).all(),
          "the domain must be at least a kernel_radius wide in each axis");
-  demand(settings.dt > 0, "dt must be positive");
-  demand(settings.density.iterations >= 1, "density.iterations must be at least 1");
-  demand(settings.density.method != Method::chebyshev || settings.density.constraint == Constraint::inequality,
+  demand(all.dt > 0, "dt must be positive");
+  demand(all.density.iterations >= 1, "density.iterations must be at least 1");
+  demand(all.density.method != Method::chebyshev || all.density.constraint == Constraint::inequality,
          "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
-  demand(!settings.viscosity || !settings.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
-  demand(!settings.kinematic_viscosity || resolved(settings).cfl > 0 ||
-             settings.dt <= longest_viscous_step(*settings.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),
+  demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
+  demand(!all.kinematic_viscosity || all.cfl > 0 ||
+             all.dt <= longest_viscous_step(*all.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),
          "kinematic_viscosity is too much for dt; lower one of them, or give a cfl, which splits steps");
+  return all;
 }
 
 template <class T>
@@ -130,8 +133,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
 }  // namespace
 
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
-  check_settings(settings);
-  const Settings all = resolved(settings);
+  const Settings all = checked_and_resolved(settings);
   if (all.density.precision == Precision::single)
     return make<float>(comm, all, std::move(particles), std::move(extras));
   return make<double>(comm, all, std::move(particles), std::move(extras));

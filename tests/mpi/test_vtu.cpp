@@ -6,10 +6,12 @@
 #include <vtkXMLPUnstructuredGridReader.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "io/files.hpp"
 #include "io/vtu.hpp"
 #include "output_fixture.hpp"
+#include "parallel/collective.hpp"
 
 namespace trevi {
 namespace {
@@ -92,6 +94,23 @@ TEST_F(Output, VtuRestartSetsLaterFramesAside) {
   barrier();
   expect_mentions(text_of(path("particles.pvd")), {"timestep=\"0.5\"", "timestep=\"1\"", "000010.pvtu"});
   expect_frame(path("vtu/particles_000010.pvtu"), all);
+}
+
+TEST_F(Output, VtuRestartKeepsWhatIsWholeOfACutList) {
+  const Particles all = whole_cloud(50);
+  FrameOptions options = vtu_options(folder());
+  write_frames(options, all, 0, 7);
+  barrier();
+  on_root(world, [&] {
+    const std::string text = text_of(path("particles.pvd"));
+    std::ofstream(path("particles.pvd")) << text.substr(0, text.find("000005") + 3);
+  });
+  options.restart_step = 7;
+  write_frames(options, all, 7, 10);
+  barrier();
+  const std::string list = text_of(path("particles.pvd"));
+  expect_mentions(list, {"000000.pvtu", "000010.pvtu", "</VTKFile>"});
+  EXPECT_EQ(list.find("000005"), std::string::npos);
 }
 
 TEST_F(Output, VtuFailuresReachAllRanks) {
