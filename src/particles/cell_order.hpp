@@ -8,16 +8,11 @@
 #include <tuple>
 #include <vector>
 
+#include "base/range.hpp"
 #include "particles/cell_grid.hpp"
 #include "trevi/particles.hpp"
 
 namespace trevi {
-
-/// Owned particles [begin, end), counted without ghosts.
-struct Range {
-  LocalId begin = 0, end = 0;
-  LocalId size() const { return end - begin; }
-};
 
 /// Cell planes [first, last).
 struct Planes {
