@@ -74,16 +74,18 @@ Real largest(Range range, Real least, const Value& value) {
   return *std::max_element(found.begin(), found.end());
 }
 
-/// The first i of the range for which `is` holds, range.end where there is none.
+/// The first i of the range for which `is` holds, range.end where there is none; `is` is called for every i.
 template <class Is>
 LocalId first_index(Range range, const Is& is) {
   PerThread<LocalId> found;
   std::fill(found.begin(), found.end(), range.end);
   constexpr LocalId part_size = 2048;
   for_each_part(range, part_size, [&](Range part) {
-    LocalId i = part.begin;
-    while (i < part.end && !is(static_cast<std::size_t>(i))) ++i;
-    if (i < part.end) found.mine() = std::min(found.mine(), i);
+    LocalId first = range.end;
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      if (is(static_cast<std::size_t>(i))) first = std::min(first, i);
+    }
+    found.mine() = std::min(found.mine(), first);
   });
   return *std::min_element(found.begin(), found.end());
 }

@@ -14,7 +14,7 @@ constexpr Real pairs_per_particle = 20;
 
 Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, LocalId l) {
   const auto [begin, end] = order.owned_range(k, l);
-  return static_cast<Real>(list.first(end) - list.first(begin)) + pairs_per_particle * (end - begin);
+  return static_cast<Real>(list.pairs({begin, end})) + pairs_per_particle * (end - begin);
 }
 
 void Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {

@@ -1,6 +1,7 @@
 #include "domain/neighbourhood.hpp"
 
 #include "base/growth.hpp"
+#include "base/threads.hpp"
 
 namespace trevi {
 
@@ -18,7 +19,8 @@ void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Veloc
     const ScopedEvent timed(halo_event_);
     halo_.rebuild(order_);
     resize_tightly(records_, static_cast<std::size_t>(order_.size()));
-    encode(particles.predicted, all());
+    constexpr LocalId part_size = 2048;
+    for_each_part(all(), part_size, [&](Range part) { encode(particles.predicted, part); });
     halo_.exchange(records_);
   }
   const ScopedEvent timed(search_event_);

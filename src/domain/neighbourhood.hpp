@@ -23,7 +23,8 @@ class Neighbourhood {
   /// the rows of it and of those after it are empty; collective calls remain possible.
   void rebuild(Particles& particles, const Planes& planes, Velocities velocities = Velocities::overwritten);
 
-  /// Writes the positions of the owned particles of the range into their records; the scalar is set to zero.
+  /// Writes the positions of the owned particles of the range into their records, on this thread; the scalar is set to
+  /// zero.
   void encode(const std::vector<Vec3>& position, Range range);
 
   /// Record of owned particle i.

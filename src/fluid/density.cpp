@@ -66,20 +66,22 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
 template <class T>
 void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                   std::span<Vec4<T>> delta) const {
-  Vec4<T>* out = delta.data() + range.begin;
-  delta_loop_(pairs, range, out);
-  const auto factor = static_cast<T>(-gradient_factor_);
-  for (LocalId k = 0; k < range.size(); ++k) out[k] = {out[k].x * factor, out[k].y * factor, out[k].z * factor, 0};
-  if (!walls_) return;
-  for (LocalId k = 0; k < range.size(); ++k) {
-    const LocalId i = range.begin + k;
-    const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts + i)].w;
-    if (lambda_i == 0) continue;  // most particles, where there is no pressure
-    const Vec3 shift = lambda_i * walls_->at(p[static_cast<std::size_t>(i)]).gradient;
-    out[k].x += static_cast<T>(shift.x());
-    out[k].y += static_cast<T>(shift.y());
-    out[k].z += static_cast<T>(shift.z());
-  }
+  constexpr LocalId part_size = 512;
+  for_each_part(range, part_size, [&](Range part) {
+    delta_loop_(pairs, part, delta.data() + part.begin);
+    const auto factor = static_cast<T>(-gradient_factor_);
+    for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+      Vec4<T>& out = delta[i];
+      out = {out.x * factor, out.y * factor, out.z * factor, 0};
+      if (!walls_) continue;
+      const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts) + i].w;
+      if (lambda_i == 0) continue;  // most particles, where there is no pressure
+      const Vec3 shift = lambda_i * walls_->at(p[i]).gradient;
+      out.x += static_cast<T>(shift.x());
+      out.y += static_cast<T>(shift.y());
+      out.z += static_cast<T>(shift.z());
+    }
+  });
 }
 
 template class DensityConstraint<float>;

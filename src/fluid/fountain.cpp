@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/threads.hpp"
+
 namespace trevi {
 
 Fountain::Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed,
@@ -29,11 +31,11 @@ void Fountain::apply(Particles& particles, const StepInfo& info) {
   const ScopedEvent timed(event_);
   const std::optional<FountainState> now = pumped(info.time);
   if (!now) return;
-  for (std::size_t i = 0; i < particles.id.size(); ++i) {
-    if (!contains(particles.position[i])) continue;
+  for_each_index({0, particles.size()}, [&](std::size_t i) {
+    if (!contains(particles.position[i])) return;
     const Real u = uniform(seed_, particles.id[i], info, index_);
     particles.velocity[i] = settings_.direction * (now->speed + settings_.jitter * u);
-  }
+  });
 }
 
 }  // namespace trevi

@@ -1,6 +1,7 @@
 #include "fluid/velocity_filter.hpp"
 
 #include "base/growth.hpp"
+#include "base/threads.hpp"
 
 namespace trevi {
 
@@ -8,10 +9,10 @@ template <class T>
 const Vec4<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
   resize_tightly(vectors_, near.records().size());
   Vec4<T>* owned = vectors_.data() + near.order().low_ghosts();
-  for (std::size_t i = 0; i < velocity.size(); ++i) {
+  for_each_index({0, near.order().owned()}, [&](std::size_t i) {
     const Vec3& v = velocity[i];
     owned[i] = {static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), T{0}};
-  }
+  });
   near.halo().exchange(vectors_);
   return vectors_.data();
 }

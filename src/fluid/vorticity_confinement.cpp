@@ -23,13 +23,13 @@ void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::v
   const Vec4<T>* velocities = velocity_->refresh(near, velocity);
   const LocalId owned = near.order().owned();
   resize_tightly(omega_, static_cast<std::size_t>(owned));
-  loops_.curl(pairs_of(near), {0, owned}, velocities, omega_.data());
+  const Pairs<T> pairs = pairs_of(near);
   const auto factor = static_cast<T>(omega_factor_);
-  for (LocalId i = 0; i < owned; ++i) {
-    Vec4<T>& omega = omega_[static_cast<std::size_t>(i)];
-    omega = {omega.x * factor, omega.y * factor, omega.z * factor, T{0}};
-    near.record(i).w = static_cast<T>(vector_of(omega).norm());
-  }
+  const auto curls = [&](Range part, Vec4<T>* out) { loops_.curl(pairs, part, velocities, out); };
+  for_each_sum<Vec4<T>>(near.all(), curls, [&](std::size_t i, const Vec4<T>& sum) {
+    omega_[i] = {sum.x * factor, sum.y * factor, sum.z * factor, T{0}};
+    near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omega_[i]).norm());
+  });
 }
 
 template <class T>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/threads.hpp"
 #include "parallel/log.hpp"
 
 namespace trevi {
@@ -53,7 +54,8 @@ std::vector<Rgb> colours_of(const ColourScale& scale, const Particles& particles
   const Event event("Colour");
   const ScopedEvent timed(event);
   std::vector<Rgb> colours(particles.id.size());
-  for (LocalId i = 0; i < particles.size(); ++i) colours[static_cast<std::size_t>(i)] = colour_of(scale, particles, i);
+  for_each_index({0, particles.size()},
+                 [&](std::size_t i) { colours[i] = colour_of(scale, particles, static_cast<LocalId>(i)); });
   return colours;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "base/threads.hpp"
+
 namespace trevi {
 
 static_assert(std::is_trivially_copyable_v<Vote>);
@@ -26,14 +28,25 @@ void combine(void* in, void* inout, int* count, MPI_Datatype*) {
 }  // namespace
 
 Vote vote_of(std::span<const GlobalId> ids) {
-  Vote vote;
-  vote.particles = ids.size();
-  for (const GlobalId id : ids) {
-    const auto n = static_cast<std::uint64_t>(id);
-    vote.ids += n;
-    vote.squares += n * n;
+  PerThread<Vote> votes;
+  constexpr LocalId part_size = 8192;
+  for_each_part({0, static_cast<LocalId>(ids.size())}, part_size, [&](Range part) {
+    std::uint64_t sum = 0, squares = 0;
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      const auto n = static_cast<std::uint64_t>(ids[static_cast<std::size_t>(i)]);
+      sum += n;
+      squares += n * n;
+    }
+    votes.mine().ids += sum;
+    votes.mine().squares += squares;
+  });
+  Vote total;
+  total.particles = ids.size();
+  for (const Vote& vote : votes) {
+    total.ids += vote.ids;
+    total.squares += vote.squares;
   }
-  return vote;
+  return total;
 }
 
 Ballot::Ballot(MPI_Comm comm) : comm_(comm) {

@@ -23,8 +23,10 @@ class CellGrid {
   int slab_axis() const { return axis_[0]; }
 
   LocalId plane_of(const Vec3& p) const { return index_along(0, p); }
+  LocalId row_of(const Vec3& p) const { return index_along(1, p); }     ///< within its plane
+  LocalId column_of(const Vec3& p) const { return index_along(2, p); }  ///< within its row
   /// Cell within its plane: row · columns + column.
-  LocalId cell_in_plane(const Vec3& p) const { return index_along(1, p) * count_[2] + index_along(2, p); }
+  LocalId cell_in_plane(const Vec3& p) const { return row_of(p) * count_[2] + column_of(p); }
 
  private:
   LocalId index_along(int k, const Vec3& p) const {

@@ -1,57 +1,104 @@
 #include "particles/cell_order.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <numeric>
 #include <type_traits>
+#include <utility>
 
 #include "base/growth.hpp"
+#include "base/threads.hpp"
 
 namespace trevi {
 
-void CellOrder::count(const Particles& particles, LocalId first) {
-  counts_.assign(static_cast<std::size_t>(planes_) * cells(), 0);
-  resize_tightly(cell_, particles.id.size());
-  for (std::size_t i = 0; i < cell_.size(); ++i) {
-    const Vec3& p = particles.predicted[i];
-    const LocalId plane = grid_.plane_of(p) - first;
-    assert(plane >= 0 && plane < planes_);
-    // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
-    cell_[i] = static_cast<LocalId>(static_cast<std::size_t>(plane) * cells()) + grid_.cell_in_plane(p);
-    ++counts_[static_cast<std::size_t>(cell_[i])];
+// What a thread needs to sort the particles of a row of cells.
+struct CellOrder::RowScratch {
+  struct Entry {
+    GlobalId id;
+    LocalId index, column;
+  };
+  std::vector<Entry> entries, sorted;
+  std::vector<LocalId> next;
+};
+
+// Fills order_ with the particles row by row of cells, within a row in the order in which they are stored. Each part of
+// the particles is counted and placed by one thread.
+void CellOrder::sort_by_rows(const Particles& particles, LocalId first) {
+  const LocalId rows = planes_ * grid_.rows();
+  // As many counters as particles at the most.
+  const LocalId parts = std::clamp(owned_ / rows, 1, thread_count());
+  std::vector<LocalId> next(static_cast<std::size_t>(parts) * static_cast<std::size_t>(rows), 0);
+  const auto counters = [&](LocalId part) {
+    return next.data() + static_cast<std::size_t>(part) * static_cast<std::size_t>(rows);
+  };
+  const LocalId size = std::max(1, (owned_ + parts - 1) / parts);
+  resize_tightly(row_, static_cast<std::size_t>(owned_));
+  for_each_part({0, owned_}, size, [&](Range part) {
+    LocalId* count = counters(part.begin / size);
+    for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+      const LocalId plane = grid_.plane_of(particles.predicted[i]) - first;
+      assert(plane >= 0 && plane < planes_);
+      row_[i] = plane * grid_.rows() + grid_.row_of(particles.predicted[i]);
+      ++count[row_[i]];
+    }
+  });
+  row_start_.resize(static_cast<std::size_t>(rows) + 1);
+  LocalId start = 0;
+  for (LocalId row = 0; row < rows; ++row) {
+    row_start_[static_cast<std::size_t>(row)] = start;
+    for (LocalId part = 0; part < parts; ++part) start += std::exchange(counters(part)[row], start);
   }
+  row_start_.back() = start;
+  resize_tightly(order_, static_cast<std::size_t>(owned_));
+  for_each_part({0, owned_}, size, [&](Range part) {
+    LocalId* place = counters(part.begin / size);
+    for (LocalId i = part.begin; i < part.end; ++i)
+      order_[static_cast<std::size_t>(place[row_[static_cast<std::size_t>(i)]]++)] = i;
+  });
 }
 
-void CellOrder::find_order(const Particles& particles) {
-  std::vector<LocalId>& next = start_;  // used as scratch here; add_ghosts() fills it with its real values
-  next.resize(counts_.size() + 1);
-  std::exclusive_scan(counts_.begin(), counts_.end(), next.begin(), 0);
-  resize_tightly(order_, cell_.size());
-  for (std::size_t i = 0; i < cell_.size(); ++i) {
-    order_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell_[i])]++)] = static_cast<LocalId>(i);
+// Sorts the particles of a row by cell, and within a cell by id: the order of arrival depends on the ranks, ids do not.
+void CellOrder::sort_row(const Particles& particles, LocalId row, RowScratch& scratch) {
+  const auto columns = static_cast<std::size_t>(grid_.columns());
+  LocalId* counts = counts_.data() + static_cast<std::size_t>(row) * columns;
+  std::fill_n(counts, columns, 0);
+  const LocalId begin = row_start_[static_cast<std::size_t>(row)], end = row_start_[static_cast<std::size_t>(row) + 1];
+  scratch.entries.clear();
+  for (LocalId k = begin; k < end; ++k) {
+    const LocalId index = order_[static_cast<std::size_t>(k)];
+    const auto i = static_cast<std::size_t>(index);
+    const LocalId column = grid_.column_of(particles.predicted[i]);
+    scratch.entries.push_back({particles.id[i], index, column});
+    ++counts[column];
   }
-  // Within a cell by id: the order of arrival depends on the ranks, ids do not.
-  const auto by_id = [&](LocalId a, LocalId b) {
-    return particles.id[static_cast<std::size_t>(a)] < particles.id[static_cast<std::size_t>(b)];
-  };
-  auto begin = order_.begin();
-  for (const LocalId n : counts_) {
-    if (n > 1) std::sort(begin, begin + n, by_id);
-    begin += n;
+  scratch.next.resize(columns);
+  std::exclusive_scan(counts, counts + columns, scratch.next.begin(), 0);
+  scratch.sorted.resize(scratch.entries.size());
+  for (const auto& entry : scratch.entries)
+    scratch.sorted[static_cast<std::size_t>(scratch.next[static_cast<std::size_t>(entry.column)]++)] = entry;
+  auto cell = scratch.sorted.begin();
+  for (std::size_t c = 0; c < columns; cell += counts[c++]) {
+    if (counts[c] > 1) std::sort(cell, cell + counts[c], [](const auto& a, const auto& b) { return a.id < b.id; });
   }
+  std::transform(scratch.sorted.begin(), scratch.sorted.end(), order_.begin() + begin,
+                 [](const auto& entry) { return entry.index; });
 }
 
 template <class T>
 void CellOrder::apply(std::vector<T>& field, std::vector<T>& scratch) const {
   resize_tightly(scratch, field.size());
-  for (std::size_t i = 0; i < field.size(); ++i) scratch[i] = field[static_cast<std::size_t>(order_[i])];
+  for_each_index({0, owned_}, [&](std::size_t i) { scratch[i] = field[static_cast<std::size_t>(order_[i])]; });
   std::swap(scratch, field);
 }
 
 void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velocities) {
   planes_ = planes.last - planes.first;
   owned_ = particles.size();
-  count(particles, planes.first);
-  find_order(particles);
+  sort_by_rows(particles, planes.first);
+  // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
+  counts_.resize(static_cast<std::size_t>(planes_) * cells());
+  PerThread<RowScratch> scratch;
+  for_each_part(planes_ * grid_.rows(), [&](LocalId row) { sort_row(particles, row, scratch.mine()); });
   std::vector<Vec3> own;
   std::vector<Vec3>& vectors = velocities == Velocities::overwritten ? particles.velocity : own;
   particles.for_each_kept_field([&]<class T>(std::vector<T>& field) {
@@ -71,15 +118,27 @@ std::span<const LocalId> CellOrder::last_plane_counts() const {
 }
 
 void CellOrder::add_ghosts(std::span<const LocalId> low_counts, std::span<const LocalId> high_counts) {
-  start_.assign((static_cast<std::size_t>(planes_) + 2) * cells() + 1, 0);
-  // Counts are stored one place further on, so that the partial sums are the starts.
-  std::copy(low_counts.begin(), low_counts.end(), start_.begin() + 1);
-  std::copy(counts_.begin(), counts_.end(), start_.begin() + 1 + static_cast<std::ptrdiff_t>(cells()));
-  std::copy(high_counts.begin(), high_counts.end(),
-            start_.begin() + 1 + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(planes_) + 1) * cells()));
-  std::partial_sum(start_.begin(), start_.end(), start_.begin());
-  low_ghosts_ = start(1, 0);
-  high_ghosts_ = start_.back() - low_ghosts_ - owned_;
+  low_ghosts_ = std::reduce(low_counts.begin(), low_counts.end(), 0);
+  high_ghosts_ = std::reduce(high_counts.begin(), high_counts.end(), 0);
+  start_.resize((static_cast<std::size_t>(planes_) + 2) * cells() + 1);
+  for_each_part(planes_ + 2, [&](LocalId k) {
+    const std::size_t at = static_cast<std::size_t>(k) * cells();
+    if (k == 0) return add_plane(low_counts, 0, at);
+    if (k == planes_ + 1) return add_plane(high_counts, low_ghosts_ + owned_, at);
+    const auto row = (static_cast<std::size_t>(k) - 1) * static_cast<std::size_t>(grid_.rows());
+    add_plane({counts_.data() + at - cells(), cells()}, low_ghosts_ + row_start_[row], at);
+  });
+  start_.back() = size();
+}
+
+// The cells of a plane, the first of which is start_[at]; without counts there are no particles.
+void CellOrder::add_plane(std::span<const LocalId> counts, LocalId first, std::size_t at) {
+  const auto begin = start_.begin() + static_cast<std::ptrdiff_t>(at);
+  if (counts.empty()) {
+    std::fill_n(begin, cells(), first);
+  } else {
+    std::exclusive_scan(counts.begin(), counts.end(), begin, first);
+  }
 }
 
 Range CellOrder::owned_range(LocalId k, LocalId l) const {
@@ -87,7 +146,7 @@ Range CellOrder::owned_range(LocalId k, LocalId l) const {
 }
 
 std::size_t CellOrder::bytes() const {
-  std::size_t bytes = (counts_.capacity() + start_.capacity() + cell_.capacity() + order_.capacity()) * sizeof(LocalId);
+  std::size_t bytes = (counts_.capacity() + start_.capacity() + row_.capacity() + row_start_.capacity() + order_.capacity()) * sizeof(LocalId);
   std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;
 }

@@ -53,9 +53,11 @@ class CellOrder {
   std::size_t bytes() const;
 
  private:
+  struct RowScratch;
   std::size_t cells() const { return static_cast<std::size_t>(grid_.cells_per_plane()); }
-  void count(const Particles& particles, LocalId first);
-  void find_order(const Particles& particles);
+  void sort_by_rows(const Particles& particles, LocalId first);
+  void sort_row(const Particles& particles, LocalId row, RowScratch& scratch);
+  void add_plane(std::span<const LocalId> counts, LocalId first, std::size_t at);
   template <class T>
   void apply(std::vector<T>& field, std::vector<T>& scratch) const;
 
@@ -63,7 +65,8 @@ class CellOrder {
   LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
   std::vector<LocalId> counts_;  // of each owned cell
   std::vector<LocalId> start_;   // first particle of each cell of planes_ + 2 planes, and the total
-  std::vector<LocalId> cell_;    // of each particle, before sorting
+  std::vector<LocalId> row_start_;  // first particle of each row of cells of the owned planes, and the total
+  std::vector<LocalId> row_;     // of each particle, before sorting
   std::vector<LocalId> order_;   // sorted index -> old index
   std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
 };

@@ -7,10 +7,38 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <type_traits>
 
+#include "base/growth.hpp"
+#include "base/threads.hpp"
 #include "particles/compress-inl.hpp"
 #include "particles/neighbour_list.hpp"
+
+#if !defined(TREVI_PARTICLES_SEARCH)
+#define TREVI_PARTICLES_SEARCH
+namespace trevi {
+
+template <class T>
+struct SearchInput {
+  const CellOrder& order;
+  const std::vector<Packed<T>>& records;
+};
+
+struct SearchResult {
+  NeighbourRows& rows;
+  RowPages& pages;
+  std::atomic<LocalId> crowded;  // the first particle with too many neighbours; without one, the number of particles
+
+  void note_crowded(LocalId i) {
+    LocalId known = crowded;
+    while (i < known && !crowded.compare_exchange_weak(known, i)) {
+    }
+  }
+};
+
+}  // namespace trevi
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace trevi {
@@ -149,9 +177,11 @@ void store_indices(D, V index, LocalId* HWY_RESTRICT out) {
   }
 }
 
-// Writes the candidates nearer than one h to particle `self` at p and returns how many there are.
+// Writes the candidates nearer than one h to particle `self` at p and returns how many there are; stops when there are
+// too many.
 template <class T>
 std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, LocalId* HWY_RESTRICT out) {
+  constexpr auto most = static_cast<std::size_t>(NeighbourList::most_neighbours);
   const hn::ScalableTag<T> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto x = hn::Set(d, p[0]), y = hn::Set(d, p[1]), z = hn::Set(d, p[2]);
@@ -161,7 +191,7 @@ std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array
   const auto* all_index = candidates.index.data();
   const std::size_t size = candidates.size();
   std::size_t found = 0;
-  for (std::size_t k = 0; k < size; k += hn::Lanes(d)) {
+  for (std::size_t k = 0; k < size && found <= most; k += hn::Lanes(d)) {
     const auto dx = hn::Sub(hn::LoadU(d, all_x + k), x);
     const auto dy = hn::Sub(hn::LoadU(d, all_y + k), y);
     const auto dz = hn::Sub(hn::LoadU(d, all_z + k), z);
@@ -189,48 +219,58 @@ void for_each_row_around(const CellOrder& order, LocalId k, LocalId c, Visit&& v
   }
 }
 
+// What a thread needs for its part of the search.
 template <class T>
-void search(const CellOrder& order, const std::vector<Packed<T>>& records, NeighbourRows& rows) {
+struct Worker {
   Candidates<T> candidates;
-  LocalId i = 0;
-  std::int64_t end = 0;
-  for (LocalId k = 1; k <= order.planes(); ++k) {
-    for (LocalId c = 0; c < order.grid().cells_per_plane(); ++c) {
-      const LocalId begin = order.start(k, c), count = order.start(k, c + 1) - begin;
-      if (count == 0) continue;
-      const Bounds<T> bounds(records.data(), begin, begin + count);
-      candidates.clear();
-      for_each_row_around(order, k, c, [&](LocalId row_begin, LocalId row_end) {
-        candidates.append(records, row_begin, row_end, bounds);
-      });
-      candidates.close();
-      for (LocalId n = 0; n < count; ++n, ++i) {
-        // Reserved for one row at a time: for all rows of a crowded cell at once memory might not suffice.
-        rows.reserve(end + static_cast<std::int64_t>(candidates.size() + Candidates<T>::padding));
-        const LocalId self = begin + n;
-        const auto position = bounds.relative(records[static_cast<std::size_t>(self)]);
-        const std::size_t found = near(candidates, self, position, rows.index.data() + end);
-        if (found > static_cast<std::size_t>(NeighbourList::most_neighbours)) {
-          rows.crowded = i;
-          return;
-        }
-        end += static_cast<std::int64_t>(found);
-        rows.first[static_cast<std::size_t>(i) + 1] = end;
-      }
+  RowWriter writer;
+};
+
+// Finds the neighbours of the particles of cell c of plane k. False where one of them, result.crowded, has too many.
+template <class T>
+bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& worker, LocalId k, LocalId c) {
+  const LocalId begin = in.order.start(k, c), end = in.order.start(k, c + 1);
+  if (begin == end) return true;
+  Candidates<T>& candidates = worker.candidates;
+  const Bounds<T> bounds(in.records.data(), begin, end);
+  candidates.clear();
+  for_each_row_around(in.order, k, c, [&](LocalId row_begin, LocalId row_end) {
+    candidates.append(in.records, row_begin, row_end, bounds);
+  });
+  candidates.close();
+  constexpr auto most = static_cast<std::size_t>(NeighbourList::most_neighbours);
+  for (LocalId self = begin; self < end; ++self) {
+    LocalId* row = worker.writer.begin_row(result.pages, std::min(candidates.size(), most) + Candidates<T>::padding);
+    const auto position = bounds.relative(in.records[static_cast<std::size_t>(self)]);
+    const std::size_t found = near(candidates, self, position, row);
+    const LocalId i = self - in.order.low_ghosts();
+    if (found > most) {
+      result.note_crowded(i);
+      return false;
     }
+    worker.writer.end_row(found);
+    result.rows.begin[static_cast<std::size_t>(i)] = row;
+    result.rows.count[static_cast<std::size_t>(i)] = static_cast<LocalId>(found);
   }
-  // Pair loops read whole vectors, past the end of the last row. Indices there are set to 0, as those left by an
-  // earlier, longer list may refer to records that no longer exist.
-  rows.reserve(end);
-  std::fill_n(rows.index.begin() + end, NeighbourRows::slack, 0);
+  return true;
 }
 
-void search_single(const CellOrder& order, const std::vector<Packed<float>>& records, NeighbourRows& rows) {
-  search(order, records, rows);
+template <class T>
+void search(const SearchInput<T>& in, SearchResult& result) {
+  const LocalId rows = in.order.grid().rows(), columns = in.order.grid().columns();
+  PerThread<Worker<T>> workers;
+  for_each_part(in.order.planes() * rows, [&](LocalId part) {
+    const LocalId k = part / rows + 1, first = part % rows * columns;
+    if (result.crowded < in.order.start(k, first) - in.order.low_ghosts()) return;
+    for (LocalId c = first; c < first + columns; ++c) {
+      if (!search_cell(in, result, workers.mine(), k, c)) return;
+    }
+  });
+  for (Worker<T>& worker : workers) worker.writer.close();
 }
-void search_double(const CellOrder& order, const std::vector<Packed<double>>& records, NeighbourRows& rows) {
-  search(order, records, rows);
-}
+
+void search_single(const SearchInput<float>& in, SearchResult& result) { search(in, result); }
+void search_double(const SearchInput<double>& in, SearchResult& result) { search(in, result); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace trevi
@@ -242,20 +282,26 @@ namespace trevi {
 HWY_EXPORT(search_single);
 HWY_EXPORT(search_double);
 
+LocalId* RowPages::take() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (used_ == pages_.size()) pages_.emplace_back(new LocalId[page_size]);  // not initialised: by its thread only
+  return pages_[used_++].get();
+}
+
 template <class T>
 void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>& records) {
-  rows_.first.assign(static_cast<std::size_t>(order.owned()) + 1, 0);
-  rows_.crowded = -1;
-  rows_.reserve(0);
+  const auto owned = static_cast<std::size_t>(order.owned());
+  resize_tightly(rows_.begin, owned);
+  resize_tightly(rows_.count, owned);
+  pages_.clear();
+  SearchResult result{rows_, pages_, order.owned()};
   if constexpr (std::is_same_v<T, float>) {
-    HWY_DYNAMIC_DISPATCH(search_single)(order, records, rows_);
+    HWY_DYNAMIC_DISPATCH(search_single)({order, records}, result);
   } else {
-    HWY_DYNAMIC_DISPATCH(search_double)(order, records, rows_);
+    HWY_DYNAMIC_DISPATCH(search_double)({order, records}, result);
   }
-  if (rows_.crowded >= 0) {
-    const auto cut = rows_.first.begin() + rows_.crowded;
-    std::fill(cut + 1, rows_.first.end(), *cut);
-  }
+  crowded_ = result.crowded < order.owned() ? result.crowded.load() : -1;
+  std::fill(rows_.count.begin() + result.crowded, rows_.count.end(), 0);
 }
 
 template void NeighbourList::rebuild(const CellOrder&, const std::vector<Packed<float>>&);

@@ -1,10 +1,14 @@
 // Neighbours of each owned particle: all others, ghosts included, with |p*_i − p*_j| < h at the time of the search,
-// which is once a substep. Stored as compressed rows; within a row in storage order, which is the same on any rank
-// count. Indices count from the first low ghost. Not collective.
+// which is once a substep. Each particle has a row, in storage order, which is the same on any rank count. Indices count
+// from the first low ghost. The rows of particles one after the other lie one after the other for the most part, but not
+// always: each thread of the search writes its rows to pages of its own. Not collective.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <limits>
+#include <memory>
+#include <mutex>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -13,21 +17,52 @@
 
 namespace trevi {
 
-/// Compressed rows: the neighbours of owned particle i are index[first[i]] to index[first[i + 1]].
-struct NeighbourRows {
-  std::vector<std::int64_t> first = {0};
-  std::vector<LocalId> index;  ///< longer than the last row, so that whole vectors can be read and written past any end
-  LocalId crowded = -1;        ///< a particle with too many neighbours; the search stopped there
+/// Memory for the rows. It grows by pages and so never has to be copied; pages are kept for the next search.
+class RowPages {
+ public:
+  static constexpr std::size_t page_size = std::size_t{1} << 16;  ///< indices; 256 kB
 
+  /// An unused page of page_size; may be called by several threads at once.
+  LocalId* take();
+  /// All pages are unused again.
+  void clear() { used_ = 0; }
+  std::size_t bytes() const { return pages_.size() * page_size * sizeof(LocalId); }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<LocalId[]>> pages_;
+  std::size_t used_ = 0;
+};
+
+/// The page to which one thread writes.
+class RowWriter {
+ public:
+  /// Pair loops read whole vectors, past the end of a row.
   static constexpr std::size_t slack = 64;
 
-  void reserve(std::int64_t n) {
-    const auto wanted = static_cast<std::size_t>(n) + slack;
-    if (wanted <= index.size()) return;
-    // Without reserve(), resize() would double the capacity of what is the largest array of all.
-    index.reserve(wanted + wanted / 16);
-    index.resize(index.capacity());
+  /// Where the next row begins; `longest` indices, at most page_size − slack, may be written there.
+  LocalId* begin_row(RowPages& pages, std::size_t longest) {
+    if (static_cast<std::size_t>(end_ - next_) < longest + slack) {
+      close();
+      next_ = pages.take();
+      end_ = next_ + RowPages::page_size;
+    }
+    return next_;
   }
+  void end_row(std::size_t length) { next_ += length; }
+  /// Indices behind the last row are set to 0: others, left by an earlier search, may refer to records that are gone.
+  void close() {
+    if (next_ != nullptr) std::fill_n(next_, std::min<std::ptrdiff_t>(slack, end_ - next_), 0);
+  }
+
+ private:
+  LocalId *next_ = nullptr, *end_ = nullptr;
+};
+
+/// The row of each owned particle.
+struct NeighbourRows {
+  std::vector<const LocalId*> begin;
+  std::vector<LocalId> count;
 };
 
 class NeighbourList {
@@ -40,22 +75,27 @@ class NeighbourList {
   template <class T>
   void rebuild(const CellOrder& order, const std::vector<Packed<T>>& records);
 
-  LocalId size() const { return static_cast<LocalId>(rows_.first.size()) - 1; }
-  std::int64_t pairs() const { return rows_.first.back(); }
-  LocalId count(LocalId i) const { return static_cast<LocalId>(first(i + 1) - first(i)); }
+  LocalId size() const { return static_cast<LocalId>(rows_.count.size()); }
+  LocalId count(LocalId i) const { return rows_.count[static_cast<std::size_t>(i)]; }
   std::span<const LocalId> operator[](LocalId i) const { return {row(i), static_cast<std::size_t>(count(i))}; }
   /// Where the row of owned particle i starts; a full vector may be read from any index of it.
-  const LocalId* row(LocalId i) const { return rows_.index.data() + first(i); }
-  /// Pairs of the particles before owned particle i.
-  std::int64_t first(LocalId i) const { return rows_.first[static_cast<std::size_t>(i)]; }
+  const LocalId* row(LocalId i) const { return rows_.begin[static_cast<std::size_t>(i)]; }
+  /// Pairs of the particles of a range, counted anew.
+  std::int64_t pairs(Range range) const {
+    return std::accumulate(rows_.count.begin() + range.begin, rows_.count.begin() + range.end, std::int64_t{0});
+  }
+  std::int64_t pairs() const { return pairs({0, size()}); }
   /// Owned particle with more than most_neighbours, −1 if there is none; it and those after it then have empty rows.
-  LocalId crowded() const { return rows_.crowded; }
+  LocalId crowded() const { return crowded_; }
   std::size_t bytes() const {
-    return rows_.first.capacity() * sizeof(rows_.first[0]) + rows_.index.capacity() * sizeof(rows_.index[0]);
+    return rows_.begin.capacity() * sizeof(rows_.begin[0]) + rows_.count.capacity() * sizeof(rows_.count[0]) +
+           pages_.bytes();
   }
 
  private:
   NeighbourRows rows_;
+  RowPages pages_;
+  LocalId crowded_ = -1;
 };
 
 }  // namespace trevi

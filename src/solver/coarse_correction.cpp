@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/threads.hpp"
+
 namespace trevi {
 
 namespace {
@@ -78,13 +80,14 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
   const Damping damping{std::min(1.0, time / noise_time), noise_speed * time * model_.h};
   water_.measure(order, halo, x, p);
   pressure_.solve(water_, halo, model_.gravity * dt * dt, std::min(1.0, time / return_time));
-  const LocalId all_columns = order.grid().columns(), columns = water_.grid().columns();
-  for (LocalId k = 1; k <= order.planes(); ++k) {
-    for (LocalId cell = 0; cell < order.grid().cells_per_plane(); ++cell) {
+  const LocalId rows = order.grid().rows(), all_columns = order.grid().columns(), columns = water_.grid().columns();
+  for_each_part(order.planes() * rows, [&](LocalId row) {
+    const LocalId k = row / rows + 1, r = row % rows;
+    for (LocalId c = 0; c < all_columns; ++c) {
+      const LocalId cell = r * all_columns + c;
       const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
       if (begin == end) continue;
-      const LocalId r = cell / all_columns, c = cell % all_columns;
       const bool reached = c < columns;
       const Faces faces = reached ? faces_of(k, r, c) : Faces{};
       for (std::size_t i = begin; i < end; ++i) {
@@ -92,7 +95,7 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
         out[i] = {static_cast<T>(u.x()), static_cast<T>(u.y()), static_cast<T>(u.z()), T{0}};
       }
     }
-  }
+  });
 }
 
 template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, std::span<const Vec3>,

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "base/threads.hpp"
+
 namespace trevi {
 
 namespace {
@@ -32,7 +34,7 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
     sweep_plane(grid, 1, omega);
     if (grid.planes() > 1) sweep_plane(grid, grid.planes(), omega);
     halo.start_planes(previous_, grid.step(0));
-    for (LocalId k = 2; k < grid.planes(); ++k) sweep_plane(grid, k, omega);
+    for_each_part({2, std::max(grid.planes(), 2)}, 1, [&](Range k) { sweep_plane(grid, k.begin, omega); });
     halo.finish();
     std::swap(previous_, phi_);
   }

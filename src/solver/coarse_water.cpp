@@ -1,5 +1,7 @@
 #include "solver/coarse_water.hpp"
 
+#include "base/threads.hpp"
+
 namespace trevi {
 
 namespace {
@@ -52,18 +54,18 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, std::span<const Ve
   look_for_water(order);
   sums_.assign(grid_.cells(), PlaneSums{});
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
-  for (LocalId k = 1; k <= grid_.planes(); ++k) sum_plane(order, k, x, p);
+  PerThread<FaceSums> faces;
+  for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, {x, p}, faces.mine()); });
   halo.start_planes(sums_, grid_.step(0));
   halo.finish();
   fill_.assign(grid_.cells(), 0.0);
-  for (LocalId k = 1; k <= grid_.planes(); ++k) {
-    for (std::size_t at = grid_.index(k, 0, 0), end = grid_.index(k, grid_.rows(), 0); at < end; ++at) {
-      const std::size_t plane = grid_.step(0);
+  for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) {
+    const std::size_t plane = grid_.step(0), end = grid_.index(k.begin, grid_.rows(), 0);
+    for (std::size_t at = grid_.index(k.begin, 0, 0); at < end; ++at)
       fill_[at] = sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
-    }
-  }
+  });
   halo.start_planes(fill_, grid_.step(0));
-  for (LocalId k = 1; k <= grid_.planes() + 1; ++k) finish_faces(k);
+  for_each_part({1, grid_.planes() + 2}, 1, [&](Range k) { finish_faces(k.begin); });
   halo.finish();
   find_surface();
 }
@@ -90,26 +92,27 @@ void CoarseWater::look_for_water(const CellOrder& order) {
   grid_.resize(order.planes(), found[1] + 2);
 }
 
-void CoarseWater::sum_plane(const CellOrder& order, LocalId k, std::span<const Vec3> x, std::span<const Vec3> p) {
-  row_faces_.assign(grid_.step(0), Moments{});
-  column_faces_.assign(grid_.step(0), Moments{});
+void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces) {
+  faces.row.assign(grid_.step(0), Moments{});
+  faces.column.assign(grid_.step(0), Moments{});
   const LocalId all_columns = order.grid().columns();
   for (LocalId r = 0; r < grid_.rows(); ++r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const LocalId cell = r * all_columns + c;
       sum_cell({k, r, c, static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts()),
                 static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts())},
-               x, p);
+               motion, faces);
     }
   }
   for (std::size_t at = grid_.index(0, 0, 0), end = grid_.index(0, grid_.rows(), grid_.columns()); at <= end; ++at) {
     const std::size_t here = static_cast<std::size_t>(k) * grid_.step(0) + at;
-    displacement_[1][here] = row_faces_[at].at_face();
-    displacement_[2][here] = column_faces_[at].at_face();
+    displacement_[1][here] = faces.row[at].at_face();
+    displacement_[2][here] = faces.column[at].at_face();
   }
 }
 
-void CoarseWater::sum_cell(const CellParticles& cell, std::span<const Vec3> x, std::span<const Vec3> p) {
+void CoarseWater::sum_cell(const CellParticles& cell, const Motion& motion, FaceSums& faces) {
+  const auto& [x, p] = motion;
   const std::size_t in_plane = grid_.index(0, cell.r, cell.c);
   PlaneSums& sums = sums_[grid_.index(cell.k, cell.r, cell.c)];
   const Vec3 own(0, cell.r, cell.c);
@@ -117,10 +120,10 @@ void CoarseWater::sum_cell(const CellParticles& cell, std::span<const Vec3> x, s
     const Vec3 u = grid_.turned(p[i] - x[i]), in_cells = grid_.in_cells(p[i]), f = grid_.fraction(in_cells);
     sums.low.add(1 - f[0], f[0], u[0]);
     sums.high.add(f[0], f[0] - 1, u[0]);
-    row_faces_[in_plane].add(1 - f[1], f[1], u[1]);
-    row_faces_[in_plane + grid_.step(1)].add(f[1], f[1] - 1, u[1]);
-    column_faces_[in_plane].add(1 - f[2], f[2], u[2]);
-    column_faces_[in_plane + 1].add(f[2], f[2] - 1, u[2]);
+    faces.row[in_plane].add(1 - f[1], f[1], u[1]);
+    faces.row[in_plane + grid_.step(1)].add(f[1], f[1] - 1, u[1]);
+    faces.column[in_plane].add(1 - f[2], f[2], u[2]);
+    faces.column[in_plane + 1].add(f[2], f[2] - 1, u[2]);
     add_volume(cell.k, surface_position(x[i], p[i]), Vec3(in_cells[0] - f[0], own[1], own[2]));
   }
 }
@@ -168,21 +171,19 @@ void CoarseWater::finish_faces(LocalId k) {
 void CoarseWater::find_surface() {
   wet_.assign(grid_.cells(), 0);
   height_.assign(grid_.cells(), 1.0);
-  for (LocalId k = 0; k < grid_.planes() + 2; ++k) {
-    for (LocalId r = 0; r < grid_.rows(); ++r) {
-      for (LocalId c = 0; c < grid_.columns(); ++c) {
-        const std::size_t at = grid_.index(k, r, c);
-        const bool submerged =
-            c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-        const bool on_floor = c == 0 && fill_[at] >= floor_fill;
-        wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
-      }
-      // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
-      const std::size_t end = grid_.index(k, r, grid_.columns());
-      if (static_cast<Real>(grid_.columns()) == grid_.count(2)) wet_[end] = wet_[end - 1];
-      find_tops(k, r);
+  for_each_part((grid_.planes() + 2) * grid_.rows(), [&](LocalId row) {
+    const LocalId k = row / grid_.rows(), r = row % grid_.rows();
+    for (LocalId c = 0; c < grid_.columns(); ++c) {
+      const std::size_t at = grid_.index(k, r, c);
+      const bool submerged = c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+      const bool on_floor = c == 0 && fill_[at] >= floor_fill;
+      wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
     }
-  }
+    // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
+    const std::size_t end = grid_.index(k, r, grid_.columns());
+    if (static_cast<Real>(grid_.columns()) == grid_.count(2)) wet_[end] = wet_[end - 1];
+    find_tops(k, r);
+  });
 }
 
 void CoarseWater::find_tops(LocalId k, LocalId r) {
@@ -205,8 +206,7 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
 std::size_t CoarseWater::bytes() const {
   std::size_t values = fill_.capacity() + height_.capacity();
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + wet_.capacity() + sums_.capacity() * sizeof(PlaneSums) +
-         (row_faces_.capacity() + column_faces_.capacity()) * sizeof(Moments);
+  return values * sizeof(Real) + wet_.capacity() + sums_.capacity() * sizeof(PlaneSums);
 }
 
 }  // namespace trevi

@@ -71,8 +71,16 @@ class CoarseWater {
     std::size_t begin, end;
   };
   void look_for_water(const CellOrder& order);
-  void sum_plane(const CellOrder& order, LocalId k, std::span<const Vec3> x, std::span<const Vec3> p);
-  void sum_cell(const CellParticles& cell, std::span<const Vec3> x, std::span<const Vec3> p);
+  // The positions between which the prediction moves the particles.
+  struct Motion {
+    std::span<const Vec3> x, p;
+  };
+  // Of one plane, for the faces between its rows and between its columns.
+  struct FaceSums {
+    std::vector<Moments> row, column;
+  };
+  void sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces);
+  void sum_cell(const CellParticles& cell, const Motion& motion, FaceSums& faces);
   void add_volume(LocalId k, const Vec3& mid, const Vec3& own);
   void finish_faces(LocalId k);
   void find_surface();
@@ -85,7 +93,6 @@ class CoarseWater {
   LocalId least_particles_;  // fewest particles of a cell that may hold water
   int depth_ = 0;
   std::vector<PlaneSums> sums_;
-  std::vector<Moments> row_faces_, column_faces_;  // of the plane being summed
   std::vector<Real> fill_, height_;
   std::vector<char> wet_;
   std::array<std::vector<Real>, 3> displacement_;

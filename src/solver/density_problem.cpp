@@ -49,7 +49,7 @@ void DensityProblem<T>::compute_lambda(Range part) {
 
 template <class T>
 void DensityProblem<T>::count_pass(Range part, double flops_per_pair) {
-  const auto pairs = static_cast<double>(near_.list().first(part.end) - near_.list().first(part.begin));
+  const auto pairs = static_cast<double>(near_.list().pairs(part));
   pair_passes_ += pairs;
   log_flops(pairs * flops_per_pair);
 }
@@ -88,8 +88,10 @@ void DensityProblem<T>::separate_coincident() {
     }
   };
   const CellOrder& order = near_.order();
-  for (LocalId k = 1; k <= order.planes(); ++k) {
-    for (LocalId c = 0; c < order.grid().cells_per_plane(); ++c) {
+  const LocalId rows = order.grid().rows(), columns = order.grid().columns();
+  for_each_part(order.planes() * rows, [&](LocalId row) {
+    const LocalId k = row / rows + 1, first = row % rows * columns;
+    for (LocalId c = first; c < first + columns; ++c) {
       const auto begin = static_cast<std::size_t>(order.start(k, c) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());
       for (std::size_t i = begin; i < end; ++i) {
@@ -98,7 +100,7 @@ void DensityProblem<T>::separate_coincident() {
         }
       }
     }
-  }
+  });
 }
 
 template <class T>
@@ -110,21 +112,25 @@ void DensityProblem<T>::compute_density() {
 
 template <class T>
 Compression DensityProblem<T>::compression() const {
-  std::vector<Real> partial;
-  Real largest = 0;
-  for (LocalId plane = 0; plane < near_.order().planes(); ++plane) {
-    const auto [begin, end] = near_.order().owned_range(plane, plane + 1);
-    Real sum = 0;
-    for (LocalId i = begin; i < end; ++i) {
+  constexpr std::size_t columns = 2;  // sum, count
+  std::vector<Real> partial(columns * static_cast<std::size_t>(near_.order().planes()));
+  PerThread<Real> largest;
+  for_each_part(near_.order().planes(), [&](LocalId plane) {
+    const Range range = near_.order().owned_range(plane, plane + 1);
+    Real sum = 0, most = 0;
+    for (LocalId i = range.begin; i < range.end; ++i) {
       const Real c = std::max(rho_[static_cast<std::size_t>(i)] / constraint_.model().rest_density - 1, 0.0);
       sum += c;
-      largest = std::max(largest, c);
+      most = std::max(most, c);
     }
-    partial.push_back(sum);
-    partial.push_back(static_cast<Real>(end - begin));
-  }
-  const std::vector<Real> total = sum_over_planes(comm_, partial, 2);
-  return {total[1] > 0 ? total[0] / total[1] : 0, max_over_ranks(comm_, largest)};
+    const std::size_t row = columns * static_cast<std::size_t>(plane);
+    partial[row] = sum;
+    partial[row + 1] = range.size();
+    largest.mine() = std::max(largest.mine(), most);
+  });
+  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
+  return {total[1] > 0 ? total[0] / total[1] : 0,
+          max_over_ranks(comm_, *std::max_element(largest.begin(), largest.end()))};
 }
 
 template class DensityProblem<float>;

@@ -7,6 +7,7 @@
 
 #include <array>
 
+#include "base/threads.hpp"
 #include "domain/neighbourhood.hpp"
 #include "fluid/density.hpp"
 #include "fluid/walls.hpp"
@@ -99,8 +100,11 @@ template <class T>
 template <class Position>
 void DensityProblem<T>::set_positions(Range part, Position&& position) {
   std::vector<Vec3>& p = particles_->predicted;
-  for (LocalId i = part.begin; i < part.end; ++i) p[static_cast<std::size_t>(i)] = position(i);
-  near_.encode(p, part);
+  constexpr LocalId part_size = 512;
+  for_each_part(part, part_size, [&](Range few) {  // encoded while they are in the cache
+    for (LocalId i = few.begin; i < few.end; ++i) p[static_cast<std::size_t>(i)] = position(i);
+    near_.encode(p, few);
+  });
 }
 
 extern template class DensityProblem<float>;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/threads.hpp"
 #include "solver/anderson.hpp"
 #include "solver/free_flight.hpp"
 
@@ -42,10 +43,10 @@ class Jacobi : public DensitySolver<T> {
 
  private:
   void cap(DensityProblem<T>& problem, Range part) const {
-    for (LocalId i = part.begin; i < part.end; ++i) {
-      T& lambda = problem.lambda(i);
+    for_each_index(part, [&](std::size_t i) {
+      T& lambda = problem.lambda(static_cast<LocalId>(i));
       lambda = static_cast<T>(std::max(static_cast<Real>(lambda), -largest_ / relaxation_));
-    }
+    });
   }
 
   DensitySettings settings_;
@@ -89,13 +90,13 @@ class Chebyshev : public DensitySolver<T> {
 
   // Replaces the multipliers of the range by the steps.
   void accelerate(DensityProblem<T>& problem, Range part, Real weight) {
-    for (LocalId i = part.begin; i < part.end; ++i) {
-      T& step = step_[static_cast<std::size_t>(i)];
-      const Real lambda = static_cast<Real>(problem.lambda(i)), last = static_cast<Real>(step);
+    for_each_index(part, [&](std::size_t i) {
+      T &step = step_[i], &multiplier = problem.lambda(static_cast<LocalId>(i));
+      const Real lambda = static_cast<Real>(multiplier), last = static_cast<Real>(step);
       const Real memory = lambda * last > 0 ? (weight - 1) * last : 0;
       step = static_cast<T>(std::max(weight * relaxation_ * lambda + memory, -largest_));
-      problem.lambda(i) = step;
-    }
+      multiplier = step;
+    });
   }
 
   DensitySettings settings_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
+#include "base/threads.hpp"
 #include "parallel/reductions.hpp"
 #include "trevi/session.hpp"
 
@@ -25,9 +27,9 @@ bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
          ((box_.max - p).array() > model_.h).all();
 }
 
-DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, LocalId begin, LocalId end) const {
+DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, Range range) const {
   Plane sum;
-  for (LocalId i = begin; i < end; ++i) {
+  for (LocalId i = range.begin; i < range.end; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Vec3 &p = input.particles.position[k], &v = input.particles.velocity[k];
     const Real rho = input.density[k], c = std::max(rho / model_.rest_density - 1, 0.0);
@@ -48,14 +50,13 @@ DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, L
 }
 
 void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row) const {
-  Real rho = 0, v2 = 0, top = -std::numeric_limits<Real>::infinity(), front = top;
-  for (std::size_t k = 0; k < input.density.size(); ++k) {
-    const Vec3& p = input.particles.position[k];
-    rho = std::max(rho, input.density[k]);
-    v2 = std::max(v2, input.particles.velocity[k].squaredNorm());
-    top = std::max(top, p.z());
-    front = std::max(front, p.x());
-  }
+  constexpr Real lowest = -std::numeric_limits<Real>::infinity();
+  const Particles& particles = input.particles;
+  const Range all{0, particles.size()};
+  const Real rho = largest(all, 0, [&](std::size_t i) { return input.density[i]; });
+  const Real v2 = largest(all, 0, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
+  const Real top = largest(all, lowest, [&](std::size_t i) { return particles.position[i].z(); });
+  const Real front = largest(all, lowest, [&](std::size_t i) { return particles.position[i].x(); });
   const Real work = plane_work(input.order, input.list, 0, input.order.planes());
   Real maxima[] = {rho, v2, top, front, input.drift, work};
   MPI_Allreduce(MPI_IN_PLACE, maxima, 6, MPI_DOUBLE, MPI_MAX, comm_);
@@ -70,15 +71,14 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
 }
 
 Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
-  std::vector<Real> partial;
   constexpr int columns = sizeof(Plane) / sizeof(Real);
-  for (LocalId plane = 0; plane < input.order.planes(); ++plane) {
-    const auto [begin, end] = input.order.owned_range(plane, plane + 1);
-    const Plane sum = sum_plane(input, begin, end);
-    const auto* first = reinterpret_cast<const Real*>(&sum);
-    partial.insert(partial.end(), first, first + columns);
-  }
-  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
+  std::vector<Plane> partial(static_cast<std::size_t>(input.order.planes()));
+  for_each_part(input.order.planes(), [&](LocalId plane) {
+    partial[static_cast<std::size_t>(plane)] = sum_plane(input, input.order.owned_range(plane, plane + 1));
+  });
+  const auto* first = reinterpret_cast<const Real*>(partial.data());
+  const std::vector<Real> total =
+      sum_over_planes(comm_, std::vector<Real>(first, first + columns * partial.size()), columns);
   Plane sum;
   std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sum));
   Diagnostics row;
@@ -109,10 +109,17 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
   GlobalId interval = 0;
   for (int round = 1; round <= rounds; ++round) {
     std::vector<GlobalId> count(bins, 0);
-    for (const Vec3& p : positions) {
-      const GlobalId part = cell(p) >> (digit * (rounds - round));
-      if (part >> digit == interval) ++count[static_cast<std::size_t>(part & (bins - 1))];
-    }
+    PerThread<std::vector<GlobalId>> counts;
+    for (auto& own : counts) own.assign(bins, 0);
+    constexpr LocalId part_size = 8192;
+    for_each_part({0, static_cast<LocalId>(positions.size())}, part_size, [&](Range range) {
+      std::vector<GlobalId>& own = counts.mine();
+      for (LocalId i = range.begin; i < range.end; ++i) {
+        const GlobalId part = cell(positions[static_cast<std::size_t>(i)]) >> (digit * (rounds - round));
+        if (part >> digit == interval) ++own[static_cast<std::size_t>(part & (bins - 1))];
+      }
+    });
+    for (const auto& own : counts) std::transform(own.begin(), own.end(), count.begin(), count.begin(), std::plus());
     MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, comm);
     std::size_t bin = 0;
     while (bin + 1 < static_cast<std::size_t>(bins) && n > count[bin]) n -= count[bin++];  // n: from this interval on
@@ -122,8 +129,8 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
 }
 
 void DriftMeter::end(const std::vector<Vec3>& predicted) {
-  largest_ = 0;
-  for (std::size_t i = 0; i < start_.size(); ++i) largest_ = std::max(largest_, (predicted[i] - start_[i]).norm());
+  const Range all{0, static_cast<LocalId>(start_.size())};
+  largest_ = trevi::largest(all, 0, [&](std::size_t i) { return (predicted[i] - start_[i]).norm(); });
   start_.clear();
 }
 

@@ -32,7 +32,7 @@ class DiagnosticsSum {
 
  private:
   struct Plane;
-  Plane sum_plane(const DiagnosticsInput& input, LocalId begin, LocalId end) const;
+  Plane sum_plane(const DiagnosticsInput& input, Range range) const;
   bool interior(const Vec3& p, LocalId neighbours) const;
   void add_maxima(const DiagnosticsInput& input, Diagnostics& row) const;
 

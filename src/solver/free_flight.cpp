@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "base/threads.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -25,9 +26,9 @@ template <class T>
 typename FreeFlight<T>::Sums FreeFlight<T>::sums_of(DensityProblem<T>& problem) const {
   constexpr int columns = sizeof(Sums) / sizeof(Real);
   const Particles& particles = problem.particles();
-  std::vector<Real> partial;
-  for (LocalId plane = 0; plane < problem.order().planes(); ++plane) {
-    Sums sums;
+  std::vector<Sums> partial(static_cast<std::size_t>(problem.order().planes()));
+  for_each_part(problem.order().planes(), [&](LocalId plane) {
+    Sums& sums = partial[static_cast<std::size_t>(plane)];
     const auto [begin, end] = problem.order().owned_range(plane, plane + 1);
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3 &x = particles.position[i], &p = particles.predicted[i];
@@ -38,10 +39,10 @@ typename FreeFlight<T>::Sums FreeFlight<T>::sums_of(DensityProblem<T>& problem) 
       sums.moment += x.cross(p);
       sums.xx += x * x.transpose();
     }
-    const auto* first = reinterpret_cast<const Real*>(&sums);
-    partial.insert(partial.end(), first, first + columns);
-  }
-  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
+  });
+  const auto* first = reinterpret_cast<const Real*>(partial.data());
+  const std::vector<Real> total =
+      sum_over_planes(comm_, std::vector<Real>(first, first + columns * partial.size()), columns);
   Sums sums;
   std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sums));
   return sums;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/threads.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
 
@@ -24,10 +25,10 @@ void Guard::note(std::int64_t step, const std::string& failure) {
 }
 
 void Guard::check(const Particles& particles, const Walls& walls, std::int64_t step) {
-  for (std::size_t i = 0; i < particles.id.size(); ++i) {
-    const Vec3 &p = particles.predicted[i], &v = particles.velocity[i];
-    if (!walls.inside(p) || !v.allFinite()) return note_particle(particles, i, step);  // a NaN is not inside
-  }
+  const LocalId failed = first_index({0, particles.size()}, [&](std::size_t i) {
+    return !walls.inside(particles.predicted[i]) || !particles.velocity[i].allFinite();  // a NaN is not inside
+  });
+  if (failed < particles.size()) note_particle(particles, static_cast<std::size_t>(failed), step);
 }
 
 void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_t step) {

@@ -4,6 +4,7 @@
 
 #include <exception>
 
+#include "base/threads.hpp"
 #include "domain/migrate.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -86,11 +87,12 @@ template <class T>
 void PbfSolver<T>::predict_positions(Real dt) {
   const ScopedEvent timed(predict_event_);
   Particles& particles = parts_.particles;
-  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+  // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
+  const LocalId lost = first_index({0, particles.size()}, [&](std::size_t i) {
     particles.predicted[i] = parts_.walls->predict(particles.position[i], particles.velocity[i], dt);
-    // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
-    if (!parts_.walls->inside(particles.predicted[i])) guard_.note_particle(particles, i, parts_.clock.step + 1);
-  }
+    return !parts_.walls->inside(particles.predicted[i]);
+  });
+  if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);
 }
 
 template <class T>
@@ -116,8 +118,9 @@ template <class T>
 void PbfSolver<T>::update_velocities(Real dt) {
   const ScopedEvent timed(update_event_);
   Particles& particles = parts_.particles;
-  for (std::size_t i = 0; i < particles.id.size(); ++i)
+  for_each_index({0, particles.size()}, [&](std::size_t i) {
     particles.velocity[i] = (particles.predicted[i] - particles.position[i]) / dt;
+  });
 }
 
 template <class T>
@@ -134,7 +137,8 @@ void PbfSolver<T>::vote_on_failures() {
 
 template <class T>
 void PbfSolver<T>::accept_positions() {
-  parts_.particles.position = parts_.particles.predicted;
+  Particles& particles = parts_.particles;
+  for_each_index({0, particles.size()}, [&](std::size_t i) { particles.position[i] = particles.predicted[i]; });
 }
 
 template <class T>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/threads.hpp"
 #include "parallel/reductions.hpp"
 #include "trevi/error.hpp"
 
@@ -11,8 +12,8 @@ int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& pa
                           const std::vector<std::unique_ptr<Forcing>>& forcings) const {
   if (cfl <= 0) return 1;
   const Real dt = clock.dt, g = gravity.norm();
-  Real v2 = 0;
-  for (const Vec3& v : particles.velocity) v2 = std::max(v2, v.squaredNorm());
+  const Real v2 =
+      largest({0, particles.size()}, 0, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
   Real v = std::sqrt(max_over_ranks(comm, v2));
   Clock next = clock;
   ++next.step;
