@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <exception>
 #include <mutex>
@@ -49,6 +50,34 @@ class FirstFailure {
   std::exception_ptr failure_;
 };
 
+// Which parts are still to be done. Each thread has a run of its own, so that it finds in its cache what it left there
+// in the loop before; when it is done it helps the others.
+class Shares {
+ public:
+  Shares(LocalId parts, int threads) : shares_(static_cast<std::size_t>(threads)) {
+    for (int t = 0; t < threads; ++t) {
+      const auto begin = [&](int k) { return static_cast<LocalId>(std::int64_t{parts} * k / threads); };
+      shares_[static_cast<std::size_t>(t)].next = begin(t);
+      shares_[static_cast<std::size_t>(t)].end = begin(t + 1);
+    }
+  }
+
+  template <class Work>
+  void do_all(int thread, const Work& work) {
+    for (std::size_t k = 0; k < shares_.size(); ++k) {
+      Share& share = shares_[(static_cast<std::size_t>(thread) + k) % shares_.size()];
+      for (LocalId part = share.next++; part < share.end; part = share.next++) work(part);
+    }
+  }
+
+ private:
+  struct alignas(128) Share {
+    std::atomic<LocalId> next = 0;
+    LocalId end = 0;
+  };
+  std::vector<Share> shares_;
+};
+
 }  // namespace
 
 int thread_count() { return wanted_threads(); }
@@ -63,20 +92,20 @@ TREVI_UNSEEN_BY_TSAN void run_parts(LocalId parts, void (*work)(const void* cont
     return;
   }
   FirstFailure failure;
+  Shares shares(parts, threads);
   char begun = 0, done = 0;  // their addresses alone matter
   __tsan_release(&begun);
 #pragma omp parallel num_threads(threads)
   {
     __tsan_acquire(&begun);
     flush_denormals();
-#pragma omp for schedule(dynamic) nowait
-    for (LocalId k = 0; k < parts; ++k) {
+    shares.do_all(thread_number(), [&](LocalId part) {
       try {
-        work(context, k);
+        work(context, part);
       } catch (...) {
-        failure.note(k, std::current_exception());
+        failure.note(part, std::current_exception());
       }
-    }
+    });
     __tsan_release(&done);
   }
   __tsan_acquire(&done);

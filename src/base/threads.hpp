@@ -44,7 +44,8 @@ template <class Work>
 void for_each_index(Range range, const Work& work) {
   constexpr LocalId part_size = 2048;
   for_each_part(range, part_size, [&](Range part) {
-    for (LocalId i = part.begin; i < part.end; ++i) work(static_cast<std::size_t>(i));
+    const Work own = work;  // a copy that nobody else can change, so that the compiler may keep it in registers
+    for (LocalId i = part.begin; i < part.end; ++i) own(static_cast<std::size_t>(i));
   });
 }
 
@@ -52,42 +53,55 @@ void for_each_index(Range range, const Work& work) {
 template <class T>
 class PerThread {
  public:
-  T& mine() { return all_[static_cast<std::size_t>(thread_number())]; }
-  auto begin() { return all_.begin(); }
-  auto end() { return all_.end(); }
+  T& mine() { return all_[static_cast<std::size_t>(thread_number())].value; }
+  /// All of them, when the loop is done.
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    for (Padded& one : all_) visit(one.value);
+  }
 
  private:
-  std::vector<T> all_ = std::vector<T>(static_cast<std::size_t>(thread_count()));
+  // Two threads that write to one cache line, or to a pair of them, would wait for each other.
+  struct alignas(128) Padded {
+    T value{};
+  };
+  std::vector<Padded> all_ = std::vector<Padded>(static_cast<std::size_t>(thread_count()));
 };
 
 /// The largest of `least` and value(i) of the range; a NaN counts as nothing.
 template <class Value>
 Real largest(Range range, Real least, const Value& value) {
   PerThread<Real> found;
-  std::fill(found.begin(), found.end(), least);
+  found.for_each([&](Real& most) { most = least; });
   constexpr LocalId part_size = 2048;
   for_each_part(range, part_size, [&](Range part) {
+    const Value own = value;
     Real most = least;
-    for (LocalId i = part.begin; i < part.end; ++i) most = std::max(most, value(static_cast<std::size_t>(i)));
+    for (LocalId i = part.begin; i < part.end; ++i) most = std::max(most, own(static_cast<std::size_t>(i)));
     found.mine() = std::max(found.mine(), most);
   });
-  return *std::max_element(found.begin(), found.end());
+  Real most = least;
+  found.for_each([&](Real one) { most = std::max(most, one); });
+  return most;
 }
 
 /// The first i of the range for which `is` holds, range.end where there is none; `is` is called for every i.
 template <class Is>
 LocalId first_index(Range range, const Is& is) {
   PerThread<LocalId> found;
-  std::fill(found.begin(), found.end(), range.end);
+  found.for_each([&](LocalId& first) { first = range.end; });
   constexpr LocalId part_size = 2048;
   for_each_part(range, part_size, [&](Range part) {
+    const Is own = is;
     LocalId first = range.end;
     for (LocalId i = part.begin; i < part.end; ++i) {
-      if (is(static_cast<std::size_t>(i))) first = std::min(first, i);
+      if (own(static_cast<std::size_t>(i))) first = std::min(first, i);
     }
     found.mine() = std::min(found.mine(), first);
   });
-  return *std::min_element(found.begin(), found.end());
+  LocalId first = range.end;
+  found.for_each([&](LocalId one) { first = std::min(first, one); });
+  return first;
 }
 
 }  // namespace trevi

@@ -42,10 +42,10 @@ Vote vote_of(std::span<const GlobalId> ids) {
   });
   Vote total;
   total.particles = ids.size();
-  for (const Vote& vote : votes) {
+  votes.for_each([&](const Vote& vote) {
     total.ids += vote.ids;
     total.squares += vote.squares;
-  }
+  });
   return total;
 }
 

@@ -15,10 +15,10 @@ namespace trevi {
 struct CellOrder::RowScratch {
   struct Entry {
     GlobalId id;
-    LocalId index, column;
+    LocalId index;
   };
-  std::vector<Entry> entries, sorted;
-  std::vector<LocalId> next;
+  std::vector<Entry> sorted;
+  std::vector<LocalId> columns, next;  // of each particle; of each cell where its next particle goes
 };
 
 // Fills order_ with the particles row by row of cells, within a row in the order in which they are stored. Each part of
@@ -63,24 +63,24 @@ void CellOrder::sort_row(const Particles& particles, LocalId row, RowScratch& sc
   LocalId* counts = counts_.data() + static_cast<std::size_t>(row) * columns;
   std::fill_n(counts, columns, 0);
   const LocalId begin = row_start_[static_cast<std::size_t>(row)], end = row_start_[static_cast<std::size_t>(row) + 1];
-  scratch.entries.clear();
-  for (LocalId k = begin; k < end; ++k) {
-    const LocalId index = order_[static_cast<std::size_t>(k)];
-    const auto i = static_cast<std::size_t>(index);
-    const LocalId column = grid_.column_of(particles.predicted[i]);
-    scratch.entries.push_back({particles.id[i], index, column});
-    ++counts[column];
+  const std::span<LocalId> order(order_.data() + begin, static_cast<std::size_t>(end - begin));
+  scratch.columns.resize(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    scratch.columns[k] = grid_.column_of(particles.predicted[static_cast<std::size_t>(order[k])]);
+    ++counts[scratch.columns[k]];
   }
   scratch.next.resize(columns);
   std::exclusive_scan(counts, counts + columns, scratch.next.begin(), 0);
-  scratch.sorted.resize(scratch.entries.size());
-  for (const auto& entry : scratch.entries)
-    scratch.sorted[static_cast<std::size_t>(scratch.next[static_cast<std::size_t>(entry.column)]++)] = entry;
+  scratch.sorted.resize(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    LocalId& place = scratch.next[static_cast<std::size_t>(scratch.columns[k])];
+    scratch.sorted[static_cast<std::size_t>(place++)] = {particles.id[static_cast<std::size_t>(order[k])], order[k]};
+  }
   auto cell = scratch.sorted.begin();
   for (std::size_t c = 0; c < columns; cell += counts[c++]) {
     if (counts[c] > 1) std::sort(cell, cell + counts[c], [](const auto& a, const auto& b) { return a.id < b.id; });
   }
-  std::transform(scratch.sorted.begin(), scratch.sorted.end(), order_.begin() + begin,
+  std::transform(scratch.sorted.begin(), scratch.sorted.end(), order.begin(),
                  [](const auto& entry) { return entry.index; });
 }
 
@@ -146,7 +146,9 @@ Range CellOrder::owned_range(LocalId k, LocalId l) const {
 }
 
 std::size_t CellOrder::bytes() const {
-  std::size_t bytes = (counts_.capacity() + start_.capacity() + row_.capacity() + row_start_.capacity() + order_.capacity()) * sizeof(LocalId);
+  std::size_t bytes =
+      (counts_.capacity() + start_.capacity() + row_.capacity() + row_start_.capacity() + order_.capacity()) *
+      sizeof(LocalId);
   std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;
 }

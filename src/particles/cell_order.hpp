@@ -63,11 +63,11 @@ class CellOrder {
 
   CellGrid grid_;
   LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
-  std::vector<LocalId> counts_;  // of each owned cell
-  std::vector<LocalId> start_;   // first particle of each cell of planes_ + 2 planes, and the total
+  std::vector<LocalId> counts_;     // of each owned cell
+  std::vector<LocalId> start_;      // first particle of each cell of planes_ + 2 planes, and the total
   std::vector<LocalId> row_start_;  // first particle of each row of cells of the owned planes, and the total
-  std::vector<LocalId> row_;     // of each particle, before sorting
-  std::vector<LocalId> order_;   // sorted index -> old index
+  std::vector<LocalId> row_;        // of each particle, before sorting
+  std::vector<LocalId> order_;      // sorted index -> old index
   std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
 };
 

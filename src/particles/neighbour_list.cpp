@@ -266,7 +266,7 @@ void search(const SearchInput<T>& in, SearchResult& result) {
       if (!search_cell(in, result, workers.mine(), k, c)) return;
     }
   });
-  for (Worker<T>& worker : workers) worker.writer.close();
+  workers.for_each([](Worker<T>& worker) { worker.writer.close(); });
 }
 
 void search_single(const SearchInput<float>& in, SearchResult& result) { search(in, result); }

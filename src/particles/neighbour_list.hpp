@@ -1,7 +1,7 @@
 // Neighbours of each owned particle: all others, ghosts included, with |p*_i − p*_j| < h at the time of the search,
-// which is once a substep. Each particle has a row, in storage order, which is the same on any rank count. Indices count
-// from the first low ghost. The rows of particles one after the other lie one after the other for the most part, but not
-// always: each thread of the search writes its rows to pages of its own. Not collective.
+// which is once a substep. Each particle has a row, in storage order, which is the same on any rank count. Indices
+// count from the first low ghost. The rows of particles one after the other lie one after the other for the most part,
+// but not always: each thread of the search writes its rows to pages of its own. Not collective.
 #pragma once
 
 #include <algorithm>

@@ -52,13 +52,11 @@ CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Re
 
 void CoarseWater::measure(const CellOrder& order, Halo& halo, std::span<const Vec3> x, std::span<const Vec3> p) {
   look_for_water(order);
-  sums_.assign(grid_.cells(), PlaneSums{});
-  for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
+  clear_sums();
   PerThread<FaceSums> faces;
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, {x, p}, faces.mine()); });
   halo.start_planes(sums_, grid_.step(0));
   halo.finish();
-  fill_.assign(grid_.cells(), 0.0);
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) {
     const std::size_t plane = grid_.step(0), end = grid_.index(k.begin, grid_.rows(), 0);
     for (std::size_t at = grid_.index(k.begin, 0, 0); at < end; ++at)
@@ -75,21 +73,39 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, std::span<const Ve
 // no pressure on the water below it.
 void CoarseWater::look_for_water(const CellOrder& order) {
   const LocalId columns = order.grid().columns();
-  LocalId found[] = {0, 0};  // depth, columns
-  for (LocalId k = 1; k <= order.planes(); ++k) {
-    LocalId run = 0;
-    for (LocalId c = 0; c < order.grid().cells_per_plane(); ++c) {
-      const LocalId column = c % columns;
-      if (column == 0) run = 0;
-      run = order.start(k, c + 1) - order.start(k, c) >= least_particles_ ? run + 1 : 0;
-      if (run == 0) continue;
-      found[0] = std::max(found[0], run);
-      found[1] = std::max(found[1], column + 1);
+  PerThread<std::array<LocalId, 2>> most;  // depth, columns
+  for_each_part({1, order.planes() + 1}, 1, [&](Range k) {
+    auto& [depth, highest] = most.mine();
+    for (LocalId r = 0; r < order.grid().rows(); ++r) {
+      LocalId run = 0;
+      for (LocalId c = 0; c < columns; ++c) {
+        const LocalId cell = r * columns + c;
+        run = order.start(k.begin, cell + 1) - order.start(k.begin, cell) >= least_particles_ ? run + 1 : 0;
+        if (run == 0) continue;
+        depth = std::max(depth, run);
+        highest = std::max(highest, c + 1);
+      }
     }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, found, 2, MPI_INT32_T, MPI_MAX, comm_);
+  });
+  std::array<LocalId, 2> found{};
+  most.for_each([&](const auto& one) { found = {std::max(found[0], one[0]), std::max(found[1], one[1])}; });
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), 2, MPI_INT32_T, MPI_MAX, comm_);
   depth_ = found[0];
   grid_.resize(order.planes(), found[1] + 2);
+}
+
+// The ghost planes, too: where the box ends nothing is received.
+void CoarseWater::clear_sums() {
+  sums_.resize(grid_.cells());
+  for (auto& u : displacement_) u.resize(grid_.cells());
+  fill_.resize(grid_.cells());
+  for_each_part(grid_.planes() + 2, [&](LocalId k) {
+    const auto first = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(k) * grid_.step(0));
+    const auto plane = static_cast<std::ptrdiff_t>(grid_.step(0));
+    std::fill_n(sums_.begin() + first, plane, PlaneSums{});
+    for (auto& u : displacement_) std::fill_n(u.begin() + first, plane, 0.0);
+    std::fill_n(fill_.begin() + first, plane, 0.0);
+  });
 }
 
 void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces) {

@@ -71,6 +71,7 @@ class CoarseWater {
     std::size_t begin, end;
   };
   void look_for_water(const CellOrder& order);
+  void clear_sums();
   // The positions between which the prediction moves the particles.
   struct Motion {
     std::span<const Vec3> x, p;

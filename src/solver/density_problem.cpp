@@ -129,8 +129,9 @@ Compression DensityProblem<T>::compression() const {
     largest.mine() = std::max(largest.mine(), most);
   });
   const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
-  return {total[1] > 0 ? total[0] / total[1] : 0,
-          max_over_ranks(comm_, *std::max_element(largest.begin(), largest.end()))};
+  Real most = 0;
+  largest.for_each([&](Real one) { most = std::max(most, one); });
+  return {total[1] > 0 ? total[0] / total[1] : 0, max_over_ranks(comm_, most)};
 }
 
 template class DensityProblem<float>;

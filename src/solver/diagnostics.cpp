@@ -110,7 +110,7 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
   for (int round = 1; round <= rounds; ++round) {
     std::vector<GlobalId> count(bins, 0);
     PerThread<std::vector<GlobalId>> counts;
-    for (auto& own : counts) own.assign(bins, 0);
+    counts.for_each([](auto& own) { own.assign(bins, 0); });
     constexpr LocalId part_size = 8192;
     for_each_part({0, static_cast<LocalId>(positions.size())}, part_size, [&](Range range) {
       std::vector<GlobalId>& own = counts.mine();
@@ -119,7 +119,8 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
         if (part >> digit == interval) ++own[static_cast<std::size_t>(part & (bins - 1))];
       }
     });
-    for (const auto& own : counts) std::transform(own.begin(), own.end(), count.begin(), count.begin(), std::plus());
+    counts.for_each(
+        [&](const auto& own) { std::transform(own.begin(), own.end(), count.begin(), count.begin(), std::plus()); });
     MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, comm);
     std::size_t bin = 0;
     while (bin + 1 < static_cast<std::size_t>(bins) && n > count[bin]) n -= count[bin++];  // n: from this interval on

@@ -118,9 +118,8 @@ template <class T>
 void PbfSolver<T>::update_velocities(Real dt) {
   const ScopedEvent timed(update_event_);
   Particles& particles = parts_.particles;
-  for_each_index({0, particles.size()}, [&](std::size_t i) {
-    particles.velocity[i] = (particles.predicted[i] - particles.position[i]) / dt;
-  });
+  for_each_index({0, particles.size()},
+                 [&](std::size_t i) { particles.velocity[i] = (particles.predicted[i] - particles.position[i]) / dt; });
 }
 
 template <class T>

@@ -12,8 +12,7 @@ int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& pa
                           const std::vector<std::unique_ptr<Forcing>>& forcings) const {
   if (cfl <= 0) return 1;
   const Real dt = clock.dt, g = gravity.norm();
-  const Real v2 =
-      largest({0, particles.size()}, 0, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
+  const Real v2 = largest({0, particles.size()}, 0, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
   Real v = std::sqrt(max_over_ranks(comm, v2));
   Clock next = clock;
   ++next.step;
