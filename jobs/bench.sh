@@ -170,6 +170,8 @@ main() {
   export OMPI_MCA_hwloc_base_binding_policy=none
   # On a shared machine a rank that waits should not keep the other one from its core.
   export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
+  # What is measured is a core; ranks are not bound, so each would take all cores for its threads.
+  export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
   build_benchmarks
   mkdir -p out/bench
   lscpu | grep -E '^(Model name|CPU\(s\)|CPU max MHz|L[123]d? cache)'

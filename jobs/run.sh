@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # usage: jobs/run.sh SCENE [RANKS] [-- more arguments of trevi]
 #
-# Installs what is missing, builds, runs SCENE on RANKS ranks (default 2), draws the density curve and says where
-# everything is. Output goes to out/<scene name>, or -2, -3, ... when that exists; with --restart to the newest of them.
+# Installs what is missing, builds, runs SCENE on all cores, draws the density curve and says where everything is. RANKS
+# is the number of ranks, which share the cores as threads; by default there is one for each NUMA node, so on a machine
+# with a single one there is one rank, and no mpirun. Output goes to out/<scene name>, or -2, -3, ... when that exists; with --restart to the newest of them.
 # trevi runs in the root of the project, so paths after -- are relative to that.
 #
 #   jobs/run.sh inputs/falling_cube.toml
@@ -22,7 +23,7 @@ parse_arguments() {
   scene="$(realpath "$1")"
   scene="${scene#"$trevi_root"/}"
   shift
-  ranks=2
+  ranks=""
   if [[ $# -gt 0 && $1 != -- ]]; then
     [[ $1 =~ ^[1-9][0-9]*$ ]] || fail "RANKS must be a positive number, not '$1'" 2
     ranks=$1
@@ -57,6 +58,32 @@ choose_output() {
   extra+=(--output "$output")
 }
 
+# NUMA nodes with processors that this process may use; each has memory of its own, which is slower from another.
+numa_nodes() {
+  /usr/bin/python3 -c 'import glob, os
+nodes = {os.path.basename(node) for cpu in os.sched_getaffinity(0)
+         for node in glob.glob(f"/sys/devices/system/cpu/cpu{cpu}/node[0-9]*")}
+print(max(1, len(nodes)))'
+}
+
+# Sets launch: nothing for one rank, which then has all cores. mpirun would bind one or two ranks to a core each, and so
+# to a thread each: ranks are bound to NUMA nodes, of which they share the cores, or not at all where there is only one.
+choose_launch() {
+  local nodes
+  nodes="$(numa_nodes)"
+  ranks="${ranks:-$nodes}"
+  launch=()
+  [[ $ranks -gt 1 ]] || return 0
+  launch=(mpirun -np "$ranks")
+  if [[ -n ${OMPI_MCA_hwloc_base_binding_policy:-}${OMPI_MCA_rmaps_base_mapping_policy:-} ]]; then
+    return 0 # as the user says
+  elif [[ $nodes -gt 1 ]]; then
+    launch+=(--map-by numa --bind-to numa:overload-allowed)
+  else
+    launch+=(--bind-to none)
+  fi
+}
+
 # report: what the run left, and how to look at it.
 report() {
   echo
@@ -75,14 +102,16 @@ report() {
 }
 
 main() {
-  local scene ranks extra output status=0
+  local scene ranks extra output launch status=0
   parse_arguments "$@"
   cd "$trevi_root"
   setup release
   choose_output
+  choose_launch
+  local run=("${launch[@]}" build/release/trevi "$scene" "${extra[@]}")
   echo
-  echo "mpirun -np $ranks build/release/trevi $scene ${extra[*]}"
-  mpirun -np "$ranks" build/release/trevi "$scene" "${extra[@]}" || status=$?
+  echo "${run[*]}"
+  "${run[@]}" || status=$?
   # 4: stopped on request after a checkpoint; what there is can be looked at.
   if [[ $status -eq 0 || $status -eq 4 ]]; then
     report

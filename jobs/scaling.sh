@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# usage: jobs/scaling.sh [--studies LIST] [--ranks LIST] [--counted LIST] [--million] [--repeats N] [--output DIR]
-#                        [--program FILE]
+# usage: jobs/scaling.sh [--studies LIST] [--ranks LIST] [--counted LIST] [--threads N] [--million] [--repeats N]
+#                        [--output DIR] [--program FILE]
 #
 # Strong and weak scaling, balance and halo traffic, measured with mpirun on this machine or inside a Slurm allocation
 # (jobs/scaling.sbatch). Runs go to DIR (default out/scaling); postprocess/scaling.py makes the tables and plots there.
 #   --studies LIST   of: network strong weak counted balance (default all of them)
 #   --ranks LIST     rank counts that are timed (default: 1 2 4 ... up to the cores of this machine)
 #   --counted LIST   rank counts that only count messages, bytes and work, as the cores are too few (default: 2 4 8 16)
+#   --threads N      threads of each rank (default 1: then cores are ranks)
 #   --million        1 million particles and 0.5 million a rank, in place of 96,000 and 96,000 a rank
 #   --repeats N      runs of each kind, taken in turns (default 3): medians and fastest are shown
 #   --program FILE   a trevi that is built already, with bench_halo beside it in tests/benchmarks if there is one
@@ -33,12 +34,12 @@ check_numbers() {
 parse_arguments() {
   local study
   studies="network strong weak counted balance" ranks="$(powers_of_two "$(nproc)")" counted="2 4 8 16"
-  million=no repeats=3 output=out/scaling program=""
+  threads=1 million=no repeats=3 output=out/scaling program=""
   while [[ $# -gt 0 ]]; do
     case "$1" in
       -h | --help) print_help && exit 0 ;;
       --million) million=yes && shift && continue ;;
-      --studies | --ranks | --counted | --repeats | --output | --program) ;;
+      --studies | --ranks | --counted | --threads | --repeats | --output | --program) ;;
       *) fail "unknown argument $1; see --help" 2 ;;
     esac
     [[ $# -gt 1 ]] || fail "$1 needs a value; see --help" 2
@@ -47,6 +48,7 @@ parse_arguments() {
   done
   check_numbers --ranks "$ranks"
   check_numbers --counted "$counted"
+  check_numbers --threads "$threads"
   check_numbers --repeats "$repeats"
   for study in $studies; do
     [[ $study =~ ^(network|strong|weak|counted|balance)$ ]] || fail "--studies: there is no '$study'; see --help" 2
@@ -69,7 +71,7 @@ run() {
   rm -rf "$place"
   mkdir -p "$(dirname "$place")"
   echo "$place"
-  "${MPIRUN:-mpirun}" -np "$ranks" "$program" "$scene" --steps "$steps" --output "$place" --progress none \
+  "${MPIRUN:-mpirun}" -np "$ranks" "$program" "$scene" --steps "$steps" --output "$place" --progress none --threads "$threads" \
     --set output.series.every_steps=5 "${settings[@]}" >"$place.log" 2>&1 || fail "failed; see $place.log"
 }
 
@@ -140,7 +142,7 @@ balance() {
 }
 
 main() {
-  local studies ranks counted million repeats output program study
+  local studies ranks counted threads million repeats output program study
   parse_arguments "$@"
   cd "$trevi_root"
   mpi_environment

@@ -18,7 +18,8 @@ STRESS = ROOT / "inputs" / "stress"
 GRAVITY = 9.8  # m/s²
 REPORT = ["density.preset=report"]
 PLAIN_JACOBI = ["density.method=jacobi", "density.relaxation=1.0", "density.constraint=equality", "walls.density=none"]
-MPI_SETTINGS = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+MPI_SETTINGS = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
+                "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}  # as several runs share the machine
 
 
 def parser_of(description, written):

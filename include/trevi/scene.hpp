@@ -60,6 +60,7 @@ struct Scene : Settings {
   std::uint64_t seed = 1;
   std::optional<Real> wall_limit;  ///< s
   std::string instruction_set;     ///< one of instruction_set_names(); empty: the best
+  std::optional<int> threads;      ///< of each rank
 
   std::int64_t steps() const;  ///< round(end/dt)
 

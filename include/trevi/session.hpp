@@ -2,7 +2,8 @@
 // and destroyed after the last. A program that reports an error of the Session itself on one rank only constructs Mpi
 // before it. Collective. PETSc reads its own options (-log_view and others) from the command line; its signal handler
 // is off, as the solver has its own. Denormal numbers are flushed to zero: they are very slow in the high powers of the
-// artificial pressure s_corr.
+// artificial pressure s_corr. Threads: a solver's loops are shared by threads of OpenMP, whose settings stay those of
+// the host; MPI is called by the thread of the Session only.
 #pragma once
 
 #include <mpi.h>
@@ -40,6 +41,15 @@ class Session {
   MPI_Comm comm() const { return comm_; }
   int rank() const { return rank_; }
   int size() const { return size_; }
+
+  /// Threads that share the loops of this rank, from the next solver on; on each rank as it likes, as results do not
+  /// depend on it. Until this is called OMP_NUM_THREADS, or 1 where that is not set. More than there are cores is
+  /// allowed. InputError for a number below 1 or above 1024.
+  static void use_threads(int count);
+  static int threads();
+  /// What the program uses when nobody says otherwise: the physical cores that this rank may use, shared fairly with
+  /// the ranks on the same machine that may use them, too. Changes nothing. Collective.
+  int fair_threads() const;
 
   /// Options that PETSc was given and has not used, probably mistyped; each as "-name".
   std::vector<std::string> unused_options() const;

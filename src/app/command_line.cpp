@@ -1,8 +1,12 @@
 #include "app/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cctype>
 
+#include "app/launch.hpp"
+#include "base/threads.hpp"
 #include "trevi/error.hpp"
 #include "trevi/scene.hpp"
 
@@ -20,6 +24,10 @@ std::string refuse_empty(const std::string& text) { return text.empty() ? "must 
 std::string refuse_step(const std::string& text) {
   const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
   return digits && !text.empty() && text.size() <= 15 ? "" : "must be a whole number from 0 to 999999999999999";
+}
+
+std::string refuse_threads(const std::string& text) {
+  return whole_threads(text) ? "" : fmt::format("must be a whole number from 1 to {}", most_threads);
 }
 
 // A mistyped -steps would otherwise be passed to PETSc and silently ignored.
@@ -61,6 +69,9 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest")->check(refuse_empty);
   app.add_option("--steps", line.steps, "stop when the run's total step count is this, before or past time.end")
       ->check(refuse_step);
+  app.add_option("--threads", line.threads,
+                 "threads of each rank; default [run] threads, OMP_NUM_THREADS, or as many as there are cores for it")
+      ->check(refuse_threads);
   app.add_flag("--dry-run", line.dry_run, "check the scene, print what the run would need, write nothing");
   app.add_option("--preview", line.preview, "write the curves of the fountains to this .csv file, and do not run")
       ->check(refuse_empty);
@@ -79,11 +90,12 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::CallForVersion& version) {
     line.help = std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) +
-                     "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
-                     "[--restart FILE|latest] [--steps N] [--dry-run] [--preview FILE.csv] [--view HOST:PORT] "
-                     "[--progress auto|bar|lines|none] [PETSc options]; "
-                     "--help lists all scene keys");
+    throw InputError(
+        std::string(error.what()) +
+        "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
+        "[--restart FILE|latest] [--steps N] [--threads N] [--dry-run] [--preview FILE.csv] [--view HOST:PORT] "
+        "[--progress auto|bar|lines|none] [PETSc options]; "
+        "--help lists all scene keys");
   }
   return line;
 }

@@ -17,6 +17,7 @@ struct CommandLine {
   std::vector<std::string> overrides;  ///< table.key=value
   std::string restart;                 ///< a file, or "latest"; empty: none
   std::optional<std::int64_t> steps;   ///< total step count to stop at
+  std::optional<int> threads;          ///< of each rank
   bool dry_run = false;
   std::string preview;  ///< file for the curves of the fountains, instead of a run; empty: none
   std::string view;     ///< HOST:PORT of a viewer that may watch the run; empty: none

@@ -117,7 +117,7 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 
 }  // namespace
 
-void print_dry_run(const Session& session, const Scene& scene, const std::string& directory) {
+void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory) {
   make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
   const DensityModel model = density_model(scene);
   const CellGrid grid = cell_grid(scene);
@@ -125,6 +125,7 @@ void print_dry_run(const Session& session, const Scene& scene, const std::string
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
   if (session.rank() != 0) return;
   fmt::print("scene       {}\n", scene.path);
+  fmt::print("launch      {}\n", launch_text(launch, scene));
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));

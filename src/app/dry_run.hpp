@@ -4,11 +4,12 @@
 
 #include <string>
 
+#include "app/launch.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
 
-void print_dry_run(const Session& session, const Scene& scene, const std::string& directory);
+void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory);
 
 }  // namespace trevi

@@ -69,12 +69,13 @@ double pair_seconds(const std::vector<PhaseReport>& phases) {
   return seconds;
 }
 
-RunReport local_report(const Session& session, const RunContext& context, const Solver& solver,
-                       const Outcome& outcome) {
+RunReport local_report(const RunContext& context, const Solver& solver, const Outcome& outcome) {
   RunReport report;
   report.exit_reason = outcome.reason;
   report.exit_code = static_cast<int>(outcome.code);
-  report.ranks = session.size();
+  report.ranks = context.launch.ranks;
+  report.threads = context.launch.threads_max;
+  report.threads_min = context.launch.threads_min;
   report.versions = versions();
   report.scene = context.scene.path;
   report.scene_hash = scene_hash(context.scene.text);
@@ -99,7 +100,7 @@ RunReport local_report(const Session& session, const RunContext& context, const 
 void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome) {
   const MPI_Comm comm = session.comm();
   const Solver::Counters counters = solver.counters();
-  RunReport report = local_report(session, context, solver, outcome);
+  RunReport report = local_report(context, solver, outcome);
   report.particles = sum_over_ranks(comm, solver.particles().size());
   report.wall_seconds = max_over_ranks(comm, counters.seconds);
   report.phases = phases(comm);
@@ -120,8 +121,8 @@ void write_report(const Session& session, const RunContext& context, const Solve
   write_run_report(comm, context.directory, report);
 }
 
-void write_last_words(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome) {
-  RunReport report = local_report(session, context, solver, outcome);
+void write_last_words(const RunContext& context, const Solver& solver, const Outcome& outcome) {
+  RunReport report = local_report(context, solver, outcome);
   report.wall_seconds = solver.counters().seconds;
   write_run_report(MPI_COMM_SELF, context.directory, report);
 }

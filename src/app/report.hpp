@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "app/launch.hpp"
 #include "io/energy_rise.hpp"
 #include "trevi/error.hpp"
 #include "trevi/scene.hpp"
@@ -17,6 +18,7 @@ struct RunContext {
   std::int64_t first_step = 0;
   bool restarted = false;
   const EnergyRise* energy = nullptr;  ///< null without a series, or where something pumps
+  Launch launch = {};
 };
 
 struct Outcome {
@@ -28,6 +30,6 @@ struct Outcome {
 void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
 
 /// The part of the report that one rank knows, for when it fails alone and cannot communicate. Not collective.
-void write_last_words(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
+void write_last_words(const RunContext& context, const Solver& solver, const Outcome& outcome);
 
 }  // namespace trevi

@@ -8,6 +8,7 @@
 #include "app/build.hpp"
 #include "app/dry_run.hpp"
 #include "app/envelope.hpp"
+#include "app/launch.hpp"
 #include "app/preview.hpp"
 #include "app/report.hpp"
 #include "app/restart.hpp"
@@ -18,6 +19,7 @@
 #include "io/vtu.hpp"
 #include "parallel/collective.hpp"
 #include "parallel/log.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 
@@ -34,12 +36,16 @@ void flush_output(MPI_Comm comm) {
   });
 }
 
-void warn_of_missed_tolerances(const Session& session, const Solver::Counters& counters) {
-  if (counters.unconverged == 0) return;
-  tell(session,
-       fmt::format("warning: {} of {} density solves missed density.tolerance; use more density.iterations or a "
-                   "smaller dt",
-                   counters.unconverged, counters.substeps));
+void warn_at_the_end(const Session& session, const RunContext& context, const Solver::Counters& counters) {
+  if (counters.unconverged > 0) {
+    tell(session,
+         fmt::format("warning: {} of {} density solves missed density.tolerance; use more density.iterations or a "
+                     "smaller dt",
+                     counters.unconverged, counters.substeps));
+  }
+  if (context.energy == nullptr) return;
+  for (const std::string& warning : energy_warnings(context.scene, context.energy->share()))
+    tell(session, "warning: " + warning);
 }
 
 // Runs to the last step or until a stop is requested. A request after the last step has no effect.
@@ -68,7 +74,7 @@ std::string leave_traces(const Session& session, const RunContext& context, cons
   std::string traces;
   try {
     if (error.reach() == Reach::one_rank) {
-      write_last_words(session, context, solver, outcome);
+      write_last_words(context, solver, outcome);
       return traces;
     }
     if (blown_up) {
@@ -119,7 +125,19 @@ bool has_steps_left(const Restart& restart, const Scene& scene, const CommandLin
                    "give a later end, for example with --set time.end");
 }
 
-ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine& line, const std::string& command) {
+// The first words of a run: all that could be refused has been looked at.
+void announce(const Session& session, const RunContext& context, const Solver& solver, const std::string& restart) {
+  const GlobalId particles = sum_over_ranks(session.comm(), solver.particles().size());
+  if (session.rank() == 0) {
+    std::fprintf(stderr, "trevi %s: %s, %s particles\n", TREVI_VERSION,
+                 launch_text(context.launch, context.scene).c_str(), with_commas(particles).c_str());
+  }
+  if (!restart.empty()) tell(session, restart);
+  for (const std::string& warning : start_warnings(context.scene)) tell(session, "warning: " + warning);
+}
+
+ExitCode run_scene(const Session& session, const Scene& scene, const Launch& launch, const CommandLine& line,
+                   const std::string& command) {
   BuildOptions options;
   options.directory = line.output.empty() ? scene.output.directory : line.output;
   options.progress = line.progress;
@@ -129,27 +147,25 @@ ExitCode run_scene(const Session& session, const Scene& scene, const CommandLine
   std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
   const bool goes_on = restart && restart->state;
   check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
-  if (restart) tell(session, restart->message);
   if (restart && !has_steps_left(*restart, scene, line)) {
+    tell(session, restart->message);
     tell(session, "which is the last; nothing to do");
     return ExitCode::done;
   }
-  for (const std::string& warning : start_warnings(scene)) tell(session, "warning: " + warning);
   if (goes_on) options.restart = std::move(restart->state);
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
   options.viewed = !line.view.empty();
   if (options.viewed) options.viewer = connect_on_root(session.comm(), line.view);
   options.requests = requests_of(watch, options.viewer);
   const std::shared_ptr<EnergyRise> energy = options.energy = make_energy_rise(scene);
-  const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on, energy.get()};
+  const RunContext context{scene,   options.directory, goes_on ? options.restart->step : 0,
+                           goes_on, energy.get(),      launch};
   const std::int64_t last_step = options.last_step;
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
+  announce(session, context, *solver, restart ? restart->message : "");
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   write_report(session, context, *solver, outcome);
-  warn_of_missed_tolerances(session, solver->counters());
-  if (energy) {
-    for (const std::string& warning : energy_warnings(scene, energy->share())) tell(session, "warning: " + warning);
-  }
+  warn_at_the_end(session, context, solver->counters());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();
     tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);
@@ -176,12 +192,13 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     return ExitCode::done;
   }
   if (scene.output.vtu) require_vtk();
+  const Launch launch = use_threads(session, line.threads, scene);
   if (line.dry_run) {
-    print_dry_run(session, scene, line.output.empty() ? scene.output.directory : line.output);
+    print_dry_run(session, scene, launch, line.output.empty() ? scene.output.directory : line.output);
     flush_output(session.comm());
     return ExitCode::done;
   }
-  return run_scene(session, scene, line, restart_command(session, argc, argv));
+  return run_scene(session, scene, launch, line, restart_command(session, argc, argv));
 }
 
 int report_error(const Error& error) {

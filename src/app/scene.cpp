@@ -12,6 +12,7 @@
 #include "app/scene_physics.hpp"
 #include "app/scene_reader.hpp"
 #include "base/simd.hpp"
+#include "base/threads.hpp"
 #include "io/fields.hpp"
 
 namespace trevi {
@@ -64,8 +65,19 @@ void read_instruction_set(Section& run, Scene& scene) {
   }
 }
 
+void read_threads(Section& run, Scene& scene) {
+  int threads = 0;
+  if (!run.integer({"threads", "the number of threads of each rank; default OMP_NUM_THREADS, or as the cores allow"},
+                   threads, 1))
+    return;
+  run.check("threads", threads <= most_threads,
+            fmt::format("must be at most {}; leave it out for as many as there are cores", most_threads));
+  scene.threads = threads;
+}
+
 void read_run(Section run, Scene& scene) {
   read_wall_limit(run, scene);
+  read_threads(run, scene);
   read_instruction_set(run, scene);
   run.reject_unknown();
 }

@@ -84,6 +84,16 @@ int thread_count() { return wanted_threads(); }
 void use_threads(int count) { wanted_threads() = count; }
 int thread_number() { return omp_get_thread_num(); }
 
+std::vector<int> placed_processors() {
+  std::vector<int> all;
+  for (int place = 0; place < omp_get_num_places(); ++place) {
+    std::vector<int> some(static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, some.data());
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
 TREVI_UNSEEN_BY_TSAN void run_parts(LocalId parts, void (*work)(const void* context, LocalId part),
                                     const void* context) {
   const int threads = std::min(thread_count(), parts);

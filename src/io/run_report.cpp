@@ -26,6 +26,8 @@ Json report_json(const RunReport& report) {
   json["exit_reason"] = report.exit_reason;
   json["exit_code"] = report.exit_code;
   json["ranks"] = report.ranks;
+  json["threads"] = report.threads;
+  json["threads_min"] = report.threads_min;
   const RunReport::Versions& v = report.versions;
   json["versions"] = Json{{"trevi", v.trevi}, {"mpi", v.mpi}, {"petsc", v.petsc}, {"hdf5", v.hdf5}, {"vtk", v.vtk}};
   json["scene"] = report.scene;

@@ -27,6 +27,7 @@ struct RunReport {
   std::string exit_reason;  ///< "done", "stopped: wall limit", ...
   int exit_code = 0;
   int ranks = 1;
+  int threads = 1, threads_min = 1;  ///< of a rank: most and least of the ranks
   struct Versions {
     std::string trevi, mpi, petsc, hdf5, vtk;
   } versions;

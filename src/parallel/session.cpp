@@ -9,7 +9,10 @@
 #include <fstream>
 #include <string_view>
 
+#include "base/cores.hpp"
 #include "base/simd.hpp"
+#include "base/threads.hpp"
+#include "parallel/core_share.hpp"
 #include "parallel/log.hpp"
 #include "trevi/error.hpp"
 
@@ -88,6 +91,17 @@ Session::~Session() {
   forget_events();
   if (owns_petsc_) PetscFinalize();
 }
+
+void Session::use_threads(int count) {
+  if (count < 1 || count > most_threads) {
+    throw InputError(std::to_string(count) + " threads: must be from 1 to " + std::to_string(most_threads));
+  }
+  trevi::use_threads(count);
+}
+
+int Session::threads() { return thread_count(); }
+
+int Session::fair_threads() const { return trevi::fair_threads(comm_, usable_cores(), allowed_processors()); }
 
 std::vector<std::string> Session::unused_options() const {
   PetscInt count = 0;

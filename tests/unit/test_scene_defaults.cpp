@@ -90,6 +90,7 @@ TEST(SceneDefaults, EveryKeyIsAmongThem) {
                                  "[output.checkpoint] every_steps",
                                  "[output.series] every",
                                  "[run] wall_limit",
+                                 "[run] threads",
                                  "[run] instruction_set"};
   for (const auto& defaults : {defaults_of_all_scenes(meaning("")), defaults_of_features})
     std::transform(defaults.begin(), defaults.end(), std::inserter(known, known.end()), label_of);

@@ -1,0 +1,33 @@
+// How a run is laid out on its machines: ranks and their threads. Collective, unless it is said otherwise.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "trevi/scene.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+struct Launch {
+  int ranks = 1;
+  int threads_min = 1, threads_max = 1;  ///< of a rank; they differ where ranks have different cores
+};
+
+/// The number of threads that a text gives, if it does and is one that can be used. Not collective.
+std::optional<int> whole_threads(std::string_view text);
+
+/// Gives this rank its threads: `wanted` (the command line's), else the scene's, else those of OMP_NUM_THREADS, else as
+/// many as there are cores for it (Session::fair_threads). InputError on all ranks alike for an OMP_NUM_THREADS that
+/// cannot be used.
+Launch use_threads(const Session& session, std::optional<int> wanted, const Scene& scene);
+
+/// "2 ranks x 4 threads, AVX3, single precision". Not collective.
+std::string launch_text(const Launch& launch, const Scene& scene);
+
+/// "96,000". Not collective.
+std::string with_commas(std::int64_t number);
+
+}  // namespace trevi

@@ -1,0 +1,85 @@
+#include "base/cores.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "base/threads.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr int most_processors = 1 << 16;
+
+// Processors that this thread may run on; none where the kernel does not tell.
+std::vector<int> affinity() {
+  std::vector<int> processors;
+  for (int room = 1024; room <= most_processors; room *= 2) {
+    cpu_set_t* mask = CPU_ALLOC(room);
+    const std::size_t bytes = CPU_ALLOC_SIZE(room);
+    const bool told = mask != nullptr && sched_getaffinity(0, bytes, mask) == 0;
+    for (int p = 0; told && p < room; ++p) {
+      if (CPU_ISSET_S(p, bytes, mask)) processors.push_back(p);
+    }
+    CPU_FREE(mask);
+    if (told) break;
+  }
+  return processors;
+}
+
+// cpu.max holds microseconds of processor time and of the period in which they may be used; or "max" and the period.
+double limit_of(const std::string& file) {
+  double quota = 0, period = 0;
+  std::ifstream in(file);
+  return in >> quota >> period && quota > 0 && period > 0 ? quota / period : unlimited;
+}
+
+}  // namespace
+
+std::vector<int> usable_cores() {
+  std::vector<int> processors = placed_processors();
+  if (processors.empty()) processors = affinity();
+  return cores_of(processors, "/sys/devices/system/cpu");
+}
+
+double allowed_processors() {
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (line.starts_with("0::")) return group_limit("/sys/fs/cgroup", line.substr(3));
+  }
+  return unlimited;
+}
+
+int threads_for_share(std::span<const int> users_of_cores, double allowed, int processes) {
+  double share = 0;
+  for (const int users : users_of_cores) share += 1.0 / users;
+  share = std::min({share, allowed / processes, static_cast<double>(most_threads)});
+  return std::max(1, static_cast<int>(share + 1e-6));  // ten tenths are a core
+}
+
+std::vector<int> cores_of(std::span<const int> processors, const std::string& folder) {
+  std::vector<int> cores;
+  for (const int processor : processors) {
+    std::ifstream siblings(folder + "/cpu" + std::to_string(processor) + "/topology/thread_siblings_list");
+    int lowest = processor;
+    cores.push_back(siblings >> lowest ? lowest : processor);
+  }
+  std::sort(cores.begin(), cores.end());
+  cores.erase(std::unique(cores.begin(), cores.end()), cores.end());
+  return cores;
+}
+
+double group_limit(const std::string& folder, std::string path) {
+  double least = limit_of(folder + "/cpu.max");
+  for (; path.size() > 1; path.erase(path.rfind('/'))) {
+    least = std::min(least, limit_of(folder + path + "/cpu.max"));
+  }
+  return least;
+}
+
+}  // namespace trevi
