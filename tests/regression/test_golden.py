@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Results have the bits that golden.txt says, on any number of ranks and on every instruction set with a fused
-multiply-add that this machine has: particles of the last checkpoint, and series.csv but for times.
+"""Results have the bits that golden.txt says, on any number of ranks and threads and on every instruction set with a
+fused multiply-add that this machine has: particles of the last checkpoint, and series.csv but for times.
 
 After a change that is meant to change results TREVI_WRITE_GOLDEN=1 makes it write golden.txt anew; the commit says why.
 """
 
 import hashlib
+import itertools
 import os
 import re
 import sys
@@ -95,12 +96,13 @@ class Golden(ProgramTest):
         super().setUp()
         self.trevi = self.program  # each run names its instruction set itself
 
-    def hash_of(self, case, instruction_set, ranks):
+    def hash_of(self, case, instruction_set, ranks, threads):
         _, scene, overrides = case
         sets = [*overrides, f"run.instruction_set='{instruction_set}'", "output.series.every_steps=1",
                 "output.checkpoint.every_steps=1000000"]
         with tempfile.TemporaryDirectory() as out:
-            self.run_well(ranks, scene, "--steps", 60, "--output", f"{out}/run", *(f"--set={o}" for o in sets))
+            self.run_well(ranks, scene, "--steps", 60, "--output", f"{out}/run", "--threads", threads,
+                          *(f"--set={o}" for o in sets))
             return digest(Path(out) / "run")
 
     def instruction_sets(self):
@@ -115,17 +117,16 @@ class Golden(ProgramTest):
         if not sets:
             self.skipTest("no instruction set of this machine has a fused multiply-add")
         for case in cases(self.folder):
-            # Each set once, and the best on all numbers of ranks.
-            ranks = [1, 2, 3, 5] if case[0].startswith("everything") else [2]
-            for instruction_set in sets:
-                for count in ranks if instruction_set == sets[0] else ranks[-1:]:
-                    with self.subTest(case[0], instruction_set=instruction_set, ranks=count):
-                        self.assertEqual(self.hash_of(case, instruction_set, count), golden[case[0]])
+            everything = case[0].startswith("everything")
+            shapes = itertools.product((1, 2, 3, 5), (1, 2, 4)) if everything else [(2, 2)]
+            for instruction_set, (ranks, threads) in itertools.product(sets, shapes):
+                with self.subTest(case[0], instruction_set=instruction_set, ranks=ranks, threads=threads):
+                    self.assertEqual(self.hash_of(case, instruction_set, ranks, threads), golden[case[0]])
 
     @unittest.skipUnless(os.environ.get("TREVI_WRITE_GOLDEN"), "only after a change that is meant to change results")
     def test_write(self):
         best = self.instruction_sets()[0]
-        lines = [f"{case[0]} {self.hash_of(case, best, 1)}" for case in cases(self.folder)]
+        lines = [f"{case[0]} {self.hash_of(case, best, 1, 1)}" for case in cases(self.folder)]
         GOLDEN.write_text("# Hashes of small runs after 60 steps; test_golden.py says of what.\n" + "\n".join(lines) + "\n")
 
 
