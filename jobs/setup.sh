@@ -8,7 +8,7 @@ trevi_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 trevi_packages=(
   g++ cmake ninja-build pkg-config openmpi-bin libeigen3-dev libpetsc-real-dev libvtk9-dev
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev
-  libsndfile1-dev libzmq3-dev cppzmq-dev libgtest-dev libbenchmark-dev xvfb xdotool
+  libsndfile1-dev libzmq3-dev cppzmq-dev libgtest-dev libgmock-dev libbenchmark-dev xvfb xdotool
   python3 python3-numpy python3-h5py python3-matplotlib python3-pil
 )
 

@@ -3,6 +3,7 @@
 fused multiply-add that this machine has: particles of the last checkpoint, and series.csv but for times.
 
 After a change that is meant to change results TREVI_WRITE_GOLDEN=1 makes it write golden.txt anew; the commit says why.
+TREVI_GOLDEN_CASES names the runs to do in place of all, TREVI_GOLDEN_SHAPES their ranks x threads: "1x2 5x1".
 """
 
 import hashlib
@@ -21,6 +22,9 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
 from same_bits import last_checkpoint, rows_of_series  # noqa: E402
 
 GOLDEN = Path(__file__).with_name("golden.txt")
+CASES = os.environ.get("TREVI_GOLDEN_CASES", "").split()
+ALL_SHAPES = "1x1 1x2 1x4 2x1 2x4 3x1 3x2 3x4 5x1 5x2 5x4 2x2"  # the last for all cases, the others for "everything"
+SHAPES = [tuple(map(int, shape.split("x"))) for shape in os.environ.get("TREVI_GOLDEN_SHAPES", ALL_SHAPES).split()]
 ROUNDED = {"SSE2", "SSSE3", "SSE4"}  # without a fused multiply-add: to rounding only
 
 # Everything that a scene may have, and enough of it that all of it acts: jets through a pool, drops that meet walls.
@@ -116,12 +120,16 @@ class Golden(ProgramTest):
         sets = self.instruction_sets()
         if not sets:
             self.skipTest("no instruction set of this machine has a fused multiply-add")
-        for case in cases(self.folder):
-            everything = case[0].startswith("everything")
-            shapes = itertools.product((1, 2, 3, 5), (1, 2, 4)) if everything else [(2, 2)]
+        self.assertLessEqual(set(CASES), set(golden), "TREVI_GOLDEN_CASES")
+        for case in (case for case in cases(self.folder) if not CASES or case[0] in CASES):
+            shapes = SHAPES if case[0].startswith("everything") else SHAPES[-1:]
             for instruction_set, (ranks, threads) in itertools.product(sets, shapes):
                 with self.subTest(case[0], instruction_set=instruction_set, ranks=ranks, threads=threads):
-                    self.assertEqual(self.hash_of(case, instruction_set, ranks, threads), golden[case[0]])
+                    found = self.hash_of(case, instruction_set, ranks, threads)
+                    verdict = "as" if found == golden[case[0]] else "NOT as"
+                    print(f"{case[0]}, {instruction_set}, {ranks} x {threads}: {found}, {verdict} in golden.txt",
+                          flush=True)
+                    self.assertEqual(found, golden[case[0]])
 
     @unittest.skipUnless(os.environ.get("TREVI_WRITE_GOLDEN"), "only after a change that is meant to change results")
     def test_write(self):
