@@ -32,14 +32,16 @@ void CellOrder::sort_by_rows(const Particles& particles, LocalId first) {
     return next.data() + static_cast<std::size_t>(part) * static_cast<std::size_t>(rows);
   };
   const LocalId size = std::max(1, (owned_ + parts - 1) / parts);
-  resize_tightly(row_, static_cast<std::size_t>(owned_));
+  resize_tightly(cell_, static_cast<std::size_t>(owned_));
   for_each_part({0, owned_}, size, [&](Range part) {
     LocalId* count = counters(part.begin / size);
     for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
       const LocalId plane = grid_.plane_of(particles.predicted[i]) - first;
       assert(plane >= 0 && plane < planes_);
-      row_[i] = plane * grid_.rows() + grid_.row_of(particles.predicted[i]);
-      ++count[row_[i]];
+      const LocalId row = plane * grid_.rows() + grid_.row_of(particles.predicted[i]);
+      // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
+      cell_[i] = row * grid_.columns() + grid_.column_of(particles.predicted[i]);
+      ++count[row];
     }
   });
   row_start_.resize(static_cast<std::size_t>(rows) + 1);
@@ -53,7 +55,7 @@ void CellOrder::sort_by_rows(const Particles& particles, LocalId first) {
   for_each_part({0, owned_}, size, [&](Range part) {
     LocalId* place = counters(part.begin / size);
     for (LocalId i = part.begin; i < part.end; ++i)
-      order_[static_cast<std::size_t>(place[row_[static_cast<std::size_t>(i)]]++)] = i;
+      order_[static_cast<std::size_t>(place[row_of(cell_[static_cast<std::size_t>(i)])]++)] = i;
   });
 }
 
@@ -66,7 +68,7 @@ void CellOrder::sort_row(const Particles& particles, LocalId row, RowScratch& sc
   const std::span<LocalId> order(order_.data() + begin, static_cast<std::size_t>(end - begin));
   scratch.columns.resize(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    scratch.columns[k] = grid_.column_of(particles.predicted[static_cast<std::size_t>(order[k])]);
+    scratch.columns[k] = cell_[static_cast<std::size_t>(order[k])] - row * grid_.columns();
     ++counts[scratch.columns[k]];
   }
   scratch.next.resize(columns);
@@ -95,7 +97,6 @@ void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velo
   planes_ = planes.last - planes.first;
   owned_ = particles.size();
   sort_by_rows(particles, planes.first);
-  // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
   counts_.resize(static_cast<std::size_t>(planes_) * cells());
   PerThread<RowScratch> scratch;
   for_each_part(planes_ * grid_.rows(), [&](LocalId row) { sort_row(particles, row, scratch.mine()); });
@@ -147,7 +148,7 @@ Range CellOrder::owned_range(LocalId k, LocalId l) const {
 
 std::size_t CellOrder::bytes() const {
   std::size_t bytes =
-      (counts_.capacity() + start_.capacity() + row_.capacity() + row_start_.capacity() + order_.capacity()) *
+      (counts_.capacity() + start_.capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
       sizeof(LocalId);
   std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;
