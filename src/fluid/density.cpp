@@ -1,6 +1,7 @@
 #include "fluid/density.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "fluid/for_each_sum.hpp"
 
@@ -14,9 +15,22 @@ Real particle_mass(const FluidSettings& fluid) {
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
   Real c = rho / model.rest_density - 1;
   if (model.constraint == Constraint::inequality) c = std::max(c, 0.0);
-  if (c == 0) return 0;
   // A particle without neighbours has no gradient; with epsilon = 0 that would be 0/0.
-  return -c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
+  return 0 - c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
+}
+
+// visit(i, share) for the particles of the range that are near a wall.
+template <class T>
+template <class Visit>
+void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
+  if (!walls_) return;
+  std::array<std::size_t, sums_chunk> near;
+  std::size_t count = 0;
+  for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
+    near[count] = i;
+    count += walls_->is_near(p[i]) ? 1 : 0;  // without a branch, which would often be mispredicted
+  }
+  for (std::size_t k = 0; k < count; ++k) visit(near[k], walls_->at(p[near[k]]));
 }
 
 template <class T>
@@ -38,50 +52,58 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
 template <class T>
 void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                      std::span<Real> rho) const {
-  const auto loop = [&](Range part, Vec4<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
-  for_each_sum<Vec4<T>, T>(range, loop, [&](std::size_t k, const Vec4<T>& sum, T) {
-    rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
-    if (walls_) rho[k] += model_.rest_density * walls_->at(p[k]).density;
+  const auto loop = [&](Range here, T* sums) { loops_.value(pairs, here, sums); };
+  for_each_sum<T>(range, loop, [&](Range here, const T* sum) {
+    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
+      rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
+    for_each_near_wall(
+        here, p, [&](std::size_t i, const BoundaryShare& share) { rho[i] += model_.rest_density * share.density; });
   });
 }
 
+// First as if all particles were far from walls, without a branch; then those near them, a few, once more.
 template <class T>
-void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-                                   std::vector<Packed<T>>& records) const {
-  const auto loop = [&](Range part, Vec4<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
-  for_each_sum<Vec4<T>, T>(range, loop, [&](std::size_t k, const Vec4<T>& sum, T squares) {
-    rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
-    Vec3 gradient = -gradient_factor_ * vector_of(sum);
-    if (walls_) {
-      const BoundaryShare share = walls_->at(p[k]);
-      rho[k] += model_.rest_density * share.density;
-      gradient += share.gradient;
+void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                   const Multipliers<T>& out) const {
+  const auto loop = [&](Range here, Vec4<T>* sums, T* squares) { loops_.density(pairs, here, sums, squares); };
+  const Real density = density_factor_, slope = gradient_factor_, slope2 = slope * slope;
+  const DensityModel model = model_;
+  Real* const rho = out.rho.data();
+  Packed<T>* const records = out.records.data() + pairs.low_ghosts;
+  for_each_sum<Vec4<T>, T>(range, loop, [&](Range here, const Vec4<T>* sums, const T* squares) {
+    const auto first = static_cast<std::size_t>(here.begin);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k) {
+      rho[first + k] = density * (1 + static_cast<Real>(sums[k].w));
+      records[first + k].w = static_cast<T>(
+          lambda(model, rho[first + k], slope * vector_of(sums[k]), slope2 * static_cast<Real>(squares[k])));
     }
-    const Real neighbours = gradient_factor_ * gradient_factor_ * static_cast<Real>(squares);
-    records[static_cast<std::size_t>(pairs.low_ghosts) + k].w =
-        static_cast<T>(lambda(model_, rho[k], gradient, neighbours));
+    for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
+      rho[i] += model.rest_density * share.density;
+      const Vec3 gradient = share.gradient - slope * vector_of(sums[i - first]);
+      records[i].w = static_cast<T>(lambda(model, rho[i], gradient, slope2 * static_cast<Real>(squares[i - first])));
+    });
+    if (out.then) out.then(here);
   });
 }
 
 template <class T>
 void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                   std::span<Vec4<T>> delta) const {
-  constexpr LocalId part_size = 512;
-  for_each_part(range, part_size, [&](Range part) {
-    delta_loop_(pairs, part, delta.data() + part.begin);
-    const auto factor = static_cast<T>(-gradient_factor_);
-    for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
-      Vec4<T>& out = delta[i];
-      out = {out.x * factor, out.y * factor, out.z * factor, 0};
-      if (!walls_) continue;
-      const Real lambda_i = pairs.records[static_cast<std::size_t>(pairs.low_ghosts) + i].w;
-      if (lambda_i == 0) continue;  // most particles, where there is no pressure
-      const Vec3 shift = lambda_i * walls_->at(p[i]).gradient;
-      out.x += static_cast<T>(shift.x());
-      out.y += static_cast<T>(shift.y());
-      out.z += static_cast<T>(shift.z());
-    }
-  });
+  const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
+  const auto factor = static_cast<T>(-gradient_factor_);
+  for_each_sum<>(
+      range, [](Range) {},
+      [&](Range here) {
+        Vec4<T>* const out = delta.data() + here.begin;
+        delta_loop_(pairs, here, out);
+        for (LocalId k = 0; k < here.size(); ++k) out[k] = {out[k].x * factor, out[k].y * factor, out[k].z * factor, 0};
+        for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
+          const Vec3 shift = static_cast<Real>(records[i].w) * share.gradient;
+          delta[i].x += static_cast<T>(shift.x());
+          delta[i].y += static_cast<T>(shift.y());
+          delta[i].z += static_cast<T>(shift.z());
+        });
+      });
 }
 
 template class DensityConstraint<float>;

@@ -41,6 +41,15 @@ std::optional<Tensile> tensile_of(const Settings& settings);
 /// The multiplier lambda_i, m², from gradient = ∇_i C_i, 1/m, and neighbours = Σ_j |∇_j C_i|², 1/m².
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
 
+/// Where the multipliers go.
+template <class T>
+struct Multipliers {
+  std::span<Real> rho;              ///< of all owned particles
+  std::vector<Packed<T>>& records;  ///< of all particles; lambda_i is the scalar
+  std::function<void(Range)> then =
+      nullptr;  ///< called for the multipliers of a few particles while they are in the cache
+};
+
 template <class T>
 class DensityConstraint {
  public:
@@ -54,16 +63,18 @@ class DensityConstraint {
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
   /// Writes rho_i and puts lambda_i into the scalar of the records of the range.
-  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-               std::vector<Packed<T>>& records) const;
+  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Multipliers<T>& out) const;
 
   /// Writes delta_i in metres for the range (arrays of all owned particles).
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
-  static constexpr double density_flops = 27, delta_flops = 24;
+  static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
 
  private:
+  template <class Visit>
+  void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
+
   DensityModel model_;
   Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours
   Real gradient_factor_;  // m/rho0 times the slope factor of the gradient kernel, 1/m

@@ -10,11 +10,14 @@
 
 namespace trevi {
 
-/// loop(part, sums of each type...) fills the sums of a part of the range; use(i, sum...) is then called for each
-/// particle of it.
+/// Particles whose sums are used at a time.
+inline constexpr LocalId sums_chunk = 128;
+
+/// loop(here, sums of each type...) fills the sums of a few particles, and use(here, sums...) is then called for them:
+/// those of particle here.begin + k are the k-th.
 template <class... Sums, class Loop, class Use>
 void for_each_sum(Range range, const Loop& loop, const Use& use) {
-  constexpr LocalId chunk = 128, chunks_of_a_part = 4;
+  constexpr LocalId chunk = sums_chunk, chunks_of_a_part = 4;
   for_each_part(range, chunks_of_a_part * chunk, [&](Range part) {
     std::tuple<std::array<Sums, chunk>...> sums;
     for (LocalId begin = part.begin; begin < part.end; begin += chunk) {
@@ -22,8 +25,7 @@ void for_each_sum(Range range, const Loop& loop, const Use& use) {
       std::apply(
           [&](auto&... sum) {
             loop(here, sum.data()...);
-            for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k)
-              use(static_cast<std::size_t>(begin) + k, sum[k]...);
+            use(here, sum.data()...);
           },
           sums);
     }

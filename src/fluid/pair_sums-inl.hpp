@@ -54,6 +54,29 @@ struct VectorTerms {
   }
 };
 
+template <class T, class Density>
+struct ValueTerms {
+  T* out;
+
+  template <class D>
+  struct Sums {
+    hn::Vec<D> value;
+  };
+  template <class D>
+  Sums<D> start(D d, LocalId) const {
+    return {hn::Zero(d)};
+  }
+  template <class D>
+  void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
+    const Product<D> value = Shape<Density>::value(d, distance_of(pair));
+    sums.value = hn::MulAdd(value.first, value.second, sums.value);
+  }
+  template <class D>
+  void finish(D d, LocalId index, const Groups<Sums<D>>& sums) const {
+    out[index] = sum_of_lanes(d, Groups<hn::Vec<D>>{sums.a.value, sums.b.value, sums.c.value, sums.e.value});
+  }
+};
+
 template <class T, class Density, class Gradient>
 struct DensityTerms : VectorTerms<T> {
   T* squares;
@@ -79,7 +102,8 @@ struct DensityTerms : VectorTerms<T> {
   template <class D>
   void finish(D d, LocalId index, const Groups<Sums<D>>& sums) const {
     VectorTerms<T>::finish(d, index, sums);
-    squares[index] = sum_of_squares(d, sums);
+    squares[index] =
+        sum_of_lanes(d, Groups<hn::Vec<D>>{sums.a.squares, sums.b.squares, sums.c.squares, sums.e.squares});
   }
 };
 
@@ -189,6 +213,10 @@ struct SmoothingTerms : VelocityTerms<T> {
 };
 
 // The pair loops themselves as plain functions: Highway's dispatch takes no others.
+template <class T, class Density>
+void value(const Pairs<T>& pairs, Range range, T* out) {
+  for_each_particle(pairs, range, ValueTerms<T, Density>{out});
+}
 template <class T, class Density, class Gradient>
 void density(const Pairs<T>& pairs, Range range, Vec4<T>* out, T* squares) {
   for_each_particle(pairs, range, DensityTerms<T, Density, Gradient>{{out}, squares});
@@ -222,7 +250,8 @@ template <class T, std::size_t... k>
 ConstraintLoops<T> listed_loops(std::size_t wanted, std::index_sequence<k...>) {
   constexpr std::size_t count = std::tuple_size_v<KernelList>;
   const ConstraintLoops<T> all[] = {
-      {density<T, std::tuple_element_t<k / count, KernelList>, std::tuple_element_t<k % count, KernelList>>,
+      {value<T, std::tuple_element_t<k / count, KernelList>>,
+       density<T, std::tuple_element_t<k / count, KernelList>, std::tuple_element_t<k % count, KernelList>>,
        delta<T, std::tuple_element_t<k % count, KernelList>>,
        tensile_delta<T, std::tuple_element_t<k % count, KernelList>>}...};
   return all[wanted];

@@ -30,6 +30,8 @@ struct Tensile {
 /// i − range.begin of `out`.
 template <class T>
 struct ConstraintLoops {
+  /// out = Σ w.
+  void (*value)(const Pairs<T>&, Range, T* out);
   /// out = (Σ g r̂, Σ w), squares = Σ g².
   void (*density)(const Pairs<T>&, Range, Vec4<T>* out, T* squares);
   /// out = Σ (lambda_i + lambda_j) g r̂, with lambda the scalar of the records.

@@ -179,14 +179,14 @@ HWY_INLINE Vec4<hn::TFromD<D>> sum_of_groups(D d, const Groups<Sums>& s) {
   return result;
 }
 
-// The sum of `squares` over all virtual lanes; here blocks are added before the lanes within them.
-template <class D, class Sums>
-HWY_INLINE hn::TFromD<D> sum_of_squares(D d, const Groups<Sums>& s) {
+// The sum over all virtual lanes of one number; here blocks are added before the lanes within them.
+template <class D>
+HWY_INLINE hn::TFromD<D> sum_of_lanes(D d, const Groups<hn::Vec<D>>& s) {
   using T = hn::TFromD<D>;
   const hn::Full128<T> block;
   constexpr std::size_t lanes = hn::MaxLanes(block);
   alignas(16) T lane[lanes];
-  hn::Store(sum_of_blocks(d, Groups<hn::Vec<D>>{s.a.squares, s.b.squares, s.c.squares, s.e.squares}), block, lane);
+  hn::Store(sum_of_blocks(d, s), block, lane);
   if constexpr (lanes == 4) {
     return (lane[0] + lane[2]) + (lane[1] + lane[3]);
   } else {

@@ -26,9 +26,12 @@ void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::v
   const Pairs<T> pairs = pairs_of(near);
   const auto factor = static_cast<T>(omega_factor_);
   const auto curls = [&](Range part, Vec4<T>* out) { loops_.curl(pairs, part, velocities, out); };
-  for_each_sum<Vec4<T>>(near.all(), curls, [&](std::size_t i, const Vec4<T>& sum) {
-    omega_[i] = {sum.x * factor, sum.y * factor, sum.z * factor, T{0}};
-    near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omega_[i]).norm());
+  for_each_sum<Vec4<T>>(near.all(), curls, [&](Range here, const Vec4<T>* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
+      Vec4<T>& omega = omega_[static_cast<std::size_t>(i)];
+      omega = {sum->x * factor, sum->y * factor, sum->z * factor, T{0}};
+      near.record(i).w = static_cast<T>(vector_of(omega).norm());
+    }
   });
 }
 
@@ -39,11 +42,13 @@ void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles
   near.halo().exchange(near.records());
   const Pairs<T> pairs = pairs_of(near);
   const auto gradients = [&](Range part, Vec4<T>* out) { loops_.gradient(pairs, part, out); };
-  for_each_sum<Vec4<T>>(near.all(), gradients, [&](std::size_t i, const Vec4<T>& sum) {
-    // Only the direction of eta matters: minus that of the sum, as ∇_{p_i}W points from i to j.
-    const Vec3 eta = -vector_of(sum);
-    const Real length = eta.norm();
-    if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omega_[i]));
+  for_each_sum<Vec4<T>>(near.all(), gradients, [&](Range here, const Vec4<T>* sum) {
+    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum) {
+      // Only the direction of eta matters: minus that of the sum, as ∇_{p_i}W points from i to j.
+      const Vec3 eta = -vector_of(*sum);
+      const Real length = eta.norm();
+      if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omega_[i]));
+    }
   });
   log_flops(static_cast<double>(near.list().pairs()) * (34 + 25));
 }

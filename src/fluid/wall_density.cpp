@@ -36,6 +36,7 @@ AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, R
       kernel_(kernel),
       h_(h),
       spacing_(spacing),
+      per_spacing_(1 / spacing),
       layers_(std::max(1, static_cast<int>(std::ceil(h / spacing - 1e-9)) - 1)) {
   const Real reach = (layers_ + 0.5) * spacing;
   interior_ = {box.min.array() + reach, box.max.array() - reach};
@@ -75,23 +76,19 @@ void AnalyticWallDensity::tabulate_ratios() {
 // `side` is −1 for a plane below the particle and +1 for one above. Derivatives are along the axis, not by the
 // distance.
 AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis, Real side) const {
-  Plane plane{.axis = axis};
-  const Real x = distance / spacing_ - 0.5, per = -side / spacing_;
-  if (x < 0) {
-    plane.share = share_[0] + slope_[0] * spacing_ * x;
-    plane.slope = -side * slope_[0];
-    return plane;
-  }
-  plane.layer = std::min(static_cast<int>(x), layers_ - 1);
-  const auto k = static_cast<std::size_t>(plane.layer);
-  const Real t = x - plane.layer, w0 = share_[k], w1 = share_[k + 1];
+  const Real x = distance * per_spacing_ - 0.5, per = -side * per_spacing_;
+  if (x < 0) return {axis, 0, share_[0] + slope_[0] * spacing_ * x, -side * slope_[0], 0, 0};
+  const int layer = std::min(static_cast<int>(x), layers_ - 1);
+  const auto k = static_cast<std::size_t>(layer);
+  const Real t = x - layer, w0 = share_[k], w1 = share_[k + 1];
   const Real m0 = slope_[k] * spacing_, m1 = slope_[k + 1] * spacing_, rise = w1 - w0, u = t * (1 - t);
-  const Real below = rise + (m0 + m1 - 2 * rise) * u;
-  plane.share = w0 + rise * (rise * t * t + m0 * u) / below;
-  plane.slope = per * rise * rise * (m1 * t * t + 2 * rise * u + m0 * (1 - t) * (1 - t)) / (below * below);
-  plane.blend = t * t * (3 - 2 * t);
-  plane.blend_slope = per * 6 * t * (1 - t);
-  return plane;
+  const Real part = rise / (rise + (m0 + m1 - 2 * rise) * u);
+  return {axis,
+          layer,
+          w0 + part * (rise * t * t + m0 * u),
+          per * part * part * (m1 * t * t + 2 * rise * u + m0 * (1 - t) * (1 - t)),
+          t * t * (3 - 2 * t),
+          per * 6 * u};
 }
 
 // Interpolates the table linearly in the blend of each plane.
@@ -130,17 +127,22 @@ void AnalyticWallDensity::add_corner(const Plane& a, const Plane& b, const Plane
   total.gradient[c.axis] += a.share * b.share * (c.slope * r.value + c.share * r.slope[2]);
 }
 
-BoundaryShare AnalyticWallDensity::near_walls(const Vec3& p) const {
-  Planes near;
-  const Real reach = (layers_ + 0.5) * spacing_;
+BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
+  std::array<Plane, most_planes> near;
+  std::size_t count = 0;
   for (int axis = 0; axis < 3; ++axis) {
     // All comparisons with a NaN are false, so it has no wall; the guard of the run reports it.
-    const Real low = p[axis] - box_.min[axis], high = box_.max[axis] - p[axis];
-    if (low < reach) near.plane[static_cast<std::size_t>(near.count++)] = plane_at(std::max(low, 0.0), axis, -1);
-    if (high < reach) near.plane[static_cast<std::size_t>(near.count++)] = plane_at(std::max(high, 0.0), axis, 1);
+    if (p[axis] < interior_.min[axis]) near[count++] = plane_at(std::max(p[axis] - box_.min[axis], 0.0), axis, -1);
+    if (p[axis] > interior_.max[axis]) near[count++] = plane_at(std::max(box_.max[axis] - p[axis], 0.0), axis, 1);
   }
+  if (count != 1) return combined({near.data(), count});
+  BoundaryShare share{near[0].share};
+  share.gradient[near[0].axis] = near[0].slope;
+  return share;
+}
+
+BoundaryShare AnalyticWallDensity::combined(std::span<const Plane> planes) const {
   BoundaryShare total;
-  const std::span<const Plane> planes(near.plane.data(), static_cast<std::size_t>(near.count));
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const Plane& a = planes[i];
     total.density += a.share;

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "fluid/kernels.hpp"
@@ -38,24 +39,23 @@ class AnalyticWallDensity {
   /// `spacing` and h, in metres, define the lattice that is to be at rest density.
   AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h);
 
-  /// The share at p. The test whether any wall is near is inline, as it is all that nearly all particles need.
-  BoundaryShare at(const Vec3& p) const {
-    const bool far = (p.array() >= interior_.min.array()).all() && (p.array() <= interior_.max.array()).all();
-    return far ? BoundaryShare{} : near_walls(p);
+  /// Whether p is so near to a wall that it has a share, which few particles are.
+  bool is_near(const Vec3& p) const {
+    const Vec3 &low = interior_.min, &high = interior_.max;
+    return (int{p.x() < low.x()} | int{p.y() < low.y()} | int{p.z() < low.z()} | int{p.x() > high.x()} |
+            int{p.y() > high.y()} | int{p.z() > high.z()}) != 0;
   }
+  /// The share at p; zero where p is not near.
+  BoundaryShare at(const Vec3& p) const;
 
  private:
   static constexpr int most_planes = 6;
   // A wall within reach of a particle: its share and derivative along the axis, and its distance relative to the
   // layers, as weights for interpolation: 1 − blend for `layer` and blend for the next one.
   struct Plane {
-    int axis = 0, layer = 0;
-    Real share = 0, slope = 0;        // 1, 1/m
-    Real blend = 0, blend_slope = 0;  // 1, 1/m
-  };
-  struct Planes {
-    std::array<Plane, most_planes> plane;
-    int count = 0;
+    int axis, layer;
+    Real share, slope;        // 1, 1/m
+    Real blend, blend_slope;  // 1, 1/m
   };
   // r of two or three planes and its derivatives along their axes.
   struct Ratio {
@@ -68,11 +68,11 @@ class AnalyticWallDensity {
   Ratio ratio(std::initializer_list<const Plane*> planes) const;
   void add_edge(const Plane& a, const Plane& b, BoundaryShare& total) const;
   void add_corner(const Plane& a, const Plane& b, const Plane& c, BoundaryShare& total) const;
-  BoundaryShare near_walls(const Vec3& p) const;
+  BoundaryShare combined(std::span<const Plane> planes) const;
 
   Box box_, interior_;
   Kernel kernel_;
-  Real h_, spacing_;
+  Real h_, spacing_, per_spacing_;
   int layers_;                       // number of layers that miss points behind a plane
   std::vector<Real> share_, slope_;  // w and its slope at d_k, k = 0 ... layers_; zero at the last
   std::vector<Real> edge_, corner_;  // r at the distances of layers; the first plane has the most significant index

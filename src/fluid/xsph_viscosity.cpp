@@ -26,8 +26,10 @@ void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real 
   const Vec4<T>* velocities = velocity_->refresh(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
   const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
-  for_each_sum<Vec4<T>>(near.all(), smoothing,
-                        [&](std::size_t i, const Vec4<T>& sum) { particles.velocity[i] += factor * vector_of(sum); });
+  for_each_sum<Vec4<T>>(near.all(), smoothing, [&](Range here, const Vec4<T>* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
+      particles.velocity[static_cast<std::size_t>(i)] += factor * vector_of(*sum);
+  });
   log_flops(static_cast<double>(near.list().pairs()) * 22);
 }
 

@@ -42,8 +42,8 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
 }
 
 template <class T>
-void DensityProblem<T>::compute_lambda(Range part) {
-  constraint_.lambdas(pairs(), part, particles_->predicted, rho_, near_.records());
+void DensityProblem<T>::compute_lambda(Range part, const std::function<void(Range)>& then) {
+  constraint_.lambdas(pairs(), part, particles_->predicted, {rho_, near_.records(), then});
   count_pass(part, DensityConstraint<T>::density_flops);
 }
 
@@ -107,7 +107,7 @@ template <class T>
 void DensityProblem<T>::compute_density() {
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::lambda)]);
   constraint_.densities(pairs(), near_.all(), particles_->predicted, rho_);
-  count_pass(near_.all(), DensityConstraint<T>::density_flops);
+  count_pass(near_.all(), DensityConstraint<T>::value_flops);
 }
 
 template <class T>

@@ -36,8 +36,9 @@ class DensityProblem {
   template <class Work>
   void with_halo(Phase phase, Work&& work);
 
-  /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11).
-  void compute_lambda(Range part);
+  /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11). `then` is called for a
+  /// few of them at a time, by several threads, as soon as they have their lambda.
+  void compute_lambda(Range part, const std::function<void(Range)>& then = nullptr);
   /// lambda_i, m², of an owned particle, in the record that its neighbours read.
   T& lambda(LocalId i) { return near_.record(i).w; }
   /// Compression of all particles at the last compute_lambda() or compute_density(); the same bits on any rank count.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/threads.hpp"
 #include "solver/anderson.hpp"
 #include "solver/free_flight.hpp"
 
@@ -29,8 +28,7 @@ class Jacobi : public DensitySolver<T> {
   SolveResult solve(DensityProblem<T>& problem) override {
     for (int k = 0; k < settings_.iterations; ++k) {
       problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
-        problem.compute_lambda(part);
-        cap(problem, part);
+        problem.compute_lambda(part, [&](Range few) { cap(problem, few); });
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();                          // lines 12 to 14
@@ -43,10 +41,11 @@ class Jacobi : public DensitySolver<T> {
 
  private:
   void cap(DensityProblem<T>& problem, Range part) const {
-    for_each_index(part, [&](std::size_t i) {
-      T& lambda = problem.lambda(static_cast<LocalId>(i));
-      lambda = static_cast<T>(std::max(static_cast<Real>(lambda), -largest_ / relaxation_));
-    });
+    const Real least = -largest_ / relaxation_;
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      T& lambda = problem.lambda(i);
+      lambda = static_cast<T>(std::max(static_cast<Real>(lambda), least));
+    }
   }
 
   DensitySettings settings_;
@@ -70,8 +69,7 @@ class Chebyshev : public DensitySolver<T> {
     for (int k = 0; k < settings_.iterations; ++k) {
       weight = next_weight(k, weight);
       problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
-        problem.compute_lambda(part);
-        accelerate(problem, part, weight);
+        problem.compute_lambda(part, [&](Range few) { accelerate(problem, few, weight); });
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();  // lines 12 to 14
@@ -90,13 +88,13 @@ class Chebyshev : public DensitySolver<T> {
 
   // Replaces the multipliers of the range by the steps.
   void accelerate(DensityProblem<T>& problem, Range part, Real weight) {
-    for_each_index(part, [&](std::size_t i) {
-      T &step = step_[i], &multiplier = problem.lambda(static_cast<LocalId>(i));
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      T &step = step_[static_cast<std::size_t>(i)], &multiplier = problem.lambda(i);
       const Real lambda = static_cast<Real>(multiplier), last = static_cast<Real>(step);
       const Real memory = lambda * last > 0 ? (weight - 1) * last : 0;
       step = static_cast<T>(std::max(weight * relaxation_ * lambda + memory, -largest_));
       multiplier = step;
-    });
+    }
   }
 
   DensitySettings settings_;

@@ -66,7 +66,7 @@ constexpr double bytes_of_sums = 8 + sizeof(Packed<T>) + sizeof(Vec4<T>);
 template <class T>
 std::vector<Loop<T>> constraint_benchmarks(const Kernel& kernel, std::vector<Vec4<T>>& out, std::vector<T>& squares) {
   constexpr double sums = bytes_of_sums<T>;
-  const Kernels kernels{kernel, all_kernels()[kernel.gradient_place]};
+  const Kernels kernels{kernel, all_kernels()[kernel.gradient_index]};
   const auto loops = [kernels] { return constraint_loops<T>(kernels); };  // of the instruction set at the time
   return {
       {fmt::format("density_{}", kernel.name), sums + sizeof(T),

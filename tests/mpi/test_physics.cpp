@@ -34,7 +34,7 @@ class ByHand : public testing::Test {
     const Range all{0, d.near.order().owned()};
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     Solved solved{d.particles.id, std::vector<Real>(d.particles.id.size()), {}, {}};
-    constraint.lambdas(pairs, all, d.particles.predicted, solved.rho, d.near.records());
+    constraint.lambdas(pairs, all, d.particles.predicted, {solved.rho, d.near.records()});
     d.near.halo().exchange(d.near.records());
     std::vector<Vec4<T>> delta(d.particles.id.size());
     constraint.deltas(pairs, all, d.particles.predicted, delta);
