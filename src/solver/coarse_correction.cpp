@@ -36,6 +36,7 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
   faces.surface = follows              ? c - 1 + water_.height(own - 1)
                   : water_.is_top(own) ? c + water_.height(own)
                                        : std::numeric_limits<Real>::infinity();
+  Vec3 of_low, of_high, mean_low, mean_high;  // by direction
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t at = follows && a < 2 ? own - 1 : own, above = at + grid.step(a);
     const auto through = [&](std::size_t face, bool wall, bool& known) {
@@ -44,32 +45,38 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
       return wall ? -water_.displacement(a, face) : pressure_.displacement(water_, a, face);
     };
     bool low_known = false, high_known = false;
-    const auto b = static_cast<Eigen::Index>(a);
-    faces.low[b] = through(at, grid.is_wall(a, k, r, c), low_known);
-    faces.high[b] = through(above, grid.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2)), high_known);
+    Real low = through(at, grid.is_wall(a, k, r, c), low_known);
+    Real high = through(above, grid.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2)), high_known);
     // A face between two dry cells has no phi on either side; it takes the displacement of the opposite face.
-    if (!low_known) faces.low[b] = faces.high[b];
-    if (!high_known) faces.high[b] = faces.low[b];
-    faces.mean_low[b] = water_.displacement(a, at);
-    faces.mean_high[b] = water_.displacement(a, above);
+    if (!low_known) low = high;
+    if (!high_known) high = low;
+    const auto b = static_cast<Eigen::Index>(a);
+    of_low[b] = low;
+    of_high[b] = high;
+    mean_low[b] = water_.displacement(a, at);
+    mean_high[b] = water_.displacement(a, above);
   }
+  faces.low = grid.axes_of_directions(of_low);
+  faces.rise = grid.axes_of_directions(of_high - of_low);
+  faces.mean_low = grid.axes_of_directions(mean_low);
+  faces.mean_rise = grid.axes_of_directions(mean_high - mean_low);
   return faces;
 }
 
-Vec3 CoarseCorrection::displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const {
+Axes CoarseCorrection::displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const {
   const CoarseGrid& grid = water_.grid();
-  const Vec3 f = grid.fraction(grid.in_cells(p));
-  Vec3 u = faces.low + f.cwiseProduct(faces.high - faces.low);
+  const Axes here = grid.in_cells(p), f = grid.fraction(here), way = axes_of(p) - axes_of(x);
+  Axes u = faces.low + f * faces.rise;
   if (faces.wet) {
-    const Vec3 mean = faces.mean_low + f.cwiseProduct(faces.mean_high - faces.mean_low);
-    const Vec3 off = mean - grid.turned(p - x);
-    u += damping.share / (1 + off.squaredNorm() / (damping.noise * damping.noise)) * off;
+    const Axes off = faces.mean_low + f * faces.mean_rise - way;
+    const Axes off2 = off.square();
+    u += damping.share / (1 + (off2[0] + off2[1] + off2[3]) * damping.per_noise2) * off;
   }
   if (std::isfinite(faces.surface)) {
-    const Real below = (faces.surface - water_.surface_position(x, p)[2]) * grid.size()[2] / model_.spacing;
+    const Real below = (faces.surface - water_.surface_position(here, way)[3]) * grid.size()[2] / model_.spacing;
     u *= std::clamp((below - fade_begins) / fade_length + 1, 0.0, 1.0);
   }
-  return grid.turned_back(u);
+  return u;
 }
 
 template <class T>
@@ -77,7 +84,8 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
                                      std::span<const Vec3> p, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
   const Real time = dt / std::sqrt(model_.h / model_.gravity);
-  const Damping damping{std::min(1.0, time / noise_time), noise_speed * time * model_.h};
+  const Real noise = noise_speed * time * model_.h;
+  const Damping damping{std::min(1.0, time / noise_time), 1 / (noise * noise)};
   water_.measure(order, halo, x, p);
   pressure_.solve(water_, halo, model_.gravity * dt * dt, std::min(1.0, time / return_time));
   const LocalId rows = order.grid().rows(), all_columns = order.grid().columns(), columns = water_.grid().columns();
@@ -91,8 +99,8 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
       const bool reached = c < columns;
       const Faces faces = reached ? faces_of(k, r, c) : Faces{};
       for (std::size_t i = begin; i < end; ++i) {
-        const Vec3 u = reached ? displacement(faces, damping, x[i], p[i]) : Vec3(Vec3::Zero());
-        out[i] = {static_cast<T>(u.x()), static_cast<T>(u.y()), static_cast<T>(u.z()), T{0}};
+        const Axes u = reached ? displacement(faces, damping, x[i], p[i]) : Axes::Zero();
+        out[i] = {static_cast<T>(u[0]), static_cast<T>(u[1]), static_cast<T>(u[3]), T{0}};
       }
     }
   });

@@ -37,20 +37,20 @@ class CoarseCorrection {
   std::size_t bytes() const { return water_.bytes() + pressure_.bytes(); }
 
  private:
-  // Displacements, m, through the lower and upper faces of a cell: those of the correction (low, high), and the means
-  // over the predicted motion of the particles (mean_low, mean_high).
+  // Displacements, m, through the lower faces of a cell, and by how much they are larger at the upper ones: those of
+  // the correction, and the means over the predicted motion of the particles.
   struct Faces {
-    Vec3 low, high, mean_low, mean_high;
+    Axes low = Axes::Zero(), rise = low, mean_low = low, mean_rise = low;
     bool wet = false;
     Real surface = 0;  // height above the floor of the box, in cells; infinite where there is water above
   };
   Faces faces_of(LocalId k, LocalId r, LocalId c) const;
-  // share: the part of its motion relative to its cell that a slow particle loses; noise: the distance relative to the
-  // cell, m, at which a particle loses half of that share.
+  // share: the part of its motion relative to its cell that a slow particle loses. At the distance 1/sqrt(per_noise2),
+  // m, from where its cell goes a particle loses half of that share.
   struct Damping {
-    Real share, noise;
+    Real share, per_noise2;
   };
-  Vec3 displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const;
+  Axes displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const;
 
   Event event_{"CoarseGrid"};
   Model model_;

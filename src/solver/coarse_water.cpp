@@ -22,12 +22,12 @@ constexpr Real regression_damping = 0.1;
 
 }  // namespace
 
-void CoarseWater::Moments::add(Real w, Real distance, Real u) {
-  weight += w;
-  offset += w * distance;
-  offset2 += w * distance * distance;
-  value += w * u;
-  offset_value += w * distance * u;
+// The particles of a cell as seen from its lower face, and from its upper one, in the direction whose place is a.
+CoarseWater::Moments CoarseWater::CellSums::low(Eigen::Index a) const {
+  return {count - f[a], f[a] - f2[a], f2[a] - f3[a], u[a] - fu[a], fu[a] - f2u[a]};
+}
+CoarseWater::Moments CoarseWater::CellSums::high(Eigen::Index a) const {
+  return {f[a], f2[a] - f[a], f3[a] - 2 * f2[a] + f[a], fu[a], f2u[a] - fu[a]};
 }
 
 CoarseWater::Moments CoarseWater::Moments::operator+(const Moments& other) const {
@@ -44,9 +44,10 @@ Real CoarseWater::Moments::at_face() const {
 
 CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing)
     : comm_(comm), grid_(comm, grid, box) {
-  half_ = (0.5 * spacing * Vec3::Ones()).cwiseQuotient(grid_.size());
-  per_cube_ = (2 * half_).cwiseInverse();
-  per_full_ = 8 * half_.prod();
+  half_ = grid_.way_in_cells(Axes::Constant(spacing / 2));
+  per_cube_ = 1 / (2 * half_);
+  farthest_ = grid_.axes_of_directions(Vec3(grid_.count(0), grid_.count(1), grid_.count(2))) - half_;
+  per_full_ = 8 * half_[0] * half_[1] * half_[3];
   least_particles_ = static_cast<LocalId>(std::ceil(0.2 / per_full_));
 }
 
@@ -128,54 +129,64 @@ void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& mot
 }
 
 void CoarseWater::sum_cell(const CellParticles& cell, const Motion& motion, FaceSums& faces) {
-  const auto& [x, p] = motion;
-  const std::size_t in_plane = grid_.index(0, cell.r, cell.c);
-  PlaneSums& sums = sums_[grid_.index(cell.k, cell.r, cell.c)];
-  const Vec3 own(0, cell.r, cell.c);
-  for (std::size_t i = cell.begin; i < cell.end; ++i) {
-    const Vec3 u = grid_.turned(p[i] - x[i]), in_cells = grid_.in_cells(p[i]), f = grid_.fraction(in_cells);
-    sums.low.add(1 - f[0], f[0], u[0]);
-    sums.high.add(f[0], f[0] - 1, u[0]);
-    faces.row[in_plane].add(1 - f[1], f[1], u[1]);
-    faces.row[in_plane + grid_.step(1)].add(f[1], f[1] - 1, u[1]);
-    faces.column[in_plane].add(1 - f[2], f[2], u[2]);
-    faces.column[in_plane + 1].add(f[2], f[2] - 1, u[2]);
-    add_volume(cell.k, surface_position(x[i], p[i]), Vec3(in_cells[0] - f[0], own[1], own[2]));
-  }
-}
-
-Vec3 CoarseWater::surface_position(const Vec3& x, const Vec3& p) const {
-  constexpr Real farthest = 0.25;
-  const Vec3 way = grid_.way_in_cells(p - x);
-  return grid_.in_cells(p) - way.cwiseMax(-farthest).cwiseMin(farthest);
-}
-
-// Shares the cube of a particle, with its middle at `mid` but moved to lie inside the walls, among the cells that it
-// covers. `own` is the cell in which the particle is stored, its plane counted from the start of the box.
-void CoarseWater::add_volume(LocalId k, const Vec3& mid, const Vec3& own) {
-  std::array<std::array<Real, 2>, 3> share{};
-  std::array<LocalId, 3> first{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto b = static_cast<Eigen::Index>(a);
-    const Real half = half_[b], m = std::clamp(mid[b], half, grid_.count(a) - half);
-    const Real lowest = std::floor(m - half);
-    first[a] = static_cast<LocalId>(lowest - own[b]);  // −1 or 0; 1 is possible by rounding
-    share[a][1] = std::clamp((m + half - lowest - 1) * per_cube_[b], 0.0, 1.0);
-    share[a][0] = 1 - share[a][1];
-  }
-  for (LocalId r = 0; r < 2; ++r) {
-    for (LocalId c = 0; c < 2; ++c) {
-      const Real part = share[1][static_cast<std::size_t>(r)] * share[2][static_cast<std::size_t>(c)] * per_full_;
-      const LocalId column = static_cast<LocalId>(own[2]) + first[2] + c;
-      if (part == 0 || column >= grid_.columns()) continue;
-      PlaneSums& sums = sums_[grid_.index(k, static_cast<LocalId>(own[1]) + first[1] + r, column)];
-      for (LocalId q = 0; q < 2; ++q) {
-        const LocalId plane = first[0] + q + 1;
-        if (share[0][static_cast<std::size_t>(q)] > 0)
-          sums.volume[static_cast<std::size_t>(plane)] += share[0][static_cast<std::size_t>(q)] * part;
-      }
+  if (cell.begin == cell.end) return;
+  const CellSums particles = sums_of(cell, motion);
+  const std::size_t in_plane = grid_.index(0, cell.r, cell.c), at = grid_.index(cell.k, cell.r, cell.c);
+  sums_[at].low += particles.low(grid_.place(0));
+  sums_[at].high += particles.high(grid_.place(0));
+  faces.row[in_plane] += particles.low(grid_.place(1));
+  faces.row[in_plane + grid_.step(1)] += particles.high(grid_.place(1));
+  faces.column[in_plane] += particles.low(grid_.place(2));
+  faces.column[in_plane + 1] += particles.high(grid_.place(2));
+  for (std::size_t r = 0; r < 3; ++r) {
+    // Particles higher than the columns in use are ignored.
+    for (std::size_t c = 0; c < (cell.c + 1 < grid_.columns() ? 3U : 2U); ++c) {
+      auto& volume = sums_[at + r * grid_.step(1) + c - grid_.step(1) - 1].volume;
+      for (std::size_t plane = 0; plane < 3; ++plane) volume[plane] += particles.volume[plane][r][c];
     }
   }
+}
+
+// The cube of a particle is placed at its surface position, but moved to lie inside the walls.
+CoarseWater::CellSums CoarseWater::sums_of(const CellParticles& cell, const Motion& motion) const {
+  CellSums sums;
+  sums.count = static_cast<Real>(cell.end - cell.begin);
+  const Axes own = grid_.cell_of(grid_.in_cells(motion.p[cell.begin]));
+  for (std::size_t i = cell.begin; i < cell.end; ++i) {
+    const Axes u = axes_of(motion.p[i]) - axes_of(motion.x[i]), here = grid_.in_cells(motion.p[i]);
+    const Axes f = grid_.fraction(here), fu = f * u, f2 = f * f;
+    sums.f += f;
+    sums.f2 += f2;
+    sums.f3 += f2 * f;
+    sums.u += u;
+    sums.fu += fu;
+    sums.f2u += f * fu;
+    const Axes mid = surface_position(here, u).max(half_).min(farthest_) - own;
+    add_cube(((half_ - mid) * per_cube_).max(0.0).min(1.0), ((mid + half_ - 1) * per_cube_).max(0.0).min(1.0), sums);
+  }
+  return sums;
+}
+
+// A cube with these shares below and above its cell: never both, as it is no wider than a cell.
+void CoarseWater::add_cube(const Axes& below, const Axes& above, CellSums& sums) const {
+  const Axes outside = below + above, inside = 1 - outside;
+  const Eigen::Index x = grid_.place(0), y = grid_.place(1), z = grid_.place(2);
+  const auto side = [&](Eigen::Index a) { return above[a] > 0 ? std::size_t{2} : std::size_t{0}; };
+  const Real in = inside[z] * per_full_, out = outside[z] * per_full_;
+  const auto add = [&](auto& columns, Real part) {
+    columns[1] += part * in;
+    columns[side(z)] += part * out;
+  };
+  auto &own = sums.volume[1], &next = sums.volume[side(x)];
+  add(own[1], inside[x] * inside[y]);
+  add(own[side(y)], inside[x] * outside[y]);
+  add(next[1], outside[x] * inside[y]);
+  add(next[side(y)], outside[x] * outside[y]);
+}
+
+Axes CoarseWater::surface_position(const Axes& in_cells, const Axes& u) const {
+  constexpr Real farthest = 0.25;
+  return in_cells - grid_.way_in_cells(u).max(-farthest).min(farthest);
 }
 
 void CoarseWater::finish_faces(LocalId k) {

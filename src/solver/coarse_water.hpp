@@ -45,8 +45,8 @@ class CoarseWater {
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
   /// The position by which a particle is placed relative to the surface: that at the start of the step, but in each
-  /// direction at most a quarter of a cell from p. In units of cells.
-  Vec3 surface_position(const Vec3& x, const Vec3& p) const;
+  /// direction at most a quarter of a cell from p = in_cells. u, m, is its way to p. In units of cells.
+  Axes surface_position(const Axes& in_cells, const Axes& u) const;
 
   std::size_t bytes() const;
 
@@ -55,8 +55,8 @@ class CoarseWater {
   // Weighted sums over the particles beside a face.
   struct Moments {
     Real weight = 0, offset = 0, offset2 = 0, value = 0, offset_value = 0;
-    void add(Real w, Real distance, Real u);
     Moments operator+(const Moments& other) const;
+    void operator+=(const Moments& other) { *this = *this + other; }
     Real at_face() const;
   };
   // What the particles of a plane add: their volume to the plane below, to their own and to the plane above, and their
@@ -80,16 +80,27 @@ class CoarseWater {
   struct FaceSums {
     std::vector<Moments> row, column;
   };
+  // Sums over the particles of a cell of powers of their fraction f and of their displacement u, m, in each direction;
+  // volume[plane][row][column] is what they fill of the cell (1, 1, 1) itself and of the 26 around it.
+  struct CellSums {
+    Real count = 0;
+    Axes f = Axes::Zero(), f2 = f, f3 = f, u = f, fu = f, f2u = f;
+    std::array<std::array<std::array<Real, 3>, 3>, 3> volume{};
+    Moments low(Eigen::Index a) const;
+    Moments high(Eigen::Index a) const;
+  };
+  CellSums sums_of(const CellParticles& cell, const Motion& motion) const;
+  void add_cube(const Axes& below, const Axes& above, CellSums& sums) const;
   void sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces);
   void sum_cell(const CellParticles& cell, const Motion& motion, FaceSums& faces);
-  void add_volume(LocalId k, const Vec3& mid, const Vec3& own);
   void finish_faces(LocalId k);
   void find_surface();
   void find_tops(LocalId k, LocalId r);
 
   MPI_Comm comm_;
   CoarseGrid grid_;
-  Vec3 half_, per_cube_;     // half a spacing in units of cells; spacings in a cell's length
+  Axes half_, per_cube_;     // half a spacing in cells; spacings in a cell's length
+  Axes farthest_;            // from the corner that a cube's middle can be, in cells
   Real per_full_;            // volume of a particle, in cells
   LocalId least_particles_;  // fewest particles of a cell that may hold water
   int depth_ = 0;
