@@ -64,21 +64,27 @@ void CoarseMultigrid::gather(std::size_t level, std::vector<Real>& field) const 
   MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, field.data(), counts.data(), places.data(), MPI_DOUBLE, comm_);
 }
 
-// The fields of a new level; also what the finest one does not know of its ghost planes.
+// Fields of the coarse levels from those of the finest; and what levels do not know of their ghost planes.
 void CoarseMultigrid::join_levels(Halo& halo) {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
     CoarseLevel& cells = level.cells;
-    if (l > 0) levels_[l - 1].cells.coarsen(cells, level.made);
-    for (auto* field : {&cells.link[0], &cells.link[1], &cells.link[2], &cells.sink}) {
-      if (is_gathered_here(l)) gather(l, *field);
-      else halo.start_planes(*field, cells.shape().step(0), downwards(level.peers));
+    if (l > 0) {
+      levels_[l - 1].cells.coarsen(cells, level.made);
+      for (auto& link : cells.link) complete(l, link, halo);
     }
+    complete(l, cells.sink, halo);
     halo.finish();
     cells.factor();
     halo.start_planes(cells.per_pivot, cells.shape().step(0), level.peers);
     halo.finish();
   }
+}
+
+// Finds the planes of a field that other ranks have made; finish() must follow.
+void CoarseMultigrid::complete(std::size_t l, std::vector<Real>& field, Halo& halo) const {
+  if (is_gathered_here(l)) return gather(l, field);
+  halo.start_planes(field, levels_[l].cells.shape().step(0), downwards(levels_[l].peers));
 }
 
 void CoarseMultigrid::solve(Halo& halo, int cycles) {

@@ -38,8 +38,9 @@ class CoarseMultigrid {
     bool gathered = false;  // all planes are on all ranks
   };
   void place_level(std::size_t l);
-  bool is_gathered_here(std::size_t l) const { return levels_[l].gathered && !levels_[l - 1].gathered; }
+  bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
   void join_levels(Halo& halo);
+  void complete(std::size_t l, std::vector<Real>& field, Halo& halo) const;
   void gather(std::size_t level, std::vector<Real>& field) const;
   void cycle(Halo& halo);
   void sweep(Level& level, Halo& halo, Real share) const;
