@@ -1,5 +1,6 @@
 #include "solver/coarse_multigrid.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include "trevi/session.hpp"
@@ -11,7 +12,7 @@ namespace {
 // The share of a sweep's way that is gone: less than 1 to damp what changes sign from column to column.
 constexpr Real damping = 0.8;
 // Sweeps before and after the correction by the coarser level, and on the coarsest. With these a cycle leaves a tenth
-// of the error; see tests/mpi/test_multigrid.cpp.
+// of an error; see tests/mpi/test_multigrid.cpp.
 constexpr int sweeps = 2, coarsest_sweeps = 4;
 
 LocalId half(LocalId count) { return (count + 1) / 2; }
@@ -51,40 +52,55 @@ void CoarseMultigrid::place_level(std::size_t l) {
   level.made = each ? Range{1, all + 1} : level.gathered ? Range{first + 1, end + 1} : Range{1, end - first + 1};
 }
 
-// Of a field of a gathered level: the planes of all ranks, in their order.
-void CoarseMultigrid::gather(std::size_t level, std::vector<Real>& field) const {
-  const std::size_t plane = levels_[level].cells.shape().step(0);
+// Of fields of a gathered level: the planes of all ranks, in their order. All fields go in one message.
+void CoarseMultigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields) {
+  const Level& level = levels_[l];
+  const std::size_t plane = level.cells.shape().step(0);
+  const auto all = static_cast<std::size_t>(level.cells.shape().planes);
   std::vector<int> counts, places;
   for (std::size_t r = 0; r + 1 < cuts_.size(); ++r) {
-    const LocalId first = first_on_level(cuts_[r], static_cast<int>(level));
-    const LocalId end = first_on_level(cuts_[r + 1], static_cast<int>(level));
-    counts.push_back(static_cast<int>(static_cast<std::size_t>(end - first) * plane));
-    places.push_back(static_cast<int>(static_cast<std::size_t>(first + 1) * plane));
+    const LocalId first = first_on_level(cuts_[r], static_cast<int>(l));
+    const LocalId end = first_on_level(cuts_[r + 1], static_cast<int>(l));
+    counts.push_back(static_cast<int>(static_cast<std::size_t>(end - first) * plane * fields.size()));
+    places.push_back(static_cast<int>(static_cast<std::size_t>(first) * plane * fields.size()));
   }
-  MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, field.data(), counts.data(), places.data(), MPI_DOUBLE, comm_);
+  packed_.resize(all * plane * fields.size());
+  // Where plane k of the field, counted from 1, stands in the message.
+  const auto place = [&](std::size_t k, std::size_t field) { return ((k - 1) * fields.size() + field) * plane; };
+  for (auto k = static_cast<std::size_t>(level.made.begin); k < static_cast<std::size_t>(level.made.end); ++k) {
+    std::size_t number = 0;
+    for (const auto* field : fields) std::copy_n(field->data() + k * plane, plane, packed_.data() + place(k, number++));
+  }
+  MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_.data(), counts.data(), places.data(), MPI_DOUBLE, comm_);
+  std::size_t number = 0;
+  for (auto* field : fields) {
+    for (std::size_t k = 1; k <= all; ++k)
+      std::copy_n(packed_.data() + place(k, number), plane, field->data() + k * plane);
+    ++number;
+  }
 }
 
 // Fields of the coarse levels from those of the finest; and what levels do not know of their ghost planes.
 void CoarseMultigrid::join_levels(Halo& halo) {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
-    Level& level = levels_[l];
-    CoarseLevel& cells = level.cells;
+    CoarseLevel& cells = levels_[l].cells;
     if (l > 0) {
-      levels_[l - 1].cells.coarsen(cells, level.made);
-      for (auto& link : cells.link) complete(l, link, halo);
+      levels_[l - 1].cells.coarsen(cells, levels_[l].made);
+      complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.sink}, halo);
+    } else {
+      complete(l, {&cells.sink}, halo);
     }
-    complete(l, cells.sink, halo);
-    halo.finish();
     cells.factor();
-    halo.start_planes(cells.per_pivot, cells.shape().step(0), level.peers);
+    halo.start_planes(cells.per_pivot, cells.shape().step(0), levels_[l].peers);
     halo.finish();
   }
 }
 
-// Finds the planes of a field that other ranks have made; finish() must follow.
-void CoarseMultigrid::complete(std::size_t l, std::vector<Real>& field, Halo& halo) const {
-  if (is_gathered_here(l)) return gather(l, field);
-  halo.start_planes(field, levels_[l].cells.shape().step(0), downwards(levels_[l].peers));
+// Finds the planes of fields that other ranks have made and this one needs.
+void CoarseMultigrid::complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo) {
+  if (is_gathered_here(l)) return gather(l, fields);
+  for (auto* field : fields) halo.start_planes(*field, levels_[l].cells.shape().step(0), downwards(levels_[l].peers));
+  halo.finish();
 }
 
 void CoarseMultigrid::solve(Halo& halo, int cycles) {
@@ -101,7 +117,7 @@ void CoarseMultigrid::cycle(Halo& halo) {
     halo.start_planes(level.cells.next, level.cells.shape().step(0), downwards(level.peers));
     halo.finish();
     level.cells.restrict_residual(levels_[l + 1].cells, levels_[l + 1].made);
-    if (is_gathered_here(l + 1)) gather(l + 1, levels_[l + 1].cells.rhs);
+    if (is_gathered_here(l + 1)) gather(l + 1, {&levels_[l + 1].cells.rhs});
   }
   sweep_coarsest(halo);
   for (std::size_t l = levels_.size() - 1; l-- > 0;) {
@@ -113,7 +129,8 @@ void CoarseMultigrid::cycle(Halo& halo) {
 // A single column is solved at once.
 void CoarseMultigrid::sweep_coarsest(Halo& halo) {
   Level& level = levels_.back();
-  const bool single = first_on_level(cuts_.back(), static_cast<int>(levels_.size()) - 1) == 1 && level.cells.shape().rows == 1;
+  const LocalId planes = first_on_level(cuts_.back(), static_cast<int>(levels_.size()) - 1);
+  const bool single = planes == 1 && level.cells.shape().rows == 1;
   const int count = single ? 1 : coarsest_sweeps;
   const Real share = single ? 1 : damping;
   if (levels_.size() > 1) sweep_from_zero(level, halo, share);
@@ -144,7 +161,7 @@ void CoarseMultigrid::sweep_from_zero(Level& level, Halo& halo, Real share) cons
 }
 
 std::size_t CoarseMultigrid::bytes() const {
-  std::size_t sum = cuts_.capacity() * sizeof(LocalId);
+  std::size_t sum = cuts_.capacity() * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
   for (const Level& level : levels_) sum += level.cells.bytes();
   return sum;
 }

@@ -9,6 +9,8 @@
 // that begin in their slab (plane_peers.hpp). Collective.
 #pragma once
 
+#include <initializer_list>
+
 #include "domain/halo.hpp"
 #include "solver/coarse_level.hpp"
 
@@ -40,8 +42,8 @@ class CoarseMultigrid {
   void place_level(std::size_t l);
   bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
   void join_levels(Halo& halo);
-  void complete(std::size_t l, std::vector<Real>& field, Halo& halo) const;
-  void gather(std::size_t level, std::vector<Real>& field) const;
+  void complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo);
+  void gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields);
   void cycle(Halo& halo);
   void sweep(Level& level, Halo& halo, Real share) const;
   void sweep_from_zero(Level& level, Halo& halo, Real share) const;
@@ -51,6 +53,7 @@ class CoarseMultigrid {
   GlobalId gathered_;
   std::vector<LocalId> cuts_;  // first planes of all ranks on the finest level, and the number of planes
   std::vector<Level> levels_{1};
+  std::vector<Real> packed_;  // what is gathered
 };
 
 }  // namespace trevi
