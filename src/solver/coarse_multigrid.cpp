@@ -12,7 +12,7 @@ namespace {
 // The share of a sweep's way that is gone: less than 1 to damp what changes sign from column to column.
 constexpr Real damping = 0.8;
 // Sweeps before and after the correction by the coarser level, and on the coarsest. With these a cycle leaves a tenth
-// of an error; see tests/mpi/test_multigrid.cpp.
+// to a fifth of an error; see tests/mpi/test_multigrid.cpp.
 constexpr int sweeps = 2, coarsest_sweeps = 4;
 
 LocalId half(LocalId count) { return (count + 1) / 2; }
