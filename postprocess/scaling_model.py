@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 RECORD = 16  # bytes of a packed record in single precision
 ITERATIONS = 4  # of the default, the first on the coarse grid
-CYCLES = 2  # of the coarse grid's multigrid
+CYCLES = 3  # of the coarse grid's multigrid
 SWEEPS = 4  # in a cycle on each level
 GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
 WATER = 8 * (3 + 2 * 5) + 8  # bytes of a coarse cell before the multigrid: volumes and moments, fill

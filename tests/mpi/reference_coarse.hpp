@@ -310,7 +310,7 @@ class ReferenceCoarse {
     const int widest = std::max(count_.x(), count_.y());
     levels_ = 1;
     while (1 << (levels_ - 1) < widest && 1 << (levels_ - 1) <= std::max(depth_, 1)) ++levels_;
-    for (int cycle = 0; cycle < 2; ++cycle) improve(level, phi, right, levels_);
+    for (int cycle = 0; cycle < 3; ++cycle) improve(level, phi, right, levels_);
     for (Eigen::Index i = 0; i < phi.size(); ++i)
       (*phi_)[level.cells[static_cast<std::size_t>(i)]] = std::min(phi[i], 0.0);
   }
