@@ -30,7 +30,10 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
   for_each_row(grid, {1, planes + 2}, [&](LocalId k, LocalId r) { leave_water(water, k, r); });
   for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) { start_at_rest(water, fall, k, r); });
   multigrid_.solve(halo, cycles);
-  for (Real& phi : multigrid_.finest().phi) phi = std::min(phi, 0.0);
+  for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) {
+    Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
+    for (LocalId c = 0; c < grid.columns(); ++c) phi[c] = std::min(phi[c], 0.0);
+  });
 }
 
 // Row `rows` beyond the last one has no water; its lower faces are walls, and stay without weight.
