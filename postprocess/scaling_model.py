@@ -9,8 +9,10 @@ from typing import NamedTuple
 
 RECORD = 16  # bytes of a packed record in single precision
 ITERATIONS = 4  # of the default, the first on the coarse grid
-SWEEPS_PER_CELL = 4
-GATHERED = 8 * (3 + 2 * 5) + 8  # bytes of a coarse cell before the sweeps: volumes and moments, fill
+CYCLES = 3  # of the coarse grid's multigrid
+SWEEPS = 4  # in a cycle on each level
+GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
+WATER = 8 * (3 + 2 * 5) + 8  # bytes of a coarse cell before the multigrid: volumes and moments, fill
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1)  # records, coarse move, lambda and place of each sweep over particles
 REDUCTIONS = 4  # depth of the water, guard, two migrations
 LOOK = 10  # steps between two looks at the balance
@@ -31,8 +33,27 @@ class Basin(NamedTuple):
     def cells(self):
         return self.particles() / 8
 
+    def columns(self):
+        """Cells above one another that the coarse grid looks at."""
+        return min((self.depth + self.air) / 2, math.ceil(self.depth / 2) + 2)
+
+    def levels(self):
+        """Rows of cells on each level of the multigrid that is not gathered, and what an exchange of all that a step
+        sends on it counts, in planes and per direction; what goes one way only counts half."""
+        planes, rows, found = self.planes(), math.ceil(self.width / 2), []
+        number = min(1 + math.ceil(self.depth / 2).bit_length(), 1 + (max(planes, rows) - 1).bit_length())
+        for level in range(number):
+            if level > 0 and planes * rows * self.columns() <= GATHERED_CELLS:
+                break
+            fields = 1 if level == 0 else 4  # known to one side: sinks, and links
+            residuals = CYCLES if level + 1 < number else 0
+            found.append((rows, 1 + CYCLES * SWEEPS + (fields + residuals) / 2))
+            planes, rows = math.ceil(planes / 2), math.ceil(rows / 2)
+        return found
+
     def sweeps(self):
-        return SWEEPS_PER_CELL * max(4, math.ceil(self.depth / 2) + 1)
+        """Of all levels, in those of the finest."""
+        return CYCLES * SWEEPS * 4 / 3
 
 
 class Costs(NamedTuple):
@@ -56,10 +77,9 @@ class Step(NamedTuple):
 
 def exchange_bytes(basin, filters=0):
     """Bytes through one cut in one direction and step: counts, records, coarse planes. The same formula as in
-    tests/mpi/test_traffic.cpp. `filters`: exchanges of the velocity filters."""
-    rows, columns = basin.width / 2, min((basin.depth + basin.air) / 2, math.ceil(basin.depth / 2) + 2)
-    return rebuild_bytes(basin) + (EXCHANGES - 1 + filters) * plane_bytes(basin) + \
-        (GATHERED + 8 * basin.sweeps()) * (rows + 2) * (columns + 2)
+    tests/mpi/test_traffic.cpp, in the mean of both directions. `filters`: exchanges of the velocity filters."""
+    coarse = WATER * (basin.width / 2 + 2) + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())
+    return rebuild_bytes(basin) + (EXCHANGES - 1 + filters) * plane_bytes(basin) + coarse * (basin.columns() + 2)
 
 
 def rebuild_bytes(basin):
@@ -72,8 +92,8 @@ def plane_bytes(basin):
 
 
 def messages(basin, filters=0):
-    """Through one cut in one direction and step; two of them at the start of a run."""
-    return 1 + EXCHANGES + filters + 2 + basin.sweeps()
+    """Through one cut in one direction and step, in the mean of both; two of them at the start of a run."""
+    return 1 + EXCHANGES + filters + 2 + sum(planes for _, planes in basin.levels())
 
 
 def slabs(basin, ranks, costs):

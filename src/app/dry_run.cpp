@@ -41,10 +41,11 @@ BytesEach bytes_each(const Scene& scene) {
   return {owned, ghost, cell};
 }
 
-// Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of.
+// Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
+// levels of its multigrid have a third of the finest one's cells.
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   if (!scene.density.coarse_grid || !is_downward(scene.gravity.value_or(Vec3::Zero()))) return 0;
-  constexpr double sums = 13 * 8, fields = 2 * 8 + 1 + 3 * 8, pressure = 7 * 8;
+  constexpr double sums = 13 * 8, fields = 2 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
   Real top = scene.domain.min.z();
   for (const ParticleSource& source : scene.particles)
     top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain.max.z());

@@ -17,27 +17,32 @@ int message_length(std::size_t bytes) {
 
 Halo::Halo(MPI_Comm comm) : comm_(comm) {
   const int rank = rank_of(comm);
-  neighbour_[low] = rank > 0 ? rank - 1 : MPI_PROC_NULL;
-  neighbour_[high] = rank + 1 < size_of(comm) ? rank + 1 : MPI_PROC_NULL;
+  neighbours_.from = {rank > 0 ? rank - 1 : MPI_PROC_NULL, rank + 1 < size_of(comm) ? rank + 1 : MPI_PROC_NULL};
+  neighbours_.to = {{{neighbours_.from[low], MPI_PROC_NULL}, {neighbours_.from[high], MPI_PROC_NULL}}};
 }
 
-void Halo::send_receive(const void* send, std::size_t send_bytes, void* receive, std::size_t receive_bytes, int side) {
-  const int peer = neighbour_[static_cast<std::size_t>(side)];
+// A message is tagged by the side it leaves from, so it arrives at the opposite one.
+void Halo::receive(void* data, std::size_t bytes, int peer, int side) {
   if (peer == MPI_PROC_NULL) return;
-  // A message is tagged by the side it leaves from, so it arrives at the opposite one.
-  MPI_Irecv(receive, message_length(receive_bytes), MPI_BYTE, peer, 1 - side, comm_, &requests_.emplace_back());
-  MPI_Isend(send, message_length(send_bytes), MPI_BYTE, peer, side, comm_, &requests_.emplace_back());
-  bytes_ += static_cast<std::int64_t>(send_bytes);
+  MPI_Irecv(data, message_length(bytes), MPI_BYTE, peer, 1 - side, comm_, &requests_.emplace_back());
+}
+
+void Halo::send(const void* data, std::size_t bytes, int peer, int side) {
+  if (peer == MPI_PROC_NULL) return;
+  MPI_Isend(data, message_length(bytes), MPI_BYTE, peer, side, comm_, &requests_.emplace_back());
+  bytes_ += static_cast<std::int64_t>(bytes);
   ++messages_;
 }
 
 void Halo::rebuild(CellOrder& order) {
   const auto cells = static_cast<std::size_t>(order.grid().cells_per_plane());
-  low_counts_.resize(neighbour_[low] == MPI_PROC_NULL ? 0 : cells);
-  high_counts_.resize(neighbour_[high] == MPI_PROC_NULL ? 0 : cells);
+  low_counts_.resize(neighbours_.from[low] == MPI_PROC_NULL ? 0 : cells);
+  high_counts_.resize(neighbours_.from[high] == MPI_PROC_NULL ? 0 : cells);
   const std::size_t bytes = cells * sizeof(LocalId);
-  send_receive(order.first_plane_counts().data(), bytes, low_counts_.data(), bytes, low);
-  send_receive(order.last_plane_counts().data(), bytes, high_counts_.data(), bytes, high);
+  receive(low_counts_.data(), bytes, neighbours_.from[low], low);
+  receive(high_counts_.data(), bytes, neighbours_.from[high], high);
+  send(order.first_plane_counts().data(), bytes, neighbours_.from[low], low);
+  send(order.last_plane_counts().data(), bytes, neighbours_.from[high], high);
   finish();
   order.add_ghosts(low_counts_, high_counts_);
   owned_ = {order.start(1, 0), order.start(2, 0), order.start(order.planes(), 0), order.start(order.planes() + 1, 0),
@@ -46,14 +51,19 @@ void Halo::rebuild(CellOrder& order) {
 
 void Halo::start_bytes(std::byte* field, std::size_t size) {
   const auto at = [=](LocalId i) { return static_cast<std::size_t>(i) * size; };
-  send_receive(field + at(owned_.begin), at(owned_.end_first_plane - owned_.begin), field, at(owned_.begin), low);
-  send_receive(field + at(owned_.begin_last_plane), at(owned_.end - owned_.begin_last_plane), field + at(owned_.end),
-               at(owned_.end_high - owned_.end), high);
+  receive(field, at(owned_.begin), neighbours_.from[low], low);
+  receive(field + at(owned_.end), at(owned_.end_high - owned_.end), neighbours_.from[high], high);
+  send(field + at(owned_.begin), at(owned_.end_first_plane - owned_.begin), neighbours_.from[low], low);
+  send(field + at(owned_.begin_last_plane), at(owned_.end - owned_.begin_last_plane), neighbours_.from[high], high);
 }
 
-void Halo::start_plane_bytes(std::byte* grid, std::size_t plane, std::size_t planes) {
-  send_receive(grid + plane, plane, grid, plane, low);
-  send_receive(grid + (planes - 2) * plane, plane, grid + (planes - 1) * plane, plane, high);
+void Halo::start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const PlanePeers& peers) {
+  if (grid.empty()) return;
+  std::byte* const end = grid.data() + grid.size();
+  receive(grid.data(), plane, peers.from[low], low);
+  receive(end - plane, plane, peers.from[high], high);
+  for (const int peer : peers.to[low]) send(grid.data() + plane, plane, peer, low);
+  for (const int peer : peers.to[high]) send(end - 2 * plane, plane, peer, high);
 }
 
 void Halo::finish() {

@@ -9,10 +9,13 @@
 
 #include <array>
 #include <cassert>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 #include <vector>
 
+#include "domain/plane_peers.hpp"
 #include "parallel/log.hpp"
 #include "particles/cell_order.hpp"
 
@@ -36,8 +39,13 @@ class Halo {
   /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each.
   template <class T>
   void start_planes(std::vector<T>& grid, std::size_t per_plane) {
+    start_planes(grid, per_plane, neighbours_);
+  }
+  /// Between other ranks than the neighbours; `grid` may have no owned planes.
+  template <class T>
+  void start_planes(std::vector<T>& grid, std::size_t per_plane, const PlanePeers& peers) {
     static_assert(std::is_trivially_copyable_v<T>);
-    start_plane_bytes(reinterpret_cast<std::byte*>(grid.data()), per_plane * sizeof(T), grid.size() / per_plane);
+    start_plane_bytes(std::as_writable_bytes(std::span(grid)), per_plane * sizeof(T), peers);
   }
   void finish();
 
@@ -57,11 +65,12 @@ class Halo {
     LocalId begin = 0, end_first_plane = 0, begin_last_plane = 0, end = 0, end_high = 0;
   };
   void start_bytes(std::byte* field, std::size_t size);
-  void start_plane_bytes(std::byte* grid, std::size_t plane, std::size_t planes);
-  void send_receive(const void* send, std::size_t send_bytes, void* receive, std::size_t receive_bytes, int side);
+  void start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const PlanePeers& peers);
+  void receive(void* data, std::size_t bytes, int peer, int side);
+  void send(const void* data, std::size_t bytes, int peer, int side);
 
   MPI_Comm comm_;
-  std::array<int, 2> neighbour_;  // low, high; MPI_PROC_NULL where the box ends
+  PlanePeers neighbours_;
   Borders owned_;
   std::vector<LocalId> low_counts_, high_counts_;
   std::vector<MPI_Request> requests_;

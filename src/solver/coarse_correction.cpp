@@ -25,7 +25,7 @@ constexpr Real fade_begins = -0.25, fade_length = 2;
 }  // namespace
 
 CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model)
-    : model_(model), water_(comm, grid, box, model.spacing) {}
+    : model_(model), water_(comm, grid, box, model.spacing), pressure_(comm) {}
 
 CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId c) const {
   const CoarseGrid& grid = water_.grid();

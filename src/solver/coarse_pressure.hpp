@@ -6,18 +6,20 @@
 // weight 1/theta, theta being the height of the surface above the middle of the cell in cells; a face at its side has
 // the share of its area that is under water as its weight.
 //
-// Solved by Chebyshev semi-iteration over damped Jacobi sweeps. It starts from the hydrostatic pressure of each column,
-// which is the exact solution for water at rest. The number of sweeps follows the depth of the water, so that there are
-// no dot products, hence the same bits on any rank count. Where water is torn apart phi would pull it together, so it
-// is limited to values ≤ 0. Collective.
+// Solved by V-cycles of a multigrid (coarse_multigrid.hpp) from the hydrostatic pressure of each column, which is the
+// exact solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
+// water is torn apart phi would pull it together, so it is limited to values ≤ 0. Collective.
 #pragma once
 
+#include "solver/coarse_multigrid.hpp"
 #include "solver/coarse_water.hpp"
 
 namespace trevi {
 
 class CoarsePressure {
  public:
+  explicit CoarsePressure(MPI_Comm comm) : multigrid_(comm) {}
+
   /// `fall`: how far gravity moves a particle down in the step, g dt², m. `return_share`: the share of a cell's
   /// deviation from its volume that this step undoes.
   void solve(const CoarseWater& water, Halo& halo, Real fall, Real return_share);
@@ -25,26 +27,20 @@ class CoarsePressure {
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
   Real displacement(const CoarseWater& water, std::size_t a, std::size_t at) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return multigrid_.bytes(); }
 
  private:
-  void weigh_faces(const CoarseWater& water);
+  template <class Work>
+  void for_each_row(const CoarseGrid& grid, Range planes, const Work& work);
   void weigh_row(const CoarseWater& water, LocalId k, LocalId r);
-  void find_sources(const CoarseWater& water, Real return_share);
+  void find_sources(const CoarseWater& water, Real return_share, LocalId k, LocalId r);
+  void leave_water(const CoarseWater& water, LocalId k, LocalId r);
   Real divergence(const CoarseWater& water, std::size_t at) const;
-  void start_at_rest(const CoarseWater& water, Real fall);
-  void sweep_plane(const CoarseGrid& grid, LocalId k, Real omega);
-  static std::size_t row_of(const CoarseGrid& grid, LocalId k, LocalId r) {
-    return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid.rows()) + static_cast<std::size_t>(r);
-  }
+  void start_at_rest(const CoarseWater& water, Real fall, LocalId k, LocalId r);
 
-  // Weight of each face: its area under water, as a share of the whole area, over the distance between the points on
-  // its two sides where phi is given, in cells. 0 where nothing passes.
-  std::array<std::vector<Real>, 3> weight_;
-  std::vector<std::size_t> wet_columns_;  // of each row: how many a sweep visits; phi is 0 above them
-  std::vector<Real> source_;              // divergence that u shall have, dimensionless
-  std::vector<Real> per_diagonal_;        // 1/Σ (weight / cell length²) over the faces, m²; 0 in dry cells
-  std::vector<Real> phi_, previous_;      // m²
+  // Its links first hold the weight of each face: its area under water, as a share of the whole area, over the distance
+  // between the points on its two sides where phi is given, in cells; 0 where nothing passes.
+  CoarseMultigrid multigrid_;
 };
 
 }  // namespace trevi

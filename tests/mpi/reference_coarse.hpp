@@ -4,9 +4,9 @@
 // Not collective.
 #pragma once
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -218,39 +218,101 @@ class ReferenceCoarse {
     });
   }
 
+  // ---- multigrid, in matrices ---------------------------------------------------------------------------------
+
+  struct Level {
+    Eigen::MatrixXd matrix;
+    std::vector<Cell> cells;  // that the rows stand for
+  };
+
+  Level finest() const {
+    Level level;
+    CellArray<int> row(count_, -1);
+    for_each_cell([&](const Cell& c) {
+      if (!wet(c)) return;
+      row[c] = static_cast<int>(level.cells.size());
+      level.cells.push_back(c);
+    });
+    const auto rows = static_cast<Eigen::Index>(level.cells.size());
+    level.matrix = Eigen::MatrixXd::Zero(rows, rows);
+    for_each_face([&](int a, const Cell& c) {
+      const int below = row[c - unit(a)], above = row[c];
+      const Real link = weight(a, c) / (size_[a] * size_[a]);
+      if (below >= 0) level.matrix(below, below) += link;
+      if (above >= 0) level.matrix(above, above) += link;
+      if (below >= 0 && above >= 0) level.matrix(below, above) = level.matrix(above, below) = -link;
+    });
+    return level;
+  }
+
+  static bool same_column(const Cell& a, const Cell& b) { return a.head<2>() == b.head<2>(); }
+
+  // Two by two columns become one. Links between columns count half; what holds phi at 0 stays.
+  static Level coarser(const Level& fine, Eigen::MatrixXd& join) {
+    Level coarse;
+    const auto rows = static_cast<Eigen::Index>(fine.cells.size());
+    join = Eigen::MatrixXd::Zero(rows, rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const Cell& c = fine.cells[static_cast<std::size_t>(i)];
+      const Cell parent(c.x() / 2, c.y() / 2, c.z());
+      const auto found = std::find(coarse.cells.begin(), coarse.cells.end(), parent);
+      join(found - coarse.cells.begin(), i) = 1;
+      if (found == coarse.cells.end()) coarse.cells.push_back(parent);
+    }
+    join.conservativeResize(static_cast<Eigen::Index>(coarse.cells.size()), rows);
+    coarse.matrix = join * fine.matrix * join.transpose();
+    for (Eigen::Index i = 0; i < coarse.matrix.rows(); ++i) {
+      for (Eigen::Index j = 0; j < coarse.matrix.rows(); ++j) {
+        if (same_column(coarse.cells[static_cast<std::size_t>(i)], coarse.cells[static_cast<std::size_t>(j)])) continue;
+        coarse.matrix(i, i) += coarse.matrix(i, j) / 2;
+        coarse.matrix(i, j) /= 2;
+      }
+    }
+    return coarse;
+  }
+
+  /// phi after `times` sweeps that go a share of the way to what each column would have beside the others as they are.
+  static void sweep(const Level& level, Eigen::VectorXd& phi, const Eigen::VectorXd& right, int times, Real share) {
+    Eigen::MatrixXd columns = level.matrix;
+    for (Eigen::Index i = 0; i < columns.rows(); ++i)
+      for (Eigen::Index j = 0; j < columns.rows(); ++j)
+        if (!same_column(level.cells[static_cast<std::size_t>(i)], level.cells[static_cast<std::size_t>(j)]))
+          columns(i, j) = 0;
+    const Eigen::FullPivLU<Eigen::MatrixXd> inverse(columns);
+    for (int k = 0; k < times; ++k) phi += share * inverse.solve(right - level.matrix * phi);
+  }
+
+  void improve(const Level& level, Eigen::VectorXd& phi, const Eigen::VectorXd& right, int levels) const {
+    if (level.cells.empty()) return;
+    const int width = 1 << (levels_ - levels);
+    if (levels == 1) {
+      const bool single = width >= count_.x() && width >= count_.y();
+      return sweep(level, phi, right, single ? 1 : 4, single ? 1 : 0.8);
+    }
+    sweep(level, phi, right, 2, 0.8);
+    Eigen::MatrixXd join;
+    const Level coarse = coarser(level, join);
+    Eigen::VectorXd correction = Eigen::VectorXd::Zero(coarse.matrix.rows());
+    improve(coarse, correction, join * (right - level.matrix * phi), levels - 1);
+    phi += join.transpose() * correction;
+    sweep(level, phi, right, 2, 0.8);
+  }
+
   void solve(Real fall, Real return_share) {
     phi_.emplace(count_, 0);
     start_at_rest(fall);
-    CellArray<Real> before = *phi_, right(count_, 0);
-    for_each_cell([&](const Cell& c) { right[c] = source(c, return_share); });
-    Faces<Real> weights = faces(0.0);
-    for_each_face([&](int a, const Cell& c) { weights[static_cast<std::size_t>(a)][c] = weight(a, c); });
-    const Vec3 stiffness = size_.cwiseAbs2().cwiseInverse();
-    const int depth = std::max(depth_ + 1, 4);
-    const Real angle = std::numbers::pi / 2 / depth;
-    const Real radius = 1 - 0.9 / 2 * angle * angle * stiffness.z() / stiffness.sum();
-    Real omega = 1;
-    for (int sweep = 0; sweep < 4 * depth; ++sweep) {
-      if (sweep == 1) omega = 1 / (1 - radius * radius / 2);
-      if (sweep > 1) omega = 1 / (1 - radius * radius * omega / 4);
-      CellArray<Real> next = *phi_;
-      for_each_cell([&](const Cell& c) {
-        Real diagonal = 0, sum = -right[c];
-        for (int a = 0; a < 3; ++a) {
-          for (const auto& [face, other] :
-               {std::pair(c, Cell(c - unit(a))), std::pair(Cell(c + unit(a)), Cell(c + unit(a)))}) {
-            diagonal += stiffness[a] * weights[static_cast<std::size_t>(a)][face];
-            sum += stiffness[a] * weights[static_cast<std::size_t>(a)][face] * (*phi_)[other];
-          }
-        }
-        if (!wet(c) || diagonal == 0) return;
-        const Real relaxed = (*phi_)[c] + 0.9 * (sum / diagonal - (*phi_)[c]);
-        next[c] = omega * (relaxed - before[c]) + before[c];
-      });
-      before = *phi_;
-      phi_ = next;
+    const Level level = finest();
+    Eigen::VectorXd phi(level.matrix.rows()), right(level.matrix.rows());
+    for (Eigen::Index i = 0; i < phi.size(); ++i) {
+      phi[i] = (*phi_)[level.cells[static_cast<std::size_t>(i)]];
+      right[i] = -source(level.cells[static_cast<std::size_t>(i)], return_share);
     }
-    for_each_cell([&](const Cell& c) { (*phi_)[c] = std::min((*phi_)[c], 0.0); });
+    const int widest = std::max(count_.x(), count_.y());
+    levels_ = 1;
+    while (1 << (levels_ - 1) < widest && 1 << (levels_ - 1) <= std::max(depth_, 1)) ++levels_;
+    for (int cycle = 0; cycle < 3; ++cycle) improve(level, phi, right, levels_);
+    for (Eigen::Index i = 0; i < phi.size(); ++i)
+      (*phi_)[level.cells[static_cast<std::size_t>(i)]] = std::min(phi[i], 0.0);
   }
 
   // ---- what the particles take from it ------------------------------------------------------------------------
@@ -293,7 +355,7 @@ class ReferenceCoarse {
   std::optional<Faces<Real>> mean_;
   std::optional<CellArray<Real>> fill_, height_, phi_;
   std::optional<CellArray<char>> wet_;
-  int depth_ = 0;
+  int depth_ = 0, levels_ = 1;
 };
 
 }  // namespace trevi::test

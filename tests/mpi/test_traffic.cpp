@@ -36,8 +36,11 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, bool coarse
   // The records once with the list; lambda and place in every sweep, but for the coarse grid, which asks for no
   // densities and only moves.
   const std::int64_t exchanges = 1 + (coarse ? 1 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
-  // For each of its cells: the volume in three planes and five moments of either face; the fill; phi in each sweep.
-  const std::int64_t sweeps = 4 * (water_columns + 1), coarse_cell = 8 * (3 + 2 * 5) + 8 + 8 * sweeps;
+  // For each of its cells both ways: the volume in three planes and five moments of either face; the fill; the pivot;
+  // phi in each of four sweeps a cycle. One way: what holds phi at 0, and the residual of each cycle. Coarser levels are
+  // small enough to be gathered.
+  constexpr int cycles = 3, both_ways = 3 + 2 * 5 + 1 + 1 + 4 * cycles, one_way = 1 + cycles;
+  const std::int64_t coarse_cell = 8 * both_ways + 4 * one_way;
   return messages *
          (counts + exchanges * particles_per_plane * record + (coarse ? coarse_cells_per_plane * coarse_cell : 0));
 }

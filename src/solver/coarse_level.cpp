@@ -1,0 +1,156 @@
+#include "solver/coarse_level.hpp"
+
+#include <algorithm>
+
+#include "base/threads.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Least pivot of a column's elimination, as a share of its diagonal. Below that nothing holds phi: a box full of water
+// to its ceiling. It is then counted from the highest cell.
+constexpr Real least_pivot = 1e-10;
+
+}  // namespace
+
+void CoarseLevel::resize(const LevelShape& shape) {
+  if (shape == shape_) return;
+  shape_ = shape;
+  for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+    field->assign(shape.cells(), 0.0);
+  top_.assign((static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows), 0);
+}
+
+template <class Work>
+void CoarseLevel::for_each_row(Range planes, const Work& work) const {
+  constexpr LocalId cells = 4096;
+  const LocalId rows = shape_.rows;
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, std::max(cells / (shape_.columns + 2), 1),
+                [&](Range part) {
+                  for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
+                });
+}
+
+void CoarseLevel::factor() {
+  for_each_row({1, shape_.planes + 1}, [&](LocalId k, LocalId r) { factor_column(k, r); });
+}
+
+void CoarseLevel::factor_column(LocalId k, LocalId r) {
+  const std::size_t floor = shape_.index(k, r, 0), row = shape_.step(1), plane = shape_.step(0);
+  std::size_t count = 0;
+  Real below = 0;  // of the pivot
+  for (std::size_t at = floor, end = floor + static_cast<std::size_t>(shape_.columns); at < end; ++at) {
+    const Real diagonal = sink[at] + (link[0][at] + link[0][at + plane]) + (link[1][at] + link[1][at + row]) +
+                          (link[2][at] + link[2][at + 1]);
+    const Real pivot = diagonal - link[2][at] * link[2][at] * below;
+    below = per_pivot[at] = pivot > least_pivot * diagonal ? 1 / pivot : 0;
+    if (diagonal > 0) count = at - floor + 1;
+  }
+  for (std::size_t at = floor + count, end = floor + static_cast<std::size_t>(shape_.columns); at < end; ++at)
+    phi[at] = next[at] = rhs[at] = 0;
+  top_[static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r)] = count;
+}
+
+// In `next`: rhs and what comes from the sides.
+void CoarseLevel::gather_column(std::size_t at, std::size_t count) {
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  const Real *x = phi.data() + at, *wx = link[0].data() + at, *wy = link[1].data() + at, *b = rhs.data() + at;
+  Real* y = next.data() + at;
+#pragma GCC ivdep
+  for (std::size_t c = 0; c < count; ++c) {
+    y[c] = b[c] + ((wx[c] * x[c - plane] + wx[c + plane] * x[c + plane]) +
+                   (wy[c] * x[c - row] + wy[c + row] * x[c + row]));
+  }
+}
+
+// Solves the column for `next`, in place, by elimination from the floor up.
+void CoarseLevel::solve_column(std::size_t at, std::size_t count) {
+  Real* y = next.data() + at;
+  const Real *wz = link[2].data() + at, *per = per_pivot.data() + at;
+  Real last = 0;
+  for (std::size_t c = 0; c < count; ++c) y[c] = last = y[c] * per[c] + wz[c] * per[c] * last;
+  last = 0;
+  for (std::size_t c = count; c-- > 0;) y[c] = last = y[c] + wz[c + 1] * per[c] * last;
+}
+
+void CoarseLevel::sweep(Range planes, Real share) {
+  for_each_row(planes, [&](LocalId k, LocalId r) {
+    const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
+    gather_column(at, count);
+    solve_column(at, count);
+    for (std::size_t i = at; i < at + count; ++i) next[i] = phi[i] + share * (next[i] - phi[i]);
+  });
+}
+
+void CoarseLevel::sweep_from_zero(Real share) {
+  for_each_row({1, shape_.planes + 1}, [&](LocalId k, LocalId r) {
+    const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
+    std::copy_n(rhs.begin() + static_cast<std::ptrdiff_t>(at), count, next.begin() + static_cast<std::ptrdiff_t>(at));
+    solve_column(at, count);
+    for (std::size_t i = at; i < at + count; ++i) next[i] *= share;
+  });
+}
+
+void CoarseLevel::find_residual() {
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  for_each_row({1, shape_.planes + 1}, [&](LocalId k, LocalId r) {
+    const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
+    const Real *x = phi.data() + at, *b = rhs.data() + at, *d = sink.data() + at, *per = per_pivot.data() + at;
+    const Real *wx = link[0].data() + at, *wy = link[1].data() + at, *wz = link[2].data() + at;
+    Real* y = next.data() + at;
+#pragma GCC ivdep
+    for (std::size_t c = 0; c < count; ++c) {
+      const Real flow = (wx[c] * (x[c - plane] - x[c]) + wx[c + plane] * (x[c + plane] - x[c])) +
+                        (wy[c] * (x[c - row] - x[c]) + wy[c + row] * (x[c + row] - x[c])) +
+                        (wz[c] * (x[c - 1] - x[c]) + wz[c + 1] * (x[c + 1] - x[c]));
+      y[c] = per[c] > 0 ? b[c] - d[c] * x[c] + flow : 0;
+    }
+  });
+}
+
+void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
+  const LevelShape& to = coarse.shape_;
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  coarse.for_each_row(planes, [&](LocalId k, LocalId r) {
+    const std::size_t from = shape_.index(2 * (k - 1 + to.first) - shape_.first + 1, 2 * r, 0);
+    const std::size_t at = to.index(k, r, 0);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
+      const std::size_t i = from + c;
+      coarse.link[0][at + c] = (link[0][i] + link[0][i + row]) / 2;
+      coarse.link[1][at + c] = (link[1][i] + link[1][i + plane]) / 2;
+      coarse.link[2][at + c] = (link[2][i] + link[2][i + row]) + (link[2][i + plane] + link[2][i + plane + row]);
+      coarse.sink[at + c] = (sink[i] + sink[i + row]) + (sink[i + plane] + sink[i + plane + row]);
+    }
+  });
+}
+
+void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
+  const LevelShape& to = coarse.shape_;
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  coarse.for_each_row(planes, [&](LocalId k, LocalId r) {
+    const Real* from = next.data() + shape_.index(2 * (k - 1 + to.first) - shape_.first + 1, 2 * r, 0);
+    Real* y = coarse.rhs.data() + to.index(k, r, 0);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c)
+      y[c] = (from[c] + from[c + row]) + (from[c + plane] + from[c + plane + row]);
+  });
+}
+
+void CoarseLevel::add_correction(const CoarseLevel& coarse) {
+  const LevelShape& from = coarse.shape_;
+  for_each_row({0, shape_.planes + 2}, [&](LocalId k, LocalId r) {
+    const LocalId parent = (k + 1 + shape_.first) / 2 - from.first;
+    const std::size_t at = shape_.index(k, r, 0), above = from.index(parent, r / 2, 0);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(shape_.columns); ++c)
+      phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
+  });
+}
+
+std::size_t CoarseLevel::bytes() const {
+  std::size_t values = top_.capacity();
+  for (const auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+    values += field->capacity();
+  return values * sizeof(Real);
+}
+
+}  // namespace trevi

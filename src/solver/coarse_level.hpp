@@ -1,0 +1,87 @@
+// One level of the multigrid of the coarse-grid correction (coarse_multigrid.hpp): the equation
+//   Σ link (phi − phi of the neighbour) + sink phi = rhs
+// for the cells of water in a run of planes, over the six faces of each. A sink is a link to where phi is 0: the free
+// surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels; planes and rows are joined by
+// twos. A cell of a coarse level stands for up to four: sinks, upward links and right-hand sides are sums over these,
+// links sideways half of the sums, as their way is twice as long. The correction of a coarse cell goes to all of its
+// cells alike.
+//
+// A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and goes a share of the way:
+// pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of empty
+// cells around each plane and a ghost plane on either side. Not collective.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/range.hpp"
+#include "trevi/types.hpp"
+
+namespace trevi {
+
+struct LevelShape {
+  LocalId first = 0;  // the first own plane, counted from the start of the box
+  LocalId planes = 0, rows = 0, columns = 0;
+
+  std::size_t step(std::size_t a) const {
+    const std::size_t row = static_cast<std::size_t>(columns) + 2;
+    return a == 0 ? (static_cast<std::size_t>(rows) + 2) * row : a == 1 ? row : 1;
+  }
+  std::size_t cells() const { return (static_cast<std::size_t>(planes) + 2) * step(0); }
+  /// Own planes are counted from 1, rows and columns from 0.
+  std::size_t index(LocalId k, LocalId r, LocalId c) const {
+    return static_cast<std::size_t>(k) * step(0) + (static_cast<std::size_t>(r) + 1) * step(1) +
+           static_cast<std::size_t>(c) + 1;
+  }
+  bool operator==(const LevelShape&) const = default;
+};
+
+class CoarseLevel {
+ public:
+  /// Keeps the values where the shape stays; else all are 0.
+  void resize(const LevelShape& shape);
+  const LevelShape& shape() const { return shape_; }
+
+  /// To be called when links and sinks are known: prepares the sweeps of the own planes.
+  void factor();
+  bool is_water(std::size_t at) const { return per_pivot[at] > 0; }
+
+  /// Writes the next phi of the own planes [planes) from phi; show_next() makes it phi.
+  void sweep(Range planes, Real share);
+  void show_next() { phi.swap(next); }
+  /// The same for all own planes where phi is 0 everywhere.
+  void sweep_from_zero(Real share);
+  /// rhs less what phi gives, of the own planes, in `next`.
+  void find_residual();
+
+  /// Links and sinks of the own planes [planes) of `coarse`; needs those of the plane above the own ones here.
+  void coarsen(CoarseLevel& coarse, Range planes) const;
+  /// rhs of the own planes [planes) of `coarse` from the residual in `next`, ghost planes included.
+  void restrict_residual(CoarseLevel& coarse, Range planes) const;
+  /// Adds phi of `coarse` to phi here, ghost planes included.
+  void add_correction(const CoarseLevel& coarse);
+
+  std::size_t bytes() const;
+
+  // Of the lower faces of each cell in the three directions, 1/m².
+  std::array<std::vector<Real>, 3> link;
+  std::vector<Real> sink, rhs;
+  std::vector<Real> phi, next;  // `next` is memory for what is found from phi
+  std::vector<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
+
+ private:
+  /// Work of a thread at a time: rows with some 4096 cells.
+  template <class Work>
+  void for_each_row(Range planes, const Work& work) const;
+  std::size_t top(LocalId k, LocalId r) const {
+    return top_[static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r)];
+  }
+  void factor_column(LocalId k, LocalId r);
+  void gather_column(std::size_t at, std::size_t count);
+  void solve_column(std::size_t at, std::size_t count);
+
+  LevelShape shape_;
+  std::vector<std::size_t> top_;  // of each column: cells up to the highest one of water
+};
+
+}  // namespace trevi
