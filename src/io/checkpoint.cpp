@@ -226,6 +226,7 @@ bool CheckpointWriter::due(const Clock& clock) const {
 }
 
 void CheckpointWriter::write(const Frame& frame) {
+  const ScopedEvent timed(event_);
   // A restart relies on the rows of series.csv up to its checkpoint, so they are on the disk before it is.
   on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);

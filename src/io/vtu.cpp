@@ -92,7 +92,7 @@ void write_piece(const std::string& path, vtkUnstructuredGrid* grid) {
 class VtuWriter : public FrameWriter {
  public:
   VtuWriter(MPI_Comm comm, FrameOptions options)
-      : FrameWriter(comm, std::move(options), {vtu_list, vtu_folder, {vtu_frames, vtu_pieces}}) {}
+      : FrameWriter(comm, std::move(options), {"VtuFrames", vtu_list, vtu_folder, {vtu_frames, vtu_pieces}}) {}
 
  private:
   void write(const Frame& frame, const std::string& path) override {
