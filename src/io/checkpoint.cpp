@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "base/threads.hpp"
 #include "io/fields.hpp"
 #include "io/files.hpp"
 #include "io/hdf5_writer.hpp"
@@ -58,11 +59,12 @@ constexpr std::int64_t rows_per_block = 1024;
 /// The last block may be shorter.
 template <class T>
 std::vector<std::int64_t> block_checksums(std::span<const T> rows) {
-  std::vector<std::int64_t> sums;
-  for (std::size_t first = 0; first < rows.size(); first += rows_per_block) {
+  std::vector<std::int64_t> sums((rows.size() + rows_per_block - 1) / rows_per_block);
+  for_each_part(static_cast<LocalId>(sums.size()), [&](LocalId k) {
+    const std::size_t first = static_cast<std::size_t>(k) * rows_per_block;
     const auto block = rows.subspan(first, std::min<std::size_t>(rows_per_block, rows.size() - first));
-    sums.push_back(checksum({reinterpret_cast<const char*>(block.data()), block.size_bytes()}));
-  }
+    sums[static_cast<std::size_t>(k)] = checksum({reinterpret_cast<const char*>(block.data()), block.size_bytes()});
+  });
   return sums;
 }
 
@@ -226,6 +228,7 @@ bool CheckpointWriter::due(const Clock& clock) const {
 }
 
 void CheckpointWriter::write(const Frame& frame) {
+  const ScopedEvent timed(event_);
   // A restart relies on the rows of series.csv up to its checkpoint, so they are on the disk before it is.
   on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "io/particle_file.hpp"
+#include "parallel/log.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 
@@ -73,6 +74,7 @@ class CheckpointWriter : public Observer {
 
   MPI_Comm comm_;
   CheckpointOptions options_;
+  Event event_{"Checkpoints"};
   std::int64_t last_step_ = -1;  ///< of the newest checkpoint in the folder that belongs to this run
 };
 

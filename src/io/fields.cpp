@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/threads.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -27,8 +28,8 @@ using Floats3 = std::array<float, 3>;
 Rows velocities(const FieldSource& source) {
   const std::vector<Vec3>& exact = source.frame.particles.velocity;
   std::vector<Floats3> rows(exact.size());
-  std::transform(exact.begin(), exact.end(), rows.begin(), [](const Vec3& v) -> Floats3 {
-    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+  for_each_index({0, static_cast<LocalId>(rows.size())}, [to = rows.data(), from = exact.data()](std::size_t i) {
+    for (const int a : {0, 1, 2}) to[i][static_cast<std::size_t>(a)] = static_cast<float>(from[i][a]);
   });
   return made(std::move(rows));
 }
@@ -36,7 +37,10 @@ Rows velocities(const FieldSource& source) {
 Rows densities(const FieldSource& source) {
   const auto exact = source.frame.density;
   require(exact.size() == source.frame.particles.id.size(), "no density was computed for this frame");
-  return made(std::vector<float>(exact.begin(), exact.end()));
+  std::vector<float> rows(exact.size());
+  for_each_index({0, static_cast<LocalId>(rows.size())},
+                 [to = rows.data(), from = exact.data()](std::size_t i) { to[i] = static_cast<float>(from[i]); });
+  return made(std::move(rows));
 }
 
 Rows ids(const FieldSource& source) { return lent(source.frame.particles.id); }

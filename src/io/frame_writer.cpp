@@ -8,7 +8,11 @@
 namespace trevi {
 
 FrameWriter::FrameWriter(MPI_Comm comm, FrameOptions options, FrameFiles files)
-    : comm_(comm), options_(std::move(options)), files_(std::move(files)), fields_(frame_fields(options_.fields)) {
+    : comm_(comm),
+      options_(std::move(options)),
+      files_(std::move(files)),
+      event_(files_.event),
+      fields_(frame_fields(options_.fields)) {
   on_root(comm_, [&] { open(); });
   MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
 }
@@ -33,6 +37,7 @@ Rows FrameWriter::rows_of(const OutputField& field, const Frame& frame) const {
 }
 
 void FrameWriter::observe(const Frame& frame) {
+  const ScopedEvent timed(event_);
   const std::string name = files_.folder + name_of_step(files_.kinds.front(), frame.clock.step);
   write(frame, options_.directory + "/" + name);
   on_root(comm_, [&] { list_->add(frame.clock, name); });

@@ -10,6 +10,7 @@
 #include "io/fields.hpp"
 #include "io/files.hpp"
 #include "io/frame_list_file.hpp"
+#include "parallel/log.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 
@@ -23,8 +24,9 @@ struct FrameOptions {
   std::optional<std::int64_t> restart_step;  ///< entries past it leave the list, their files are renamed *.stale
 };
 
-/// Names of a format's files, relative to the directory of the output.
+/// Names of a format's files, relative to the directory of the output, and of the event that times them.
 struct FrameFiles {
+  std::string event;
   std::string list;
   std::string folder;              ///< of the frames, with a slash at its end, or empty
   std::vector<SteppedName> kinds;  ///< of a frame, and of its pieces
@@ -52,6 +54,7 @@ class FrameWriter : public Observer {
   MPI_Comm comm_;
   FrameOptions options_;
   FrameFiles files_;
+  Event event_;
   std::vector<const OutputField*> fields_;
   std::optional<FrameListFile> list_;  ///< rank 0 only
   std::int64_t last_step_ = -1;        ///< of the last frame listed

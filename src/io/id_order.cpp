@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "parallel/reductions.hpp"
 
@@ -26,13 +27,31 @@ Sorted sort_by_comparison(std::span<const GlobalId> ids) {
   return sorted;
 }
 
-// One pass of a radix sort, by eleven bits of the numbers.
+Range all_of(const std::vector<std::uint64_t>& numbers) { return {0, static_cast<LocalId>(numbers.size())}; }
+
+// One pass of a radix sort, by eleven bits of the numbers. Equal digits keep their order, so that it does not matter
+// who sorts which part.
 void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int shift) {
   constexpr std::size_t digits = 2048;
-  std::array<std::size_t, digits> starts{};
-  for (const std::uint64_t n : from) ++starts[(n >> shift) % digits];
-  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), std::size_t{0});
-  for (const std::uint64_t n : from) to[starts[(n >> shift) % digits]++] = n;
+  constexpr LocalId part_size = 32768;
+  const auto digit = [shift](std::uint64_t n) { return (n >> shift) % digits; };
+  std::vector<std::array<LocalId, digits>> starts(from.size() / part_size + 1);  // of each part's share of a digit
+  const auto for_each_share = [&](const auto& work) {
+    for_each_part(all_of(from), part_size, [&](Range part) {
+      work(std::span(from).subspan(static_cast<std::size_t>(part.begin), static_cast<std::size_t>(part.size())),
+           starts[static_cast<std::size_t>(part.begin / part_size)].data());
+    });
+  };
+  for_each_share([&](std::span<const std::uint64_t> numbers, LocalId* counts) {
+    for (const std::uint64_t n : numbers) ++counts[digit(n)];
+  });
+  LocalId start = 0;
+  for (std::size_t d = 0; d < digits; ++d) {
+    for (auto& part : starts) start += std::exchange(part[d], start);
+  }
+  for_each_share([&, sorted = to.data()](std::span<const std::uint64_t> numbers, LocalId* places) {
+    for (const std::uint64_t n : numbers) sorted[places[digit(n)]++] = n;
+  });
 }
 
 // Five times as fast as comparing, for ids that span less than 2^32: id and index are packed into one number.
@@ -42,16 +61,17 @@ Sorted sort_by_ids(std::span<const GlobalId> ids) {
   const auto low = static_cast<std::uint64_t>(*least), range = static_cast<std::uint64_t>(*most) - low;
   if (range >> 32U != 0) return sort_by_comparison(ids);
   std::vector<std::uint64_t> packed(ids.size()), other(ids.size());
-  for (std::size_t k = 0; k < ids.size(); ++k) packed[k] = (static_cast<std::uint64_t>(ids[k]) - low) << 32U | k;
+  for_each_index(all_of(packed),
+                 [&, low](std::size_t k) { packed[k] = (static_cast<std::uint64_t>(ids[k]) - low) << 32U | k; });
   for (int shift = 32; shift < 64 && (range << 32U) >> shift != 0; shift += 11) {
     sort_digit(packed, other, shift);
     packed.swap(other);
   }
   Sorted sorted{std::vector<GlobalId>(ids.size()), std::vector<LocalId>(ids.size())};
-  for (std::size_t k = 0; k < ids.size(); ++k) {
+  for_each_index(all_of(packed), [&, low](std::size_t k) {
     sorted.ids[k] = static_cast<GlobalId>((packed[k] >> 32U) + low);
     sorted.order[k] = static_cast<LocalId>(packed[k] & 0xffffffffU);
-  }
+  });
   return sorted;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "trevi/session.hpp"
 #include "trevi/types.hpp"
 
@@ -29,6 +30,8 @@ class IdOrder {
  private:
   std::vector<GlobalId> find_splitters(std::span<const GlobalId> sorted, GlobalId block);
   void plan_exchange(std::span<const GlobalId> sorted, std::span<const GlobalId> splitters);
+  template <class T>
+  static void gather(const std::vector<T>& from, const std::vector<LocalId>& order, std::vector<T>& to);
   void exchange(const void* sent, void* received, std::size_t bytes_per_row) const;
 
   MPI_Comm comm_;
@@ -40,15 +43,21 @@ class IdOrder {
 };
 
 template <class T>
+void IdOrder::gather(const std::vector<T>& from, const std::vector<LocalId>& order, std::vector<T>& to) {
+  for_each_index({0, static_cast<LocalId>(to.size())},
+                 [to = to.data(), from = from.data(), order = order.data()](std::size_t k) { to[k] = from[order[k]]; });
+}
+
+template <class T>
 std::vector<T> IdOrder::apply(const std::vector<T>& field) const {
   std::vector<T> buffer(send_order_.size());
-  for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = field[static_cast<std::size_t>(send_order_[k])];
+  gather(field, send_order_, buffer);
   if (size_of(comm_) == 1) return buffer;
   std::vector<T> received(ids_.size());
   exchange(buffer.data(), received.data(), sizeof(T));
   if (arrives_sorted_) return received;
   buffer.resize(received.size());
-  for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = received[static_cast<std::size_t>(receive_order_[k])];
+  gather(received, receive_order_, buffer);
   return buffer;
 }
 

@@ -19,7 +19,7 @@ RowSlice in_rank_order(MPI_Comm comm, std::int64_t count) {
 class VtkHdfWriter : public FrameWriter {
  public:
   VtkHdfWriter(MPI_Comm comm, FrameOptions options)
-      : FrameWriter(comm, std::move(options), {vtkhdf_list, "", {vtkhdf_frames}}) {}
+      : FrameWriter(comm, std::move(options), {"VtkHdfFrames", vtkhdf_list, "", {vtkhdf_frames}}) {}
 
  private:
   void write(const Frame& frame, const std::string& path) override {

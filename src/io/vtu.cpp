@@ -20,6 +20,7 @@
 #include <type_traits>
 
 #include "io/files.hpp"
+#include "io/vtk_compressor.hpp"
 #include "io/vtk_error_text.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -74,11 +75,13 @@ void add_vertex_cells(vtkUnstructuredGrid* grid, std::size_t count) {
 
 void write_piece(const std::string& path, vtkUnstructuredGrid* grid) {
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
+  vtkNew<VtkCompressor> compressor;
+  compressor->SetCompressionLevel(1);  // higher levels cost several times the time for a few percent
+  compressor->expect(grid);
   vtkNew<VtkErrorText> errors, echoes;  // the pipeline repeats what the writer has said
   writer->AddObserver(vtkCommand::ErrorEvent, errors);
   writer->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, echoes);
-  writer->SetCompressorTypeToZLib();
-  writer->SetCompressionLevel(1);  // higher levels cost several times the time for a few percent
+  writer->SetCompressor(compressor);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
   writer->SetHeaderTypeToUInt64();
@@ -92,7 +95,7 @@ void write_piece(const std::string& path, vtkUnstructuredGrid* grid) {
 class VtuWriter : public FrameWriter {
  public:
   VtuWriter(MPI_Comm comm, FrameOptions options)
-      : FrameWriter(comm, std::move(options), {vtu_list, vtu_folder, {vtu_frames, vtu_pieces}}) {}
+      : FrameWriter(comm, std::move(options), {"VtuFrames", vtu_list, vtu_folder, {vtu_frames, vtu_pieces}}) {}
 
  private:
   void write(const Frame& frame, const std::string& path) override {

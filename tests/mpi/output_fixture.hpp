@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "trevi/error.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
@@ -26,8 +27,9 @@ inline const MPI_Comm world = MPI_COMM_WORLD;
 
 inline void barrier() { MPI_Barrier(world); }
 
-/// All ranks' particles, in a random order with ids that are not dense, most of them past 32 bits.
-inline Particles whole_cloud(int count) {
+/// All ranks' particles, in a random order with ids that are not dense, most of them past 32 bits; or `stride` apart,
+/// for more than 20,000.
+inline Particles whole_cloud(int count, GlobalId stride = 0) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<Real> number(-1, 1);
   Particles all;
@@ -35,7 +37,7 @@ inline Particles whole_cloud(int count) {
   all.resize(static_cast<std::size_t>(count));
   for (std::size_t k = 0; k < all.id.size(); ++k) {
     const auto i = static_cast<GlobalId>(k);
-    all.id[k] = i * i * i * 1000003;
+    all.id[k] = stride > 0 ? i * stride : i * i * i * 1000003;
     all.position[k] = Vec3(number(random), number(random), number(random));
     all.velocity[k] = 10 * Vec3(number(random), number(random), number(random));
     all.hue[k] = static_cast<float>(k) / static_cast<float>(count);
@@ -76,6 +78,22 @@ inline std::string text_of(const std::string& path) {
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
+}
+
+/// write() on 1, 2 and 4 threads, and what each left at the path.
+template <class Write>
+std::vector<std::string> on_threads(const std::string& path, const Write& write) {
+  const int before = thread_count();
+  std::vector<std::string> texts;
+  for (const int threads : {1, 2, 4}) {
+    use_threads(threads);
+    write();
+    barrier();
+    texts.push_back(text_of(path));
+    barrier();
+  }
+  use_threads(before);
+  return texts;
 }
 
 /// What an InputError said, or how it failed to come.

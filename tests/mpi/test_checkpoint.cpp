@@ -10,6 +10,7 @@
 
 #include "io/checkpoint.hpp"
 #include "io/hdf5_reader.hpp"
+#include "io/id_order.hpp"
 #include "io/particle_file.hpp"
 #include "output_fixture.hpp"
 
@@ -38,6 +39,43 @@ TEST_F(Output, CheckpointIsTheSameBytesOnAnyRankCount) {
     EXPECT_FALSE(fs::exists(path("ranks.h5.tmp")));
     barrier();
   }
+}
+
+TEST_F(Output, CheckpointIsTheSameBytesOnAnyNumberOfThreads) {
+  const Particles all = whole_cloud(100000, 3), mine = my_part(all);
+  const Clock clock{120, 0.01, 2};
+  const auto texts =
+      on_threads(path("c.h5"), [&] { write_checkpoint(world, path("c.h5"), info, frame_of(clock, mine)); });
+  EXPECT_GT(texts[0].size(), 56 * all.id.size());
+  EXPECT_TRUE(texts[0] == texts[1] && texts[0] == texts[2]);
+}
+
+/// Any order of 200,000 ids below `range`, some of them equal.
+std::vector<GlobalId> mixed_ids(GlobalId range) {
+  std::mt19937_64 random(static_cast<std::uint64_t>(rank_of(world)));
+  std::uniform_int_distribution<GlobalId> any(0, range);
+  std::vector<GlobalId> ids(200000);
+  for (GlobalId& id : ids) id = any(random);
+  return ids;
+}
+
+TEST_F(Output, IdOrderIsTheSameOnAnyNumberOfThreads) {
+  const int before = thread_count();
+  for (const GlobalId range : {GlobalId{1000}, GlobalId{500000}, GlobalId{1} << 31}) {
+    const std::vector<GlobalId> ids = mixed_ids(range);
+    std::vector<std::vector<LocalId>> moved;
+    for (const int threads : {1, 2, 3, 4}) {
+      use_threads(threads);
+      std::vector<LocalId> index(ids.size());
+      for (std::size_t k = 0; k < ids.size(); ++k) index[k] = static_cast<LocalId>(k);
+      const IdOrder order(world, ids);
+      EXPECT_TRUE(std::is_sorted(order.ids().begin(), order.ids().end()));
+      EXPECT_TRUE(order.apply(ids) == order.ids());
+      moved.push_back(order.apply(index));
+      EXPECT_TRUE(moved.back() == moved.front()) << threads << " threads, ids up to " << range;
+    }
+  }
+  use_threads(before);
 }
 
 TEST_F(Output, CheckpointRoundTripIsSortedAndExact) {

@@ -101,6 +101,17 @@ TEST_F(Output, VtkHdfFramesReadBackWithAnEmptyRank) {
   }
 }
 
+TEST_F(Output, VtkHdfIsTheSameBytesOnAnyNumberOfThreads) {
+  const Particles all = whole_cloud(50000, 3);
+  const auto texts = on_threads(path("particles_000000.hdf"), [&] {
+    if (rank_of(world) == 0) fs::remove_all(path("particles.hdf.series"));
+    barrier();
+    write_frames(frame_options(folder()), all, 0, 0);
+  });
+  EXPECT_GT(texts[0].size(), 56 * all.id.size());
+  EXPECT_TRUE(texts[0] == texts[1] && texts[0] == texts[2]);
+}
+
 TEST_F(Output, VtkHdfWithoutParticles) {
   write_frames(frame_options(folder()), whole_cloud(0), 0, 0);
   if (rank_of(world) == 0) {

@@ -1,14 +1,21 @@
 // VTU frames, read back with VTK's own reader, with an empty rank among the writers.
+#include <vtkCellArray.h>
 #include <vtkDataArray.h>
+#include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkTypeInt32Array.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "io/files.hpp"
+#include "io/vtk_compressor.hpp"
 #include "io/vtu.hpp"
 #include "output_fixture.hpp"
 #include "parallel/collective.hpp"
@@ -75,6 +82,64 @@ TEST_F(Output, VtuFramesReadBackWithAnEmptyRank) {
   }
   write_frames(vtu_options(folder()), whole_cloud(0), 0, 0);
   expect_frame(path("vtu/particles_000000.pvtu"), whole_cloud(0));
+}
+
+TEST_F(Output, VtuIsTheSameBytesOnAnyNumberOfThreads) {
+  const Particles all = whole_cloud(300000, 3);  // several batches of blocks
+  const auto texts = on_threads(path("vtu/particles_000000_0.vtu"), [&] {
+    on_root(world, [&] { fs::remove_all(path("particles.pvd")); });
+    write_frames(vtu_options(folder()), all, 0, 0);
+  });
+  EXPECT_GT(texts[0].size(), 24 * all.id.size() / static_cast<std::size_t>(size_of(world)) / 2);
+  EXPECT_TRUE(texts[0] == texts[1] && texts[0] == texts[2]);
+}
+
+/// Points, a field and a vertex cell for each point, as VtuWriter has them.
+void fill(vtkUnstructuredGrid* grid, vtkIdType count) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(count);
+  vtkNew<vtkFloatArray> field;
+  field->SetName("field");
+  vtkNew<vtkTypeInt32Array> offsets, connectivity;
+  for (vtkIdType i = 0; i < count; ++i) {
+    points->SetPoint(i, std::sin(i), std::cos(i), 1.0 / static_cast<double>(i + 1));
+    field->InsertNextValue(static_cast<float>(std::sin(7 * i)));
+    connectivity->InsertNextValue(static_cast<int>(i));
+    offsets->InsertNextValue(static_cast<int>(i));
+  }
+  offsets->InsertNextValue(static_cast<int>(count));
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(offsets, connectivity);
+  grid->SetPoints(points);
+  grid->SetCells(VTK_VERTEX, cells);
+  grid->GetPointData()->AddArray(field);
+}
+
+std::string written_with(vtkDataCompressor* compressor, vtkUnstructuredGrid* grid, const std::string& path) {
+  compressor->SetCompressionLevel(1);
+  vtkNew<vtkXMLUnstructuredGridWriter> writer;
+  writer->SetCompressor(compressor);
+  writer->SetDataModeToAppended();
+  writer->EncodeAppendedDataOff();
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(grid);
+  EXPECT_NE(writer->Write(), 0);
+  return text_of(path);
+}
+
+TEST_F(Output, VtkCompressorKnowsAllBlocksAndGivesThoseOfVtk) {
+  if (rank_of(world) != 0) return;
+  vtkNew<vtkUnstructuredGrid> grid, same, once_more;  // a writer leaves a note on the arrays, which the next one writes
+  for (vtkUnstructuredGrid* one : {grid.Get(), same.Get(), once_more.Get()}) fill(one, 200001);
+  vtkNew<vtkZLibDataCompressor> theirs;
+  const std::string expected = written_with(theirs, grid, path("theirs.vtu"));
+  vtkNew<VtkCompressor> told, untold;
+  told->expect(same);
+  EXPECT_TRUE(written_with(told, same, path("told.vtu")) == expected);
+  EXPECT_EQ(told->unexpected_blocks(), 0);
+  EXPECT_TRUE(written_with(untold, once_more, path("untold.vtu")) == expected);
+  EXPECT_GT(untold->unexpected_blocks(), 200);
 }
 
 TEST_F(Output, VtuRestartSetsLaterFramesAside) {
