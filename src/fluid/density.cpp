@@ -47,7 +47,7 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-                                   std::vector<Packed<T>>& records) const {
+                                   std::span<T> lambda) const {
   const auto loop = [&](Range part, Vec4<T>* sums, T* squares) { loops_.density(pairs, part, sums, squares); };
   for_each_sum<Vec4<T>, T>(range, loop, [&](std::size_t k, const Vec4<T>& sum, T squares) {
     rho[k] = density_factor_ * (1 + static_cast<Real>(sum.w));
@@ -58,8 +58,7 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
       gradient += share.gradient;
     }
     const Real neighbours = gradient_factor_ * gradient_factor_ * static_cast<Real>(squares);
-    records[static_cast<std::size_t>(pairs.low_ghosts) + k].w =
-        static_cast<T>(lambda(model_, rho[k], gradient, neighbours));
+    lambda[k] = static_cast<T>(trevi::lambda(model_, rho[k], gradient, neighbours));
   });
 }
 

@@ -28,6 +28,9 @@ void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::v
   const auto curls = [&](Range part, Vec4<T>* out) { loops_.curl(pairs, part, velocities, out); };
   for_each_sum<Vec4<T>>(near.all(), curls, [&](std::size_t i, const Vec4<T>& sum) {
     omega_[i] = {sum.x * factor, sum.y * factor, sum.z * factor, T{0}};
+  });
+  // Not in the loop above, where other threads load the whole of each record.
+  for_each_index(near.all(), [&](std::size_t i) {
     near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omega_[i]).norm());
   });
 }
