@@ -41,15 +41,6 @@ std::optional<Tensile> tensile_of(const Settings& settings);
 /// The multiplier lambda_i, m², from gradient = ∇_i C_i, 1/m, and neighbours = Σ_j |∇_j C_i|², 1/m².
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
 
-/// Where the multipliers go.
-template <class T>
-struct Multipliers {
-  std::span<Real> rho;              ///< of all owned particles
-  std::vector<Packed<T>>& records;  ///< of all particles; lambda_i is the scalar
-  std::function<void(Range)> then =
-      nullptr;  ///< called for the multipliers of a few particles while they are in the cache
-};
-
 template <class T>
 class DensityConstraint {
  public:
@@ -62,8 +53,10 @@ class DensityConstraint {
   /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
-  /// Writes rho_i and puts lambda_i into the scalar of the records of the range.
-  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Multipliers<T>& out) const;
+  /// Writes rho_i and lambda_i for the range; p, rho and lambda are arrays of all owned particles. Not into the records
+  /// at once: other threads load the whole of them.
+  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
+               std::span<T> lambda) const;
 
   /// Writes delta_i in metres for the range (arrays of all owned particles).
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;

@@ -30,8 +30,11 @@ void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::v
     for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
       Vec4<T>& omega = omega_[static_cast<std::size_t>(i)];
       omega = {sum->x * factor, sum->y * factor, sum->z * factor, T{0}};
-      near.record(i).w = static_cast<T>(vector_of(omega).norm());
     }
+  });
+  // Not in the loop above, where other threads load the whole of each record.
+  for_each_index(near.all(), [&](std::size_t i) {
+    near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omega_[i]).norm());
   });
 }
 

@@ -43,7 +43,9 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
   PetscCall(VecGetArrayRead(x, &positions));
   set_all_positions(residual.problem, positions);
   PetscCall(VecRestoreArrayRead(x, &positions));
-  residual.problem.with_halo(Phase::lambda, [&](Range part) { residual.problem.compute_lambda(part); });
+  residual.problem.with_halo(Phase::lambda, [&](Range part) {
+    residual.problem.compute_lambda(part, [](std::size_t, T lambda) { return lambda; });
+  });
   residual.problem.compute_delta();
   PetscCall(VecGetArray(f, &out));
   for (LocalId i = 0; i < residual.problem.particles().size(); ++i)

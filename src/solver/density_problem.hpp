@@ -36,11 +36,10 @@ class DensityProblem {
   template <class Work>
   void with_halo(Phase phase, Work&& work);
 
-  /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11). `then` is called for a
-  /// few of them at a time, by several threads, as soon as they have their lambda.
-  void compute_lambda(Range part, const std::function<void(Range)>& then = nullptr);
-  /// lambda_i, m², of an owned particle, in the record that its neighbours read.
-  T& lambda(LocalId i) { return near_.record(i).w; }
+  /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11). The records, which
+  /// neighbours read, get chosen(i, lambda_i), m²; threads share the calls.
+  template <class Chosen>
+  void compute_lambda(Range part, const Chosen& chosen);
   /// Compression of all particles at the last compute_lambda() or compute_density(); the same bits on any rank count.
   Compression compression() const;
   /// delta_i, m, of all owned particles from the present lambda (lines 12 and 13).
@@ -68,10 +67,13 @@ class DensityProblem {
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
   /// included.
   double pair_passes() const { return pair_passes_; }
-  std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>); }
+  std::size_t bytes() const {
+    return rho_.capacity() * sizeof(Real) + lambda_.capacity() * sizeof(T) + delta_.capacity() * sizeof(Vec4<T>);
+  }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
+  void find_lambda(Range part);
   void count_pass(Range part, double flops_per_pair);
 
   MPI_Comm comm_;
@@ -81,6 +83,7 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
+  std::vector<T> lambda_;
   std::vector<Vec4<T>> delta_;
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
@@ -95,6 +98,13 @@ void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   near_.halo().start(near_.records());
   work(near_.interior());
   near_.halo().finish();
+}
+
+template <class T>
+template <class Chosen>
+void DensityProblem<T>::compute_lambda(Range part, const Chosen& chosen) {
+  find_lambda(part);
+  for_each_index(part, [&](std::size_t i) { near_.record(static_cast<LocalId>(i)).w = chosen(i, lambda_[i]); });
 }
 
 template <class T>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/threads.hpp"
 #include "solver/anderson.hpp"
 #include "solver/free_flight.hpp"
 
@@ -28,7 +29,9 @@ class Jacobi : public DensitySolver<T> {
   SolveResult solve(DensityProblem<T>& problem) override {
     for (int k = 0; k < settings_.iterations; ++k) {
       problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
-        problem.compute_lambda(part, [&](Range few) { cap(problem, few); });
+        problem.compute_lambda(part, [&](std::size_t, T lambda) {
+          return static_cast<T>(std::max(static_cast<Real>(lambda), -largest_ / relaxation_));
+        });
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();                          // lines 12 to 14
@@ -40,14 +43,6 @@ class Jacobi : public DensitySolver<T> {
   }
 
  private:
-  void cap(DensityProblem<T>& problem, Range part) const {
-    const Real least = -largest_ / relaxation_;
-    for (LocalId i = part.begin; i < part.end; ++i) {
-      T& lambda = problem.lambda(i);
-      lambda = static_cast<T>(std::max(static_cast<Real>(lambda), least));
-    }
-  }
-
   DensitySettings settings_;
   Real relaxation_, largest_;
 };
@@ -69,7 +64,7 @@ class Chebyshev : public DensitySolver<T> {
     for (int k = 0; k < settings_.iterations; ++k) {
       weight = next_weight(k, weight);
       problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
-        problem.compute_lambda(part, [&](Range few) { accelerate(problem, few, weight); });
+        problem.compute_lambda(part, [&](std::size_t i, T lambda) { return next_step(i, lambda, weight); });
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();  // lines 12 to 14
@@ -86,15 +81,12 @@ class Chebyshev : public DensitySolver<T> {
     return k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
   }
 
-  // Replaces the multipliers of the range by the steps.
-  void accelerate(DensityProblem<T>& problem, Range part, Real weight) {
-    for (LocalId i = part.begin; i < part.end; ++i) {
-      T &step = step_[static_cast<std::size_t>(i)], &multiplier = problem.lambda(i);
-      const Real lambda = static_cast<Real>(multiplier), last = static_cast<Real>(step);
-      const Real memory = lambda * last > 0 ? (weight - 1) * last : 0;
-      step = static_cast<T>(std::max(weight * relaxation_ * lambda + memory, -largest_));
-      multiplier = step;
-    }
+  // What takes the place of the multiplier of particle i.
+  T next_step(std::size_t i, Real lambda, Real weight) {
+    const Real last = static_cast<Real>(step_[i]);
+    const Real memory = lambda * last > 0 ? (weight - 1) * last : 0;
+    step_[i] = static_cast<T>(std::max(weight * relaxation_ * lambda + memory, -largest_));
+    return step_[i];
   }
 
   DensitySettings settings_;

@@ -41,8 +41,8 @@ inline Cloud random_cloud(int count, const Box& box, Real speed, Real apart = 0)
   for (GlobalId k = 0; k < count;) {
     const Vec3 p = box.min + vector().cwiseProduct(box.max - box.min);
     const Vec3 v = (k % 20 == 0 ? 10 : 1) * speed * (2 * vector() - Vec3::Ones());
-    if (std::any_of(cloud.position.begin(), cloud.position.end(),
-                    [&](const Vec3& q) { return (p - q).norm() < apart; }))
+    if (apart > 0 && std::any_of(cloud.position.begin(), cloud.position.end(),
+                                 [&](const Vec3& q) { return (p - q).norm() < apart; }))
       continue;
     cloud.add(3 * ((7919 * k++) % 10007) + 1, p, v);
   }
