@@ -42,15 +42,18 @@ void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_
            starts[static_cast<std::size_t>(part.begin / part_size)].data());
     });
   };
-  for_each_share([&](std::span<const std::uint64_t> numbers, LocalId* counts) {
-    for (const std::uint64_t n : numbers) ++counts[digit(n)];
+  for_each_share([digit](std::span<const std::uint64_t> numbers, LocalId* counts) {
+    const auto own = digit;  // which the compiler may keep in a register
+    for (const std::uint64_t n : numbers) ++counts[own(n)];
   });
   LocalId start = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     for (auto& part : starts) start += std::exchange(part[d], start);
   }
-  for_each_share([&, sorted = to.data()](std::span<const std::uint64_t> numbers, LocalId* places) {
-    for (const std::uint64_t n : numbers) sorted[places[digit(n)]++] = n;
+  for_each_share([digit, to = to.data()](std::span<const std::uint64_t> numbers, LocalId* places) {
+    const auto own = digit;
+    std::uint64_t* const sorted = to;
+    for (const std::uint64_t n : numbers) sorted[places[own(n)]++] = n;
   });
 }
 
