@@ -100,7 +100,7 @@ setup_main() {
 usage: jobs/setup.sh [PRESET]
 
 Installs with apt what is missing on Debian 12 or Ubuntu (as root or through sudo), then configures and builds
-PRESET (release, debug, asan or profile; default release) in build/PRESET.
+PRESET (release, debug, asan, tsan or profile; default release) in build/PRESET.
 HELP
       ;;
     -*) fail "unknown option $1; see --help" 2 ;;

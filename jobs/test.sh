@@ -6,6 +6,7 @@
 #
 #   jobs/test.sh
 #   jobs/test.sh --preset asan --label unit
+#   jobs/test.sh --preset tsan --label '^unit$|^mpi$'
 #   jobs/test.sh -R halo --verbose
 #   jobs/test.sh --instruction-set AVX2
 set -euo pipefail

@@ -64,7 +64,7 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 // First as if all particles were far from walls, without a branch; then those near them, a few, once more.
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-                                   std::span<T> lambda) const {
+                                   std::span<Vec4<T>> delta) const {
   const auto loop = [&](Range here, Vec4<T>* sums, T* squares) { loops_.density(pairs, here, sums, squares); };
   const Real density = density_factor_, slope = gradient_factor_, slope2 = slope * slope;
   const DensityModel model = model_;
@@ -72,14 +72,13 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     const auto first = static_cast<std::size_t>(here.begin);
     for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k) {
       rho[first + k] = density * (1 + static_cast<Real>(sums[k].w));
-      lambda[first + k] = static_cast<T>(
-          trevi::lambda(model, rho[first + k], slope * vector_of(sums[k]), slope2 * static_cast<Real>(squares[k])));
+      delta[first + k].w = static_cast<T>(
+          lambda(model, rho[first + k], slope * vector_of(sums[k]), slope2 * static_cast<Real>(squares[k])));
     }
     for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
       rho[i] += model.rest_density * share.density;
       const Vec3 gradient = share.gradient - slope * vector_of(sums[i - first]);
-      lambda[i] =
-          static_cast<T>(trevi::lambda(model, rho[i], gradient, slope2 * static_cast<Real>(squares[i - first])));
+      delta[i].w = static_cast<T>(lambda(model, rho[i], gradient, slope2 * static_cast<Real>(squares[i - first])));
     });
   });
 }

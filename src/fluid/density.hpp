@@ -53,10 +53,10 @@ class DensityConstraint {
   /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
-  /// Writes rho_i and lambda_i for the range; p, rho and lambda are arrays of all owned particles. Not into the records
-  /// at once: other threads load the whole of them.
+  /// Writes rho_i, and lambda_i into the fourth number of delta_i, for the range; p, rho and delta are arrays of all
+  /// owned particles. Not into the records at once: other threads load the whole of them.
   void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-               std::span<T> lambda) const;
+               std::span<Vec4<T>> delta) const;
 
   /// Writes delta_i in metres for the range (arrays of all owned particles).
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;

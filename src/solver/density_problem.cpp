@@ -38,13 +38,12 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   particles_ = &particles;
   dt_ = dt;
   resize_tightly(rho_, particles.id.size());
-  resize_tightly(lambda_, particles.id.size());
   resize_tightly(delta_, particles.id.size());
 }
 
 template <class T>
 void DensityProblem<T>::find_lambda(Range part) {
-  constraint_.lambdas(pairs(), part, particles_->predicted, rho_, lambda_);
+  constraint_.lambdas(pairs(), part, particles_->predicted, rho_, delta_);
   count_pass(part, DensityConstraint<T>::density_flops);
 }
 

@@ -67,9 +67,7 @@ class DensityProblem {
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
   /// included.
   double pair_passes() const { return pair_passes_; }
-  std::size_t bytes() const {
-    return rho_.capacity() * sizeof(Real) + lambda_.capacity() * sizeof(T) + delta_.capacity() * sizeof(Vec4<T>);
-  }
+  std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>); }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
@@ -83,8 +81,7 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
-  std::vector<T> lambda_;
-  std::vector<Vec4<T>> delta_;
+  std::vector<Vec4<T>> delta_;  // its w holds lambda_i until that is chosen; deltas have no value then
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};
@@ -104,7 +101,7 @@ template <class T>
 template <class Chosen>
 void DensityProblem<T>::compute_lambda(Range part, const Chosen& chosen) {
   find_lambda(part);
-  for_each_index(part, [&](std::size_t i) { near_.record(static_cast<LocalId>(i)).w = chosen(i, lambda_[i]); });
+  for_each_index(part, [&](std::size_t i) { near_.record(static_cast<LocalId>(i)).w = chosen(i, delta_[i].w); });
 }
 
 template <class T>

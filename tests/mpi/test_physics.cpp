@@ -34,13 +34,12 @@ class ByHand : public testing::Test {
     const Range all{0, d.near.order().owned()};
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     Solved solved{d.particles.id, std::vector<Real>(d.particles.id.size()), {}, {}};
-    std::vector<T> lambda(d.particles.id.size());
-    constraint.lambdas(pairs, all, d.particles.predicted, solved.rho, lambda);
-    for (LocalId i = 0; i < all.end; ++i) d.near.record(i).w = lambda[static_cast<std::size_t>(i)];
-    d.near.halo().exchange(d.near.records());
     std::vector<Vec4<T>> delta(d.particles.id.size());
+    constraint.lambdas(pairs, all, d.particles.predicted, solved.rho, delta);
+    for (LocalId i = 0; i < all.end; ++i) d.near.record(i).w = delta[static_cast<std::size_t>(i)].w;
+    d.near.halo().exchange(d.near.records());
     constraint.deltas(pairs, all, d.particles.predicted, delta);
-    solved.lambda.assign(lambda.begin(), lambda.end());
+    for (LocalId i = 0; i < all.end; ++i) solved.lambda.push_back(d.near.record(i).w);
     for (const Vec4<T>& q : delta) solved.delta.push_back(vector_of(q));
     return solved;
   }
