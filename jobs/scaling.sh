@@ -5,13 +5,14 @@
 # Strong and weak scaling, balance and halo traffic, measured with mpirun on this machine or inside a Slurm allocation
 # (jobs/scaling.sbatch). Runs go to DIR (default out/scaling); postprocess/scaling.py makes the tables and plots there.
 #   --studies LIST   of: network strong weak counted balance (default all of them)
-#   --ranks LIST     rank counts that are timed (default: 1 2 4 ... up to the cores of this machine)
+#   --ranks LIST     rank counts that are timed, with RANKSxTHREADS for more threads than --threads says (default: 1 2 4
+#                    ... up to the cores of this machine)
 #   --counted LIST   rank counts that only count messages, bytes and work, as the cores are too few (default: 2 4 8 16)
 #   --threads N      threads of each rank (default 1: then cores are ranks)
 #   --million        1 million particles and 0.5 million a rank, in place of 96,000 and 96,000 a rank
 #   --repeats N      runs of each kind, taken in turns (default 3): medians and fastest are shown
 #   --program FILE   a trevi that is built already, with bench_halo beside it in tests/benchmarks if there is one
-# Lists are words in quotes: --ranks "1 2 4". Without --program all is built, with benchmarks, in build/bench.
+# Lists are words in quotes: --ranks "1 2 1x2". Without --program all is built, with benchmarks, in build/bench.
 # MPIRUN names the launcher (default mpirun). Time on more ranks than cores says nothing: counted runs are not timed.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
@@ -28,8 +29,13 @@ powers_of_two() {
 check_numbers() {
   local n
   [[ -n $2 ]] || fail "$1 needs a number" 2
-  for n in $2; do [[ $n =~ ^[1-9][0-9]*$ ]] || fail "$1 takes positive numbers, not '$n'" 2; done
+  for n in $2; do [[ $n =~ ^[1-9][0-9]*${3:-}$ ]] || fail "$1 takes positive numbers, not '$n'" 2; done
 }
+
+# Of a word of --ranks: its ranks, its threads, its cores.
+ranks_of() { echo "${1%x*}"; }
+threads_of() { if [[ $1 == *x* ]]; then echo "${1#*x}"; else echo "$threads"; fi; }
+cores_of() { echo $(($(ranks_of "$1") * $(threads_of "$1"))); }
 
 parse_arguments() {
   local study
@@ -46,7 +52,7 @@ parse_arguments() {
     printf -v "${1#--}" %s "$2"
     shift 2
   done
-  check_numbers --ranks "$ranks"
+  check_numbers --ranks "$ranks" '(x[1-9][0-9]*)?'
   check_numbers --counted "$counted"
   check_numbers --threads "$threads"
   check_numbers --repeats "$repeats"
@@ -62,7 +68,7 @@ build_benchmarks() {
   cmake --build build/bench -j "$(build_jobs)"
 }
 
-# run STUDY CASE RANKS NUMBER SCENE STEPS [KEY=VALUE ...]: one run, in DIR/STUDY/CASE/npRANKS-NUMBER.
+# run STUDY CASE RANKS[xTHREADS] NUMBER SCENE STEPS [KEY=VALUE ...]: one run, in DIR/STUDY/CASE/npRANKS[xTHREADS]-NUMBER.
 # (The series, every fifth step, is for the times of single steps and the imbalance; wall_seconds leaves it out.)
 run() {
   local place="$output/$1/$2/np$3-$4" ranks=$3 scene=$5 steps=$6 k settings=()
@@ -71,16 +77,17 @@ run() {
   rm -rf "$place"
   mkdir -p "$(dirname "$place")"
   echo "$place"
-  "${MPIRUN:-mpirun}" -np "$ranks" "$program" "$scene" --steps "$steps" --output "$place" --progress none --threads "$threads" \
-    --set output.series.every_steps=5 "${settings[@]}" >"$place.log" 2>&1 || fail "failed; see $place.log"
+  "${MPIRUN:-mpirun}" -np "$(ranks_of "$ranks")" "$program" "$scene" --steps "$steps" --output "$place" \
+    --progress none --threads "$(threads_of "$ranks")" --set output.series.every_steps=5 "${settings[@]}" >"$place.log" 2>&1 || fail "failed; see $place.log"
 }
 
 network() {
-  local bench np
+  local bench np k
   bench="$(dirname "$program")/tests/benchmarks/bench_halo"
   [[ -x $bench ]] || fail "$bench is missing; build with -DTREVI_BENCHMARKS=ON, or leave network out of --studies" 2
   mkdir -p "$output/network"
-  for np in $ranks; do
+  for k in $ranks; do
+    np="$(ranks_of "$k")"
     ((np > 1)) || continue
     "${MPIRUN:-mpirun}" -np "$np" "$bench" >"$output/network/np$np.csv"
   done
@@ -101,17 +108,18 @@ strong() {
   done
 }
 
-# A basin that grows along the slabs by as much water for each rank.
+# A basin that grows along the slabs by as much water for each core.
 weak() {
-  local np k
+  local np k cores
   for ((k = 1; k <= repeats; k++)); do
     for np in $ranks; do
+      cores="$(cores_of "$np")"
       if [[ $million == yes ]]; then
-        run weak million "$np" "$k" inputs/bench_rest.toml 15 "domain.max=[$((5 * np)).0, 10.0, 12.0]" \
-          "particles.0.max=[$((5 * np)).0, 10.0, 10.0]"
+        run weak million "$np" "$k" inputs/bench_rest.toml 15 "domain.max=[$((5 * cores)).0, 10.0, 12.0]" \
+          "particles.0.max=[$((5 * cores)).0, 10.0, 10.0]"
       else
-        run weak 96k "$np" "$k" inputs/bench_rest.toml 60 "domain.max=[$((6 * np)).0, 4.0, 6.0]" \
-          "particles.0.max=[$((6 * np)).0, 4.0, 4.0]"
+        run weak 96k "$np" "$k" inputs/bench_rest.toml 60 "domain.max=[$((6 * cores)).0, 4.0, 6.0]" \
+          "particles.0.max=[$((6 * cores)).0, 4.0, 4.0]"
       fi
     done
   done

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Tables and plots of the runs of jobs/scaling.sh, and the performance model fitted to them.
 
-scaling.py DIR reads DIR/STUDY/CASE/npRANKS-NUMBER/run.json (and series.csv) and DIR/network/*.csv, prints the tables as
-Markdown and writes DIR/scaling.csv and DIR/scaling.png. With runs of the strong study on one rank and the network at
-hand it goes on to the model: DIR/model.csv and model.png, its error on the runs, its predictions, and the two ways to
-exchange ghosts.
+scaling.py DIR reads DIR/STUDY/CASE/npRANKS[xTHREADS]-NUMBER/run.json (and series.csv) and DIR/network/*.csv, prints the
+tables as Markdown and writes DIR/scaling.csv and DIR/scaling.png. With runs of the strong study on one core and the
+network at hand it goes on to the model: DIR/model.csv and model.png, its error on the runs, its predictions for nodes
+of 64 cores, and the two ways to exchange ghosts.
 """
 
 import argparse
@@ -23,8 +23,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
 
-from scaling_model import (EXCHANGES, RECORD, Basin, Costs, efficiency, exchange_bytes, messages, pencils,  # noqa: E402
-                           rebuild_bytes, redundant_lambda, slabs)
+from scaling_model import (CYCLES, EXCHANGES, RECORD, SWEEPS, Basin, Costs, Node, efficiency,  # noqa: E402
+                           exchange_bytes, messages, node_bytes, rebuild_bytes, redundant_lambda, slabs)
 from study import columns_of, write_table  # noqa: E402
 
 TIMED = ("strong", "weak")
@@ -34,9 +34,17 @@ BASINS = {("strong", "96k"): lambda _: Basin(60, 40, 40), ("strong", "million"):
           ("weak", "million"): lambda ranks: Basin(50 * ranks, 100, 100),
           ("counted", "rest"): lambda _: Basin(60, 40, 40), ("counted", "rest_filters"): lambda _: Basin(60, 40, 40)}
 FILTER_EXCHANGES = {"rest_filters": 3}  # velocities twice, curl
+# Of a step on one thread, by perf record of 96,000 particles at rest: the multigrid, loops over planes.
+MULTIGRID, BY_PLANES = 0.028, 0.065
+# Measured, too: memory cleared and moved, and the search for particles that leave, both by the first thread; start and
+# end of a loop on two threads, for each; bytes by cachegrind with 4 MB of cache.
+THREADS = {"serial": 1e-9, "migration": 5e-9, "fork": 0.45e-6, "traffic": 2550}
 # What the predictions assume of a cluster; the cores are taken to be those of the runs.
 CLUSTER = {"latency": 2e-6, "bandwidth": 12e9, "reduction": 2e-6}
-SHAPES = {"cube": lambda n: Basin(*[round(n ** (1 / 3))] * 3), "channel": lambda n: Basin(n / 1e5, 1000, 100)}
+CORES, MEMORY = 64, 300e9  # of a node; bytes/s
+SHAPES = {("cube", 1e9): (Basin(1000, 1000, 1000), (1, 7, 31, 125, 250, 500)),
+          ("cube", 1e11): (Basin(4642, 4642, 4642), (36, 128, 580, 1160, 2321)),
+          ("channel", 1e11): (Basin(1e6, 1000, 100), (125, 1250, 12_500))}
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]  # Okabe and Ito
 
 
@@ -52,7 +60,7 @@ def read_runs(folder):
         try:
             run = json.loads(path.read_text(encoding="utf-8"))
             run["study"], run["case"], place = path.parts[-4:-1]
-            run["ranks"] = int(re.match(r"np(\d+)-", place)[1])
+            run["ranks"], run["threads"] = (int(n) for n in re.match(r"np(\d+)(?:x(\d+))?-", place).groups(default=1))
             run["ms"] = 1e3 * run["wall_seconds"] / run["steps"]
             run["wait"] = statistics.mean(run["halo_wait_seconds"]) / run["wall_seconds"]
         except (ValueError, KeyError, TypeError, ZeroDivisionError) as error:
@@ -60,28 +68,29 @@ def read_runs(folder):
         run["series"] = columns_of(path.parent / "series.csv")
         runs.append(run)
     if not runs:
-        raise BadInput(f"{folder}: no STUDY/CASE/npRANKS-NUMBER/run.json; make them with jobs/scaling.sh")
+        raise BadInput(f"{folder}: no STUDY/CASE/npRANKS[xTHREADS]-NUMBER/run.json; make them with jobs/scaling.sh")
     return runs
 
 
 def groups_of(runs):
     groups = {}
     for run in runs:
-        groups.setdefault((run["study"], run["case"], run["ranks"]), []).append(run)
+        groups.setdefault((run["study"], run["case"], run["ranks"], run["threads"]), []).append(run)
     return groups
 
 
 def rows_of(groups):
-    """One row for each study, case and rank count; without times where ranks had to share cores."""
+    """One row for each study, case, ranks and threads; without times where ranks had to share cores."""
     rows = []
-    for (study, case, ranks), runs in sorted(groups.items()):
+    for (study, case, ranks, threads), runs in sorted(groups.items()):
         fastest, timed = min(runs, key=lambda run: run["ms"]), study in TIMED
-        base = groups.get((study, case, 1)) if timed else None
-        row = {"study": study, "case": case, "ranks": ranks, "runs": len(runs), "particles": fastest["particles"]}
+        base = groups.get((study, case, 1, 1)) if timed else None
+        row = {"study": study, "case": case, "ranks": ranks, "threads": threads, "runs": len(runs),
+               "particles": fastest["particles"]}
         median = statistics.median(run["ms"] for run in runs)
         row["ms_per_step_median"] = f"{median:.1f}" if timed else ""
         row["ms_per_step_fastest"] = f"{fastest['ms']:.1f}" if timed else ""
-        ideal = ranks if study == "strong" else 1
+        ideal = ranks * threads if study == "strong" else 1
         for name, pick in (("median", statistics.median), ("fastest", min)):
             time = pick(run["ms"] for run in runs)
             row[f"efficiency_{name}"] = f"{pick(run['ms'] for run in base) / ideal / time:.3f}" if base else ""
@@ -109,16 +118,19 @@ def draw_runs(path, rows, groups):
     figure, (times, shares, balance) = plt.subplots(1, 3, figsize=(15, 4.5), constrained_layout=True)
     cases = sorted({(row["study"], row["case"]) for row in rows if row["study"] in TIMED})
     for (study, case), colour in zip(cases, COLOURS * 2):
-        mine = [row for row in rows if (row["study"], row["case"]) == (study, case)]
-        ranks = [row["ranks"] for row in mine]
-        times.plot(ranks, [float(row["ms_per_step_fastest"]) for row in mine], "o-", color=colour,
-                   label=f"{study} {case}")
-        if all(row["efficiency_fastest"] for row in mine):
-            shares.plot(ranks, [float(row["efficiency_fastest"]) for row in mine], "o-", color=colour,
-                        label=f"{study} {case}")
-            shares.plot(ranks, [float(row["efficiency_median"]) for row in mine], "o:", color=colour)
-    times.set(yscale="log", xlabel="ranks", ylabel="wall time of a step, fastest run (ms)")
-    shares.set(ylim=(0, 1.1), xlabel="ranks", ylabel="efficiency (1); dotted: by the median")
+        for threaded, mark in ((False, "o"), (True, "s")):
+            mine = [row for row in rows if (row["study"], row["case"]) == (study, case)
+                    and (row["ranks"] * row["threads"] == 1 or (row["threads"] > 1) == threaded)]
+            if threaded and all(row["threads"] == 1 for row in mine):
+                continue
+            cores, name = [row["ranks"] * row["threads"] for row in mine], f"{study} {case}" + ", threads" * threaded
+            times.plot(cores, [float(row["ms_per_step_fastest"]) for row in mine], mark + "-", color=colour, label=name)
+            if all(row["efficiency_fastest"] for row in mine):
+                for value, line in (("fastest", "-"), ("median", ":")):
+                    shares.plot(cores, [float(row[f"efficiency_{value}"]) for row in mine], mark + line, color=colour,
+                                label=name if line == "-" else None)
+    times.set(yscale="log", xlabel="cores: ranks, or threads of one", ylabel="wall time of a step, fastest run (ms)")
+    shares.set(ylim=(0, 1.1), xlabel="cores: ranks, or threads of one", ylabel="efficiency (1); dotted: by the median")
     for panel in (times, shares):
         panel.set_xscale("log", base=2)
         panel.xaxis.set_major_formatter("{x:.0f}")
@@ -140,10 +152,10 @@ def plain_ticks(axis, form):
 
 def draw_balance(panel, groups):
     cases = sorted(key for key in groups if key[0] == "balance" and groups[key][0]["series"])
-    names = sorted({(case.rsplit("_", 1)[0], ranks) for _, case, ranks in cases})
-    for _, case, ranks in cases:
+    names = sorted({(case.rsplit("_", 1)[0], ranks) for _, case, ranks, _ in cases})
+    for _, case, ranks, threads in cases:
         name, slabs_kind = case.rsplit("_", 1)
-        series = groups["balance", case, ranks][0]["series"]
+        series = groups["balance", case, ranks, threads][0]["series"]
         panel.plot(series["time"], series["imbalance"], "-" if slabs_kind == "balanced" else ":",
                    color=COLOURS[names.index((name, ranks)) % len(COLOURS)],
                    label=f"{name}, {slabs_kind}, {ranks} ranks")
@@ -157,25 +169,20 @@ def draw_balance(panel, groups):
 # ---- model ----------------------------------------------------------------------------------------------------------
 
 def fit(groups, network):
-    """Costs from the fastest runs of the strong study on one rank and the network between two."""
-    alone = {case: min(runs, key=lambda run: run["ms"]) for (study, case, ranks), runs in groups.items()
-             if study == "strong" and ranks == 1}
-    basins = {case: BASINS["strong", case](1) for case in alone}
-    coarse = np.array([phase_ms(alone[case], "CoarseGrid") / 1e3 for case in alone])
-    loads = np.array([[basins[case].particles(), basins[case].cells() * basins[case].sweeps()] for case in alone])
-    # Relative errors count; with one case only, all of the coarse grid is put down to its sweeps.
-    if len(alone) > 1:
-        per_particle, cell = np.linalg.lstsq(loads / coarse[:, None], np.ones(len(coarse)), rcond=None)[0]
-    else:
-        per_particle, cell = 0.0, coarse[0] / loads[0, 1]
-    rest = [alone[case]["ms"] / 1e3 / basins[case].particles() for case in alone]
-    particle = per_particle + statistics.mean(r - c / load[0] for r, c, load in zip(rest, coarse, loads))
+    """Costs from the fastest runs of the strong and weak studies on one core and the network between two."""
+    alone = {}
+    for run in sorted((run for runs in groups.values() for run in runs), key=lambda run: -run["ms"]):
+        if run["study"] in TIMED and run["ranks"] == run["threads"] == 1:
+            alone[run["particles"]] = run
+    step = statistics.mean(run["ms"] / 1e3 / particles for particles, run in alone.items())
+    by_planes, cell = BY_PLANES * step, MULTIGRID * step * 8 / (CYCLES * SWEEPS * 4 / 3)
+    particle = (1 - BY_PLANES - MULTIGRID) * step - THREADS["serial"]
     exchanges = np.array([[1, row["bytes"], row["us"] / 1e6] for row in network if row["operation"] == "exchange"])
     exchanges = exchanges[exchanges[:, 1] < 2e6]  # larger ones leave the caches
     latency, per_byte = np.linalg.lstsq(exchanges[:, :2] / exchanges[:, 2:], np.ones(len(exchanges)), rcond=None)[0]
     reduction = next(row["us"] / 1e6 for row in network if row["operation"] == "reduce")
     largest = max(alone.values(), key=lambda run: run["particles"])
-    return Costs(particle, cell, latency, 1 / per_byte, reduction), largest
+    return Costs(particle, cell, latency, 1 / per_byte, reduction, by_planes, **THREADS), largest
 
 
 def phase_ms(run, name):
@@ -194,13 +201,13 @@ def read_network(folder):
 
 def check_model(groups, costs):
     rows = []
-    for (study, case, ranks), runs in sorted(groups.items()):
+    for (study, case, ranks, threads), runs in sorted(groups.items()):
         if (study, case) not in BASINS or study not in TIMED:
             continue
-        basin, fastest = BASINS[study, case](ranks), min(runs, key=lambda run: run["ms"])
-        model = 1e3 * slabs(basin, ranks, costs).total()
+        basin, fastest = BASINS[study, case](ranks * threads), min(runs, key=lambda run: run["ms"])
+        model = 1e3 * slabs(basin, ranks, costs, threads).total()
         median = statistics.median(run["ms"] for run in runs)
-        rows.append({"run": f"{study} {case}, {ranks} ranks", "model_ms": f"{model:.1f}",
+        rows.append({"run": f"{study} {case}, {ranks} x {threads}", "model_ms": f"{model:.1f}",
                      "fastest_ms": f"{fastest['ms']:.1f}", "error_percent": f"{100 * (model / fastest['ms'] - 1):+.1f}",
                      "median_ms": f"{median:.1f}", "error_to_median_percent": f"{100 * (model / median - 1):+.1f}"})
     return rows
@@ -209,13 +216,13 @@ def check_model(groups, costs):
 def check_traffic(groups):
     """Messages and bytes of a whole run, its start included, by the formula and as counted."""
     rows = []
-    for (study, case, ranks), (run, *_) in sorted(groups.items()):
+    for (study, case, ranks, _), (run, *_) in sorted(groups.items()):
         if study != "counted" or case not in [name for kind, name in BASINS if kind == study]:
             continue
         basin, steps, filters = BASINS[study, case](ranks), run["steps"], FILTER_EXCHANGES.get(case, 0)
         ways = 2 * (ranks - 1)  # both, through every cut
         rows.append({"case": case, "ranks": ranks, "steps": steps,
-                     "messages_by_formula": ways * (steps * messages(basin, filters) + 2),
+                     "messages_by_formula": round(ways * (steps * messages(basin, filters) + 2)),
                      "messages": round(run["halo_messages_per_step"] * steps),
                      "bytes_by_formula": round(ways * (steps * exchange_bytes(basin, filters) + rebuild_bytes(basin))),
                      "bytes": round(run["halo_bytes_per_step"] * steps),
@@ -223,28 +230,38 @@ def check_traffic(groups):
     return rows
 
 
-def predictions(costs):
+def predictions(costs, between):
+    """All splits of nodes into ranks and threads; in `mended`, if migration and loops over planes went by rows, too."""
+    mended = costs._replace(particle=costs.particle + costs.by_planes + costs.migration, by_planes=0.0, migration=0.0)
     rows = []
-    for shape, basin_of in SHAPES.items():
-        for particles in (1e7, 1e9, 1e11):
-            basin = basin_of(particles)
-            for ranks in (100, 1000, 10_000, 100_000):
-                rows.append(prediction(shape, particles, basin, ranks, costs))
+    for (shape, particles), (basin, numbers) in SHAPES.items():
+        for nodes in numbers:
+            for each in (2**k for k in range(7)):
+                node, ranks, threads = Node(each, MEMORY, between), nodes * each, CORES // each
+                step, other = (slabs(basin, ranks, some, threads, node) for some in (costs, mended))
+                if step is None:
+                    continue
+                row = {"shape": shape, "particles": f"{particles:.0e}", "nodes": nodes, "ranks": ranks,
+                       "threads": threads, "planes_a_rank": f"{basin.planes() / ranks:.1f}",
+                       "ms_a_step": f"{1e3 * step.total():.1f}",
+                       "efficiency": f"{efficiency(basin, ranks, step, costs, threads):.2f}"}
+                for name, seconds in step._asdict().items():
+                    row[f"{name}_percent"] = f"{100 * seconds / step.total():.0f}"
+                row["mended_ms"] = f"{1e3 * other.total():.1f}"
+                row["mended_efficiency"] = f"{efficiency(basin, ranks, other, costs, threads):.2f}"
+                row["GB_a_node"] = f"{node_bytes(basin, ranks, node) / 1e9:.1f}"
+                rows.append(row)
     return rows
 
 
-def prediction(shape, particles, basin, ranks, costs):
-    step, other = slabs(basin, ranks, costs), pencils(basin, ranks, costs)
-    row = {"shape": shape, "particles": f"{particles:.0e}", "planes": basin.planes(), "ranks": ranks,
-           "planes_a_rank": f"{basin.planes() / ranks:.1f}", "ghosts_over_owned": f"{2 * ranks / basin.planes():.2f}"}
-    total = step.total() if step else math.nan
-    row["ms_a_step"] = f"{1e3 * total:.1f}" if step else "-"
-    row["efficiency"] = f"{efficiency(basin, ranks, step, costs):.2f}" if step else "-"
-    row["halo_percent"] = f"{100 * (step.latency + step.transfer) / total:.0f}" if step else "-"
-    row["coarse_sweeps_percent"] = f"{100 * step.coarse / total:.0f}" if step else "-"
-    row["reductions_percent"] = f"{100 * step.reductions / total:.1f}" if step else "-"
-    row["pencils_ms"] = f"{1e3 * other.total():.1f}" if other else "-"
-    return row
+def best_of(rows, value):
+    """Of each number of nodes the split that takes least."""
+    best = {}
+    for row in rows:
+        key = row["shape"], row["particles"], row["nodes"]
+        if key not in best or float(row[value]) < float(best[key][value]):
+            best[key] = row
+    return list(best.values())
 
 
 def exchange_choice(costs, largest):
@@ -268,19 +285,20 @@ def exchange_choice(costs, largest):
     return rows
 
 
-def draw_model(path, costs):
-    figure, panels = plt.subplots(1, 2, figsize=(12, 4.5), constrained_layout=True, sharey=True)
-    for panel, (shape, basin_of) in zip(panels, SHAPES.items()):
-        for particles, colour in zip((1e7, 1e9, 1e11), COLOURS):
-            basin = basin_of(particles)
-            ranks = [2**k for k in range(18)]
-            for how, style in ((slabs, "-"), (pencils, ":")):
-                steps = [(n, how(basin, n, costs)) for n in ranks]
-                steps = [(n, efficiency(basin, n, step, costs)) for n, step in steps if step]
-                panel.plot(*zip(*steps), style, color=colour, label=f"{particles:.0e}, {how.__name__}")
-        panel.set(xscale="log", ylim=(0, 1.05), xlabel="ranks", ylabel="predicted efficiency (1)", title=shape)
+def draw_model(path, rows):
+    figure, panels = plt.subplots(1, len(SHAPES), figsize=(15, 4.5), constrained_layout=True, sharey=True)
+    for panel, (shape, particles) in zip(panels, SHAPES):
+        mine = [row for row in rows if (row["shape"], row["particles"]) == (shape, f"{particles:.0e}")]
+        for threads, colour in zip((1, 4, 16, 32, 64), COLOURS):
+            some = [row for row in mine if row["threads"] == threads]
+            cores = [row["ranks"] * threads for row in some]
+            for value, line in (("efficiency", "o-"), ("mended_efficiency", "o:")):
+                panel.plot(cores, [float(row[value]) for row in some], line, color=colour,
+                           label=f"{threads} thread{'s' * (threads > 1)} a rank" if line == "o-" else None)
+        panel.set(xscale="log", ylim=(0, 1.05), xlabel="cores", title=f"{shape}, {particles:.0e} particles")
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8)
+    panels[0].set_ylabel("predicted efficiency (1); dotted: mended")
     figure.savefig(path, dpi=110)
 
 
@@ -288,14 +306,17 @@ def report_model(folder, groups, network):
     costs, largest = fit(groups, network)
     print(f"\nfitted: {1e9 * costs.particle:.0f} ns a particle and step, {1e9 * costs.cell:.2f} ns a cell and sweep, "
           f"latency {1e6 * costs.latency:.2f} us, {costs.bandwidth / 1e9:.1f} GB/s, reduction "
-          f"{1e6 * costs.reduction:.2f} us; {EXCHANGES} exchanges of particles a step")
+          f"{1e6 * costs.reduction:.2f} us; {1e9 * costs.by_planes:.0f} ns a particle by planes; "
+          f"{EXCHANGES} exchanges of particles a step")
     print_table("Model against the runs", check_model(groups, costs))
     cluster = costs._replace(**CLUSTER)
-    rows = predictions(cluster)
+    rows = predictions(cluster, costs.bandwidth)
     write_table(folder / "model.csv", rows)
-    print_table("Predictions", rows)
+    print_table("Predictions, fastest split of the nodes", best_of(rows, "ms_a_step"))
+    print_table("Fastest if all loops went by rows", best_of(rows, "mended_ms"))
+    print_table("Slabs alone", [row for row in rows if row["threads"] == 1])
     print_table("One exchange an iteration or two", exchange_choice(costs, largest))
-    draw_model(folder / "model.png", cluster)
+    draw_model(folder / "model.png", rows)
 
 
 def main():
@@ -311,7 +332,7 @@ def main():
     if traffic:
         print_table("Halo traffic", traffic)
     network = read_network(folder)
-    if network and any(study == "strong" and ranks == 1 for study, _, ranks in groups):
+    if network and any(study == "strong" and ranks == threads == 1 for study, _, ranks, threads in groups):
         report_model(folder, groups, network)
 
 

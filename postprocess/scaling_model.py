@@ -1,4 +1,4 @@
-"""The performance model of slabs: fitted to runs on one rank and to a network, it tells the time of a step.
+"""The performance model of slabs and threads: fitted to runs on one core and to a network, it tells the time of a step.
 
 No program of its own; scaling.py prints and draws it, results/scaling.md explains it. Water is a basin at rest, a block
 of particles in lattice order, h = 2 spacings, so a cell plane is two layers thick. Seconds, bytes, particles.
@@ -15,6 +15,9 @@ GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
 WATER = 8 * (3 + 2 * 5) + 8  # bytes of a coarse cell before the multigrid: volumes and moments, fill
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1)  # records, coarse move, lambda and place of each sweep over particles
 REDUCTIONS = 4  # depth of the water, guard, two migrations
+GATHERS = 2 + CYCLES  # of the multigrid: cuts, links, and a right-hand side in each cycle
+LOOPS = 57  # of a step that threads share, without those of the levels of the multigrid
+PARTICLE_BYTES, GHOST_BYTES = 300, 45  # of a ghost: record, and an eighth of a coarse cell
 LOOK = 10  # steps between two looks at the balance
 
 
@@ -37,11 +40,15 @@ class Basin(NamedTuple):
         """Cells above one another that the coarse grid looks at."""
         return min((self.depth + self.air) / 2, math.ceil(self.depth / 2) + 2)
 
+    def level_count(self):
+        widest = max(self.planes(), math.ceil(self.width / 2))
+        return min(1 + math.ceil(self.depth / 2).bit_length(), 1 + (widest - 1).bit_length())
+
     def levels(self):
         """Rows of cells on each level of the multigrid that is not gathered, and what an exchange of all that a step
         sends on it counts, in planes and per direction; what goes one way only counts half."""
         planes, rows, found = self.planes(), math.ceil(self.width / 2), []
-        number = min(1 + math.ceil(self.depth / 2).bit_length(), 1 + (max(planes, rows) - 1).bit_length())
+        number = self.level_count()
         for level in range(number):
             if level > 0 and planes * rows * self.columns() <= GATHERED_CELLS:
                 break
@@ -51,22 +58,33 @@ class Basin(NamedTuple):
             planes, rows = math.ceil(planes / 2), math.ceil(rows / 2)
         return found
 
-    def sweeps(self):
-        """Of all levels, in those of the finest."""
-        return CYCLES * SWEEPS * 4 / 3
-
 
 class Costs(NamedTuple):
-    particle: float  # s for a particle and step, all but the coarse sweeps
+    particle: float  # s for a particle and step on one thread, all but what follows
     cell: float  # s for a cell of water and coarse sweep
     latency: float  # s of an exchange without bytes
-    bandwidth: float  # bytes/s through a cut in one direction
+    bandwidth: float  # bytes/s out of a node, or between two ranks of it
     reduction: float  # s of a sum over two ranks
+    by_planes: float = 0.0  # s for a particle and step in loops whose parts are planes
+    serial: float = 0.0  # s for a particle and step on the first thread alone
+    migration: float = 0.0  # the same, where there is more than one rank
+    fork: float = 0.0  # s of a loop's start and end for each of its threads
+    traffic: float = 0.0  # bytes for a particle and step from and to memory
+
+
+class Node(NamedTuple):
+    """What ranks of a node share."""
+    ranks: int = 1
+    memory: float = math.inf  # bytes/s
+    between: float = math.inf  # bytes/s from rank to rank
 
 
 class Step(NamedTuple):
-    particles: float  # s for the particles of the fullest rank
+    rows: float  # s in loops over particles and rows of cells, in the fullest rank
+    planes: float  # s in loops over planes
+    serial: float
     coarse: float  # s for its cells
+    forks: float
     latency: float
     transfer: float
     reductions: float
@@ -96,38 +114,58 @@ def messages(basin, filters=0):
     return 1 + EXCHANGES + filters + 2 + sum(planes for _, planes in basin.levels())
 
 
-def slabs(basin, ranks, costs):
+def share(parts, threads):
+    """Of a loop, what the thread with the most parts does."""
+    return math.ceil(parts / threads) / parts
+
+
+def slabs(basin, ranks, costs, threads=1, node=Node()):
     """The time of a step, None where there are more ranks than planes. Nothing is taken to be hidden."""
-    planes = basin.planes()
+    planes, rows = basin.planes(), math.ceil(basin.width / 2)
     if ranks > planes:
         return None
-    fullest = math.ceil(planes / ranks) / planes
+    own = math.ceil(planes / ranks)  # planes of the fullest rank
+    particles = own / planes * basin.particles()
     sides = min(ranks - 1, 2)  # neighbours, whose messages share the way out
     rounds = math.log2(ranks)
+    coarse, forks = coarse_grid(basin, ranks, costs, threads)
+    # Memory is busy while all threads are.
+    busy = particles * costs.particle * share(own * rows, threads)
+    memory = particles * costs.traffic * node.ranks / node.memory
     look = (8 * planes / costs.bandwidth + rounds * costs.latency) / LOOK if ranks > 1 else 0
-    return Step(fullest * basin.particles() * costs.particle, fullest * basin.cells() * basin.sweeps() * costs.cell,
-                (messages(basin) * costs.latency) if sides else 0, sides * exchange_bytes(basin) / costs.bandwidth,
-                REDUCTIONS * rounds * costs.reduction + look)
+    way_out = min(costs.bandwidth, node.between) if node.ranks > 1 else costs.bandwidth
+    return Step(max(busy, memory - coarse), particles * costs.by_planes * share(own, threads),
+                particles * (costs.serial + (costs.migration if sides else 0)), coarse,
+                forks + (LOOPS * costs.fork * threads if threads > 1 else 0),
+                (messages(basin) * costs.latency) if sides else 0, sides * exchange_bytes(basin) / way_out,
+                (REDUCTIONS + GATHERS) * rounds * costs.reduction + look)
 
 
-def pencils(basin, ranks, costs):
-    """The same for a box that is cut along its length and its width, as square as the numbers allow: a guess at what a
-    rewrite would give, with twice the messages in each exchange and bytes by the surface of a pencil."""
-    along = min(basin.planes(), max(1, round(math.sqrt(ranks * basin.length / basin.width))))
-    across = ranks / along
-    if across > basin.width / 2:
-        return None
-    if across <= 1:
-        return slabs(basin, ranks, costs)
-    share = math.ceil(basin.planes() / along) / basin.planes() * math.ceil(basin.width / 2 / across) / (basin.width / 2)
-    surface = exchange_bytes(basin) * (1 / across + basin.length / basin.width / along)
-    return Step(share * basin.particles() * costs.particle, share * basin.cells() * basin.sweeps() * costs.cell,
-                2 * messages(basin) * costs.latency, 2 * surface / costs.bandwidth,
-                REDUCTIONS * math.log2(ranks) * costs.reduction)
+def coarse_grid(basin, ranks, costs, threads):
+    """Seconds of the sweeps of all levels, and of the starts and ends of their loops."""
+    planes, rows, columns = basin.planes(), math.ceil(basin.width / 2), basin.columns()
+    rows_of_a_part = max(4096 // (columns + 2), 1)
+    work = forks = 0
+    for level in range(basin.level_count()):
+        gathered = level > 0 and planes * rows * columns <= GATHERED_CELLS
+        own = planes if gathered else math.ceil(planes / ranks)
+        parts = math.ceil(own * rows / rows_of_a_part)
+        work += CYCLES * SWEEPS * own * rows * basin.depth / 2 * costs.cell * share(parts, threads)
+        ahead = 3 if ranks > 1 and own > 1 and not gathered else 1  # both ends and what is between them
+        used = min(threads, parts)
+        forks += (2 + CYCLES * (3 + SWEEPS * ahead)) * costs.fork * used if used > 1 else 0
+        planes, rows = math.ceil(planes / 2), math.ceil(rows / 2)
+    return work, forks
 
 
-def efficiency(basin, ranks, step, costs):
-    return slabs(basin, 1, costs).total() / ranks / step.total()
+def node_bytes(basin, ranks, node):
+    """Memory of a node."""
+    planes = math.ceil(basin.planes() / ranks)
+    return node.ranks * (planes * PARTICLE_BYTES + 2 * GHOST_BYTES) * 2 * basin.width * basin.depth
+
+
+def efficiency(basin, ranks, step, costs, threads=1):
+    return slabs(basin, 1, costs).total() / (ranks * threads) / step.total()
 
 
 def redundant_lambda(plane, lambda_cost, search_cost):

@@ -1,34 +1,46 @@
 #include "domain/migrate.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 
 #include "base/growth.hpp"
+#include "base/threads.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
 
 namespace {
 
-// For each owned particle the side to which it leaves: −1 low, +1 high, 0 if it stays.
-struct Directions {
-  std::vector<signed char> side;
-  std::array<std::size_t, 2> leaving{};  // low, high
-  int farthest = 0;                      // largest number of slabs that a particle has to cross
+// The owned particles that leave, in ascending order.
+struct Leaving {
+  std::array<std::vector<LocalId>, 2> to;  // low, high
+  int farthest = 0;                        // largest number of slabs that a particle has to cross
+
+  void append(const Leaving& others) {
+    for (std::size_t side : {0U, 1U}) to[side].insert(to[side].end(), others.to[side].begin(), others.to[side].end());
+    farthest = std::max(farthest, others.farthest);
+  }
 };
 
-Directions directions(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
-  Directions result;
-  result.side.assign(positions.size(), 0);
+Leaving leaving_particles(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
   const LocalId first = slabs.first_plane(rank), last = slabs.last_plane(rank);
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const LocalId plane = grid.plane_of(positions[i]);
-    if (plane >= first && plane < last) continue;
-    result.side[i] = plane < first ? -1 : 1;
-    ++result.leaving[plane < first ? 0 : 1];
-    result.farthest = std::max(result.farthest, std::abs(slabs.owner(plane) - rank));
-  }
+  const Range all{0, static_cast<LocalId>(positions.size())};
+  constexpr LocalId part_size = 8192;
+  std::vector<Leaving> parts(static_cast<std::size_t>((all.size() + part_size - 1) / part_size));
+  for_each_part(all, part_size, [&](Range part) {
+    Leaving& leaving = parts[static_cast<std::size_t>(part.begin / part_size)];
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      const LocalId plane = grid.plane_of(positions[static_cast<std::size_t>(i)]);
+      if (plane >= first && plane < last) continue;
+      leaving.to[plane < first ? 0 : 1].push_back(i);
+      leaving.farthest = std::max(leaving.farthest, std::abs(slabs.owner(plane) - rank));
+    }
+  });
+  Leaving result;
+  for (const Leaving& part : parts) result.append(part);
   return result;
 }
 
@@ -38,27 +50,29 @@ std::size_t bytes_per_particle(Particles& particles) {
   return bytes;
 }
 
-// The particles that leave to `side`, one field after the other.
-std::vector<std::byte> pack(Particles& particles, const Directions& to, int side) {
-  std::vector<std::byte> buffer(to.leaving[side < 0 ? 0 : 1] * bytes_per_particle(particles));
+// The chosen particles, one field after the other.
+std::vector<std::byte> pack(Particles& particles, const std::vector<LocalId>& chosen) {
+  std::vector<std::byte> buffer(chosen.size() * bytes_per_particle(particles));
   std::byte* out = buffer.data();
   particles.for_each_field([&](auto& field) {
-    for (std::size_t i = 0; i < field.size(); ++i) {
-      if (to.side[i] != side) continue;
-      std::memcpy(out, &field[i], sizeof(field[i]));
-      out += sizeof(field[i]);
+    for (const LocalId i : chosen) {
+      std::memcpy(out, &field[static_cast<std::size_t>(i)], sizeof(field[0]));
+      out += sizeof(field[0]);
     }
   });
   return buffer;
 }
 
-void remove_leaving(Particles& particles, const Directions& to) {
+// The last particles take the places of those that leave, so that only these cost; the next sort makes the order anew.
+void remove_leaving(Particles& particles, const Leaving& leaving) {
+  std::vector<LocalId> places;
+  std::merge(leaving.to[0].begin(), leaving.to[0].end(), leaving.to[1].begin(), leaving.to[1].end(),
+             std::back_inserter(places));
   particles.for_each_field([&](auto& field) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < field.size(); ++i) {
-      if (to.side[i] == 0) field[kept++] = field[i];
+    for (auto place = places.rbegin(); place != places.rend(); ++place) {
+      field[static_cast<std::size_t>(*place)] = field.back();
+      field.pop_back();
     }
-    field.resize(kept);
   });
 }
 
@@ -102,17 +116,18 @@ GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particle
                  const Slabs& slabs) {
   if (slabs.ranks() == 1) return 0;
   const int rank = rank_of(comm);
-  Directions to = directions(rank, particles.*position, grid, slabs);
+  Leaving leaving = leaving_particles(rank, particles.*position, grid, slabs);
   int rounds = 0;
-  MPI_Allreduce(&to.farthest, &rounds, 1, MPI_INT, MPI_MAX, comm);
+  MPI_Allreduce(&leaving.farthest, &rounds, 1, MPI_INT, MPI_MAX, comm);
   GlobalId sent = 0;
   for (int round = 0; round < rounds; ++round) {
-    if (round > 0) to = directions(rank, particles.*position, grid, slabs);
-    const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, to, -1), pack(particles, to, 1)};
-    remove_leaving(particles, to);
+    if (round > 0) leaving = leaving_particles(rank, particles.*position, grid, slabs);
+    const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, leaving.to[0]),
+                                                            pack(particles, leaving.to[1])};
+    remove_leaving(particles, leaving);
     for (const std::vector<std::byte>& buffer : exchange(comm, outgoing, bytes_per_particle(particles)))
       append(particles, buffer);
-    sent += static_cast<GlobalId>(to.leaving[0] + to.leaving[1]);
+    sent += static_cast<GlobalId>(leaving.to[0].size() + leaving.to[1].size());
   }
   return sent;
 }

@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "postprocess"))
 
-from scaling_model import Basin, Costs, efficiency, exchange_bytes, messages, slabs  # noqa: E402
+from scaling_model import Basin, Costs, Node, efficiency, exchange_bytes, messages, slabs  # noqa: E402
 
 STUDY, TABLES = ROOT / "jobs" / "scaling.sh", ROOT / "postprocess" / "scaling.py"
 
@@ -22,7 +22,7 @@ def run(*command):
 
 class Arguments(unittest.TestCase):
     def test_bad_ones_are_refused_with_the_reason(self):
-        for arguments, reason in ((["--ranks", "1 two"], "'two'"), (["--studies", "string"], "'string'"),
+        for arguments, reason in ((["--ranks", "1 two"], "'two'"), (["--ranks", "1x"], "'1x'"), (["--studies", "string"], "'string'"),
                                   (["--repeats"], "--repeats"), (["--program", "/nowhere"], "/nowhere"), (["x"], "x")):
             result = run(STUDY, *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
@@ -53,11 +53,14 @@ class Tables(unittest.TestCase):
         for number, (one, two) in enumerate(((10, 8), (11, 6), (14, 9))):
             self.write(f"strong/own/np1-{number}", 1, one)
             self.write(f"strong/own/np2-{number}", 2, two)
+            self.write(f"strong/own/np1x2-{number}", 1, two + 1)
         result = run(TABLES, self.path)
         self.assertEqual(result.returncode, 0, result.stderr)
-        header, one, two = [line.split(",") for line in (self.path / "scaling.csv").read_text().splitlines()]
+        header, one, threads, two = [line.split(",") for line in (self.path / "scaling.csv").read_text().splitlines()]
         row = dict(zip(header, two, strict=True))
         self.assertEqual((row["efficiency_fastest"], row["efficiency_median"]), ("0.833", "0.688"))
+        row = dict(zip(header, threads, strict=True))
+        self.assertEqual((row["ranks"], row["threads"], row["efficiency_fastest"]), ("1", "2", "0.714"))
         self.assertEqual(dict(zip(header, one, strict=True))["ms_per_step_fastest"], "1000.0")
         self.assertTrue((self.path / "scaling.png").exists())
 
@@ -89,8 +92,24 @@ class Model(unittest.TestCase):
         basin = Basin(1024, 100, 100)
         steps = [efficiency(basin, n, slabs(basin, n, self.COSTS), self.COSTS) for n in (1, 4, 16, 64, 256)]
         self.assertEqual(steps, sorted(steps, reverse=True))
-        free = self.COSTS._replace(latency=0.0, bandwidth=1e300, reduction=0.0)
+        free = self.COSTS._replace(latency=0.0, bandwidth=1e300, reduction=0.0, cell=0.0)
         self.assertAlmostEqual(efficiency(basin, 64, slabs(basin, 64, free), free), 1)
+
+    def test_threads_share_rows_but_not_planes_nor_what_the_first_does_alone(self):
+        basin = Basin(128, 128, 100)  # 64 planes of 64 rows
+        free = Costs(particle=500e-9, cell=0.0, latency=0.0, bandwidth=1e300, reduction=0.0)
+        self.assertAlmostEqual(efficiency(basin, 64, slabs(basin, 64, free, 64), free, 64), 1)
+        self.assertAlmostEqual(efficiency(basin, 64, slabs(basin, 64, free, 128), free, 128), 0.5)
+        particles = basin.particles() / 64
+        slow = slabs(basin, 64, free._replace(by_planes=10e-9, serial=1e-9, migration=5e-9), 64)
+        self.assertAlmostEqual(slow.planes, 10e-9 * particles)
+        self.assertAlmostEqual(slow.serial, 6e-9 * particles)
+
+    def test_memory_of_a_node_is_shared_by_its_ranks(self):
+        basin, costs = Basin(128, 128, 100), self.COSTS._replace(traffic=3000.0, cell=0.0)
+        steps = [slabs(basin, 64, costs, 64 // k, Node(k, memory=100e9)) for k in (1, 64)]
+        self.assertAlmostEqual(steps[1].rows, 64 * 3000 * basin.particles() / 64 / 100e9)
+        self.assertLess(steps[0].rows, steps[1].rows)
 
 
 if __name__ == "__main__":
