@@ -132,7 +132,9 @@ class Outputs(ProgramTest):
             self.assertIsNone(json.loads((run / "run.json").read_text())["energy_gain"])
 
     def test_time_of_a_pair_is_that_of_the_passes_made(self):
-        self.run_well(2, CUBE, "--output", "run", "--steps", 3)  # the coarse grid's one pass, sweeps' two, those of rows
+        # Without rows and frames, whose passes for the density alone have fewer operations.
+        (self.folder / "plain.toml").write_text(CUBE.read_text().split("[output")[0])
+        self.run_well(2, "plain.toml", "--output", "run", "--steps", 3)
         report = json.loads((self.folder / "run" / "run.json").read_text())
         phases = {phase["name"]: phase for phase in report["phases"]}
         seconds = 2 * sum(phases[name]["seconds"]["mean"] for name in ("Lambda", "Delta"))
