@@ -8,7 +8,11 @@
 
 namespace trevi {
 
-std::int64_t supported_instruction_sets() { return hwy::SupportedTargets() & HWY_TARGETS; }
+std::int64_t supported_instruction_sets() {
+  const std::int64_t sets = hwy::SupportedTargets() & HWY_TARGETS;
+  hwy::GetChosenTarget().Update(sets);  // Highway 1.0 forgets here which sets are ruled out
+  return sets;
+}
 
 void restrict_instruction_sets(std::int64_t allowed) { hwy::DisableTargets(~allowed); }
 

@@ -31,6 +31,7 @@ class Neighbourhood {
   Packed<T>& record(LocalId i) { return records_[static_cast<std::size_t>(order_.low_ghosts() + i)]; }
   std::vector<Packed<T>>& records() { return records_; }
   const std::vector<Packed<T>>& records() const { return records_; }
+  const Encoding<T>& encoding() const { return encoding_; }
   const NeighbourList& list() const { return list_; }
   const CellOrder& order() const { return order_; }
   Halo& halo() { return halo_; }

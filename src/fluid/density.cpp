@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "fluid/for_each_sum.hpp"
+#include "fluid/particle_loops.hpp"
 
 namespace trevi {
 
@@ -19,18 +21,19 @@ Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neig
   return 0 - c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
 }
 
-// visit(i, share) for the particles of the range that are near a wall.
+// visit(i, share) for the particles of the range, at most sums_chunk, that are near a wall.
 template <class T>
 template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
   if (!walls_) return;
-  std::array<std::size_t, sums_chunk> near;
-  std::size_t count = 0;
-  for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
-    near[count] = i;
-    count += walls_->is_near(p[i]) ? 1 : 0;  // without a branch, which would often be mispredicted
+  const auto first = static_cast<std::size_t>(range.begin);
+  std::array<LocalId, sums_chunk> near;
+  const std::size_t count =
+      find_outside(walls_->interior(), p.subspan(first, static_cast<std::size_t>(range.size())), near.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = first + static_cast<std::size_t>(near[k]);
+    visit(i, walls_->at(p[i]));
   }
-  for (std::size_t k = 0; k < count; ++k) visit(near[k], walls_->at(p[near[k]]));
 }
 
 template <class T>
@@ -66,41 +69,36 @@ template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
                                    std::span<Vec4<T>> delta) const {
   const auto loop = [&](Range here, Vec4<T>* sums, T* squares) { loops_.density(pairs, here, sums, squares); };
-  const Real density = density_factor_, slope = gradient_factor_, slope2 = slope * slope;
-  const DensityModel model = model_;
+  const Real slope = gradient_factor_, slope2 = slope * slope;
+  const MultiplierLaw law{model_.rest_density, density_factor_ / model_.rest_density, slope2, model_.epsilon,
+                          model_.constraint == Constraint::inequality ? 0 : std::numeric_limits<Real>::lowest()};
   for_each_sum<Vec4<T>, T>(range, loop, [&](Range here, const Vec4<T>* sums, const T* squares) {
     const auto first = static_cast<std::size_t>(here.begin);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k) {
-      rho[first + k] = density * (1 + static_cast<Real>(sums[k].w));
-      delta[first + k].w = static_cast<T>(
-          lambda(model, rho[first + k], slope * vector_of(sums[k]), slope2 * static_cast<Real>(squares[k])));
-    }
+    find_multipliers<T>(law, {{sums, static_cast<std::size_t>(here.size())}, squares}, &rho[first], &delta[first]);
     for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
-      rho[i] += model.rest_density * share.density;
+      rho[i] += model_.rest_density * share.density;
       const Vec3 gradient = share.gradient - slope * vector_of(sums[i - first]);
-      delta[i].w = static_cast<T>(lambda(model, rho[i], gradient, slope2 * static_cast<Real>(squares[i - first])));
+      const Real multiplier = lambda(model_, rho[i], gradient, slope2 * static_cast<Real>(squares[i - first]));
+      const Vec3& wall = share.gradient;
+      delta[i] = {static_cast<T>(wall.x()), static_cast<T>(wall.y()), static_cast<T>(wall.z()),
+                  static_cast<T>(multiplier)};
     });
   });
 }
 
 template <class T>
-void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                                  std::span<Vec4<T>> delta) const {
+void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const {
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   const auto factor = static_cast<T>(-gradient_factor_);
-  for_each_sum<>(
-      range, [](Range) {},
-      [&](Range here) {
-        Vec4<T>* const out = delta.data() + here.begin;
-        delta_loop_(pairs, here, out);
-        for (LocalId k = 0; k < here.size(); ++k) out[k] = {out[k].x * factor, out[k].y * factor, out[k].z * factor, 0};
-        for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
-          const Vec3 shift = static_cast<Real>(records[i].w) * share.gradient;
-          delta[i].x += static_cast<T>(shift.x());
-          delta[i].y += static_cast<T>(shift.y());
-          delta[i].z += static_cast<T>(shift.z());
-        });
-      });
+  const auto loop = [&](Range here, Vec4<T>* sums) { delta_loop_(pairs, here, sums); };
+  for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
+    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
+      const T multiplier = records[i].w;
+      Vec4<T>& out = delta[i];
+      out = {sums->x * factor + multiplier * out.x, sums->y * factor + multiplier * out.y,
+             sums->z * factor + multiplier * out.z, 0};
+    }
+  });
 }
 
 template class DensityConstraint<float>;

@@ -53,13 +53,14 @@ class DensityConstraint {
   /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
-  /// Writes rho_i, and lambda_i into the fourth number of delta_i, for the range; p, rho and delta are arrays of all
-  /// owned particles. Not into the records at once: other threads load the whole of them.
+  /// Writes rho_i and, for deltas(), the gradient of the walls' share, 1/m, and lambda_i into delta_i, for the range;
+  /// p, rho and delta are arrays of all owned particles. Not into the records at once: other threads load the whole of
+  /// them.
   void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
                std::span<Vec4<T>> delta) const;
 
-  /// Writes delta_i in metres for the range (arrays of all owned particles).
-  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;
+  /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions.
+  void deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;

@@ -39,13 +39,9 @@ class AnalyticWallDensity {
   /// `spacing` and h, in metres, define the lattice that is to be at rest density.
   AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h);
 
-  /// Whether p is so near to a wall that it has a share, which few particles are.
-  bool is_near(const Vec3& p) const {
-    const Vec3 &low = interior_.min, &high = interior_.max;
-    return (int{p.x() < low.x()} | int{p.y() < low.y()} | int{p.z() < low.z()} | int{p.x() > high.x()} |
-            int{p.y() > high.y()} | int{p.z() > high.z()}) != 0;
-  }
-  /// The share at p; zero where p is not near.
+  /// Where walls add nothing, which is where most particles are.
+  const Box& interior() const { return interior_; }
+  /// The share at p; zero in the interior.
   BoundaryShare at(const Vec3& p) const;
 
  private:

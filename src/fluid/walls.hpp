@@ -35,6 +35,7 @@ class Walls {
             std::clamp(p.z(), low.z(), high.z())};
   }
   bool inside(const Vec3& p) const { return box_.contains(p); }
+  const Box& box() const { return box_; }
 
  private:
   Vec3 stop_on_ray(const Vec3& p, const Vec3& shift) const;

@@ -40,6 +40,9 @@ class Encoding {
  public:
   Encoding(const Vec3& origin, Real h) : origin_(origin), per_metre_(Packed<T>::units_per_h / h) {}
 
+  const Vec3& origin() const { return origin_; }
+  Real per_metre() const { return per_metre_; }
+
   Packed<T> operator()(const Vec3& p, T w) const {
     const Vec3 u = (p - origin_) * per_metre_;
     return {coordinate(u.x()), coordinate(u.y()), coordinate(u.z()), w};

@@ -7,6 +7,7 @@
 
 #include "base/growth.hpp"
 #include "base/hash.hpp"
+#include "fluid/particle_loops.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -57,14 +58,19 @@ void DensityProblem<T>::count_pass(Range part, double flops_per_pair) {
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
-  constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
+  constraint_.deltas(pairs(), near_.all(), delta_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
-  const std::vector<Vec3>& p = particles_->predicted;
-  set_positions(part, [&](LocalId i) { return walls_.collide(p[static_cast<std::size_t>(i)], relaxation * delta(i)); });
+  constexpr LocalId part_size = 512;
+  const Shift<T> shift{walls_, near_.encoding(), relaxation};
+  for_each_part(part, part_size, [&](Range few) {
+    const auto first = static_cast<std::size_t>(few.begin);
+    move_particles<T>(shift, {&delta_[first], static_cast<std::size_t>(few.size())}, &particles_->predicted[first],
+                      &near_.record(few.begin));
+  });
 }
 
 template <class T>

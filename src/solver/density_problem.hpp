@@ -81,7 +81,7 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
-  std::vector<Vec4<T>> delta_;  // its w holds lambda_i until that is chosen; deltas have no value then
+  std::vector<Vec4<T>> delta_;  // between lambda and delta what DensityConstraint::lambdas() writes
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};

@@ -84,8 +84,8 @@ class Chebyshev : public DensitySolver<T> {
   // What takes the place of the multiplier of particle i.
   T next_step(std::size_t i, Real lambda, Real weight) {
     const Real last = static_cast<Real>(step_[i]);
-    const Real memory = lambda * last > 0 ? (weight - 1) * last : 0;
-    step_[i] = static_cast<T>(std::max(weight * relaxation_ * lambda + memory, -largest_));
+    const Real kept = lambda * last > 0 ? weight - 1 : 0;  // without a branch, which would often be mispredicted
+    step_[i] = static_cast<T>(std::max(weight * relaxation_ * lambda + kept * last, -largest_));
     return step_[i];
   }
 

@@ -38,7 +38,7 @@ class ByHand : public testing::Test {
     constraint.lambdas(pairs, all, d.particles.predicted, solved.rho, delta);
     for (LocalId i = 0; i < all.end; ++i) d.near.record(i).w = delta[static_cast<std::size_t>(i)].w;
     d.near.halo().exchange(d.near.records());
-    constraint.deltas(pairs, all, d.particles.predicted, delta);
+    constraint.deltas(pairs, all, delta);
     for (LocalId i = 0; i < all.end; ++i) solved.lambda.push_back(d.near.record(i).w);
     for (const Vec4<T>& q : delta) solved.delta.push_back(vector_of(q));
     return solved;
