@@ -21,6 +21,14 @@ Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neig
   return 0 - c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
 }
 
+// What is needed after the pair loop of these particles comes from memory while the loop works.
+template <class V>
+void prefetch(std::span<const V> field, Range here) {
+  const auto* end = reinterpret_cast<const char*>(field.data() + here.end);
+  for (const auto* at = reinterpret_cast<const char*>(field.data() + here.begin); at < end; at += 64)
+    __builtin_prefetch(at);
+}
+
 // visit(i, share) for the particles of the range, at most sums_chunk, that are near a wall.
 template <class T>
 template <class Visit>
@@ -66,23 +74,29 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
 
 // First as if all particles were far from walls, without a branch; then those near them, a few, once more.
 template <class T>
-void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-                                   std::span<Vec4<T>> delta) const {
-  const auto loop = [&](Range here, Vec4<T>* sums, T* squares) { loops_.density(pairs, here, sums, squares); };
+void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                   const Lambdas& out) const {
+  const auto loop = [&](Range here, Vec4<T>* sums, T* squares) {
+    prefetch(p, here);
+    loops_.density(pairs, here, sums, squares);
+  };
   const Real slope = gradient_factor_, slope2 = slope * slope;
   const MultiplierLaw law{model_.rest_density, density_factor_ / model_.rest_density, slope2, model_.epsilon,
                           model_.constraint == Constraint::inequality ? 0 : std::numeric_limits<Real>::lowest()};
   for_each_sum<Vec4<T>, T>(range, loop, [&](Range here, const Vec4<T>* sums, const T* squares) {
-    const auto first = static_cast<std::size_t>(here.begin);
-    find_multipliers<T>(law, {{sums, static_cast<std::size_t>(here.size())}, squares}, &rho[first], &delta[first]);
+    const auto first = static_cast<std::size_t>(here.begin), count = static_cast<std::size_t>(here.size());
+    std::array<T, sums_chunk> multiplier;
+    find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
+    std::fill_n(&out.wall[first], count, Vec4<T>{});
     for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
-      rho[i] += model_.rest_density * share.density;
-      const Vec3 gradient = share.gradient - slope * vector_of(sums[i - first]);
-      const Real multiplier = lambda(model_, rho[i], gradient, slope2 * static_cast<Real>(squares[i - first]));
-      const Vec3& wall = share.gradient;
-      delta[i] = {static_cast<T>(wall.x()), static_cast<T>(wall.y()), static_cast<T>(wall.z()),
-                  static_cast<T>(multiplier)};
+      const std::size_t k = i - first;
+      out.rho[i] += model_.rest_density * share.density;
+      const Vec3 gradient = share.gradient - slope * vector_of(sums[k]);
+      multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
+      out.wall[i] = {static_cast<T>(share.gradient.x()), static_cast<T>(share.gradient.y()),
+                     static_cast<T>(share.gradient.z()), 0};
     });
+    out.use(here, multiplier.data());
   });
 }
 
@@ -90,7 +104,10 @@ template <class T>
 void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const {
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   const auto factor = static_cast<T>(-gradient_factor_);
-  const auto loop = [&](Range here, Vec4<T>* sums) { delta_loop_(pairs, here, sums); };
+  const auto loop = [&](Range here, Vec4<T>* sums) {
+    prefetch<Vec4<T>>(delta, here);
+    delta_loop_(pairs, here, sums);
+  };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
       const T multiplier = records[i].w;

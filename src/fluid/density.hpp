@@ -53,11 +53,16 @@ class DensityConstraint {
   /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
-  /// Writes rho_i and, for deltas(), the gradient of the walls' share, 1/m, and lambda_i into delta_i, for the range;
-  /// p, rho and delta are arrays of all owned particles. Not into the records at once: other threads load the whole of
-  /// them.
-  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho,
-               std::span<Vec4<T>> delta) const;
+  /// What lambdas() writes; arrays of all owned particles. use(here, multipliers) is called with lambda_i of a few
+  /// particles at a time, by several threads at once. They cannot go into the records there: other threads load the
+  /// whole of these.
+  struct Lambdas {
+    std::span<Real> rho;      ///< rho_i, kg/m³
+    std::span<Vec4<T>> wall;  ///< gradient of the walls' share, 1/m, for deltas()
+    std::function<void(Range here, const T* multipliers)> use;
+  };
+  /// Finds rho_i and lambda_i for the range; p is an array of all owned particles.
+  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Lambdas& out) const;
 
   /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions.
   void deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const;

@@ -61,8 +61,7 @@ HWY_INLINE bool all_inside(const Box& box, const WideVec3& p) {
 
 // The multipliers of as many particles as a vector has lanes, at k.
 template <class T>
-HWY_INLINE void multipliers(const MultiplierLaw& law, const DensitySums<T>& in, std::size_t k, Real* rho,
-                            Vec4<T>* delta) {
+HWY_INLINE void multipliers(const MultiplierLaw& law, const DensitySums<T>& in, std::size_t k, Real* rho, T* lambda) {
   const Wide wide;
   const As<T> d;
   hn::Vec<As<T>> x, y, z, w;
@@ -74,27 +73,27 @@ HWY_INLINE void multipliers(const MultiplierLaw& law, const DensitySums<T>& in, 
   const auto stiffness =
       hn::Max(hn::MulAdd(g2, hn::Set(d, static_cast<T>(law.slope2)), hn::Set(d, static_cast<T>(law.epsilon))),
               hn::Set(d, static_cast<T>(1e-30)));
-  const auto lambda = hn::Div(hn::Sub(hn::Zero(d), hn::Max(c, hn::Set(d, static_cast<T>(law.least)))), stiffness);
+  const auto least = hn::Set(d, static_cast<T>(law.least));
+  hn::StoreU(hn::Div(hn::Sub(hn::Zero(d), hn::Max(c, least)), stiffness), d, lambda + k);
   const auto density = hn::Set(wide, law.rest_density * law.alone);
   hn::StoreU(hn::MulAdd(widened<T>(w), density, density), wide, rho + k);
-  hn::StoreInterleaved4(hn::Zero(d), hn::Zero(d), hn::Zero(d), lambda, d, &delta[k].x);
 }
 
 template <class T>
-void find_multipliers_of(const MultiplierLaw& law, const DensitySums<T>& in, Real* rho, Vec4<T>* delta) {
+void find_multipliers_of(const MultiplierLaw& law, const DensitySums<T>& in, Real* rho, T* lambda) {
   const std::size_t lanes = hn::Lanes(Wide()), count = in.sums.size();
   std::size_t k = 0;
-  for (; k + lanes <= count; k += lanes) multipliers<T>(law, in, k, rho, delta);
+  for (; k + lanes <= count; k += lanes) multipliers<T>(law, in, k, rho, lambda);
   if (k == count) return;
   constexpr std::size_t most = hn::MaxLanes(Wide());
-  std::array<Vec4<T>, most> sums{}, last_delta{};
-  std::array<T, most> squares{};
+  std::array<Vec4<T>, most> sums{};
+  std::array<T, most> squares{}, last_lambda{};
   std::array<Real, most> last_rho{};
   std::copy_n(in.sums.begin() + static_cast<std::ptrdiff_t>(k), count - k, sums.begin());
   std::copy_n(in.squares + k, count - k, squares.begin());
-  multipliers<T>(law, {sums, squares.data()}, 0, last_rho.data(), last_delta.data());
+  multipliers<T>(law, {sums, squares.data()}, 0, last_rho.data(), last_lambda.data());
   std::copy_n(last_rho.begin(), count - k, rho + k);
-  std::copy_n(last_delta.begin(), count - k, delta + k);
+  std::copy_n(last_lambda.begin(), count - k, lambda + k);
 }
 
 std::size_t find_outside_of(const Box& box, std::span<const Vec3> p, LocalId* found) {
@@ -167,11 +166,11 @@ void move_particles_of(const Shift<T>& shift, std::span<const Vec4<T>> delta, Ve
 }
 
 // Highway's dispatch takes no templates.
-void multipliers_single(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, Vec4<float>* delta) {
-  find_multipliers_of(law, in, rho, delta);
+void multipliers_single(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda) {
+  find_multipliers_of(law, in, rho, lambda);
 }
-void multipliers_double(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, Vec4<double>* delta) {
-  find_multipliers_of(law, in, rho, delta);
+void multipliers_double(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda) {
+  find_multipliers_of(law, in, rho, lambda);
 }
 void move_single(const Shift<float>& shift, std::span<const Vec4<float>> delta, Vec3* p, Packed<float>* records) {
   move_particles_of(shift, delta, p, records);
@@ -194,12 +193,12 @@ HWY_EXPORT(move_single);
 HWY_EXPORT(move_double);
 
 template <>
-void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, Vec4<float>* delta) {
-  HWY_DYNAMIC_DISPATCH(multipliers_single)(law, in, rho, delta);
+void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda) {
+  HWY_DYNAMIC_DISPATCH(multipliers_single)(law, in, rho, lambda);
 }
 template <>
-void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, Vec4<double>* delta) {
-  HWY_DYNAMIC_DISPATCH(multipliers_double)(law, in, rho, delta);
+void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda) {
+  HWY_DYNAMIC_DISPATCH(multipliers_double)(law, in, rho, lambda);
 }
 
 std::size_t find_outside(const Box& box, std::span<const Vec3> p, LocalId* found) {

@@ -25,13 +25,13 @@ struct DensitySums {
   const T* squares;               ///< Σ g²
 };
 
-/// Writes rho, kg/m³, and (0, 0, 0, lambda), m², for as many particles as there are sums.
+/// Writes rho, kg/m³, and lambda, m², for as many particles as there are sums.
 template <class T>
-void find_multipliers(const MultiplierLaw& law, const DensitySums<T>& in, Real* rho, Vec4<T>* delta);
+void find_multipliers(const MultiplierLaw& law, const DensitySums<T>& in, Real* rho, T* lambda);
 template <>
-void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, Vec4<float>* delta);
+void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda);
 template <>
-void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, Vec4<double>* delta);
+void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda);
 
 /// Writes which of the positions are outside of the box, in their order, and returns how many; `found` has room for
 /// all. A NaN is not outside.

@@ -44,7 +44,7 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
   set_all_positions(residual.problem, positions);
   PetscCall(VecRestoreArrayRead(x, &positions));
   residual.problem.with_halo(Phase::lambda, [&](Range part) {
-    residual.problem.compute_lambda(part, [](std::size_t, T lambda) { return lambda; });
+    residual.problem.compute_lambda(part, [](T lambda, T) { return lambda; });
   });
   residual.problem.compute_delta();
   PetscCall(VecGetArray(f, &out));

@@ -40,12 +40,22 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   dt_ = dt;
   resize_tightly(rho_, particles.id.size());
   resize_tightly(delta_, particles.id.size());
+  resize_tightly(multiplier_, particles.id.size());
+  std::fill(multiplier_.begin(), multiplier_.end(), T{0});
 }
 
 template <class T>
-void DensityProblem<T>::find_lambda(Range part) {
-  constraint_.lambdas(pairs(), part, particles_->predicted, rho_, delta_);
+void DensityProblem<T>::find_lambda(Range part, const UseLambda& use) {
+  constraint_.lambdas(pairs(), part, particles_->predicted, {rho_, delta_, use});
   count_pass(part, DensityConstraint<T>::density_flops);
+}
+
+template <class T>
+void DensityProblem<T>::set_multipliers(Range part) {
+  if (part.size() == 0) return;
+  for_each_index(part, [multiplier = multiplier_.data(), record = &near_.record(0)](std::size_t i) {
+    record[i].w = multiplier[i];
+  });
 }
 
 template <class T>

@@ -37,7 +37,7 @@ class DensityProblem {
   void with_halo(Phase phase, Work&& work);
 
   /// rho_i and lambda_i of the owned particles of a range from the present p* (lines 9 to 11). The records, which
-  /// neighbours read, get chosen(i, lambda_i), m²; threads share the calls.
+  /// neighbours read, get chosen(lambda_i, last), m², where last is what was chosen before in this solve, at first 0.
   template <class Chosen>
   void compute_lambda(Range part, const Chosen& chosen);
   /// Compression of all particles at the last compute_lambda() or compute_density(); the same bits on any rank count.
@@ -67,11 +67,15 @@ class DensityProblem {
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
   /// included.
   double pair_passes() const { return pair_passes_; }
-  std::size_t bytes() const { return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>); }
+  std::size_t bytes() const {
+    return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) + multiplier_.capacity() * sizeof(T);
+  }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
-  void find_lambda(Range part);
+  using UseLambda = std::function<void(Range here, const T* multipliers)>;
+  void find_lambda(Range part, const UseLambda& use);
+  void set_multipliers(Range part);
   void count_pass(Range part, double flops_per_pair);
 
   MPI_Comm comm_;
@@ -81,7 +85,8 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
-  std::vector<Vec4<T>> delta_;  // between lambda and delta what DensityConstraint::lambdas() writes
+  std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' shares
+  std::vector<T> multiplier_;   // m², as in the records
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};
@@ -100,8 +105,13 @@ void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
 template <class T>
 template <class Chosen>
 void DensityProblem<T>::compute_lambda(Range part, const Chosen& chosen) {
-  find_lambda(part);
-  for_each_index(part, [&](std::size_t i) { near_.record(static_cast<LocalId>(i)).w = chosen(i, delta_[i].w); });
+  find_lambda(part, [&](Range here, const T* lambda) {
+    T* const multiplier = &multiplier_[static_cast<std::size_t>(here.begin)];
+    const Chosen own = chosen;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k)
+      multiplier[k] = own(lambda[k], multiplier[k]);
+  });
+  set_multipliers(part);
 }
 
 template <class T>

@@ -29,9 +29,8 @@ class Jacobi : public DensitySolver<T> {
   SolveResult solve(DensityProblem<T>& problem) override {
     for (int k = 0; k < settings_.iterations; ++k) {
       problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
-        problem.compute_lambda(part, [&](std::size_t, T lambda) {
-          return static_cast<T>(std::max(static_cast<Real>(lambda), -largest_ / relaxation_));
-        });
+        problem.compute_lambda(
+            part, [least = static_cast<T>(-largest_ / relaxation_)](T lambda, T) { return std::max(lambda, least); });
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();                          // lines 12 to 14
@@ -59,12 +58,12 @@ class Chebyshev : public DensitySolver<T> {
       : settings_(settings), relaxation_(settings.relaxation), largest_(largest_multiplier(settings, model)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
-    step_.assign(problem.density().size(), T{0});
     Real weight = 1;
     for (int k = 0; k < settings_.iterations; ++k) {
       weight = next_weight(k, weight);
       problem.with_halo(Phase::lambda, [&](Range part) {  // lines 9 to 11
-        problem.compute_lambda(part, [&](std::size_t i, T lambda) { return next_step(i, lambda, weight); });
+        problem.compute_lambda(
+            part, Step{static_cast<T>(weight * relaxation_), static_cast<T>(weight - 1), static_cast<T>(-largest_)});
       });
       if (within_tolerance(settings_, problem)) return {k, true};
       problem.compute_delta();  // lines 12 to 14
@@ -73,25 +72,24 @@ class Chebyshev : public DensitySolver<T> {
     }
     return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }
-  std::size_t bytes() const override { return step_.capacity() * sizeof(T); }
 
  private:
+  // What takes the place of a multiplier, from the last such step.
+  struct Step {
+    T weight, memory, least;
+    T operator()(T lambda, T last) const {
+      const T kept = lambda * last > 0 ? memory : 0;  // without a branch, which would often be mispredicted
+      return std::max(weight * lambda + kept * last, least);
+    }
+  };
+
   Real next_weight(int k, Real weight) const {
     const Real r2 = settings_.spectral_radius * settings_.spectral_radius;
     return k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
   }
 
-  // What takes the place of the multiplier of particle i.
-  T next_step(std::size_t i, Real lambda, Real weight) {
-    const Real last = static_cast<Real>(step_[i]);
-    const Real kept = lambda * last > 0 ? weight - 1 : 0;  // without a branch, which would often be mispredicted
-    step_[i] = static_cast<T>(std::max(weight * relaxation_ * lambda + kept * last, -largest_));
-    return step_[i];
-  }
-
   DensitySettings settings_;
   Real relaxation_, largest_;
-  std::vector<T> step_;  // m², of the owned particles
 };
 
 // The coarse-grid correction as the first iteration, then another solver for the error that it leaves.

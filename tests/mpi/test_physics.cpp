@@ -35,8 +35,10 @@ class ByHand : public testing::Test {
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     Solved solved{d.particles.id, std::vector<Real>(d.particles.id.size()), {}, {}};
     std::vector<Vec4<T>> delta(d.particles.id.size());
-    constraint.lambdas(pairs, all, d.particles.predicted, solved.rho, delta);
-    for (LocalId i = 0; i < all.end; ++i) d.near.record(i).w = delta[static_cast<std::size_t>(i)].w;
+    constraint.lambdas(pairs, all, d.particles.predicted, {solved.rho, delta, [&](Range here, const T* multipliers) {
+                                                             for (LocalId i = here.begin; i < here.end; ++i)
+                                                               d.near.record(i).w = multipliers[i - here.begin];
+                                                           }});
     d.near.halo().exchange(d.near.records());
     constraint.deltas(pairs, all, delta);
     for (LocalId i = 0; i < all.end; ++i) solved.lambda.push_back(d.near.record(i).w);
