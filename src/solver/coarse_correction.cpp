@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/threads.hpp"
 
@@ -27,18 +26,21 @@ constexpr Real fade_begins = -0.25, fade_length = 2;
 CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model)
     : model_(model), water_(comm, grid, box, model.spacing), pressure_(comm) {}
 
-CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId c) const {
+CellDisplacement CoarseCorrection::displacement_of(LocalId k, LocalId r, LocalId c) const {
   const CoarseGrid& grid = water_.grid();
   const std::size_t own = grid.index(k, r, c);
-  Faces faces;
-  faces.wet = water_.is_wet(own);
-  const bool follows = !faces.wet && water_.is_wet(own - 1);  // a dry cell follows the top cell below it
-  faces.surface = follows              ? c - 1 + water_.height(own - 1)
-                  : water_.is_top(own) ? c + water_.height(own)
-                                       : std::numeric_limits<Real>::infinity();
-  Vec3 of_low, of_high, mean_low, mean_high;  // by direction
+  const bool wet = water_.is_wet(own), follows = !wet && water_.is_wet(own - 1);  // the top cell below it
+  CellDisplacement by{};
+  by.share = wet ? share_ : 0;
+  by.per_noise2 = per_noise2_;
+  by.at_surface = 1;
+  if (follows || water_.is_top(own)) {
+    by.surface = follows ? c - 1 + water_.height(own - 1) : c + water_.height(own);
+    by.at_surface = 1 - fade_begins / fade_length;
+    by.fade = grid.size()[2] / (model_.spacing * fade_length);
+  }
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t at = follows && a < 2 ? own - 1 : own, above = at + grid.step(a);
+    const std::size_t at = follows && a < 2 ? own - 1 : own, above = at + grid.step(a), b = grid.axis(a);
     const auto through = [&](std::size_t face, bool wall, bool& known) {
       known = wall ? water_.is_wet(at) : water_.is_wet(face) || water_.is_wet(face - grid.step(a));
       if (!known) return 0.0;
@@ -50,43 +52,23 @@ CoarseCorrection::Faces CoarseCorrection::faces_of(LocalId k, LocalId r, LocalId
     // A face between two dry cells has no phi on either side; it takes the displacement of the opposite face.
     if (!low_known) low = high;
     if (!high_known) high = low;
-    const auto b = static_cast<Eigen::Index>(a);
-    of_low[b] = low;
-    of_high[b] = high;
-    mean_low[b] = water_.displacement(a, at);
-    mean_high[b] = water_.displacement(a, above);
+    by.low[b] = low;
+    by.rise[b] = high - low;
+    by.mean_low[b] = water_.displacement(a, at);
+    by.mean_rise[b] = water_.displacement(a, above) - by.mean_low[b];
   }
-  faces.low = grid.axes_of_directions(of_low);
-  faces.rise = grid.axes_of_directions(of_high - of_low);
-  faces.mean_low = grid.axes_of_directions(mean_low);
-  faces.mean_rise = grid.axes_of_directions(mean_high - mean_low);
-  return faces;
-}
-
-Axes CoarseCorrection::displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const {
-  const CoarseGrid& grid = water_.grid();
-  const Axes here = grid.in_cells(p), f = grid.fraction(here), way = axes_of(p) - axes_of(x);
-  Axes u = faces.low + f * faces.rise;
-  if (faces.wet) {
-    const Axes off = faces.mean_low + f * faces.mean_rise - way;
-    const Axes off2 = off.square();
-    u += damping.share / (1 + (off2[0] + off2[1] + off2[3]) * damping.per_noise2) * off;
-  }
-  if (std::isfinite(faces.surface)) {
-    const Real below = (faces.surface - water_.surface_position(here, way)[3]) * grid.size()[2] / model_.spacing;
-    u *= std::clamp((below - fade_begins) / fade_length + 1, 0.0, 1.0);
-  }
-  return u;
+  return by;
 }
 
 template <class T>
-void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt, std::span<const Vec3> x,
-                                     std::span<const Vec3> p, std::span<Vec4<T>> out) {
+void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion,
+                                     std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
   const Real time = dt / std::sqrt(model_.h / model_.gravity);
   const Real noise = noise_speed * time * model_.h;
-  const Damping damping{std::min(1.0, time / noise_time), 1 / (noise * noise)};
-  water_.measure(order, halo, x, p);
+  share_ = std::min(1.0, time / noise_time);
+  per_noise2_ = 1 / (noise * noise);
+  water_.measure(order, halo, motion);
   pressure_.solve(water_, halo, model_.gravity * dt * dt, std::min(1.0, time / return_time));
   const LocalId rows = order.grid().rows(), all_columns = order.grid().columns(), columns = water_.grid().columns();
   for_each_part(order.planes() * rows, [&](LocalId row) {
@@ -96,19 +78,17 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
       const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
       if (begin == end) continue;
-      const bool reached = c < columns;
-      const Faces faces = reached ? faces_of(k, r, c) : Faces{};
-      for (std::size_t i = begin; i < end; ++i) {
-        const Axes u = reached ? displacement(faces, damping, x[i], p[i]) : Axes::Zero();
-        out[i] = {static_cast<T>(u[0]), static_cast<T>(u[1]), static_cast<T>(u[3]), T{0}};
+      if (c < columns) {
+        displace_cell(water_.frame(), motion, {begin, end, water_.grid().corner_of(motion.p[begin])},
+                      displacement_of(k, r, c), &out[begin]);
+      } else {
+        std::fill_n(&out[begin], end - begin, Vec4<T>{});
       }
     }
   });
 }
 
-template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, std::span<const Vec3>,
-                                              std::span<const Vec3>, std::span<Vec4<float>>);
-template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, std::span<const Vec3>,
-                                              std::span<const Vec3>, std::span<Vec4<double>>);
+template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);
+template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<double>>);
 
 }  // namespace trevi

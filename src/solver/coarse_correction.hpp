@@ -29,33 +29,20 @@ class CoarseCorrection {
   };
   CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model);
 
-  /// Displacements, m, of the owned particles in `order`, which go from x to p in the time dt, s.
+  /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s.
   template <class T>
-  void displacements(const CellOrder& order, Halo& halo, Real dt, std::span<const Vec3> x, std::span<const Vec3> p,
-                     std::span<Vec4<T>> out);
+  void displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
   std::size_t bytes() const { return water_.bytes() + pressure_.bytes(); }
 
  private:
-  // Displacements, m, through the lower faces of a cell, and by how much they are larger at the upper ones: those of
-  // the correction, and the means over the predicted motion of the particles.
-  struct Faces {
-    Axes low = Axes::Zero(), rise = low, mean_low = low, mean_rise = low;
-    bool wet = false;
-    Real surface = 0;  // height above the floor of the box, in cells; infinite where there is water above
-  };
-  Faces faces_of(LocalId k, LocalId r, LocalId c) const;
-  // share: the part of its motion relative to its cell that a slow particle loses. At the distance 1/sqrt(per_noise2),
-  // m, from where its cell goes a particle loses half of that share.
-  struct Damping {
-    Real share, per_noise2;
-  };
-  Axes displacement(const Faces& faces, const Damping& damping, const Vec3& x, const Vec3& p) const;
+  CellDisplacement displacement_of(LocalId k, LocalId r, LocalId c) const;
 
   Event event_{"CoarseGrid"};
   Model model_;
   CoarseWater water_;
   CoarsePressure pressure_;
+  Real share_ = 0, per_noise2_ = 0;  // of the damping in this step, see CellDisplacement
 };
 
 }  // namespace trevi

@@ -17,17 +17,6 @@
 
 namespace trevi {
 
-/// A vector for the loops over particles, as the four numbers x, y, y, z: registers hold two numbers each, and these
-/// two pairs can be loaded from a Vec3 as they are.
-using Axes = Eigen::Array4d;
-
-inline Axes axes_of(const Vec3& v) {
-  Axes axes;
-  axes.head<2>() = v.array().head<2>();
-  axes.tail<2>() = v.array().tail<2>();
-  return axes;
-}
-
 class CoarseGrid {
  public:
   CoarseGrid(MPI_Comm comm, const CellGrid& grid, const Box& box)
@@ -35,16 +24,13 @@ class CoarseGrid {
         count_{grid.planes(), grid.rows(), grid.columns()},
         first_rank_(rank_of(comm) == 0),
         last_rank_(rank_of(comm) + 1 == size_of(comm)) {
-    Vec3 per_length;
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto b = static_cast<Eigen::Index>(a);
+      const auto b = static_cast<std::size_t>(axis_[a]);
       const Real extent = box.max[axis_[a]] - box.min[axis_[a]];
-      size_[b] = extent / count_[a];
-      per_length[b] = count_[a] / extent;  // the same factor as in CellGrid, so that rounding gives the same cell
+      size_[static_cast<Eigen::Index>(a)] = extent / count_[a];
+      origin_[b] = box.min[axis_[a]];
+      per_length_[b] = count_[a] / extent;  // the same factor as in CellGrid, so that rounding gives the same cell
     }
-    origin_ = axes_of(box.min);
-    per_length_ = axes_of_directions(per_length);
-    last_ = axes_of_directions(Vec3(count(0), count(1), count(2))) - 1;
   }
 
   /// Owned planes, and columns in use, at most those of the box.
@@ -74,30 +60,31 @@ class CoarseGrid {
     return a == 1 ? r == 0 || r == count_[1] : c == 0 || c == count_[2];
   }
 
-  /// Where direction a is among the numbers of an Axes.
-  Eigen::Index place(std::size_t a) const { return axis_[a] == 2 ? 3 : axis_[a]; }
-  /// What has the value by_direction[a] in direction a.
-  Axes axes_of_directions(const Vec3& by_direction) const {
-    Vec3 v;
-    for (std::size_t a = 0; a < 3; ++a) v[axis_[a]] = by_direction[static_cast<Eigen::Index>(a)];
-    return axes_of(v);
+  /// The coordinate along direction a: 0 for x.
+  std::size_t axis(std::size_t a) const { return static_cast<std::size_t>(axis_[a]); }
+  /// By coordinate: corner of the box, m, and cells per metre.
+  const std::array<Real, 3>& origin() const { return origin_; }
+  const std::array<Real, 3>& per_length() const { return per_length_; }
+  /// Lower corner of the cell of the box in which p is, by coordinate, in cells from the corner of the box; a particle
+  /// on an upper wall counts to the last cell.
+  std::array<Real, 3> corner_of(const Vec3& p) const {
+    std::array<Real, 3> corner{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t b = axis(a);
+      const Real cell = (p[axis_[a]] - origin_[b]) * per_length_[b];
+      corner[b] = std::min(static_cast<LocalId>(cell), count_[a] - 1);
+    }
+    return corner;
   }
-  /// A vector in units of cells.
-  Axes way_in_cells(const Axes& way) const { return way * per_length_; }
-  /// A position in units of cells, counted from the corner of the box.
-  Axes in_cells(const Vec3& p) const { return (axes_of(p) - origin_) * per_length_; }
-  /// Number of the cell in which a position is; a particle on an upper wall counts to the last cell.
-  Axes cell_of(const Axes& in_cells) const { return in_cells.floor().min(last_); }
-  /// Position of a particle within its cell, 0 at the lower face and 1 at the upper one.
-  Axes fraction(const Axes& in_cells) const { return (in_cells - cell_of(in_cells)).max(0.0).min(1.0); }
-  Real count(std::size_t a) const { return count_[a]; }
+  /// Cells of the box in direction a.
+  LocalId count(std::size_t a) const { return count_[a]; }
 
  private:
   std::array<int, 3> axis_;
   std::array<LocalId, 3> count_;  // of the box
   bool first_rank_, last_rank_;
   Vec3 size_;
-  Axes origin_, per_length_, last_;
+  std::array<Real, 3> origin_{}, per_length_{};
   LocalId planes_ = 0, columns_ = 0;
   std::array<std::size_t, 3> step_{};
 };

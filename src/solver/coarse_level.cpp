@@ -59,8 +59,8 @@ void CoarseLevel::gather_column(std::size_t at, std::size_t count) {
   Real* y = next.data() + at;
 #pragma GCC ivdep
   for (std::size_t c = 0; c < count; ++c) {
-    y[c] = b[c] + ((wx[c] * x[c - plane] + wx[c + plane] * x[c + plane]) +
-                   (wy[c] * x[c - row] + wy[c + row] * x[c + row]));
+    y[c] = b[c] +
+           ((wx[c] * x[c - plane] + wx[c + plane] * x[c + plane]) + (wy[c] * x[c - row] + wy[c + row] * x[c + row]));
   }
 }
 

@@ -1,10 +1,10 @@
 // One level of the multigrid of the coarse-grid correction (coarse_multigrid.hpp): the equation
 //   Σ link (phi − phi of the neighbour) + sink phi = rhs
 // for the cells of water in a run of planes, over the six faces of each. A sink is a link to where phi is 0: the free
-// surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels; planes and rows are joined by
-// twos. A cell of a coarse level stands for up to four: sinks, upward links and right-hand sides are sums over these,
-// links sideways half of the sums, as their way is twice as long. The correction of a coarse cell goes to all of its
-// cells alike.
+// surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels; planes and rows are joined
+// by twos. A cell of a coarse level stands for up to four: sinks, upward links and right-hand sides are sums over
+// these, links sideways half of the sums, as their way is twice as long. The correction of a coarse cell goes to all of
+// its cells alike.
 //
 // A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and goes a share of the way:
 // pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of empty

@@ -7,8 +7,8 @@
 // the share of its area that is under water as its weight.
 //
 // Solved by V-cycles of a multigrid (coarse_multigrid.hpp) from the hydrostatic pressure of each column, which is the
-// exact solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
-// water is torn apart phi would pull it together, so it is limited to values ≤ 0. Collective.
+// exact solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count.
+// Where water is torn apart phi would pull it together, so it is limited to values ≤ 0. Collective.
 #pragma once
 
 #include "solver/coarse_multigrid.hpp"

@@ -22,12 +22,15 @@ constexpr Real regression_damping = 0.1;
 
 }  // namespace
 
-// The particles of a cell as seen from its lower face, and from its upper one, in the direction whose place is a.
-CoarseWater::Moments CoarseWater::CellSums::low(Eigen::Index a) const {
-  return {count - f[a], f[a] - f2[a], f2[a] - f3[a], u[a] - fu[a], fu[a] - f2u[a]};
+CoarseWater::Moments CoarseWater::low(const CellSums& sums, Real count, std::size_t a) const {
+  const std::size_t b = grid_.axis(a);
+  return {count - sums.f[b], sums.f[b] - sums.f2[b], sums.f2[b] - sums.f3[b], sums.u[b] - sums.fu[b],
+          sums.fu[b] - sums.f2u[b]};
 }
-CoarseWater::Moments CoarseWater::CellSums::high(Eigen::Index a) const {
-  return {f[a], f2[a] - f[a], f3[a] - 2 * f2[a] + f[a], fu[a], f2u[a] - fu[a]};
+CoarseWater::Moments CoarseWater::high(const CellSums& sums, std::size_t a) const {
+  const std::size_t b = grid_.axis(a);
+  return {sums.f[b], sums.f2[b] - sums.f[b], sums.f3[b] - 2 * sums.f2[b] + sums.f[b], sums.fu[b],
+          sums.f2u[b] - sums.fu[b]};
 }
 
 CoarseWater::Moments CoarseWater::Moments::operator+(const Moments& other) const {
@@ -44,18 +47,23 @@ Real CoarseWater::Moments::at_face() const {
 
 CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing)
     : comm_(comm), grid_(comm, grid, box) {
-  half_ = grid_.way_in_cells(Axes::Constant(spacing / 2));
-  per_cube_ = 1 / (2 * half_);
-  farthest_ = grid_.axes_of_directions(Vec3(grid_.count(0), grid_.count(1), grid_.count(2))) - half_;
-  per_full_ = 8 * half_[0] * half_[1] * half_[3];
-  least_particles_ = static_cast<LocalId>(std::ceil(0.2 / per_full_));
+  frame_.origin = grid_.origin();
+  frame_.per_length = grid_.per_length();
+  frame_.per_full = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = grid_.axis(a);
+    frame_.half[b] = spacing / 2 * frame_.per_length[b];
+    frame_.farthest[b] = grid_.count(a) - frame_.half[b];
+    frame_.per_full *= 2 * frame_.half[b];
+  }
+  least_particles_ = static_cast<LocalId>(std::ceil(0.2 / frame_.per_full));
 }
 
-void CoarseWater::measure(const CellOrder& order, Halo& halo, std::span<const Vec3> x, std::span<const Vec3> p) {
+void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& motion) {
   look_for_water(order);
   clear_sums();
   PerThread<FaceSums> faces;
-  for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, {x, p}, faces.mine()); });
+  for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion, faces.mine()); });
   halo.start_planes(sums_, grid_.step(0));
   halo.finish();
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) {
@@ -116,9 +124,11 @@ void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& mot
   for (LocalId r = 0; r < grid_.rows(); ++r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const LocalId cell = r * all_columns + c;
-      sum_cell({k, r, c, static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts()),
-                static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts())},
-               motion, faces);
+      const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
+      const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
+      if (begin == end) continue;
+      const CellSums sums = sum_cell(frame_, motion, {begin, end, grid_.corner_of(motion.p[begin])});
+      add_cell({k, r, c}, static_cast<Real>(end - begin), sums, faces);
     }
   }
   for (std::size_t at = grid_.index(0, 0, 0), end = grid_.index(0, grid_.rows(), grid_.columns()); at <= end; ++at) {
@@ -128,65 +138,24 @@ void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& mot
   }
 }
 
-void CoarseWater::sum_cell(const CellParticles& cell, const Motion& motion, FaceSums& faces) {
-  if (cell.begin == cell.end) return;
-  const CellSums particles = sums_of(cell, motion);
-  const std::size_t in_plane = grid_.index(0, cell.r, cell.c), at = grid_.index(cell.k, cell.r, cell.c);
-  sums_[at].low += particles.low(grid_.place(0));
-  sums_[at].high += particles.high(grid_.place(0));
-  faces.row[in_plane] += particles.low(grid_.place(1));
-  faces.row[in_plane + grid_.step(1)] += particles.high(grid_.place(1));
-  faces.column[in_plane] += particles.low(grid_.place(2));
-  faces.column[in_plane + 1] += particles.high(grid_.place(2));
-  for (std::size_t r = 0; r < 3; ++r) {
+void CoarseWater::add_cell(const Place& place, Real count, const CellSums& sums, FaceSums& faces) {
+  const auto [k, r, c] = place;
+  const std::size_t in_plane = grid_.index(0, r, c), at = grid_.index(k, r, c);
+  sums_[at].low += low(sums, count, 0);
+  sums_[at].high += high(sums, 0);
+  faces.row[in_plane] += low(sums, count, 1);
+  faces.row[in_plane + grid_.step(1)] += high(sums, 1);
+  faces.column[in_plane] += low(sums, count, 2);
+  faces.column[in_plane + 1] += high(sums, 2);
+  const bool along_x = grid_.axis(0) == 0;
+  for (std::size_t row = 0; row < 3; ++row) {
     // Particles higher than the columns in use are ignored.
-    for (std::size_t c = 0; c < (cell.c + 1 < grid_.columns() ? 3U : 2U); ++c) {
-      auto& volume = sums_[at + r * grid_.step(1) + c - grid_.step(1) - 1].volume;
-      for (std::size_t plane = 0; plane < 3; ++plane) volume[plane] += particles.volume[plane][r][c];
+    for (std::size_t column = 0; column < (c + 1 < grid_.columns() ? 3U : 2U); ++column) {
+      auto& volume = sums_[at + row * grid_.step(1) + column - grid_.step(1) - 1].volume;
+      for (std::size_t plane = 0; plane < 3; ++plane)
+        volume[plane] += along_x ? sums.volume[plane][row][column] : sums.volume[row][plane][column];
     }
   }
-}
-
-// The cube of a particle is placed at its surface position, but moved to lie inside the walls.
-CoarseWater::CellSums CoarseWater::sums_of(const CellParticles& cell, const Motion& motion) const {
-  CellSums sums;
-  sums.count = static_cast<Real>(cell.end - cell.begin);
-  const Axes own = grid_.cell_of(grid_.in_cells(motion.p[cell.begin]));
-  for (std::size_t i = cell.begin; i < cell.end; ++i) {
-    const Axes u = axes_of(motion.p[i]) - axes_of(motion.x[i]), here = grid_.in_cells(motion.p[i]);
-    const Axes f = grid_.fraction(here), fu = f * u, f2 = f * f;
-    sums.f += f;
-    sums.f2 += f2;
-    sums.f3 += f2 * f;
-    sums.u += u;
-    sums.fu += fu;
-    sums.f2u += f * fu;
-    const Axes mid = surface_position(here, u).max(half_).min(farthest_) - own;
-    add_cube(((half_ - mid) * per_cube_).max(0.0).min(1.0), ((mid + half_ - 1) * per_cube_).max(0.0).min(1.0), sums);
-  }
-  return sums;
-}
-
-// A cube with these shares below and above its cell: never both, as it is no wider than a cell.
-void CoarseWater::add_cube(const Axes& below, const Axes& above, CellSums& sums) const {
-  const Axes outside = below + above, inside = 1 - outside;
-  const Eigen::Index x = grid_.place(0), y = grid_.place(1), z = grid_.place(2);
-  const auto side = [&](Eigen::Index a) { return above[a] > 0 ? std::size_t{2} : std::size_t{0}; };
-  const Real in = inside[z] * per_full_, out = outside[z] * per_full_;
-  const auto add = [&](auto& columns, Real part) {
-    columns[1] += part * in;
-    columns[side(z)] += part * out;
-  };
-  auto &own = sums.volume[1], &next = sums.volume[side(x)];
-  add(own[1], inside[x] * inside[y]);
-  add(own[side(y)], inside[x] * outside[y]);
-  add(next[1], outside[x] * inside[y]);
-  add(next[side(y)], outside[x] * outside[y]);
-}
-
-Axes CoarseWater::surface_position(const Axes& in_cells, const Axes& u) const {
-  constexpr Real farthest = 0.25;
-  return in_cells - grid_.way_in_cells(u).max(-farthest).min(farthest);
 }
 
 void CoarseWater::finish_faces(LocalId k) {
@@ -208,7 +177,7 @@ void CoarseWater::find_surface() {
     }
     // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
     const std::size_t end = grid_.index(k, r, grid_.columns());
-    if (static_cast<Real>(grid_.columns()) == grid_.count(2)) wet_[end] = wet_[end - 1];
+    if (grid_.columns() == grid_.count(2)) wet_[end] = wet_[end - 1];
     find_tops(k, r);
   });
 }

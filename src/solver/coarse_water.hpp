@@ -19,6 +19,7 @@
 
 #include "domain/halo.hpp"
 #include "solver/coarse_grid.hpp"
+#include "solver/coarse_particles.hpp"
 
 namespace trevi {
 
@@ -27,8 +28,8 @@ class CoarseWater {
   /// `spacing` of the start lattice, m: the edge of a particle's cube.
   CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing);
 
-  /// Computes all of this from the owned particles of `order`, which the prediction moves from x to p.
-  void measure(const CellOrder& order, Halo& halo, std::span<const Vec3> x, std::span<const Vec3> p);
+  /// Computes all of this from the owned particles of `order`, which the prediction moves so.
+  void measure(const CellOrder& order, Halo& halo, const Motion& motion);
 
   const CoarseGrid& grid() const { return grid_; }
   /// The largest number of cells directly above one another that may hold water, over all ranks.
@@ -44,9 +45,9 @@ class CoarseWater {
   /// Mean displacement through face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
-  /// The position by which a particle is placed relative to the surface: that at the start of the step, but in each
-  /// direction at most a quarter of a cell from p = in_cells. u, m, is its way to p. In units of cells.
-  Axes surface_position(const Axes& in_cells, const Axes& u) const;
+  /// For the loops over particles. A particle is placed relative to the surface by its position at the start of the
+  /// step, but in each direction at most a quarter of a cell from p, where it is predicted.
+  const CellFrame& frame() const { return frame_; }
 
   std::size_t bytes() const;
 
@@ -65,43 +66,28 @@ class CoarseWater {
     std::array<Real, 3> volume{};
     Moments low, high;
   };
-  // The particles [begin, end) of cell (k, r, c).
-  struct CellParticles {
-    LocalId k, r, c;
-    std::size_t begin, end;
-  };
   void look_for_water(const CellOrder& order);
   void clear_sums();
-  // The positions between which the prediction moves the particles.
-  struct Motion {
-    std::span<const Vec3> x, p;
-  };
   // Of one plane, for the faces between its rows and between its columns.
   struct FaceSums {
     std::vector<Moments> row, column;
   };
-  // Sums over the particles of a cell of powers of their fraction f and of their displacement u, m, in each direction;
-  // volume[plane][row][column] is what they fill of the cell (1, 1, 1) itself and of the 26 around it.
-  struct CellSums {
-    Real count = 0;
-    Axes f = Axes::Zero(), f2 = f, f3 = f, u = f, fu = f, f2u = f;
-    std::array<std::array<std::array<Real, 3>, 3>, 3> volume{};
-    Moments low(Eigen::Index a) const;
-    Moments high(Eigen::Index a) const;
-  };
-  CellSums sums_of(const CellParticles& cell, const Motion& motion) const;
-  void add_cube(const Axes& below, const Axes& above, CellSums& sums) const;
+  // The particles of a cell as seen from its lower face, and from its upper one, in direction a.
+  Moments low(const CellSums& sums, Real count, std::size_t a) const;
+  Moments high(const CellSums& sums, std::size_t a) const;
   void sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces);
-  void sum_cell(const CellParticles& cell, const Motion& motion, FaceSums& faces);
+  // Cell (r, c) of plane k.
+  struct Place {
+    LocalId k, r, c;
+  };
+  void add_cell(const Place& place, Real count, const CellSums& sums, FaceSums& faces);
   void finish_faces(LocalId k);
   void find_surface();
   void find_tops(LocalId k, LocalId r);
 
   MPI_Comm comm_;
   CoarseGrid grid_;
-  Axes half_, per_cube_;     // half a spacing in cells; spacings in a cell's length
-  Axes farthest_;            // from the corner that a cube's middle can be, in cells
-  Real per_full_;            // volume of a particle, in cells
+  CellFrame frame_;
   LocalId least_particles_;  // fewest particles of a cell that may hold water
   int depth_ = 0;
   std::vector<PlaneSums> sums_;

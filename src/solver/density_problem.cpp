@@ -85,7 +85,7 @@ void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
 
 template <class T>
 void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
-  coarse.displacements<T>(near_.order(), near_.halo(), dt_, particles_->position, particles_->predicted, delta_);
+  coarse.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, delta_);
 }
 
 // The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so

@@ -1,0 +1,214 @@
+// Compiled once per instruction set (Highway's foreach_target), chosen at run time.
+#include "solver/coarse_particles.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "solver/coarse_particles.cpp"
+#include <hwy/foreach_target.h>
+// Highway wants its own headers after foreach_target.
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t virtual_lanes = 8;
+using Wide = hn::CappedTag<double, virtual_lanes>;
+using V = hn::Vec<Wide>;
+using V3 = std::array<V, 3>;
+
+HWY_INLINE V set(Real a) { return hn::Set(Wide(), a); }
+HWY_INLINE V clamp(V v, Real low, Real high) { return hn::Min(hn::Max(v, set(low)), set(high)); }
+
+// A vector of particles of a cell; lanes of `valid` hold one.
+struct Particles8 {
+  V3 here;     // p, in cells from the corner of the cell
+  V3 way;      // p − x, m
+  V3 surface;  // surface position, in cells from the corner of the cell
+  V3 f;
+};
+
+HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
+  V3 v;
+  if (i + hn::Lanes(Wide()) <= field.size()) {
+    hn::LoadInterleaved3(Wide(), field[i].data(), v[0], v[1], v[2]);
+  } else {  // whole vectors are read, so the last particles need something behind them
+    std::array<Vec3, virtual_lanes> last;
+    last.fill(Vec3::Zero());
+    if (i < field.size()) std::copy(field.begin() + static_cast<std::ptrdiff_t>(i), field.end(), last.begin());
+    hn::LoadInterleaved3(Wide(), last[0].data(), v[0], v[1], v[2]);
+  }
+  return v;
+}
+
+HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
+  constexpr Real most_way = 0.25;
+  const V3 p = load(motion.p, i), x = load(motion.x, i);
+  Particles8 particles;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const V in_cells = hn::Mul(hn::Sub(p[a], set(frame.origin[a])), set(frame.per_length[a]));
+    particles.here[a] = hn::Sub(in_cells, set(cell.corner[a]));
+    particles.way[a] = hn::Sub(p[a], x[a]);
+    const V back = clamp(hn::Mul(particles.way[a], set(frame.per_length[a])), -most_way, most_way);
+    particles.surface[a] = hn::Sub(particles.here[a], back);
+    particles.f[a] = clamp(particles.here[a], 0, 1);
+  }
+  return particles;
+}
+
+// What particles of a cell add to its sums, in as many arrays of virtual lanes.
+struct Lanes {
+  static constexpr std::size_t moments = 18, volumes = 27;
+  alignas(64) double value[moments + volumes][virtual_lanes];
+};
+
+// The part of each cube below the cell along a, in it and above it.
+HWY_INLINE V3 parts(const CellFrame& frame, const Particles8& particles, const ByAxis& corner, std::size_t a) {
+  const Real half = frame.half[a], per_cube = 0.5 / half;
+  const V mid = clamp(particles.surface[a], half - corner[a], frame.farthest[a] - corner[a]);
+  const V below = clamp(hn::Mul(hn::Sub(set(half), mid), set(per_cube)), 0, 1);
+  const V above = clamp(hn::Mul(hn::Add(mid, set(half - 1)), set(per_cube)), 0, 1);
+  return {below, hn::Sub(hn::Sub(set(1), below), above), above};
+}
+
+// first: nothing has been added to these lanes before.
+template <bool first>
+HWY_INLINE void add(Lanes& lanes, std::size_t quantity, std::size_t lane, V v) {
+  const Wide d;
+  double* at = &lanes.value[quantity][lane];
+  hn::Store(first ? v : hn::Add(hn::Load(d, at), v), d, at);
+}
+
+template <bool first>
+HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i,
+                              Lanes& lanes) {
+  const Wide d;
+  for (std::size_t lane = 0; lane < virtual_lanes; lane += hn::Lanes(d)) {
+    const std::size_t begin = i + lane, count = cell.end > begin ? cell.end - begin : 0;
+    const auto valid = hn::FirstN(d, std::min(count, hn::Lanes(d)));
+    const Particles8 particles = load(frame, motion, cell, begin);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const V f = hn::IfThenElseZero(valid, particles.f[a]), u = hn::IfThenElseZero(valid, particles.way[a]);
+      const V f2 = hn::Mul(f, f), fu = hn::Mul(f, u);
+      const V moment[6] = {f, f2, hn::Mul(f2, f), u, fu, hn::Mul(f, fu)};
+      for (std::size_t m = 0; m < 6; ++m) add<first>(lanes, 3 * m + a, lane, moment[m]);
+    }
+    V3 x = parts(frame, particles, cell.corner, 0);
+    const V3 y = parts(frame, particles, cell.corner, 1), z = parts(frame, particles, cell.corner, 2);
+    for (V& part : x) part = hn::IfThenElseZero(valid, hn::Mul(part, set(frame.per_full)));
+    for (std::size_t b = 0; b < 9; ++b) {
+      const V xy = hn::Mul(x[b / 3], y[b % 3]);
+      for (std::size_t c = 0; c < 3; ++c) add<first>(lanes, Lanes::moments + 3 * b + c, lane, hn::Mul(xy, z[c]));
+    }
+  }
+}
+
+// The sums over the virtual lanes of two quantities.
+using Two = hn::FixedTag<double, 2>;
+HWY_INLINE auto folded(const double* lane) {
+  const Two d;
+  return hn::Add(hn::Add(hn::Load(d, lane), hn::Load(d, lane + 4)),
+                 hn::Add(hn::Load(d, lane + 2), hn::Load(d, lane + 6)));
+}
+
+CellSums sum_cell_of(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
+  constexpr std::size_t count = Lanes::moments + Lanes::volumes;
+  Lanes lanes;
+  add_particles<true>(frame, motion, cell, cell.begin, lanes);
+  for (std::size_t i = cell.begin + virtual_lanes; i < cell.end; i += virtual_lanes)
+    add_particles<false>(frame, motion, cell, i, lanes);
+  static_assert(sizeof(CellSums) == count * sizeof(double));
+  CellSums sums;
+  auto* out = reinterpret_cast<double*>(&sums);
+  const Two d;
+  for (std::size_t q = 0; q + 1 < count; q += 2) {
+    const auto a = folded(lanes.value[q]), b = folded(lanes.value[q + 1]);
+    hn::StoreU(hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)), d, out + q);
+  }
+  const auto last = folded(lanes.value[count - 1]);
+  out[count - 1] = hn::GetLane(hn::Add(last, hn::InterleaveUpper(d, last, last)));
+  return sums;
+}
+
+HWY_INLINE V3 displacements(const Particles8& particles, const CellParticles& cell, const CellDisplacement& by) {
+  V3 u, off;
+  V off2 = hn::Zero(Wide());
+  for (std::size_t a = 0; a < 3; ++a) {
+    u[a] = hn::MulAdd(particles.f[a], set(by.rise[a]), set(by.low[a]));
+    off[a] = hn::Sub(hn::MulAdd(particles.f[a], set(by.mean_rise[a]), set(by.mean_low[a])), particles.way[a]);
+    off2 = hn::MulAdd(off[a], off[a], off2);
+  }
+  const V share = hn::Div(set(by.share), hn::MulAdd(off2, set(by.per_noise2), set(1)));
+  const V above = hn::Sub(particles.surface[2], set(by.surface - cell.corner[2]));
+  const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
+  for (std::size_t a = 0; a < 3; ++a) u[a] = hn::Mul(hn::MulAdd(share, off[a], u[a]), faded);
+  return u;
+}
+
+template <class T>
+HWY_INLINE auto narrowed(V v) {
+  if constexpr (sizeof(T) == sizeof(double)) {
+    return v;
+  } else {
+    return hn::DemoteTo(hn::Rebind<T, Wide>(), v);
+  }
+}
+
+template <class T>
+void displace_cell_of(const CellFrame& frame, const Motion& motion, const CellParticles& cell,
+                      const CellDisplacement& by, Vec4<T>* out) {
+  const std::size_t lanes = hn::Lanes(Wide());
+  const hn::Rebind<T, Wide> d;
+  for (std::size_t i = cell.begin; i < cell.end; i += lanes, out += lanes) {
+    const V3 u = displacements(load(frame, motion, cell, i), cell, by);
+    const auto x = narrowed<T>(u[0]), y = narrowed<T>(u[1]), z = narrowed<T>(u[2]);
+    if (i + lanes <= cell.end) {
+      hn::StoreInterleaved4(x, y, z, hn::Zero(d), d, &out->x);
+    } else {
+      std::array<Vec4<T>, virtual_lanes> last;
+      hn::StoreInterleaved4(x, y, z, hn::Zero(d), d, &last[0].x);
+      std::copy_n(last.begin(), cell.end - i, out);
+    }
+  }
+}
+
+// Highway's dispatch takes no templates.
+void displace_single(const CellFrame& frame, const Motion& motion, const CellParticles& cell,
+                     const CellDisplacement& by, Vec4<float>* out) {
+  displace_cell_of(frame, motion, cell, by, out);
+}
+void displace_double(const CellFrame& frame, const Motion& motion, const CellParticles& cell,
+                     const CellDisplacement& by, Vec4<double>* out) {
+  displace_cell_of(frame, motion, cell, by, out);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace trevi {
+
+HWY_EXPORT(sum_cell_of);
+HWY_EXPORT(displace_single);
+HWY_EXPORT(displace_double);
+
+CellSums sum_cell(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
+  return HWY_DYNAMIC_DISPATCH(sum_cell_of)(frame, motion, cell);
+}
+template <>
+void displace_cell(const CellFrame& frame, const Motion& motion, const CellParticles& cell, const CellDisplacement& by,
+                   Vec4<float>* out) {
+  HWY_DYNAMIC_DISPATCH(displace_single)(frame, motion, cell, by, out);
+}
+template <>
+void displace_cell(const CellFrame& frame, const Motion& motion, const CellParticles& cell, const CellDisplacement& by,
+                   Vec4<double>* out) {
+  HWY_DYNAMIC_DISPATCH(displace_double)(frame, motion, cell, by, out);
+}
+
+}  // namespace trevi
+#endif
