@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "domain/slabs.hpp"
 #include "particles/cell_grid.hpp"
@@ -33,17 +34,24 @@ class CoarseGrid {
     }
   }
 
-  /// Owned planes, and columns in use, at most those of the box.
-  void resize(LocalId planes, LocalId columns) {
+  /// Owned planes, and columns in use, at most those of the box. False where they stay as they are.
+  bool resize(LocalId planes, LocalId columns) {
+    columns = std::min(columns, count_[2]);
+    if (planes == planes_ && columns == columns_) return false;
     planes_ = planes;
-    columns_ = std::min(columns, count_[2]);
+    columns_ = columns;
     step_ = {(static_cast<std::size_t>(rows()) + 2) * (static_cast<std::size_t>(columns_) + 2),
              static_cast<std::size_t>(columns_) + 2, 1};
+    reach_.assign((static_cast<std::size_t>(planes) + 2) * static_cast<std::size_t>(rows()), columns);
+    return true;
   }
 
   LocalId planes() const { return planes_; }
   LocalId rows() const { return count_[1]; }
   LocalId columns() const { return columns_; }
+  /// Columns of row r of plane k to look at: in higher ones, and in those around them, there is nothing.
+  LocalId columns(LocalId k, LocalId r) const { return reach_[row_index(k, r)]; }
+  void set_columns(LocalId k, LocalId r, LocalId columns) { reach_[row_index(k, r)] = std::min(columns, columns_); }
   /// Lengths of a cell, m.
   const Vec3& size() const { return size_; }
   /// Difference of index from a cell to its upper neighbour in direction a; step(0) is the number of cells in a plane.
@@ -80,6 +88,10 @@ class CoarseGrid {
   LocalId count(std::size_t a) const { return count_[a]; }
 
  private:
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows()) + static_cast<std::size_t>(r);
+  }
+
   std::array<int, 3> axis_;
   std::array<LocalId, 3> count_;  // of the box
   bool first_rank_, last_rank_;
@@ -87,6 +99,7 @@ class CoarseGrid {
   std::array<Real, 3> origin_{}, per_length_{};
   LocalId planes_ = 0, columns_ = 0;
   std::array<std::size_t, 3> step_{};
+  std::vector<LocalId> reach_;  // columns(k, r)
 };
 
 }  // namespace trevi

@@ -19,7 +19,19 @@ void CoarseLevel::resize(const LevelShape& shape) {
   shape_ = shape;
   for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
     field->assign(shape.cells(), 0.0);
-  top_.assign((static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows), 0);
+  const std::size_t rows = (static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows);
+  top_.assign(rows, 0);
+  used_.assign(rows, static_cast<std::size_t>(shape.columns));
+}
+
+void CoarseLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
+  std::size_t& used = used_[row_index(k, r)];
+  const auto begin = static_cast<std::ptrdiff_t>(shape_.index(k, r, 0) + columns);
+  if (columns < used) {
+    for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+      std::fill_n(field->begin() + begin, used - columns + 1, 0.0);
+  }
+  used = columns;
 }
 
 template <class Work>
@@ -40,16 +52,16 @@ void CoarseLevel::factor_column(LocalId k, LocalId r) {
   const std::size_t floor = shape_.index(k, r, 0), row = shape_.step(1), plane = shape_.step(0);
   std::size_t count = 0;
   Real below = 0;  // of the pivot
-  for (std::size_t at = floor, end = floor + static_cast<std::size_t>(shape_.columns); at < end; ++at) {
+  const std::size_t end = floor + used(k, r);
+  for (std::size_t at = floor; at < end; ++at) {
     const Real diagonal = sink[at] + (link[0][at] + link[0][at + plane]) + (link[1][at] + link[1][at + row]) +
                           (link[2][at] + link[2][at + 1]);
     const Real pivot = diagonal - link[2][at] * link[2][at] * below;
     below = per_pivot[at] = pivot > least_pivot * diagonal ? 1 / pivot : 0;
     if (diagonal > 0) count = at - floor + 1;
   }
-  for (std::size_t at = floor + count, end = floor + static_cast<std::size_t>(shape_.columns); at < end; ++at)
-    phi[at] = next[at] = rhs[at] = 0;
-  top_[static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r)] = count;
+  for (std::size_t at = floor + count; at < end; ++at) phi[at] = next[at] = rhs[at] = 0;
+  top_[row_index(k, r)] = count;
 }
 
 // In `next`: rhs and what comes from the sides.
@@ -141,13 +153,12 @@ void CoarseLevel::add_correction(const CoarseLevel& coarse) {
   for_each_row({0, shape_.planes + 2}, [&](LocalId k, LocalId r) {
     const LocalId parent = (k + 1 + shape_.first) / 2 - from.first;
     const std::size_t at = shape_.index(k, r, 0), above = from.index(parent, r / 2, 0);
-    for (std::size_t c = 0; c < static_cast<std::size_t>(shape_.columns); ++c)
-      phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
+    for (std::size_t c = 0; c < used(k, r); ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
   });
 }
 
 std::size_t CoarseLevel::bytes() const {
-  std::size_t values = top_.capacity();
+  std::size_t values = top_.capacity() + used_.capacity();
   for (const auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
     values += field->capacity();
   return values * sizeof(Real);

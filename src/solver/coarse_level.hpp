@@ -41,6 +41,8 @@ class CoarseLevel {
   /// Keeps the values where the shape stays; else all are 0.
   void resize(const LevelShape& shape);
   const LevelShape& shape() const { return shape_; }
+  /// Tells that in row (k, r) only the lowest `columns` cells can hold water; at first all can. Clears those above.
+  void use_columns(LocalId k, LocalId r, std::size_t columns);
 
   /// To be called when links and sinks are known: prepares the sweeps of the own planes.
   void factor();
@@ -73,15 +75,18 @@ class CoarseLevel {
   /// Work of a thread at a time: rows with some 4096 cells.
   template <class Work>
   void for_each_row(Range planes, const Work& work) const;
-  std::size_t top(LocalId k, LocalId r) const {
-    return top_[static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r)];
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r);
   }
+  std::size_t top(LocalId k, LocalId r) const { return top_[row_index(k, r)]; }
+  std::size_t used(LocalId k, LocalId r) const { return used_[row_index(k, r)]; }
   void factor_column(LocalId k, LocalId r);
   void gather_column(std::size_t at, std::size_t count);
   void solve_column(std::size_t at, std::size_t count);
 
   LevelShape shape_;
-  std::vector<std::size_t> top_;  // of each column: cells up to the highest one of water
+  std::vector<std::size_t> used_;  // cells of each column that use_columns() has left
+  std::vector<std::size_t> top_;   // of each column: cells up to the highest one of water
 };
 
 }  // namespace trevi

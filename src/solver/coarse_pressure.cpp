@@ -25,6 +25,9 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
   const CoarseGrid& grid = water.grid();
   const LocalId planes = grid.planes();
   multigrid_.resize(planes, grid.rows(), grid.columns(), water.depth());
+  for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) {
+    multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
+  });
   for_each_row(grid, {1, planes + 2}, [&](LocalId k, LocalId r) { weigh_row(water, k, r); });
   for_each_row(grid, {1, planes + 1}, [&](LocalId k, LocalId r) { find_sources(water, return_share, k, r); });
   for_each_row(grid, {1, planes + 2}, [&](LocalId k, LocalId r) { leave_water(water, k, r); });
@@ -32,7 +35,7 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
   multigrid_.solve(halo, cycles);
   for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
-    for (LocalId c = 0; c < grid.columns(); ++c) phi[c] = std::min(phi[c], 0.0);
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
   });
 }
 
@@ -40,7 +43,7 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
 void CoarsePressure::weigh_row(const CoarseWater& water, LocalId k, LocalId r) {
   const CoarseGrid& grid = water.grid();
   auto& weight = multigrid_.finest().link;
-  for (LocalId c = 0; c <= grid.columns(); ++c) {
+  for (LocalId c = 0; c <= grid.columns(k, r); ++c) {
     const std::size_t at = grid.index(k, r, c);
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t below = at - grid.step(a);
@@ -61,7 +64,7 @@ void CoarsePressure::find_sources(const CoarseWater& water, Real return_share, L
   const CoarseGrid& grid = water.grid();
   CoarseLevel& cells = multigrid_.finest();
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
-  for (LocalId c = 0; c < grid.columns(); ++c) {
+  for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     const std::size_t at = grid.index(k, r, c);
     cells.rhs[at] = cells.sink[at] = 0;
     if (!water.is_wet(at)) continue;
@@ -83,7 +86,7 @@ void CoarsePressure::leave_water(const CoarseWater& water, LocalId k, LocalId r)
   for (std::size_t a = 0; a < 3; ++a) {
     const auto b = static_cast<Eigen::Index>(a);
     const Real stiffness = 1 / (grid.size()[b] * grid.size()[b]);
-    for (LocalId c = 0; c < grid.columns(); ++c) {
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
       const std::size_t at = grid.index(k, r, c);
       link[a][at] *= water.is_wet(at) && water.is_wet(at - grid.step(a)) ? stiffness : 0;
     }
@@ -113,7 +116,7 @@ void CoarsePressure::start_at_rest(const CoarseWater& water, Real fall, LocalId 
   const CoarseGrid& grid = water.grid();
   CoarseLevel& cells = multigrid_.finest();
   const Real step = fall * grid.size()[2];
-  const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns());
+  const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns(k, r));
   for (std::size_t at = floor; at < ceiling; ++at) cells.phi[at] = cells.next[at] = 0;
   std::size_t end = floor;
   while (end < ceiling && water.is_wet(end)) ++end;

@@ -61,20 +61,27 @@ CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Re
 
 void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& motion) {
   look_for_water(order);
-  clear_sums();
   PerThread<FaceSums> faces;
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion, faces.mine()); });
   halo.start_planes(sums_, grid_.step(0));
   halo.finish();
-  for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) {
-    const std::size_t plane = grid_.step(0), end = grid_.index(k.begin, grid_.rows(), 0);
-    for (std::size_t at = grid_.index(k.begin, 0, 0); at < end; ++at)
+  for_each_row({1, grid_.planes() + 1}, [&](LocalId k, LocalId r) {
+    const std::size_t plane = grid_.step(0), floor = grid_.index(k, r, 0);
+    for (std::size_t at = floor; at < floor + static_cast<std::size_t>(grid_.columns(k, r)); ++at)
       fill_[at] = sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
   });
   halo.start_planes(fill_, grid_.step(0));
-  for_each_part({1, grid_.planes() + 2}, 1, [&](Range k) { finish_faces(k.begin); });
+  for_each_row({1, grid_.planes() + 2}, [&](LocalId k, LocalId r) { finish_faces(k, r); });
   halo.finish();
-  find_surface();
+  for_each_row({0, grid_.planes() + 2}, [&](LocalId k, LocalId r) { find_surface(k, r); });
+}
+
+template <class Work>
+void CoarseWater::for_each_row(Range planes, const Work& work) const {
+  const LocalId rows = grid_.rows();
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, 16, [&](Range part) {
+    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
+  });
 }
 
 // Finds the number of columns to look at: two cells above the highest that may hold water, one for its surface and one
@@ -82,14 +89,17 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& moti
 // no pressure on the water below it.
 void CoarseWater::look_for_water(const CellOrder& order) {
   const LocalId columns = order.grid().columns();
+  const LocalId rows = order.grid().rows();
+  occupied_.assign((static_cast<std::size_t>(order.planes()) + 2) * static_cast<std::size_t>(rows), 0);
   PerThread<std::array<LocalId, 2>> most;  // depth, columns
-  for_each_part({1, order.planes() + 1}, 1, [&](Range k) {
+  for_each_part(order.planes() + 2, [&](LocalId k) {
     auto& [depth, highest] = most.mine();
-    for (LocalId r = 0; r < order.grid().rows(); ++r) {
+    for (LocalId r = 0; r < rows; ++r) {
       LocalId run = 0;
       for (LocalId c = 0; c < columns; ++c) {
-        const LocalId cell = r * columns + c;
-        run = order.start(k.begin, cell + 1) - order.start(k.begin, cell) >= least_particles_ ? run + 1 : 0;
+        const LocalId cell = r * columns + c, count = order.start(k, cell + 1) - order.start(k, cell);
+        if (count > 0) occupied_[static_cast<std::size_t>(k * rows + r)] = c + 1;
+        run = count >= least_particles_ ? run + 1 : 0;
         if (run == 0) continue;
         depth = std::max(depth, run);
         highest = std::max(highest, c + 1);
@@ -100,29 +110,58 @@ void CoarseWater::look_for_water(const CellOrder& order) {
   most.for_each([&](const auto& one) { found = {std::max(found[0], one[0]), std::max(found[1], one[1])}; });
   MPI_Allreduce(MPI_IN_PLACE, found.data(), 2, MPI_INT32_T, MPI_MAX, comm_);
   depth_ = found[0];
-  grid_.resize(order.planes(), found[1] + 2);
+  resize(order.planes(), found[1] + 2);
 }
 
-// The ghost planes, too: where the box ends nothing is received.
-void CoarseWater::clear_sums() {
-  sums_.resize(grid_.cells());
-  for (auto& u : displacement_) u.resize(grid_.cells());
-  fill_.resize(grid_.cells());
-  for_each_part(grid_.planes() + 2, [&](LocalId k) {
-    const auto first = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(k) * grid_.step(0));
-    const auto plane = static_cast<std::ptrdiff_t>(grid_.step(0));
-    std::fill_n(sums_.begin() + first, plane, PlaneSums{});
-    for (auto& u : displacement_) std::fill_n(u.begin() + first, plane, 0.0);
-    std::fill_n(fill_.begin() + first, plane, 0.0);
-  });
+// Arrays keep their shape while the water grows and falls by a few columns.
+void CoarseWater::resize(LocalId planes, LocalId columns) {
+  constexpr LocalId step = 4;
+  if (grid_.resize(planes, (columns + step - 1) / step * step)) {
+    sums_.assign(grid_.cells(), {});
+    for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
+    fill_.assign(grid_.cells(), 0.0);
+    height_.assign(grid_.cells(), 1.0);
+    wet_.assign(grid_.cells(), 0);
+  }
+  // The ghost planes, too: where the box ends nothing is received.
+  for_each_row({0, planes + 2}, [&](LocalId k, LocalId r) { clear_row(k, r); });
+}
+
+// What the last step left there; then the columns that this one will use. A row's water, its links and its faces depend
+// on what is up to two rows away, and two cells below.
+void CoarseWater::clear_row(LocalId k, LocalId r) {
+  const auto begin = static_cast<std::ptrdiff_t>(grid_.index(k, r, 0)), count = std::ptrdiff_t{grid_.columns(k, r)} + 1;
+  const LocalId rows = grid_.rows(), last = grid_.planes() + 1;
+  std::fill_n(sums_.begin() + begin, count, PlaneSums{});
+  for (auto& u : displacement_) std::fill_n(u.begin() + begin, count, 0.0);
+  std::fill_n(fill_.begin() + begin, count, 0.0);
+  std::fill_n(wet_.begin() + begin, count, 0);
+  if (r == rows - 1) {
+    for (auto& u : displacement_)
+      std::fill_n(u.begin() + begin + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
+  }
+  LocalId highest = 0;
+  for (LocalId plane = std::max(k - 2, 0); plane <= std::min(k + 2, last); ++plane) {
+    for (LocalId row = std::max(r - 2, 0); row <= std::min(r + 2, rows - 1); ++row)
+      highest = std::max(highest, occupied_[static_cast<std::size_t>(plane * rows + row)]);
+  }
+  const bool known_below = k >= 2 || grid_.is_wall(0, 1, r, 0);
+  const bool known_above = k + 2 <= last || grid_.is_wall(0, last, r, 0);
+  grid_.set_columns(k, r, known_below && known_above ? highest + 2 : grid_.columns());
 }
 
 void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces) {
-  faces.row.assign(grid_.step(0), Moments{});
-  faces.column.assign(grid_.step(0), Moments{});
-  const LocalId all_columns = order.grid().columns();
-  for (LocalId r = 0; r < grid_.rows(); ++r) {
-    for (LocalId c = 0; c < grid_.columns(); ++c) {
+  faces.row.resize(grid_.step(0));
+  faces.column.resize(grid_.step(0));
+  const LocalId rows = grid_.rows(), all_columns = order.grid().columns();
+  const auto columns_of = [&](LocalId r) { return static_cast<std::size_t>(grid_.columns(k, std::min(r, rows - 1))); };
+  for (LocalId r = 0; r <= rows; ++r) {
+    const auto begin = static_cast<std::ptrdiff_t>(grid_.index(0, r, 0));
+    std::fill_n(faces.row.begin() + begin, columns_of(r) + 1, Moments{});
+    std::fill_n(faces.column.begin() + begin, columns_of(r) + 1, Moments{});
+  }
+  for (LocalId r = 0; r < rows; ++r) {
+    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const LocalId cell = r * all_columns + c;
       const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
@@ -131,10 +170,12 @@ void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& mot
       add_cell({k, r, c}, static_cast<Real>(end - begin), sums, faces);
     }
   }
-  for (std::size_t at = grid_.index(0, 0, 0), end = grid_.index(0, grid_.rows(), grid_.columns()); at <= end; ++at) {
-    const std::size_t here = static_cast<std::size_t>(k) * grid_.step(0) + at;
-    displacement_[1][here] = faces.row[at].at_face();
-    displacement_[2][here] = faces.column[at].at_face();
+  for (LocalId r = 0; r <= rows; ++r) {
+    const std::size_t in_plane = grid_.index(0, r, 0), at = grid_.index(k, r, 0);
+    for (std::size_t c = 0; c <= columns_of(r); ++c) {
+      displacement_[1][at + c] = faces.row[in_plane + c].at_face();
+      displacement_[2][at + c] = faces.column[in_plane + c].at_face();
+    }
   }
 }
 
@@ -158,35 +199,31 @@ void CoarseWater::add_cell(const Place& place, Real count, const CellSums& sums,
   }
 }
 
-void CoarseWater::finish_faces(LocalId k) {
-  const std::size_t begin = static_cast<std::size_t>(k) * grid_.step(0);
-  for (std::size_t at = begin; at < begin + grid_.step(0); ++at)
+void CoarseWater::finish_faces(LocalId k, LocalId r) {
+  const std::size_t floor = grid_.index(k, r, 0);
+  for (std::size_t at = floor; at < floor + static_cast<std::size_t>(grid_.columns(k, r)); ++at)
     displacement_[0][at] = (sums_[at - grid_.step(0)].high + sums_[at].low).at_face();
 }
 
-void CoarseWater::find_surface() {
-  wet_.assign(grid_.cells(), 0);
-  height_.assign(grid_.cells(), 1.0);
-  for_each_part((grid_.planes() + 2) * grid_.rows(), [&](LocalId row) {
-    const LocalId k = row / grid_.rows(), r = row % grid_.rows();
-    for (LocalId c = 0; c < grid_.columns(); ++c) {
-      const std::size_t at = grid_.index(k, r, c);
-      const bool submerged = c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-      const bool on_floor = c == 0 && fill_[at] >= floor_fill;
-      wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
-    }
-    // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
-    const std::size_t end = grid_.index(k, r, grid_.columns());
-    if (grid_.columns() == grid_.count(2)) wet_[end] = wet_[end - 1];
-    find_tops(k, r);
-  });
+void CoarseWater::find_surface(LocalId k, LocalId r) {
+  const LocalId columns = grid_.columns(k, r);
+  for (LocalId c = 0; c < columns; ++c) {
+    const std::size_t at = grid_.index(k, r, c);
+    const bool submerged = c + 1 < columns && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+    const bool on_floor = c == 0 && fill_[at] >= floor_fill;
+    wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
+  }
+  // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
+  const std::size_t end = grid_.index(k, r, columns);
+  if (columns == grid_.count(2)) wet_[end] = wet_[end - 1];
+  find_tops(k, r);
 }
 
 void CoarseWater::find_tops(LocalId k, LocalId r) {
   const std::size_t floor = grid_.index(k, r, 0);
   bool standing = true;
   Real excess = 0;  // volume in the wet cells below the top one beyond one cell each, in cells
-  for (LocalId c = 0; c < grid_.columns(); ++c) {
+  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (!is_wet(at)) {
       standing = false;
@@ -202,7 +239,8 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
 std::size_t CoarseWater::bytes() const {
   std::size_t values = fill_.capacity() + height_.capacity();
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + wet_.capacity() + sums_.capacity() * sizeof(PlaneSums);
+  return values * sizeof(Real) + wet_.capacity() + occupied_.capacity() * sizeof(LocalId) +
+         sums_.capacity() * sizeof(PlaneSums);
 }
 
 }  // namespace trevi

@@ -67,7 +67,10 @@ class CoarseWater {
     Moments low, high;
   };
   void look_for_water(const CellOrder& order);
-  void clear_sums();
+  void resize(LocalId planes, LocalId columns);
+  void clear_row(LocalId k, LocalId r);
+  template <class Work>
+  void for_each_row(Range planes, const Work& work) const;
   // Of one plane, for the faces between its rows and between its columns.
   struct FaceSums {
     std::vector<Moments> row, column;
@@ -81,8 +84,8 @@ class CoarseWater {
     LocalId k, r, c;
   };
   void add_cell(const Place& place, Real count, const CellSums& sums, FaceSums& faces);
-  void finish_faces(LocalId k);
-  void find_surface();
+  void finish_faces(LocalId k, LocalId r);
+  void find_surface(LocalId k, LocalId r);
   void find_tops(LocalId k, LocalId r);
 
   MPI_Comm comm_;
@@ -90,6 +93,7 @@ class CoarseWater {
   CellFrame frame_;
   LocalId least_particles_;  // fewest particles of a cell that may hold water
   int depth_ = 0;
+  std::vector<LocalId> occupied_;  // of each row, ghost planes included: columns up to its highest particle
   std::vector<PlaneSums> sums_;
   std::vector<Real> fill_, height_;
   std::vector<char> wet_;
