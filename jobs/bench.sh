@@ -4,6 +4,8 @@
 # Measures how fast Trevi is on this machine, and prints tables:
 #   pair loops    ns per pair of each loop and of the search, memory roofline beside (build/bench/.../bench_pairs)
 #   falling cube  inputs/falling_cube.toml, 100 steps in single precision, on 1 and 2 ranks
+#   limit         inputs/bench_rest.toml on one rank against the sum of its parts as bench_pairs measures them, on each
+#                 instruction set of the machine
 #   real time     inputs/bench_rest.toml: 96,000 particles, dt = 1/30 s, on 2 ranks; and with vorticity and XSPH
 #   two ranks     against one, 96,000 and 1 million particles, on a cloud that cuts evenly
 #   precision     density curve of the falling cube, single against double, and double with a hardly disturbed start
@@ -105,6 +107,32 @@ falling_cube() {
   table "Falling cube, 100 steps, single precision" cube_np1 cube_np2
 }
 
+# The loops of the default step, measured on a jittered lattice of about as many particles in the same minute.
+limit() {
+  local set
+  for set in $(build/bench/tests/benchmarks/bench_pairs --instruction_sets=all --benchmark_list_tests |
+    sed -n 's|^1e+05/search/single/\(.*\)@h/s=2/.*|\1|p'); do
+    build/bench/tests/benchmarks/bench_pairs "--instruction_sets=$set" \
+      --benchmark_filter='^1e\+05/(search|density_spiky|delta_spiky)/single/.*@h/s=2/' \
+      "--benchmark_out=out/bench/parts-$set.json" --benchmark_out_format=json >/dev/null
+    run "limit_$set" 1 inputs/bench_rest.toml 60 "run.instruction_set=\"$set\""
+    python3 - "$set" <<'PYTHON'
+import json, statistics, sys
+name = sys.argv[1]
+parts = {b["name"].split("/")[1]: b["ns_per_pair"] for b in json.load(open(f"out/bench/parts-{name}.json"))["benchmarks"]}
+run = json.load(open(f"out/bench/limit_{name}.json"))
+passes = 6  # density and delta, three times each; as many in each step
+pairs = 1e9 * run["wall_seconds"] / run["nanoseconds_per_pair"] / run["steps"] / passes
+coarse = 1e3 * {p["name"]: p["seconds"]["mean"] for p in run["phases"]}["CoarseGrid"] / run["steps"]
+ms = {part: 1e-6 * pairs * ns * (1 if part == "search" else passes / 2) for part, ns in parts.items()}
+step, total = statistics.median(run["step_ms"]), sum(ms.values()) + coarse
+print(f"\nLimit, {name}: step {step:.1f} ms, parts {total:.1f} ms (" +
+      ", ".join(f"{part} {value:.1f}" for part, value in ms.items()) +
+      f", coarse grid {coarse:.1f}), ratio {step / total:.2f}; coarse grid {100 * coarse / step:.1f} % of the step")
+PYTHON
+  done
+}
+
 real_time() {
   local scene=inputs/bench_rest.toml
   run rest_np1 1 $scene 60
@@ -177,6 +205,7 @@ main() {
   lscpu | grep -E '^(Model name|CPU\(s\)|CPU max MHz|L[123]d? cache)'
   [[ $quick == yes ]] || build/bench/tests/benchmarks/bench_pairs
   falling_cube
+  limit
   real_time
   if [[ $quick == no ]]; then
     million
