@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "trevi/clock.hpp"
 #include "trevi/forcing.hpp"
@@ -23,13 +24,27 @@ struct Diagnostics {
   Real imbalance = 1, wall_seconds = 0;
 };
 
+/// What inlets and drains have done since the start of a run, in particles; the same on all ranks. What is in the scene
+/// and what waits together are what was there at the start and what inlets without `recycle` have made since.
+struct FlowState {
+  GlobalId next_id = 0;              ///< of the next particle that an inlet makes
+  GlobalId inflow = 0, outflow = 0;  ///< made by inlets, taken by drains
+  GlobalId waiting = 0;              ///< taken by drains for the inlets that recycle
+  /// Of an inlet: how far the water has come since its last layer, m, and its speed in the last substep, m/s.
+  struct Stream {
+    Real way = 0, speed = 0;
+  };
+  std::vector<Stream> streams;  ///< in the order of the scene
+};
+
 /// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
 struct Frame {
   const Clock& clock;
   const Particles& particles;
   std::span<const Real> density;             ///< kg/m³ at the final positions; empty unless an observer wanted it
   const Diagnostics* diagnostics;            ///< null unless an observer wanted it
-  std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene
+  std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
+  const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
 };
 
 class Observer {

@@ -18,6 +18,8 @@
 
 namespace trevi {
 
+class OpenFlow;
+
 struct ParticleSource {
   enum class Type { block, file } type = Type::block;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m, block
@@ -55,6 +57,8 @@ struct Scene : Settings {
   std::vector<ParticleSource> particles;
   Real end = 0;  ///< s
   std::vector<FountainSettings> fountains;
+  std::vector<InletSettings> inlets;
+  std::vector<DrainSettings> drains;
   OutputSettings output;
   std::optional<Colour> colour;
   std::uint64_t seed = 1;
@@ -81,6 +85,10 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene);
 
 /// The fountains with their music, in the order of the scene. Collective. InputError for music that cannot be used.
 std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene);
+
+/// The inlets and drains of the scene, null without any; for SolverExtras::flow. Collective. InputError for music that
+/// cannot be used.
+std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene);
 
 /// Keys a scene may use, with type and unit, one a line (for --help and the documentation test).
 std::string scene_reference();

@@ -99,19 +99,52 @@ struct MusicSettings {
   bool operator==(const MusicSettings&) const = default;
 };
 
-struct FountainSettings {
-  Real center[2] = {0, 0};             ///< m, on the floor
-  Real diameter = 0.15, height = 0.2;  ///< m, upright cylinder on the floor
-  Vec3 direction = Vec3::UnitZ();      ///< normalised
-  Real speed = 10, jitter = 0;         ///< m/s; speed counts where there is no music
-  Real start = 0, stop = 1e300;        ///< s
+/// What drives a fountain or an inlet.
+struct PumpSettings {
+  Vec3 direction = Vec3::UnitZ();  ///< normalised
+  Real speed = 10, jitter = 0;     ///< m/s; speed counts where there is no music
+  Real start = 0, stop = 1e300;    ///< s
   std::optional<MusicSettings> music;
   int line = 0;  ///< of the table in the scene file, for later messages
 
   /// The highest speed without jitter, m/s.
   Real top_speed() const { return music ? music->speed_range.second : speed; }
 
+  bool operator==(const PumpSettings&) const = default;
+};
+
+struct FountainSettings : PumpSettings {
+  Real center[2] = {0, 0};             ///< m, on the floor
+  Real diameter = 0.15, height = 0.2;  ///< m, upright cylinder on the floor
+
   bool operator==(const FountainSettings&) const = default;
+};
+
+enum class InletShape { disc, rectangle };
+
+/// An opening through which water enters along `direction`.
+struct InletSettings : PumpSettings {
+  InletShape shape = InletShape::disc;
+  Vec3 center = Vec3::Zero();  ///< m
+  Real radius = 0;             ///< m, disc
+  Real size[2] = {0, 0};       ///< m, rectangle: level, and across that
+  std::optional<Real> flow;    ///< m³/s, in place of the speed
+  bool recycle = false;        ///< it gives back what drains have taken, and nothing else
+
+  bool operator==(const InletSettings&) const = default;
+};
+
+enum class DrainShape { box, cylinder, plane };
+
+/// A region that water leaves the scene by.
+struct DrainSettings {
+  DrainShape shape = DrainShape::box;
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m, box
+  Vec3 center = Vec3::Zero();                   ///< m; cylinder: of its base; plane: a point of it
+  Vec3 axis = Vec3::UnitZ();                    ///< normalised; plane: its normal, to the side that is drained
+  Real radius = 0, height = 0;                  ///< m, cylinder
+
+  bool operator==(const DrainSettings&) const = default;
 };
 
 /// How planes are shared among ranks: by work, as evenly as whole planes allow, throughout the run; or the same number

@@ -15,6 +15,7 @@
 #include "live/live_view.hpp"
 #include "music/music.hpp"
 #include "parallel/reductions.hpp"
+#include "solver/open_flow.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -28,6 +29,7 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
   scale.top = scene.domain.max.z();
   for (const FountainSettings& fountain : scene.fountains)
     scale.speed_max = std::max(scale.speed_max, fountain.top_speed());
+  for (const InletSettings& inlet : scene.inlets) scale.speed_max = std::max(scale.speed_max, inlet.top_speed());
   scale.total = particles;
   return scale;
 }
@@ -77,9 +79,10 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (options.lock != nullptr) options.lock->take();
   if (output.series) {
-    const int fountains = static_cast<int>(scene.fountains.size());
+    const int fountains = static_cast<int>(scene.fountains.size() + scene.inlets.size());
+    const bool flow = !scene.inlets.empty() || !scene.drains.empty();
     observers.push_back(std::make_unique<SeriesWriter>(
-        comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy}));
+        comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy, flow}));
   }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
@@ -99,40 +102,70 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   return observers;
 }
 
+// Pumps that follow standard input share it.
+std::unique_ptr<Pump> make_pump(MPI_Comm comm, const Scene& scene, const PumpSettings& settings, const char* key,
+                                std::shared_ptr<LiveSound>& live) {
+  if (!settings.music) return std::make_unique<ConstantPump>(settings.speed);
+  return told_at(scene, settings.line, key, [&] { return make_music_pump(comm, *settings.music, live); });
+}
+
+std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene,
+                                                     std::shared_ptr<LiveSound>& live) {
+  std::vector<std::unique_ptr<Forcing>> forcings;
+  int index = 0;
+  for (const FountainSettings& fountain : scene.fountains) {
+    forcings.push_back(std::make_unique<Fountain>(fountain,
+                                                  make_pump(comm, scene, fountain, "[[fountain]] music", live),
+                                                  scene.domain.min.z(), scene.seed, index++));
+  }
+  return forcings;
+}
+
+std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
+                                    std::shared_ptr<LiveSound>& live) {
+  if (scene.inlets.empty() && scene.drains.empty()) return nullptr;
+  OpenFlow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing};
+  auto index = static_cast<int>(scene.fountains.size());
+  for (const InletSettings& inlet : scene.inlets) {
+    parts.inlets.push_back(std::make_shared<Inlet>(inlet, make_pump(comm, scene, inlet, "[[inlet]] music", live),
+                                                   scene.fluid.spacing, scene.seed, index++));
+  }
+  return std::make_shared<OpenFlow>(std::move(parts), std::move(state));
+}
+
 }  // namespace
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
-  if (!scene.output.series || !scene.fountains.empty()) return nullptr;
+  if (!scene.output.series || !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty())
+    return nullptr;
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
   return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
 }
 
 std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene) {
-  std::vector<std::unique_ptr<Forcing>> forcings;
   std::shared_ptr<LiveSound> live;
-  int index = 0;
-  for (const FountainSettings& fountain : scene.fountains) {
-    std::unique_ptr<Pump> pump = std::make_unique<ConstantPump>(fountain.speed);
-    if (fountain.music) {
-      pump = told_at(scene, fountain.line, "[[fountain]] music",
-                     [&] { return make_music_pump(comm, *fountain.music, live); });
-    }
-    forcings.push_back(
-        std::make_unique<Fountain>(fountain, std::move(pump), scene.domain.min.z(), scene.seed, index++));
-  }
-  return forcings;
+  return make_fountains(comm, scene, live);
+}
+
+std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene) {
+  std::shared_ptr<LiveSound> live;
+  return make_flow(comm, scene, std::nullopt, live);
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {
   Particles particles = options.restart ? restored_particles(comm, scene, std::move(options.restart->rows))
                                         : initial_particles(comm, scene);
   SolverExtras extras;
+  std::optional<FlowState> flow;
   if (options.restart) {
+    flow = options.restart->flow;
     extras.step = options.restart->step;
     extras.substeps = options.restart->substeps;
   }
   extras.requests = options.requests;
-  extras.forcings = make_fountains(comm, scene);
+  std::shared_ptr<LiveSound> live;
+  extras.forcings = make_fountains(comm, scene, live);
+  extras.flow = make_flow(comm, scene, std::move(flow), live);
   extras.observers = build_observers(comm, scene, options, sum_over_ranks(comm, particles.size()));
   return make_solver(comm, scene, std::move(particles), std::move(extras));
 }

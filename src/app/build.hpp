@@ -30,7 +30,7 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
-/// For the series of a scene without fountains; null for others.
+/// For the series of a scene without fountains, inlets and drains; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 
 /// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any

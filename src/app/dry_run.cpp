@@ -8,6 +8,7 @@
 #include "app/build.hpp"
 #include "app/envelope.hpp"
 #include "app/initial_particles.hpp"
+#include "fluid/inlet.hpp"
 #include "fluid/xsph_viscosity.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
@@ -59,12 +60,30 @@ Real expected_speed(const Scene& scene) {
   Real speed = 0, top = scene.domain.min.z();
   for (const FountainSettings& fountain : scene.fountains)
     speed = std::max(speed, fountain.top_speed() + fountain.jitter);
+  for (const InletSettings& inlet : scene.inlets) {
+    speed = std::max(speed, inlet.top_speed() + inlet.jitter);
+    top = std::max(top, inlet.center.z());
+  }
   for (const ParticleSource& source : scene.particles) {
     speed = std::max(speed, source.velocity.norm());
     top = std::max(top, source.max.z());
   }
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
   return std::max(speed, std::sqrt(2 * g * (top - scene.domain.min.z())));
+}
+
+// The most that the inlets add by the end of the run: what recycles is there already.
+std::string inlet_text(const Scene& scene) {
+  if (scene.inlets.empty()) return "";
+  const Real spacing = scene.fluid.spacing;
+  Real more = 0;
+  for (const InletSettings& inlet : scene.inlets) {
+    const Real seconds = std::max(0.0, std::min(inlet.stop, scene.end) - inlet.start);
+    const auto places = static_cast<Real>(InletLattice(inlet, spacing).open_places());
+    if (!inlet.recycle) more += std::floor(inlet.top_speed() * seconds / spacing) * places;
+  }
+  return fmt::format("inlets      at most {:.0f} particles more by the end, {:.1f} MB\n", more,
+                     more * bytes_each(scene).owned / 1e6);
 }
 
 std::string schedule_text(const Schedule& schedule) {
@@ -120,6 +139,7 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 
 void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory) {
   make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
+  make_flow(session.comm(), scene);
   const DensityModel model = density_model(scene);
   const CellGrid grid = cell_grid(scene);
   std::vector<Real> weights;
@@ -128,6 +148,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   fmt::print("scene       {}\n", scene.path);
   fmt::print("launch      {}\n", launch_text(launch, scene));
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
+  fmt::print("{}", inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
   for (const std::string& warning : start_warnings(scene)) fmt::print("warning     {}\n", warning);

@@ -123,11 +123,13 @@ class Comparison {
 
 std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene) {
   std::vector<std::int64_t> sums;
-  for (const FountainSettings& fountain : scene.fountains) {
-    const bool has_file = fountain.music && fountain.music->source != "-";
-    const auto read = [&] { return checksum(read_file_everywhere(comm, fountain.music->source)); };
-    sums.push_back(has_file ? told_at(scene, fountain.line, "[[fountain]] music", read) : 0);
-  }
+  const auto add = [&](const PumpSettings& pump, const char* key) {
+    const bool has_file = pump.music && pump.music->source != "-";
+    const auto read = [&] { return checksum(read_file_everywhere(comm, pump.music->source)); };
+    sums.push_back(has_file ? told_at(scene, pump.line, key, read) : 0);
+  };
+  for (const FountainSettings& fountain : scene.fountains) add(fountain, "[[fountain]] music");
+  for (const InletSettings& inlet : scene.inlets) add(inlet, "[[inlet]] music");
   return sums;
 }
 
@@ -145,14 +147,18 @@ std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::st
     if (!now.contains(path)) comparison.add(path, &value, nullptr);
   }
   for (std::size_t k = 0; k < std::min(music.size(), info.music.size()); ++k) {
-    const std::string path = fmt::format("fountain.{}.music", k);
+    const std::size_t fountains = scene.fountains.size();
+    const bool inlet = k >= fountains;
+    const PumpSettings& pump =
+        inlet ? static_cast<const PumpSettings&>(scene.inlets[k - fountains]) : scene.fountains[k];
+    const std::string path = fmt::format("{}.{}.music", inlet ? "inlet" : "fountain", inlet ? k - fountains : k);
     const auto old = then.find(path), name = now.find(path);
     const bool same_name = old != then.end() && name != now.end() && old->second.text == name->second.text;
     if (same_name && music[k] != info.music[k]) {
       comparison.refused.push_back(
           fmt::format("{}: {}: not what the run has played so far; put the file back, or say --set {} "
                       "with a new name",
-                      scene.fountains[k].music->source, path, path));
+                      pump.music->source, path, path));
     }
   }
   if (comparison.refused.empty()) return comparison.allowed;

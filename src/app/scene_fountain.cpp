@@ -55,15 +55,17 @@ void check_music(Section& section, const Scene& scene, const MusicSettings& musi
   section.check("rate", music.rate <= 1000000, "must be at most 1000000 Hz");
   section.check("speed", section.given("speed_range") || music.speed_range.second > 0,
                 "must be positive where music sets the speed; give speed_range");
-  for (const FountainSettings& other : scene.fountains) {
+  const auto same_input = [&](const PumpSettings& other) {
     section.check(
         "rate",
         kind != MusicKind::live || !other.music || other.music->source != "-" || other.music->rate == music.rate,
         "must be the same for all fountains that follow standard input; there is only one");
-  }
+  };
+  std::for_each(scene.fountains.begin(), scene.fountains.end(), same_input);
+  std::for_each(scene.inlets.begin(), scene.inlets.end(), same_input);
 }
 
-void read_music(Section& section, const Scene& scene, FountainSettings& fountain) {
+void read_music(Section& section, const Scene& scene, PumpSettings& fountain) {
   MusicSettings music;
   const bool given =
       section.text({"music",
@@ -99,19 +101,27 @@ void read_music(Section& section, const Scene& scene, FountainSettings& fountain
   if (given) fountain.music = music;
 }
 
-void read_jet(Section& section, const Scene& scene, FountainSettings& fountain) {
-  if (section.numbers({"direction", "the direction of the jet [x, y, z], of any length"},
-                      {fountain.direction.data(), 3}) &&
-      section.check("direction", fountain.direction.stableNorm() > 0, "must not be zero; give the way the jet goes")) {
-    fountain.direction.stableNormalize();
+}  // namespace
+
+void read_jet(Section& section, const Scene& scene, PumpSettings& pump) {
+  if (section.numbers({"direction", "the direction of the jet [x, y, z], of any length"}, {pump.direction.data(), 3}) &&
+      section.check("direction", pump.direction.stableNorm() > 0, "must not be zero; give the way the jet goes")) {
+    pump.direction.stableNormalize();
   }
   const Interval speeds{.low = 0, .high = highest_speed};
-  section.number({"speed", "the speed of the jet in m/s"}, fountain.speed, speeds);
-  section.number({"jitter", "the largest random addition to speed in m/s"}, fountain.jitter, speeds);
-  read_music(section, scene, fountain);
+  section.number({"speed", "the speed of the jet in m/s"}, pump.speed, speeds);
+  section.number({"jitter", "the largest random addition to speed in m/s"}, pump.jitter, speeds);
+  read_music(section, scene, pump);
 }
 
-}  // namespace
+void read_times(Section& section, PumpSettings& pump) {
+  section.number({"start", "the time the pump starts in seconds"}, pump.start, at_least(0));
+  section.number({"stop", "the time the pump stops in seconds"}, pump.stop);
+  if (section.fine("start")) {
+    section.check("stop", pump.stop > pump.start,
+                  fmt::format("must be later than start, {} s; give the time the pump stops", pump.start));
+  }
+}
 
 std::string beside_scene(const std::string& scene_path, const std::string& path) {
   return (std::filesystem::path(scene_path).parent_path() / path).string();
@@ -131,12 +141,7 @@ void read_fountain(Section& section, Scene& scene, bool box_known) {
   section.number({"diameter", "the diameter of the cylinder in metres"}, fountain.diameter, above(0));
   section.number({"height", "the height of the cylinder above the floor in metres"}, fountain.height, above(0));
   read_jet(section, scene, fountain);
-  section.number({"start", "the time the fountain starts in seconds"}, fountain.start, at_least(0));
-  section.number({"stop", "the time the fountain stops in seconds"}, fountain.stop);
-  if (section.fine("start")) {
-    section.check("stop", fountain.stop > fountain.start,
-                  fmt::format("must be later than start, {} s; give the time the fountain stops", fountain.start));
-  }
+  read_times(section, fountain);
   section.reject_unknown();
   scene.fountains.push_back(fountain);
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/scene_fountain.hpp"
+#include "app/scene_inlet.hpp"
 #include "fluid/kernels.hpp"
 #include "fluid/xsph_viscosity.hpp"
 
@@ -51,6 +52,9 @@ class PhysicsReader {
     read_viscosity(viscosity);
     resolve(viscosity);
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
+    for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
+    for (Section& drain : root_.children("drain")) read_drain(drain, scene_);
+    check_flow(root_, scene_);
     domain_.reject_unknown();
     fluid_.reject_unknown();
     density.reject_unknown();
@@ -179,7 +183,8 @@ void PhysicsReader::resolve(Section& viscosity) {
 
 void PhysicsReader::read_particles() {
   std::vector<Section> sections = root_.children("particles");
-  root_.check("particles", !sections.empty(), "missing; add at least one [[particles]] table, a block or a file");
+  root_.check("particles", !sections.empty() || root_.given("inlet"),
+              "missing; add at least one [[particles]] table, a block or a file");
   for (Section& section : sections) read_particle_source(section);
 }
 

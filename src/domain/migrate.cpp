@@ -8,6 +8,7 @@
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
+#include "particles/remove.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
@@ -63,17 +64,11 @@ std::vector<std::byte> pack(Particles& particles, const std::vector<LocalId>& ch
   return buffer;
 }
 
-// The last particles take the places of those that leave, so that only these cost; the next sort makes the order anew.
 void remove_leaving(Particles& particles, const Leaving& leaving) {
   std::vector<LocalId> places;
   std::merge(leaving.to[0].begin(), leaving.to[0].end(), leaving.to[1].begin(), leaving.to[1].end(),
              std::back_inserter(places));
-  particles.for_each_field([&](auto& field) {
-    for (auto place = places.rbegin(); place != places.rend(); ++place) {
-      field[static_cast<std::size_t>(*place)] = field.back();
-      field.pop_back();
-    }
-  });
+  remove_particles(particles, places);
 }
 
 void append(Particles& particles, const std::vector<std::byte>& buffer) {

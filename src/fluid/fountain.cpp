@@ -6,21 +6,28 @@
 
 namespace trevi {
 
-Fountain::Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed,
-                   int index)
-    : event_("Fountain"), settings_(settings), pump_(std::move(pump)), floor_(floor), seed_(seed), index_(index) {}
+PumpedForcing::PumpedForcing(const PumpSettings& settings, std::unique_ptr<Pump> pump, std::uint64_t seed, int index)
+    : settings_(settings), pump_(std::move(pump)), seed_(seed), index_(index) {}
 
-std::optional<FountainState> Fountain::pumped(Real time) const {
+std::optional<FountainState> PumpedForcing::pumped(Real time) const {
   if (time < settings_.start || time >= settings_.stop) return std::nullopt;
   return pump_->at(time);
 }
 
-Real Fountain::fastest(const TimeSpan& times) const {
+Real PumpedForcing::fastest(const TimeSpan& times) const {
   const TimeSpan running{std::max(times.begin, settings_.start), std::min(times.end, settings_.stop)};
   if (running.begin >= running.end) return 0;
   const std::optional<Real> speed = pump_->fastest(running);
   return speed ? *speed + settings_.jitter : 0;
 }
+
+Vec3 PumpedForcing::jet(Real speed, GlobalId id, const StepInfo& info) const {
+  return settings_.direction * (speed + settings_.jitter * uniform(seed_, id, info, index_));
+}
+
+Fountain::Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed,
+                   int index)
+    : PumpedForcing(settings, std::move(pump), seed, index), event_("Fountain"), settings_(settings), floor_(floor) {}
 
 bool Fountain::contains(const Vec3& p) const {
   const Real x = p.x() - settings_.center[0], y = p.y() - settings_.center[1], r = settings_.diameter / 2;
@@ -33,8 +40,7 @@ void Fountain::apply(Particles& particles, const StepInfo& info) {
   if (!now) return;
   for_each_index({0, particles.size()}, [&](std::size_t i) {
     if (!contains(particles.position[i])) return;
-    const Real u = uniform(seed_, particles.id[i], info, index_);
-    particles.velocity[i] = settings_.direction * (now->speed + settings_.jitter * u);
+    particles.velocity[i] = jet(now->speed, particles.id[i], info);
   });
 }
 

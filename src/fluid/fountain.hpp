@@ -33,27 +33,43 @@ class ConstantPump : public Pump {
   Real speed_;
 };
 
-/// Sets the velocity of the particles inside an upright cylinder on the floor: v = direction (speed + jitter u), in
-/// place of gravity. While the pump is off the particles are left alone.
-class Fountain : public Forcing {
+/// A pump that works from its start to before its stop.
+class PumpedForcing : public Forcing {
  public:
-  /// `index` distinguishes the random numbers of different fountains; `floor` is the height of the floor, m.
-  Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
+  /// `index` distinguishes the random numbers of different pumps.
+  PumpedForcing(const PumpSettings& settings, std::unique_ptr<Pump> pump, std::uint64_t seed, int index);
   void prepare(const StepInfo& step) override { pump_->prepare(step); }
-  void apply(Particles& particles, const StepInfo& info) override;
   Real fastest(const TimeSpan& times) const override;
   std::optional<FountainState> state(Real time) const override { return pumped(time).value_or(FountainState{}); }
 
+ protected:
+  /// No value while the pump is off.
+  std::optional<FountainState> pumped(Real time) const;
+  /// Of a particle that is pumped at this speed without jitter.
+  Vec3 jet(Real speed, GlobalId id, const StepInfo& info) const;
+  const PumpSettings& pump() const { return settings_; }
+
+ private:
+  PumpSettings settings_;
+  std::unique_ptr<Pump> pump_;
+  std::uint64_t seed_;
+  int index_;
+};
+
+/// Sets the velocity of the particles inside an upright cylinder on the floor: v = direction (speed + jitter u), in
+/// place of gravity. While the pump is off the particles are left alone.
+class Fountain : public PumpedForcing {
+ public:
+  /// `floor` is the height of the floor, m.
+  Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
+  void apply(Particles& particles, const StepInfo& info) override;
+
  private:
   bool contains(const Vec3& p) const;
-  std::optional<FountainState> pumped(Real time) const;
 
   Event event_;
   FountainSettings settings_;
-  std::unique_ptr<Pump> pump_;
   Real floor_;
-  std::uint64_t seed_;
-  int index_;
 };
 
 }  // namespace trevi

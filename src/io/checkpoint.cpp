@@ -25,6 +25,36 @@ namespace {
 
 constexpr std::int64_t format_version = 1;
 
+// Rank 0 writes what is no table of particles.
+template <class T>
+void write_on_root(MPI_Comm comm, Hdf5Writer& file, const std::string& name, const std::vector<T>& rows) {
+  const auto count = static_cast<std::int64_t>(rows.size());
+  const bool writes = rank_of(comm) == 0;
+  file.write(name, writes ? rows : std::vector<T>{}, {writes ? 0 : count, writes ? count : 0, count});
+}
+
+void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
+  if (flow == nullptr) return;
+  write_on_root(comm, file, "/flow",
+                std::vector<std::int64_t>{flow->next_id, flow->inflow, flow->outflow, flow->waiting});
+  std::vector<Real> streams;
+  for (const FlowState::Stream& stream : flow->streams) streams.insert(streams.end(), {stream.way, stream.speed});
+  write_on_root(comm, file, "/streams", streams);
+}
+
+std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& file) {
+  if (!file.has("/flow")) return std::nullopt;
+  const auto counts = file.read<std::int64_t>("/flow", {0, 4, 4});
+  const std::int64_t rows = file.rows<Real>("/streams");
+  const auto streams = file.read<Real>("/streams", {0, rows, rows});
+  FlowState flow{counts[0], counts[1], counts[2], counts[3], {}};
+  const bool finite = std::all_of(streams.begin(), streams.end(), [](Real x) { return x >= 0 && std::isfinite(x); });
+  if (*std::min_element(counts.begin(), counts.end()) < 0 || !finite || rows % 2 != 0)
+    throw InputError(path + ": /flow, /streams: cannot be what inlets and drains have done; use another checkpoint");
+  for (std::size_t k = 0; k < streams.size(); k += 2) flow.streams.push_back({streams[k], streams[k + 1]});
+  return flow;
+}
+
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
@@ -45,11 +75,8 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   file.text("/scene", info.scene_text);
   file.attribute("scene_overrides", info.scene_overrides);
   file.attribute("scene_checksum", checksum(info.scene_text));
-  if (info.music.empty()) return;
-  const auto fountains = static_cast<std::int64_t>(info.music.size());
-  const bool writes = rank_of(comm) == 0;
-  file.write("/music", writes ? info.music : std::vector<std::int64_t>{},
-             {writes ? 0 : fountains, writes ? fountains : 0, fountains});
+  if (!info.music.empty()) write_on_root(comm, file, "/music", info.music);
+  write_flow(comm, file, frame.flow);
 }
 
 // Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
@@ -169,6 +196,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
     const std::int64_t fountains = file.rows<std::int64_t>("/music");
     state.info.music = file.read<std::int64_t>("/music", {0, fountains, fountains});
   }
+  state.flow = read_flow(path, file);
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);

@@ -56,6 +56,8 @@ std::string row(const Frame& frame, Real wall_seconds_before) {
   for (const FountainState& fountain : frame.fountains) {
     text += "," + number(fountain.note) + "," + number(fountain.speed);
   }
+  if (frame.flow != nullptr)
+    text += fmt::format(",{},{},{}", frame.flow->inflow, frame.flow->outflow, frame.flow->waiting);
   return text + "\n";
 }
 
@@ -98,10 +100,10 @@ KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::strin
 
 }  // namespace
 
-std::string series_header(int fountains) {
+std::string series_header(int fountains, bool flow) {
   std::string header = fixed_columns;
   for (int k = 0; k < fountains; ++k) header += fmt::format(",note_{0},speed_{0}", k);
-  return header;
+  return flow ? header + ",inflow,outflow,waiting" : header;
 }
 
 SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), options_(std::move(options)) {
@@ -112,7 +114,7 @@ SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), 
 
 void SeriesWriter::open() {
   const std::string path = options_.directory + "/series.csv";
-  const std::string header = series_header(options_.fountains);
+  const std::string header = series_header(options_.fountains, options_.flow);
   KeptRows kept{header + "\n"};
   if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
   replace_file(path, kept.text);

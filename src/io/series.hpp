@@ -17,14 +17,15 @@ namespace trevi {
 struct SeriesOptions {
   std::string directory;
   Schedule schedule;
-  int fountains = 0;                         ///< each adds note_<k>, speed_<k>, k from 0
+  int fountains = 0;                         ///< each adds note_<k>, speed_<k>, k from 0; inlets are counted last
   std::optional<std::int64_t> restart_step;  ///< append, after dropping rows past it
   std::shared_ptr<EnergyRise> energy =
-      nullptr;  ///< hears of all rows, those of before a restart among them; may be null
+      nullptr;        ///< hears of all rows, those of before a restart among them; may be null
+  bool flow = false;  ///< inlets or drains add inflow, outflow, waiting
 };
 
-/// The header line without its end: the fixed columns, then two for each fountain.
-std::string series_header(int fountains);
+/// The header line without its end: the fixed columns, then two for each fountain, then those of inlets and drains.
+std::string series_header(int fountains, bool flow = false);
 
 class SeriesWriter : public Observer {
  public:

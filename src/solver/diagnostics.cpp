@@ -63,8 +63,9 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
   row.density_max = maxima[0];
   row.compression_max = std::max(maxima[0] / model_.rest_density - 1, 0.0);
   row.speed_max = std::sqrt(maxima[1]);
-  row.top = maxima[2];
-  row.front = maxima[3];
+  const auto known = [&](Real place) { return place > lowest ? place : std::numeric_limits<Real>::quiet_NaN(); };
+  row.top = known(maxima[2]);
+  row.front = known(maxima[3]);
   row.drift_max = maxima[4];
   const auto all_work = static_cast<Real>(sum_over_ranks(comm_, static_cast<GlobalId>(work)));
   row.imbalance = all_work > 0 ? maxima[5] * size_of(comm_) / all_work : 1;

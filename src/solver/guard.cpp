@@ -20,6 +20,12 @@ std::string text_of(const Vec3& p) { return fmt::format("({}, {}, {})", p.x(), p
 Guard::Guard(MPI_Comm comm, const Particles& particles, std::function<RequestCounts()> requests)
     : comm_(comm), ballot_(comm), ask_(std::move(requests)), start_(ballot_.count(vote_of(particles.id))) {}
 
+void Guard::expect(const Vote& change) {
+  start_.particles += change.particles;
+  start_.ids += change.ids;
+  start_.squares += change.squares;
+}
+
 void Guard::note(std::int64_t step, const std::string& failure) {
   if (failure_.empty()) failure_ = fmt::format("rank {}, step {}: {}", rank_of(comm_), step, failure);
 }

@@ -21,6 +21,9 @@ class Guard {
   /// Counts again after particles were added or removed. Collective.
   void recount(const Particles& particles) { start_ = ballot_.count(vote_of(particles.id)); }
 
+  /// From now on there are more particles than before, or fewer, by what this counts, over all ranks.
+  void expect(const Vote& change);
+
   /// Notes a failure; only the first one of a rank is reported. `step` counts from 1.
   void note(std::int64_t step, const std::string& failure);
 

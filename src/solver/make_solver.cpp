@@ -125,6 +125,11 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.requests = std::move(extras.requests);
   parts.observers = std::move(extras.observers);
+  parts.flow = std::move(extras.flow);
+  if (parts.flow) {
+    parts.flow->begin(*parts.comm, parts.particles);
+    for (auto& nozzle : parts.flow->forcings()) extras.forcings.push_back(std::move(nozzle));
+  }
   parts.forcings = make_forcings(settings, std::move(extras.forcings));
   make_fluid(settings, parts);
   return std::make_unique<PbfSolver<T>>(std::move(parts));

@@ -22,7 +22,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.walls),
-      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings}, std::move(parts_.observers),
+      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow()}, std::move(parts_.observers),
                 *parts_.diagnostics) {}
 
 template <class T>
@@ -58,6 +58,7 @@ void PbfSolver<T>::step() {
 // Algorithm 1 of Macklin & Müller 2013, with its line numbers, for one of the equal parts of a step.
 template <class T>
 void PbfSolver<T>::substep(const StepInfo& info) {
+  exchange_water(info);                      //     what drains take and inlets bring
   apply_forcings(info);                      //  2
   predict_positions(info.dt);                //  3
   migrate_particles(&Particles::predicted);  //     ownership follows p*
@@ -76,6 +77,11 @@ template <class T>
 void PbfSolver<T>::prepare_forcings() {
   const Clock& clock = parts_.clock;
   for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
+}
+
+template <class T>
+void PbfSolver<T>::exchange_water(const StepInfo& info) {
+  if (parts_.flow) guard_.expect(parts_.flow->exchange(parts_.particles, info, *parts_.grid, *parts_.slabs));
 }
 
 template <class T>
@@ -151,6 +157,7 @@ void PbfSolver<T>::change_particles(const std::function<void(Particles&)>& chang
     });
   });
   guard_.recount(particles);
+  if (parts_.flow) parts_.flow->begin(*parts_.comm, particles);
   vote_on_failures();
   migrate_particles(&Particles::position);
 }

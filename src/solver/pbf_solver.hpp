@@ -9,6 +9,7 @@
 #include "domain/balance.hpp"
 #include "fluid/velocity_filter.hpp"
 #include "solver/guard.hpp"
+#include "solver/open_flow.hpp"
 #include "solver/reporter.hpp"
 #include "solver/substep_rule.hpp"
 #include "trevi/solver.hpp"
@@ -39,6 +40,7 @@ struct SolverParts {
   std::unique_ptr<Walls> walls;
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
+  std::shared_ptr<OpenFlow> flow;  ///< may be null
   std::vector<std::unique_ptr<Forcing>> forcings;
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   std::vector<std::unique_ptr<Observer>> observers;
@@ -65,9 +67,11 @@ class PbfSolver : public Solver {
   void change_particles(const std::function<void(Particles&)>& change) override;
   Counters counters() const override;
   std::vector<FountainState> fountains() const override { return reporter_.fountains(); }
+  const FlowState* flow() const override { return parts_.flow ? &parts_.flow->state() : nullptr; }
 
  private:
   void prepare_forcings();
+  void exchange_water(const StepInfo& info);
   void substep(const StepInfo& info);
   // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);

@@ -55,7 +55,7 @@ void Reporter<T>::observe() {
 template <class T>
 Frame Reporter<T>::frame() {
   fountain_states_ = fountains();
-  return {state_.clock, state_.particles, {}, nullptr, fountain_states_};
+  return {state_.clock, state_.particles, {}, nullptr, fountain_states_, state_.flow};
 }
 
 template <class T>

@@ -21,6 +21,7 @@ struct ReportedState {
   const Neighbourhood<T>& near;
   DensityProblem<T>& problem;
   const std::vector<std::unique_ptr<Forcing>>& forcings;
+  const FlowState* flow;  ///< null without inlets and drains
 };
 
 template <class T>

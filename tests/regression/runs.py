@@ -69,6 +69,23 @@ height = 0.2
 speed = 5.0
 jitter = 2.5
 """
+FLOW = BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + """
+[[inlet]]
+center = [0.4, 0.3, 1.2]
+direction = [0.2, 0, -1]
+radius = 0.15
+speed = 3.0
+jitter = 0.5
+recycle = true
+[[inlet]]
+type = "rectangle"
+center = [1.0, 0.3, 0.05]
+size = [0.3, 0.2]
+flow = 0.1
+[[drain]]
+min = [1.3, 0, 0.3]
+max = [1.6, 0.6, 0.8]
+"""  # an inlet that recycles and one that does not, and a drain
 MUSIC = 'music = "score.txt"\nspeed_range = [3.0, 6.0]\n'  # to end a FOUNTAIN
 SCORE = """# a second of notes
 0 C4 0.2

@@ -49,6 +49,9 @@ center = [1.2, 0.4]
 """
 FILTERS = "[tensile]\n[vorticity]\n[viscosity]\n"
 OUTPUTS = """
+[[drain]]
+min = [0, 0, 2.3]
+max = [1.6, 0.8, 2.4]
 [colour]
 by = "rainbow_x"
 [output.vtkhdf]

@@ -11,7 +11,7 @@ import shutil
 import unittest
 
 import runs
-from runs import CHECKPOINTS, CUBE, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
+from runs import CHECKPOINTS, CUBE, FLOW, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
 
 
 class Restart(unittest.TestCase):
@@ -37,6 +37,13 @@ class Restart(unittest.TestCase):
     def test_musical_fountain(self):
         parted = self.same_bits(FOUNTAIN + MUSIC)
         self.assertGreater(len(set(runs.column(parted, "speed_0"))), 3)
+
+    def test_inlets_and_drain(self):
+        parted = self.same_bits(FLOW)
+        inflow, outflow, waiting, there = (runs.column(parted, name) for name in ("inflow", "outflow", "waiting", "particles"))
+        self.assertGreater(inflow[-1] - inflow[30], 50)
+        self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
+        self.assertGreater(max(waiting), 0)
 
     def test_single_precision_with_substeps(self):
         self.same_bits(CUBE, "--set", "density.precision=single", "--set", "time.cfl=0.1")

@@ -59,13 +59,26 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "fountain.0.mapping='linear'",
                                                               "fountain.0.follow='loudness'",
                                                               "fountain.0.rate=44100",
+                                                              "inlet.0.type='disc'",
+                                                              "inlet.0.direction=[0, 0, 1]",
+                                                              "inlet.0.jitter=0",
+                                                              "inlet.0.start=0",
+                                                              "inlet.0.stop=1e300",
+                                                              "inlet.0.recycle=false",
+                                                              "inlet.0.speed_range=[5, 10]",
+                                                              "inlet.0.mapping='linear'",
+                                                              "inlet.0.follow='loudness'",
+                                                              "inlet.0.rate=44100",
+                                                              "drain.0.type='box'",
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
                                                               "output.checkpoint.keep=2",
                                                               "output.series.every_steps=1"};
 
 inline const std::string every_table =
-    "[gravity]\n[tensile]\n[vorticity]\n[viscosity]\n[[fountain]]\ncenter = [1, 0.5]\nmusic = '-'\n[output.vtu]\n"
+    "[gravity]\n[tensile]\n[vorticity]\n[viscosity]\n[[fountain]]\ncenter = [1, 0.5]\nmusic = '-'\n[[inlet]]\ncenter = "
+    "[1, 0.5, 0.5]\nradius = 0.1\nspeed = 10\nmusic = '-'\n"
+    "[[drain]]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n[output.vtu]\n"
     "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n";
 
 /// Of what `density.preset = "report"` changes.

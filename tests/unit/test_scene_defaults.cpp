@@ -19,6 +19,7 @@ Scene meaning(const std::string& more, const std::vector<std::string>& overrides
   scene.overrides = 0;
   for (ParticleSource& source : scene.particles) source.line = 0;
   for (FountainSettings& fountain : scene.fountains) fountain.line = 0;
+  for (InletSettings& inlet : scene.inlets) inlet.line = 0;
   return scene;
 }
 
@@ -82,6 +83,19 @@ TEST(SceneDefaults, EveryKeyIsAmongThem) {
                                  "[[fountain]] music",
                                  "[[fountain]] track",
                                  "[[fountain]] channel",
+                                 "[[inlet]] radius",
+                                 "[[inlet]] size",
+                                 "[[inlet]] speed",
+                                 "[[inlet]] flow",
+                                 "[[inlet]] music",
+                                 "[[inlet]] track",
+                                 "[[inlet]] channel",
+                                 "[[drain]] min",
+                                 "[[drain]] max",
+                                 "[[drain]] center",
+                                 "[[drain]] axis",
+                                 "[[drain]] radius",
+                                 "[[drain]] height",
                                  "[output.vtu] every",
                                  "[output.vtu] every_steps",
                                  "[output.vtkhdf] every",

@@ -157,6 +157,45 @@ BadScene bad_fountain(const std::string& line, const std::string& key, const std
   return {appended, "[[fountain]]\ncenter = [1, 0.5]\n" + line, "14: [[fountain]] " + key, words};
 }
 
+const char* const good_inlet = "[[inlet]]\ncenter = [1, 0.5, 0.5]\nspeed = 1\n";  // without its radius, of 3 lines
+
+INSTANTIATE_TEST_SUITE_P(
+    Inlet, BadSceneTest,
+    testing::Values(
+        BadScene{appended, "[[inlet]]\nradius = 0.1\nspeed = 1", "12: [[inlet]] center", "missing"},
+        BadScene{appended, good_inlet, "12: [[inlet]] radius", "missing"},
+        BadScene{appended, std::string(good_inlet) + "radius = 0", "15: [[inlet]] radius", "must be positive"},
+        BadScene{appended, std::string(good_inlet) + "radius = 0.6", "13: [[inlet]] center", "out of the box"},
+        BadScene{appended, std::string(good_inlet) + "size = [0.1, 0.1]", "15: [[inlet]] size", "has a radius"},
+        BadScene{appended, std::string(good_inlet) + "type = 'rectangle'", "12: [[inlet]] size", "missing"},
+        BadScene{appended, std::string(good_inlet) + "type = 'rectangle'\nsize = [0.1, 0]", "16: [[inlet]] size",
+                 "must be positive"},
+        BadScene{appended, std::string(good_inlet) + "type = 'rectangle'\nsize = [1e9, 1e9]", "13: [[inlet]] center",
+                 "check the units"},
+        BadScene{appended, std::string(good_inlet) + "radius = 0.1\nflow = 1", "16: [[inlet]] flow", "keep one"},
+        BadScene{appended, "[[inlet]]\ncenter = [1, 0.5, 0.5]\nradius = 0.1", "12: [[inlet]] speed",
+                 "give speed (m/s) or flow"},
+        BadScene{appended, "[[inlet]]\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nflow = 1e6", "15: [[inlet]] flow",
+                 "widen the opening"},
+        BadScene{appended, std::string(good_inlet) + "radius = 0.1\nrecycle = true", "12: inlet", "add [[drain]]"},
+        BadScene{appended, std::string(good_inlet) + "radius = 0.1\ndiameter = 1", "16: [[inlet]] diameter", "known"},
+        BadScene{appended, std::string(good_inlet) + "radius = 0.1\nstart = 2\nstop = 1", "17: [[inlet]] stop",
+                 "later than start"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Drain, BadSceneTest,
+    testing::Values(BadScene{appended, "[[drain]]\nmin = [0, 0, 0]", "12: [[drain]] max", "missing"},
+                    BadScene{appended, "[[drain]]\nmin = [0, 0, 0]\nmax = [0, 1, 1]", "14: [[drain]] max",
+                             "greater than min"},
+                    BadScene{appended, "[[drain]]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nradius = 1",
+                             "15: [[drain]] radius", "cylinder"},
+                    BadScene{appended, "[[drain]]\ntype = 'plane'\ncenter = [0, 0, 0]", "12: [[drain]] axis", "normal"},
+                    BadScene{appended, "[[drain]]\ntype = 'plane'\ncenter = [0, 0, 0]\naxis = [0, 0, 0]",
+                             "15: [[drain]] axis", "must not be zero"},
+                    BadScene{appended, "[[drain]]\ntype = 'cylinder'\ncenter = [0, 0, 0]\nradius = 1",
+                             "12: [[drain]] height", "missing"},
+                    BadScene{appended, "[[drain]]\ntype = 'ball'", "13: [[drain]] type", "\"box\" or \"cylinder\""}));
+
 INSTANTIATE_TEST_SUITE_P(
     Fountain, BadSceneTest,
     testing::Values(BadScene{appended, "[[fountain]]", "12: [[fountain]] center", "missing"},

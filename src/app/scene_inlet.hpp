@@ -1,0 +1,21 @@
+// The tables [[inlet]] and [[drain]] of a scene.
+#pragma once
+
+#include "app/scene_reader.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+/// What of the scene is known to be good before its inlets are read.
+struct KnownGood {
+  bool box, spacing;
+};
+
+/// Adds them to the scene, whose box, spacing and fountains are read already.
+void read_inlet(Section& section, Scene& scene, const KnownGood& known);
+void read_drain(Section& section, Scene& scene);
+
+/// Rules between the tables, once all are read.
+void check_flow(Section& root, const Scene& scene);
+
+}  // namespace trevi

@@ -1,0 +1,72 @@
+// Water that enters and leaves: before each substep drains take the particles in their regions, and inlets make the
+// layers that are due. All ranks know what has been done so far (FlowState) and find the same layers from it: which
+// places are free is a small reduction over the ranks, and the ids are those that follow, so that no id and no place
+// depends on the ranks. A particle is made by the rank that owns its place. Places with water nearer than half a
+// spacing, and those outside of the box, are left out, and not made up for. Collective: begin() and exchange().
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "domain/slabs.hpp"
+#include "fluid/inlet.hpp"
+#include "parallel/vote.hpp"
+#include "particles/cell_grid.hpp"
+#include "trevi/box.hpp"
+#include "trevi/observer.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+class OpenFlow {
+ public:
+  struct Parts {
+    std::vector<std::shared_ptr<Inlet>> inlets;
+    std::vector<DrainSettings> drains;
+    Box box;
+    Real spacing = 0;
+  };
+  /// `state`: that of a run that goes on.
+  OpenFlow(Parts parts, std::optional<FlowState> state);
+
+  /// The nozzles of the inlets, in their order.
+  std::vector<std::unique_ptr<Forcing>> forcings() const;
+  /// Before the first substep, with all particles there are. New ids follow the largest of them.
+  void begin(MPI_Comm comm, const Particles& particles);
+  /// The particles of all ranks that have come, less those that have gone.
+  Vote exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
+
+  const FlowState& state() const { return state_; }
+
+ private:
+  // The particles of this rank, and what tells which of the new ones are its own.
+  struct Water {
+    Particles& particles;
+    const StepInfo& info;
+    const CellGrid& grid;
+    const Slabs& slabs;
+  };
+  // Layers that are due at once.
+  struct Layers {
+    const Inlet& inlet;
+    Real speed;      // m/s
+    Real first = 0;  // ahead of the opening, m; the others follow, a spacing each
+    GlobalId count = 0;
+    Real ahead(GlobalId layer, Real spacing) const { return first - static_cast<Real>(layer) * spacing; }
+  };
+  void drain(Particles& particles, Vote& change);
+  void run(std::size_t k, Water& water, Vote& change);
+  std::vector<char> open_places(const Layers& layers, const Particles& particles) const;
+  bool make(const Layers& layers, Water& water, Vote& change);
+  void add(Water& water, const Vec3& place, const Vec3& velocity) const;
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  Parts parts_;
+  FlowState state_;
+  bool recycles_;
+  std::optional<Ballot> ballot_;
+  Event event_{"OpenFlow"};
+};
+
+}  // namespace trevi
