@@ -122,8 +122,9 @@ name = sys.argv[1]
 parts = {b["name"].split("/")[1]: b["ns_per_pair"] for b in json.load(open(f"out/bench/parts-{name}.json"))["benchmarks"]}
 run = json.load(open(f"out/bench/limit_{name}.json"))
 passes = 6  # density and delta, three times each; as many in each step
-pairs = 1e9 * run["wall_seconds"] / run["nanoseconds_per_pair"] / run["steps"] / passes
-coarse = 1e3 * {p["name"]: p["seconds"]["mean"] for p in run["phases"]}["CoarseGrid"] / run["steps"]
+phase = {p["name"]: 1e3 * p["seconds"]["mean"] / run["steps"] for p in run["phases"]}
+pairs = 1e6 * (phase["Lambda"] + phase["Delta"]) / run["nanoseconds_per_pair"] / passes
+coarse = phase["CoarseGrid"]
 ms = {part: 1e-6 * pairs * ns * (1 if part == "search" else passes / 2) for part, ns in parts.items()}
 step, total = statistics.median(run["step_ms"]), sum(ms.values()) + coarse
 print(f"\nLimit, {name}: step {step:.1f} ms, parts {total:.1f} ms (" +
