@@ -198,17 +198,20 @@ CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
   return state;
 }
 
-std::string latest_checkpoint(MPI_Comm comm, const std::string& directory) {
-  std::int64_t step = -1;
+std::vector<std::string> newest_checkpoints(MPI_Comm comm, const std::string& directory) {
+  std::vector<std::int64_t> steps;
   on_root(comm, [&] {
-    const auto files = stepped_files(directory, checkpoint_files);
-    if (files.empty()) {
-      throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
-    }
-    step = files.back().step;
+    for (const SteppedFile& file : stepped_files(directory, checkpoint_files)) steps.insert(steps.begin(), file.step);
+    if (!steps.empty()) return;
+    throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
   });
-  MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm);
-  return directory + "/" + name_of_step(checkpoint_files, step);
+  auto count = static_cast<int>(steps.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, comm);
+  steps.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(steps.data(), count, MPI_INT64_T, 0, comm);
+  std::vector<std::string> files;
+  for (const std::int64_t step : steps) files.push_back(directory + "/" + name_of_step(checkpoint_files, step));
+  return files;
 }
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
