@@ -61,8 +61,11 @@ Session::Session(int& argc, char**& argv) {
   comm_ = MPI_COMM_WORLD;
   require_threads();
   check_options_files(comm_, argc, argv);
+  struct sigaction hangup = {};
+  sigaction(SIGHUP, nullptr, &hangup);
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
+  sigaction(SIGHUP, &hangup, nullptr);  // PETSc's handler, too, leaves the default where nohup had set it to ignore
   std::signal(SIGPIPE, SIG_IGN);  // a run goes on when nobody reads its progress any more
   begin();
 }
