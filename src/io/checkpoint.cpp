@@ -17,6 +17,7 @@
 #include "io/hdf5_writer.hpp"
 #include "io/id_order.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/core_share.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -149,8 +150,8 @@ void check_header(const std::string& path, const CheckpointState& state) {
     refuse("scene_overrides", state.info.scene_overrides);
 }
 
-CheckpointState read_slice(const std::string& path, int rank, int size) {
-  Source source{path, Hdf5Reader(path), {}};
+CheckpointState read_slice(const std::string& path, int rank, int size, int readers) {
+  Source source{path, Hdf5Reader(path, readers), {}};
   const Hdf5Reader& file = source.file;
   source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
   CheckpointState state;
@@ -193,7 +194,8 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointIn
 
 CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
   CheckpointState state;
-  all_or_none(comm, [&] { state = read_slice(path, rank_of(comm), size_of(comm)); });
+  const int readers = ranks_of_machine(comm);
+  all_or_none(comm, [&] { state = read_slice(path, rank_of(comm), size_of(comm), readers); });
   check_particle_rows(comm, state.rows, path);
   return state;
 }

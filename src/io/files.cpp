@@ -158,6 +158,8 @@ void RandomAccessFile::write(std::int64_t offset, std::string_view bytes) {
 void RandomAccessFile::sync() { sync_descriptor(descriptor_, path_); }
 
 std::string read_text(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_character_file(path, ignored)) throw RunError(path + ": cannot read: is a device, not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw_file_error(path, "open", errno);
   std::ostringstream text;
