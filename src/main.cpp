@@ -1,6 +1,7 @@
 #include <optional>
 
 #include "app/run.hpp"
+#include "base/memory.hpp"
 
 int main(int argc, char** argv) {
   const trevi::Mpi mpi(argc, argv);
@@ -11,6 +12,6 @@ int main(int argc, char** argv) {
   } catch (const trevi::Error& error) {
     return trevi::report_error(error);
   } catch (const std::exception& error) {  // out of memory, for instance
-    return trevi::report_error(trevi::RunError(error.what()));
+    return trevi::report_error(trevi::RunError(trevi::text_of(error)));
   }
 }

@@ -39,8 +39,7 @@ CheckpointOptions checkpoint_options(MPI_Comm comm, const Scene& scene, const st
                                      std::optional<std::int64_t> restart_step) {
   CheckpointOptions options;
   options.directory = directory;
-  options.info = {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides,
-                  music_checksums(comm, scene)};
+  options.info = checkpoint_info(comm, scene);
   options.restart_step = restart_step;
   options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
   if (scene.output.checkpoint) {
@@ -134,6 +133,11 @@ std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::opti
 }
 
 }  // namespace
+
+CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
+  return {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides,
+          music_checksums(comm, scene)};
+}
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   if (!scene.output.series || !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty())

@@ -30,6 +30,9 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
 };
 
+/// What a checkpoint tells of the run.
+CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene);
+
 /// For the series of a scene without fountains, inlets and drains; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 

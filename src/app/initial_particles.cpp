@@ -9,8 +9,10 @@
 
 #include "app/lattice.hpp"
 #include "app/scene_place.hpp"
+#include "base/memory.hpp"
 #include "domain/migrate.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/core_share.hpp"
 #include "parallel/reductions.hpp"
 #include "solver/first_slabs.hpp"
 #include "trevi/error.hpp"
@@ -165,6 +167,13 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   const int rank = rank_of(comm);
   const auto owned =
       std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.last_plane(rank), 0.0);
+  const int sharers = ranks_of_machine(comm);
+  all_or_none(comm, [&] {
+    const double bytes_of_state = 3 * sizeof(Vec3) + sizeof(GlobalId);
+    require_memory(owned * sharers * bytes_of_state,
+                   fmt::format("{}: {:.0f} particles on this machine", scene.path, owned * sharers),
+                   "use more machines or a coarser fluid.spacing; --dry-run tells what a run needs");
+  });
   // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
   // run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });

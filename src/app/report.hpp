@@ -5,6 +5,7 @@
 
 #include "app/launch.hpp"
 #include "io/energy_rise.hpp"
+#include "io/output_lock.hpp"
 #include "trevi/error.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/session.hpp"
@@ -19,6 +20,7 @@ struct RunContext {
   bool restarted = false;
   const EnergyRise* energy = nullptr;  ///< null without a series, or where something pumps
   Launch launch = {};
+  const OutputLock* lock = nullptr;  ///< on the directory
 };
 
 struct Outcome {

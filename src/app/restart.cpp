@@ -6,6 +6,7 @@
 
 #include "app/scene_changes.hpp"
 #include "io/output_directory.hpp"
+#include "trevi/error.hpp"
 
 namespace trevi {
 
@@ -22,6 +23,20 @@ std::string quoted_for_shell(std::string_view word) {
   return quoted + "'";
 }
 
+/// From the newest of a folder's checkpoints that is good. A requeued job has nobody who could name an older one when
+/// the disk has spoilt the last.
+Restart from_newest_good(MPI_Comm comm, const std::string& directory) {
+  std::string spoilt;
+  for (const std::string& file : newest_checkpoints(comm, directory)) {
+    try {
+      return {file, read_checkpoint(comm, file), spoilt};
+    } catch (const InputError& error) {  // on all ranks alike
+      spoilt += std::string("\n  passed over, and set aside as .stale: ") + error.what();
+    }
+  }
+  throw InputError(directory + ": holds no good checkpoint; name another with --restart FILE" + spoilt);
+}
+
 }  // namespace
 
 std::optional<Restart> find_restart(const Session& session, const Scene& scene, const std::string& wanted,
@@ -32,10 +47,9 @@ std::optional<Restart> find_restart(const Session& session, const Scene& scene, 
     return Restart{directory + "/checkpoint_000000.h5", std::nullopt,
                    directory + ": no checkpoint and nothing past step 0 here; the run begins at step 0"};
   }
-  Restart restart;
-  restart.file = wanted == "latest" ? latest_checkpoint(comm, directory) : wanted;
-  restart.state = read_checkpoint(comm, restart.file);
-  restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step);
+  Restart restart =
+      wanted == "latest" ? from_newest_good(comm, directory) : Restart{wanted, read_checkpoint(comm, wanted), ""};
+  restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step) + restart.message;
   const std::vector<std::string> changes =
       scene_changes(restart.state->info, restart.file, scene, music_checksums(comm, scene));
   for (const std::string& change : changes) restart.message += "\n  changed since: " + change;

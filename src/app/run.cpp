@@ -11,6 +11,7 @@
 #include "app/launch.hpp"
 #include "app/preview.hpp"
 #include "app/report.hpp"
+#include "app/rescue.hpp"
 #include "app/restart.hpp"
 #include "base/simd.hpp"
 #include "io/blowup.hpp"
@@ -67,6 +68,20 @@ Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
   return {};
 }
 
+// Where the traces of a failed run go: its folder, or, where that was removed, one with the last state.
+std::string folder_for_traces(const Session& session, const RunContext& context, const Solver& solver,
+                              std::string& told) {
+  if (context.lock == nullptr || !context.lock->lost()) return context.directory;
+  const auto rescued = rescue_state(session, context.scene, solver, context.directory);
+  told = rescued
+             ? fmt::format(
+                   "\nthe folder {} is gone; the state of step {} is in {}; go on with --output {} --restart "
+                   "latest",
+                   context.directory, solver.clock().step, *rescued, *rescued)
+             : fmt::format("\nthe folder {} is gone, and nowhere else could the state be written", context.directory);
+  return rescued.value_or(context.directory);
+}
+
 // Saves what can be saved of a run that failed; a second failure (of the disk, say) must not hide the first.
 std::string leave_traces(const Session& session, const RunContext& context, const Solver& solver, const RunError& error,
                          bool blown_up) {
@@ -82,16 +97,20 @@ std::string leave_traces(const Session& session, const RunContext& context, cons
       traces = "\n" + write_blowup(session.comm(), context.directory, {step, solver.particles(), error.what()}) +
                " holds the particles; ParaView opens it as .hdf";
     }
-    write_report(session, context, solver, outcome);
+    RunContext where = context;
+    if (!blown_up) where.directory = folder_for_traces(session, context, solver, traces);
+    write_report(session, where, solver, outcome);
   } catch (const Error& second) {
-    traces += std::string("\n") + second.what();
+    if (std::string_view(second.what()) != error.what()) traces += std::string("\n") + second.what();
   }
   return traces;
 }
 
 Outcome run_guarded(const Session& session, const RunContext& context, Solver& solver, std::int64_t last_step) {
   try {
-    return run_steps(solver, last_step, context.restarted);
+    const Outcome outcome = run_steps(solver, last_step, context.restarted);
+    write_report(session, context, solver, outcome);
+    return outcome;
   } catch (const BlowUp& error) {
     throw RunError(error.what() + leave_traces(session, context, solver, error, true), error.reach());
   } catch (const RunError& error) {
@@ -158,13 +177,12 @@ ExitCode run_scene(const Session& session, const Scene& scene, const Launch& lau
   if (options.viewed) options.viewer = connect_on_root(session.comm(), line.view);
   options.requests = requests_of(watch, options.viewer);
   const std::shared_ptr<EnergyRise> energy = options.energy = make_energy_rise(scene);
-  const RunContext context{scene,   options.directory, goes_on ? options.restart->step : 0,
-                           goes_on, energy.get(),      launch};
+  const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on, energy.get(), launch,
+                           &lock};
   const std::int64_t last_step = options.last_step;
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   announce(session, context, *solver, restart ? restart->message : "");
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
-  write_report(session, context, *solver, outcome);
   warn_at_the_end(session, context, solver->counters());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();

@@ -17,6 +17,7 @@
 #include "io/hdf5_writer.hpp"
 #include "io/id_order.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/core_share.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -176,8 +177,8 @@ void check_header(const std::string& path, const CheckpointState& state) {
     refuse("scene_overrides", state.info.scene_overrides);
 }
 
-CheckpointState read_slice(const std::string& path, int rank, int size) {
-  Source source{path, Hdf5Reader(path), {}};
+CheckpointState read_slice(const std::string& path, int rank, int size, int readers) {
+  Source source{path, Hdf5Reader(path, readers), {}};
   const Hdf5Reader& file = source.file;
   source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
   CheckpointState state;
@@ -221,22 +222,26 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointIn
 
 CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
   CheckpointState state;
-  all_or_none(comm, [&] { state = read_slice(path, rank_of(comm), size_of(comm)); });
+  const int readers = ranks_of_machine(comm);
+  all_or_none(comm, [&] { state = read_slice(path, rank_of(comm), size_of(comm), readers); });
   check_particle_rows(comm, state.rows, path);
   return state;
 }
 
-std::string latest_checkpoint(MPI_Comm comm, const std::string& directory) {
-  std::int64_t step = -1;
+std::vector<std::string> newest_checkpoints(MPI_Comm comm, const std::string& directory) {
+  std::vector<std::int64_t> steps;
   on_root(comm, [&] {
-    const auto files = stepped_files(directory, checkpoint_files);
-    if (files.empty()) {
-      throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
-    }
-    step = files.back().step;
+    for (const SteppedFile& file : stepped_files(directory, checkpoint_files)) steps.insert(steps.begin(), file.step);
+    if (!steps.empty()) return;
+    throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
   });
-  MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm);
-  return directory + "/" + name_of_step(checkpoint_files, step);
+  auto count = static_cast<int>(steps.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, comm);
+  steps.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(steps.data(), count, MPI_INT64_T, 0, comm);
+  std::vector<std::string> files;
+  for (const std::int64_t step : steps) files.push_back(directory + "/" + name_of_step(checkpoint_files, step));
+  return files;
 }
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)

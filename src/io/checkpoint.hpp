@@ -41,8 +41,8 @@ struct CheckpointState {
 /// InputError on all ranks alike when the file is missing, foreign, cut short, damaged or incomplete.
 CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path);
 
-/// The checkpoint of the highest step in a folder, for --restart latest. InputError when there is none.
-std::string latest_checkpoint(MPI_Comm comm, const std::string& directory);
+/// The checkpoints of a folder, that of the highest step first, for --restart latest. InputError when there is none.
+std::vector<std::string> newest_checkpoints(MPI_Comm comm, const std::string& directory);
 
 /// A scene without [output.checkpoint] gets one only when somebody asks the run to stop or to save.
 enum class CheckpointTimes { scheduled, asked_for };

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -88,6 +89,13 @@ std::string free_space(const std::string& path) {
   return error ? error.message() : fmt::format("{:.1f} MB free there", static_cast<double>(space.available) / 1e6);
 }
 
+bool has_name(int descriptor, const std::string& path) {
+  struct stat held = {}, named = {};
+  if (::fstat(descriptor, &held) != 0) return false;
+  if (::stat(path.c_str(), &named) != 0) return errno != ENOENT && errno != ENOTDIR;  // a file system out of reach
+  return held.st_ino == named.st_ino && held.st_dev == named.st_dev;
+}
+
 AppendFile::AppendFile(const std::string& path)
     : path_(path), descriptor_(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT, 0666)) {
   if (descriptor_ < 0) throw_file_error(path, "open", errno);
@@ -95,7 +103,10 @@ AppendFile::AppendFile(const std::string& path)
 
 AppendFile::~AppendFile() { ::close(descriptor_); }
 
-void AppendFile::write(std::string_view text) { write_all(descriptor_, text, path_); }
+void AppendFile::write(std::string_view text) {
+  write_all(descriptor_, text, path_);
+  if (!has_name(descriptor_, path_)) throw RunError(path_ + ": cannot write: it was removed or replaced under the run");
+}
 
 // memfd_create would do without a name, but HDF5 insists on one that is no symbolic link.
 MemoryFile::MemoryFile()
@@ -147,6 +158,8 @@ void RandomAccessFile::write(std::int64_t offset, std::string_view bytes) {
 void RandomAccessFile::sync() { sync_descriptor(descriptor_, path_); }
 
 std::string read_text(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_character_file(path, ignored)) throw RunError(path + ": cannot read: is a device, not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw_file_error(path, "open", errno);
   std::ostringstream text;

@@ -17,7 +17,11 @@ namespace trevi {
 /// "12.3 MB free there": what the folder of `path` has room for, to go with errors of libraries that hide their reason.
 std::string free_space(const std::string& path);
 
-/// An open file that only grows; what write() has returned for survives the death of the process.
+/// Whether a path still leads to the file that a process has open.
+bool has_name(int descriptor, const std::string& path);
+
+/// An open file that only grows; what write() has returned for survives the death of the process. RunError, too, when
+/// the file no longer has its name: rows that nobody can find are lost.
 class AppendFile {
  public:
   explicit AppendFile(const std::string& path);  ///< created when missing

@@ -6,7 +6,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
+#include "base/memory.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -44,6 +46,15 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
+/// Whether the rows are in other files, as HDF5 allows.
+bool is_elsewhere(hid_t dataset) {
+  const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose);
+  return H5Pget_layout(creation.id()) == H5D_VIRTUAL || H5Pget_external_count(creation.id()) > 0;
+}
+
+// Deflate makes a thousandth of zeros at best; what claims to be smaller has never been written, and reads as zeros.
+constexpr double most_compression = 1100, smallest_table = 1e4;
+
 /// The value of a fixed-length string type, whatever reads it.
 template <class Read>
 std::string read_fixed_string(const Hdf5Handle& type, const Read& read) {
@@ -59,13 +70,14 @@ bool is_fixed_string(const Hdf5Handle& type) {
 
 }  // namespace
 
-Hdf5Reader::Hdf5Reader(const std::string& path) : path_(path) {
+Hdf5Reader::Hdf5Reader(const std::string& path, int readers) : path_(path), readers_(readers) {
   silence_hdf5();
   if (::access(path.c_str(), R_OK) != 0) {
     throw InputError(fmt::format("{}: cannot read: {}; check the path", path, std::strerror(errno)));
   }
   if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError(path + ": not an HDF5 file; check the path");
   file_ = open_file(path);
+  file_size_ = static_cast<std::int64_t>(std::filesystem::file_size(path));
 }
 
 void Hdf5Reader::fail(const std::string& object, const std::string& problem) const {
@@ -101,6 +113,28 @@ std::int64_t Hdf5Reader::checked_rows(const std::string& name, RowFormat format)
   if (!fits) fail(name, fmt::format("has shape {}; write {}", shape_text(shape), wanted_text(format)));
   if (!kind_fits(dataset.id(), format.scalar)) fail(name, "wrong type of number; write " + wanted_text(format));
   return static_cast<std::int64_t>(shape[0]);
+}
+
+void Hdf5Reader::check_room(const std::string& name, RowFormat format, RowSlice slice) const {
+  const Hdf5Handle dataset = open_dataset(name);
+  const double there =
+      std::min(static_cast<double>(H5Dget_storage_size(dataset.id())), static_cast<double>(file_size_));
+  const double claimed = static_cast<double>(slice.total) * bytes_of(format);
+  if (claimed > most_compression * (there + smallest_table) && !is_elsewhere(dataset.id())) {
+    fail(name, fmt::format("claims {} rows, {}, of which the file holds {}; it is damaged or was never filled, use "
+                           "another copy",
+                           slice.total, bytes_text(claimed), bytes_text(there)));
+  }
+  require_memory(static_cast<double>(slice.count) * bytes_of(format) * readers_,
+                 fmt::format("{}: {}: {} rows", path_, name, slice.count * readers_),
+                 "use more machines, or a file with fewer rows");
+}
+
+void Hdf5Reader::check_text_size(const std::string& object, std::int64_t type) const {
+  const std::size_t size = H5Tget_size(type);
+  if (size > static_cast<std::size_t>(file_size_)) {
+    fail(object, fmt::format("claims {} characters, more than the file has; it is damaged, use another copy", size));
+  }
 }
 
 void Hdf5Reader::read_rows(const std::string& name, RowFormat format, RowSlice slice, void* rows) const {
@@ -149,6 +183,7 @@ std::string Hdf5Reader::text_attribute(const std::string& name) const {
   const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
   if (!is_fixed_string(type))
     fail("attribute " + name, "is not a text of fixed length; is this a checkpoint of trevi?");
+  check_text_size("attribute " + name, type.id());
   return read_fixed_string(type, [&](char* value) { return H5Aread(attribute.id(), type.id(), value) >= 0; });
 }
 
@@ -156,6 +191,7 @@ std::string Hdf5Reader::text(const std::string& name) const {
   const Hdf5Handle dataset = open_dataset(name);
   const Hdf5Handle type(H5Dget_type(dataset.id()), H5Tclose);
   if (!is_fixed_string(type)) fail(name, "is not a text of fixed length; is this a checkpoint of trevi?");
+  check_text_size(name, type.id());
   return read_fixed_string(
       type, [&](char* value) { return H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, value) >= 0; });
 }

@@ -12,7 +12,8 @@ namespace trevi {
 
 class Hdf5Reader {
  public:
-  explicit Hdf5Reader(const std::string& path);
+  /// `readers` processes of this machine read their slices at the same time, and share its memory.
+  explicit Hdf5Reader(const std::string& path, int readers = 1);
 
   bool has(const std::string& name) const;
 
@@ -25,6 +26,7 @@ class Hdf5Reader {
   /// Rows [first, first + count), converted to T; fails unless the dataset has slice.total rows.
   template <class T>
   std::vector<T> read(const std::string& name, RowSlice slice) const {
+    check_room(name, RowFormatOf<T>::value, slice);
     std::vector<T> rows(static_cast<std::size_t>(slice.count));
     read_rows(name, RowFormatOf<T>::value, slice, rows.data());
     return rows;
@@ -40,10 +42,15 @@ class Hdf5Reader {
   Hdf5Handle open_dataset(const std::string& name) const;
   Hdf5Handle open_attribute(const std::string& name) const;
   std::int64_t checked_rows(const std::string& name, RowFormat format) const;
+  /// Fails for rows that a file of this size cannot hold, or this machine's memory.
+  void check_room(const std::string& name, RowFormat format, RowSlice slice) const;
+  void check_text_size(const std::string& object, std::int64_t type) const;
   void read_rows(const std::string& name, RowFormat format, RowSlice slice, void* rows) const;
   void read_number(const std::string& name, Scalar scalar, void* value) const;
 
   std::string path_;
+  int readers_;
+  std::int64_t file_size_ = 0;
   Hdf5Handle file_;
 };
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 
+#include "io/files.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
 
@@ -49,8 +50,14 @@ OutputLock::OutputLock(MPI_Comm comm, const std::string& directory)
 
 OutputLock::~OutputLock() {
   if (descriptor_ < 0) return;
-  ::unlink(path_.c_str());
+  if (has_name(descriptor_, path_)) ::unlink(path_.c_str());  // else it is another run's
   ::close(descriptor_);
+}
+
+bool OutputLock::lost() const {
+  int lost = descriptor_ >= 0 && !has_name(descriptor_, path_) ? 1 : 0;
+  MPI_Bcast(&lost, 1, MPI_INT, 0, comm_);
+  return lost != 0;
 }
 
 void OutputLock::take() {

@@ -22,6 +22,9 @@ class OutputLock {
   /// Nothing when it is held. InputError that names host and process when another run has it.
   void take();
 
+  /// Whether the folder was removed, or replaced by another, since the lock was taken.
+  bool lost() const;
+
  private:
   MPI_Comm comm_;
   std::string directory_, path_;

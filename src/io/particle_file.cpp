@@ -9,6 +9,7 @@
 #include "io/fields.hpp"
 #include "io/id_order.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/core_share.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -79,8 +80,9 @@ void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::str
 
 ParticleRows read_particle_file(MPI_Comm comm, const std::string& path) {
   ParticleRows rows;
+  const int readers = ranks_of_machine(comm);
   all_or_none(comm, [&] {
-    const Hdf5Reader file(path);
+    const Hdf5Reader file(path, readers);
     const GlobalId total = file.rows<Vec3>("/particles/position");
     rows = read_particle_rows(file, equal_slice(total, rank_of(comm), size_of(comm)));
   });

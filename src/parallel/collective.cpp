@@ -3,6 +3,7 @@
 #include <exception>
 #include <string>
 
+#include "base/memory.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -22,7 +23,7 @@ Failure attempt(const std::function<void()>& work) {
   } catch (const Error& error) {
     return {true, error.code(), error.what()};
   } catch (const std::exception& error) {
-    return {true, ExitCode::run_failed, error.what()};
+    return {true, ExitCode::run_failed, text_of(error)};
   }
 }
 

@@ -19,4 +19,12 @@ int fair_threads(MPI_Comm comm, const std::vector<int>& cores, double allowed) {
   return threads_for_share(users_of_mine, allowed, ranks);
 }
 
+int ranks_of_machine(MPI_Comm comm) {
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const int ranks = size_of(machine);
+  MPI_Comm_free(&machine);
+  return ranks;
+}
+
 }  // namespace trevi

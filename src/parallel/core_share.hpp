@@ -12,4 +12,7 @@ namespace trevi {
 /// that have less than a core. What travels is one number for each core of a machine, within it.
 int fair_threads(MPI_Comm comm, const std::vector<int>& cores, double allowed);
 
+/// Ranks of `comm` on the machine of this one.
+int ranks_of_machine(MPI_Comm comm);
+
 }  // namespace trevi

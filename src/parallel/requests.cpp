@@ -17,16 +17,16 @@ volatile std::sig_atomic_t checkpoint_signals = 0, stop_signals = 0, terminate_s
 extern "C" void count_signal(int signal) {
   if (signal == SIGUSR1) checkpoint_signals = checkpoint_signals + 1;
   if (signal == SIGUSR2) stop_signals = stop_signals + 1;
-  if (signal == SIGTERM || signal == SIGINT) terminate_signals = terminate_signals + 1;
+  if (signal == SIGTERM || signal == SIGINT || signal == SIGHUP) terminate_signals = terminate_signals + 1;
 }
 
-constexpr std::array<int, 4> caught = {SIGUSR1, SIGUSR2, SIGTERM, SIGINT};
+constexpr std::array<int, 5> caught = {SIGUSR1, SIGUSR2, SIGTERM, SIGINT, SIGHUP};
 
 }  // namespace
 
 std::optional<std::string> stop_reason(const RequestCounts& agreed) {
   if (count_of(agreed, Request::stop_signal) > 0) return "SIGUSR2";
-  if (count_of(agreed, Request::terminate_signal) > 0) return "SIGTERM or SIGINT";
+  if (count_of(agreed, Request::terminate_signal) > 0) return "SIGTERM, SIGINT or SIGHUP";
   if (count_of(agreed, Request::stop_file) > 0) return "the stop file";
   if (count_of(agreed, Request::wall_limit) > 0) return "the wall limit";
   if (count_of(agreed, Request::viewer) > 0) return "the viewer";
@@ -42,7 +42,11 @@ RequestWatch::RequestWatch(MPI_Comm comm, RequestOptions options)
   struct sigaction action = {};
   action.sa_handler = count_signal;
   action.sa_flags = SA_RESTART;  // a signal must not make a write fail
-  for (const int signal : caught) sigaction(signal, &action, &old_.emplace_back());
+  for (const int signal : caught) {
+    struct sigaction& old = old_.emplace_back();
+    sigaction(signal, &action, &old);
+    if (signal == SIGHUP && old.sa_handler == SIG_IGN) sigaction(signal, &old, nullptr);  // nohup
+  }
 }
 
 RequestWatch::~RequestWatch() {

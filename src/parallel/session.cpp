@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
 
@@ -42,6 +43,12 @@ void check_options_files(MPI_Comm comm, int argc, const char* const* argv) {
   }
 }
 
+// A pipe or a device may go on for ever. What is read here goes to all ranks, whose number of bytes MPI has as an int.
+std::int64_t most_bytes_of(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored) ? 1 << 30 : 1 << 26;
+}
+
 }  // namespace
 
 Mpi::Mpi(int& argc, char**& argv) {
@@ -61,8 +68,11 @@ Session::Session(int& argc, char**& argv) {
   comm_ = MPI_COMM_WORLD;
   require_threads();
   check_options_files(comm_, argc, argv);
+  struct sigaction hangup = {};
+  sigaction(SIGHUP, nullptr, &hangup);
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
+  sigaction(SIGHUP, &hangup, nullptr);  // PETSc's handler, too, leaves the default where nohup had set it to ignore
   std::signal(SIGPIPE, SIG_IGN);  // a run goes on when nobody reads its progress any more
   begin();
 }
@@ -134,16 +144,26 @@ std::string read_file_everywhere(MPI_Comm comm, const std::string& path) {
   std::int64_t status[2] = {0, 0};  // errno, length
   if (rank_of(comm) == 0) {
     errno = 0;
+    const std::int64_t most = most_bytes_of(path);
     std::ifstream file(path, std::ios::binary);
     std::array<char, 1 << 16> block;
-    while (file) {  // read() makes a bad stream of what an iterator would throw, for a folder for instance
+    while (file && std::ssize(text) <=
+                       most) {  // read() makes a bad stream of what an iterator would throw, for a folder for instance
       file.read(block.data(), block.size());
       text.append(block.data(), static_cast<std::size_t>(file.gcount()));
     }
-    if (!file.eof()) status[0] = errno != 0 ? errno : EIO;
+    if (std::ssize(text) > most)
+      status[0] = EFBIG, text.clear();
+    else if (!file.eof())
+      status[0] = errno != 0 ? errno : EIO;
     status[1] = static_cast<std::int64_t>(text.size());
   }
   MPI_Bcast(status, 2, MPI_INT64_T, 0, comm);
+  if (status[0] == EFBIG) {
+    throw InputError(path +
+                     ": holds more than 64 MB (a file: 1 GB), which no scene and no piece of music does; check the "
+                     "path");
+  }
   if (status[0] != 0) {
     throw InputError(path + ": cannot be read (" + std::strerror(static_cast<int>(status[0])) + "); check the path");
   }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "base/memory.hpp"
 #include "io/files.hpp"
 #include "trevi/error.hpp"
 #include "view/live_source.hpp"
@@ -162,7 +163,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "trevi-view: %s\n", error.what());
     return static_cast<int>(error.code());
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "trevi-view: %s\n", error.what());
+    std::fprintf(stderr, "trevi-view: %s\n", trevi::text_of(error).c_str());
     return static_cast<int>(trevi::ExitCode::run_failed);
   }
 }

@@ -133,14 +133,14 @@ TEST_F(Output, CheckpointsAreKeptRestartedAndSetAside) {
   for (const char* name : {"checkpoint_000030.h5", "checkpoint_000040.h5", "checkpoint_000045.h5"}) {
     EXPECT_TRUE(fs::exists(path(name))) << name;
   }
-  EXPECT_EQ(latest_checkpoint(world, folder()), path("checkpoint_000045.h5"));
+  EXPECT_EQ(newest_checkpoints(world, folder()).front(), path("checkpoint_000045.h5"));
   barrier();
   options.restart_step = 30;
   CheckpointWriter writer(world, options);
   EXPECT_FALSE(writer.due(Clock{30, 0.1, 1}));
   EXPECT_TRUE(writer.due(Clock{40, 0.1, 1}));
   EXPECT_TRUE(fs::exists(path("checkpoint_000045.h5.stale")));
-  EXPECT_EQ(latest_checkpoint(world, folder()), path("checkpoint_000030.h5"));
+  EXPECT_EQ(newest_checkpoints(world, folder()).front(), path("checkpoint_000030.h5"));
 }
 
 TEST_F(Output, BlownUpStateDoesNotBecomeTheLastCheckpoint) {
@@ -149,13 +149,13 @@ TEST_F(Output, BlownUpStateDoesNotBecomeTheLastCheckpoint) {
   writer.observe(frame_of(Clock{10, 0.1, 1}, mine));
   if (rank_of(world) == 0) mine.velocity[0].x() = std::numeric_limits<Real>::quiet_NaN();
   writer.finish(frame_of(Clock{15, 0.1, 1}, mine));
-  EXPECT_EQ(latest_checkpoint(world, folder()), path("checkpoint_000010.h5"));
+  EXPECT_EQ(newest_checkpoints(world, folder()).front(), path("checkpoint_000010.h5"));
 }
 
 TEST_F(Output, CheckpointInAMissingFolderFailsOnAllRanks) {
   const Particles mine = my_part(whole_cloud(20));
   EXPECT_THROW(write_checkpoint(world, path("nowhere/c.h5"), info, frame_of(Clock{}, mine)), RunError);
-  EXPECT_NE(input_error_of([&] { latest_checkpoint(world, folder()); }).find("--restart FILE"), std::string::npos);
+  EXPECT_NE(input_error_of([&] { newest_checkpoints(world, folder()); }).find("--restart FILE"), std::string::npos);
 }
 
 // ---- damaged and foreign files ----------------------------------------------------------------------------------

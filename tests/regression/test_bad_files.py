@@ -48,6 +48,14 @@ def attribute(name, value):
     return change
 
 
+def never_filled(name, shape, **options):
+    """A table that is named and has no rows on the disk: a few kB that claim gigabytes."""
+    def change(file):
+        del file[name]
+        file.create_dataset(name, shape, **options)
+    return change
+
+
 def group_in_place(name):
     def change(file):
         del file[name]
@@ -96,6 +104,10 @@ PARTICLE_FILES = {
     "a link to nowhere": (link("particles/position", h5py.SoftLink("/nowhere")), ["/particles/position"]),
     "a link to another file": (link("particles/position", h5py.ExternalLink("gone.h5", "/x")), ["/particles/position"]),
     "two columns": (replace("particles/position", PLACES[:, :2]), ["shape (600, 2)", "(N, 3)"]),
+    "a sparse table": (never_filled("particles/position", (400_000_000, 3), dtype=float, chunks=(4096, 3)),
+                       ["/particles/position: claims 400000000 rows, 9.6 GB"]),
+    "an empty table": (never_filled("particles/position", (400_000_000, 3), dtype=float),
+                       ["/particles/position: claims 400000000 rows, 9.6 GB"]),
     "flat": (replace("particles/position", PLACES.ravel()), ["shape (1800)", "(N, 3)"]),
     "three dimensions": (replace("particles/position", PLACES[None]), ["shape (1, 600, 3)"]),
     "a single number": (replace("particles/position", 1.0), ["/particles/position", "shape"]),
@@ -133,6 +145,7 @@ CHECKPOINT_FILES = {
     "checksums of another shape": (replace("checksums/id", numpy.zeros(7, int)), ["/checksums/id", "7 rows"]),
     "a scene changed": (lambda file: replace("scene", numpy.bytes_(b"[domain]"))(file), ["/scene", "checksum"]),
     "no scene": (remove("scene"), ["/scene", "missing"]),
+    "a scene of a gigabyte": (never_filled("scene", (), dtype="S1000000000"), ["/scene", "claims 1000000000 characters"]),
     "another format": (attribute("format", 99), ["another version of trevi"]),
     "more overrides than lines": (attribute("scene_overrides", 5), ["/scene", "overrides"]),
     "overrides without end": (attribute("scene_overrides", 2**62), ["overrides"]),

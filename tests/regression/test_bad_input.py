@@ -2,13 +2,15 @@
 """Bad input through the whole program, on one and on two ranks: exit code 2, the message names file, line and key and
 is printed once, nothing is written, and no rank is left waiting."""
 
+import os
+import subprocess
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy
 
-from program import WITHOUT, ProgramTest, main
+from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, ProgramTest, main
 
 # The good scene, by line: each case replaces one line, so the number of the bad line is known.
 GOOD = ["[domain]", "min = [0, 0, 0]", "max = [2, 1, 1]", "[fluid]", "spacing = 0.1", "kernel_radius = 0.2",
@@ -101,6 +103,7 @@ class BadInput(ProgramTest):
             (["scene.toml", "-dry-run"], ["did you mean --dry-run?"]),
             (["scene.toml", "-output=k"], ["did you mean --output=k?"]),
             (["scene.toml", "-options_file", "none"], ["none: cannot be read"]),
+            (["/dev/zero"], ["/dev/zero: holds more than 64 MB"]),
             (["."], [".: cannot be read", "Is a directory"]),
             (["scene.toml", "--restart", "none.h5"], ["none.h5"]),
             (["scene.toml", "--restart", "scene.toml"], ["scene.toml"]),
@@ -135,6 +138,16 @@ class BadInput(ProgramTest):
             ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"],
              file("out/scene/vtu/particles_000000.pvtu")),
         )])
+
+    def test_more_memory_than_there_is(self):
+        text = "\n".join(GOOD).replace("spacing = 0.1", "spacing = 0.001").replace("radius = 0.2", "radius = 0.002")
+        (self.folder / "scene.toml").write_text(text)
+        limited = subprocess.run(["bash", "-c", 'ulimit -v 8000000; exec "$0" "$@"', self.trevi, "scene.toml"],
+                                 cwd=self.folder, env={**os.environ, **MPI_SETTINGS}, capture_output=True, text=True,
+                                 timeout=TIME_LIMIT, check=False)
+        self.assertEqual(limited.returncode, 2, limited.stderr)
+        self.assertRegex(limited.stderr, r"scene.toml: 500000000 particles on this machine need 40.0 GB, and .* are free")
+        self.assertFalse((self.folder / "out").exists())
 
     def test_more_ranks_than_planes(self):
         text = "\n".join(GOOD).replace("max = [2, 1, 1]", "max = [1, 1, 1]")

@@ -104,6 +104,28 @@ class Restart(unittest.TestCase):
         self.assertEqual([copy.name for _, copy in copies if not copy.exists()], [])
         self.assertEqual(sorted(path.name for path in output.glob("checkpoint_??????.h5")), ["checkpoint_000040.h5"])
 
+    def test_a_damaged_checkpoint_is_passed_over(self):
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        scene = folder.scene(CUBE + CHECKPOINTS.format(10, 3))
+        straight, output = folder.path("straight"), folder.path("out")
+        runs.run_well(1, scene, straight, "--steps", 40)
+        runs.run_well(1, scene, output, "--steps", 30)
+        newest, older = (output / f"checkpoint_0000{step}.h5" for step in (30, 20))
+        newest.write_bytes(newest.read_bytes()[:-1000])
+        damaged = newest.read_bytes()
+        told = runs.run_well(2, scene, output, "--steps", 40, "--restart", "latest")
+        self.assertIn(f"goes on from {older}, step 20", told)
+        self.assertRegex(told, f"passed over, .*{newest}: damaged or cut short")
+        self.assertEqual((output / "checkpoint_000030.h5.stale").read_bytes(), damaged)
+        self.assertEqual(runs.differences(straight, output), [])
+        for path in output.glob("checkpoint_*.h5"):
+            path.write_bytes(b"")
+        code, told = runs.run(2, scene, output, "--steps", 50, "--restart", "latest")
+        self.assertEqual(code, 2, told)
+        self.assertIn("no good checkpoint", told)
+        self.assertEqual(told.count("not an HDF5 file"), 3)
+
 
 class SceneChanges(unittest.TestCase):
     def setUp(self):

@@ -10,6 +10,7 @@ import json
 import os
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -86,6 +87,25 @@ class Signals(unittest.TestCase):
         code, told = self.interrupt(CUBE, lambda process: process.terminate(), ranks=1)
         self.assertEqual(code, 4, told)
         self.assertIn("SIGTERM", reason(self.output))
+
+    def test_hup_to_a_run_whose_terminal_is_gone(self):
+        code, told = self.interrupt(CUBE, lambda process: process.send_signal(signal.SIGHUP), ranks=1)
+        self.assertEqual(code, 4, told)
+        self.assertIn("SIGHUP", reason(self.output))
+        self.assertEqual(len(list(self.output.glob("checkpoint_*.h5"))), 1)
+
+    def test_hup_under_nohup_is_ignored(self):
+        def act(process):
+            process.send_signal(signal.SIGHUP)
+            runs.wait_for_row(self.output, len(runs.rows(self.output)) + 20, process)
+            process.send_signal(signal.SIGUSR2)
+        old = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # which the run inherits
+        try:
+            code, told = self.interrupt(CUBE, act, ranks=1)
+        finally:
+            signal.signal(signal.SIGHUP, old)
+        self.assertEqual(code, 4, told)
+        self.assertEqual(reason(self.output), "stopped: SIGUSR2")
 
     def test_term_to_mpirun_with_time_to_stop(self):
         # Open MPI waits that many seconds, sends SIGTERM to the ranks, and waits as many again before it kills them.
@@ -243,6 +263,29 @@ class Failures(unittest.TestCase):
         code, told = runs.run(2, self.folder.scene(CUBE), file / "out", "--steps", 1)
         self.assertEqual(code, 3, told)
         self.assertIn(str(file / "out"), told)
+
+    def test_a_folder_that_is_removed_under_a_run(self):
+        scene = self.folder.scene(CUBE)
+        for ranks, back in ((1, False), (2, True)):
+            output = self.folder.path(f"gone{ranks}")
+            process = runs.start(ranks, scene, output, "--steps", ENDLESS)
+            runs.wait_for_row(output, 20, process)
+            output.rename(self.folder.path("away"))  # at once, as no run can be caught between two files
+            if back:
+                output.mkdir()  # another folder of that name is not ours to write into
+            shutil.rmtree(self.folder.path("away"))
+            code, told = runs.finish(process)
+            self.assertEqual(code, 3, told)
+            rescued = self.folder.path(f"gone{ranks}.rescued")
+            self.assertRegex(told, f"series.csv: cannot write: .*removed(.|\n)*--output {rescued} --restart latest")
+            self.assertIn("removed", reason(rescued))
+            self.assertEqual(list(output.glob("*")) if back else output.exists(), [] if back else False)
+            step, straight = int(runs.last_checkpoint(rescued).stem[-6:]), self.folder.path(f"straight{ranks}")
+            checkpoints = ["--set", "output.checkpoint.every_steps=1000000"]
+            runs.run_well(1, scene, straight, "--steps", step, *checkpoints)
+            self.assertEqual(runs.particles(runs.last_checkpoint(straight))["particles/position"],
+                             runs.particles(runs.last_checkpoint(rescued))["particles/position"])
+            runs.run_well(2, scene, rescued, "--steps", step + 2, "--restart", "latest")
 
     def test_another_run_is_not_overwritten(self):
         scene, output = self.folder.scene(CUBE), self.folder.path("out")

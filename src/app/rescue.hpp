@@ -1,0 +1,19 @@
+// What a run leaves when its folder was removed under it: the state of its last step, in a folder that is told.
+// Collective.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "trevi/scene.hpp"
+#include "trevi/session.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi {
+
+/// Writes a checkpoint into a new folder: beside `lost`, in the working directory or among the temporary files,
+/// whichever takes it first. Its name; nothing when none does.
+std::optional<std::string> rescue_state(const Session& session, const Scene& scene, const Solver& solver,
+                                        const std::string& lost);
+
+}  // namespace trevi
