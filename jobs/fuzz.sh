@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # usage: jobs/fuzz.sh [SECONDS]
 #
-# Feeds the scene reader and the HDF5 reader with random changes of the files in tests/regression/corpus, SECONDS each
-# (default 60), under the address and undefined-behaviour sanitizers. Needs clang with libFuzzer (apt: clang). Exits 1
+# Feeds the readers of scenes, HDF5 files, viewer messages and music with random changes of the files in
+# tests/regression/corpus, SECONDS each (default 60), under the address and undefined-behaviour sanitizers. Needs clang with libFuzzer (apt: clang). Exits 1
 # when a reader crashes or hangs, or the scene reader leaks; the input that did it is then in build/fuzz/findings. What
 # it learns stays in build/fuzz/corpus for the next time.
 set -euo pipefail
@@ -12,7 +12,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 build_targets() {
   cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ \
     -DCMAKE_C_COMPILER=clang -DTREVI_FUZZ=ON -DTREVI_WITH_VTK=OFF >/dev/null
-  cmake --build build/fuzz -j "$(build_jobs)" --target fuzz_scene fuzz_checkpoint
+  cmake --build build/fuzz -j "$(build_jobs)" --target fuzz_scene fuzz_checkpoint fuzz_messages fuzz_music
 }
 
 # fuzz SUBJECT SECONDS: ends with the coverage (cov: edges of our code) and libFuzzer's figures.
@@ -39,6 +39,8 @@ main() {
   fuzz scene "${1:-60}"
   # HDF5 itself forgets a few kilobytes when it gives up on a damaged object.
   ASAN_OPTIONS=detect_leaks=0 fuzz checkpoint "${1:-60}"
+  fuzz messages "${1:-60}"
+  fuzz music "${1:-60}"
   echo "nothing found"
 }
 

@@ -175,6 +175,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const Launch& lau
   RequestWatch watch(session.comm(), {options.directory + "/stop", scene.wall_limit});
   options.viewed = !line.view.empty();
   if (options.viewed) options.viewer = connect_on_root(session.comm(), line.view);
+  const std::shared_ptr<ViewerLink> viewer = options.viewer;
   options.requests = requests_of(watch, options.viewer);
   const std::shared_ptr<EnergyRise> energy = options.energy = make_energy_rise(scene);
   const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on, energy.get(), launch,
@@ -184,6 +185,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const Launch& lau
   announce(session, context, *solver, restart ? restart->message : "");
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
   warn_at_the_end(session, context, solver->counters());
+  if (viewer && !viewer->trouble().empty()) tell(session, "warning: " + viewer->trouble());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();
     tell(session, outcome.reason + " at step " + std::to_string(solver->clock().step) + "; go on with\n" + command);

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "io/visible.hpp"
+#include "parallel/collective.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -47,9 +48,10 @@ void gather(MPI_Comm comm, const std::vector<ViewedParticle>& mine, ViewedFrame&
 }  // namespace
 
 LiveView::LiveView(MPI_Comm comm, LiveViewOptions options) : comm_(comm), options_(std::move(options)) {
-  if (!options_.link) return;
-  options_.link->introduce(options_.scene);
-  options_.link->greet();
+  on_root(comm_, [&] {
+    if (options_.link) options_.link->introduce(options_.scene);
+  });
+  if (options_.link) options_.link->greet();
 }
 
 void LiveView::observe(const Frame& frame) {

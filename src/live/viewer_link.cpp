@@ -3,6 +3,7 @@
 #include <chrono>
 #include <zmq.hpp>
 
+#include "live/viewer_key.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -11,12 +12,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int most_waiting = 4;       // messages in a queue; credit allows one frame anyway
-constexpr int last_message = 1000;    // ms the last message may take once the run is over
-constexpr int reconnect = 200;        // ms between calls while nobody answers
-constexpr int heartbeat = 2000;       // ms
-constexpr int presumed_gone = 10000;  // ms without a heartbeat: a stopped process, a cut line
-constexpr int look_interval = 5;      // ms between looks at the line while greeting
+constexpr int most_waiting = 4;                 // messages in a queue; credit allows one frame anyway
+constexpr int last_message = 1000;              // ms the last message may take once the run is over
+constexpr std::int64_t longest_wish = 1 << 16;  // bytes
+constexpr int reconnect = 200;                  // ms between calls while nobody answers
+constexpr int heartbeat = 2000;                 // ms
+constexpr int presumed_gone = 10000;            // ms without a heartbeat: a stopped process, a cut line
+constexpr int look_interval = 5;                // ms between looks at the line while greeting
 constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);  // patience with a viewer
 
 /// What ZeroMQ's thread sees of the line: it is the one to know at once that a viewer was killed.
@@ -24,27 +26,30 @@ class LineMonitor : public zmq::monitor_t {
  public:
   bool take_up() { return std::exchange(up_, false); }
   bool take_down() { return std::exchange(down_, false); }
+  bool reached() const { return reached_; }
 
  private:
   void on_event_handshake_succeeded(const zmq_event_t&, const char*) override { up_ = true; }
+  void on_event_connected(const zmq_event_t&, const char*) override { reached_ = true; }
   void on_event_disconnected(const zmq_event_t&, const char*) override {
     up_ = false;
     down_ = true;
   }
-  bool up_ = false, down_ = false;
+  bool up_ = false, down_ = false, reached_ = false;
 };
 
 class ZmqLink : public ViewerLink {
  public:
-  explicit ZmqLink(const std::string& endpoint) : socket_(context_, zmq::socket_type::dealer) {
+  explicit ZmqLink(const std::string& endpoint) : endpoint_(endpoint), socket_(context_, zmq::socket_type::dealer) {
     socket_.set(zmq::sockopt::sndhwm, most_waiting);
     socket_.set(zmq::sockopt::linger, last_message);
     socket_.set(zmq::sockopt::immediate, true);  // nothing is kept for a viewer that is not there
     socket_.set(zmq::sockopt::reconnect_ivl, reconnect);
     socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
     socket_.set(zmq::sockopt::heartbeat_timeout, presumed_gone);
-    monitor_.init(socket_, "inproc://line", ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED);
-    socket_.connect(endpoint);
+    socket_.set(zmq::sockopt::maxmsgsize, longest_wish);
+    monitor_.init(socket_, "inproc://line",
+                  ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED);
   }
 
   void wait(int patience) override {
@@ -64,7 +69,27 @@ class ZmqLink : public ViewerLink {
     while (!has_viewer() && passed() < (answered_ ? to_wish : to_answer)) wait(look_interval);
   }
 
-  void introduce(const ViewedScene& scene) override { scene_ = text_of(scene); }
+  void introduce(const ViewedScene& scene) override {
+    scene_ = text_of(scene);
+    key_file_ = scene.directory + "/" + viewer_key_file;
+    const ViewerKey key = viewer_key_of(scene.directory);
+    try {
+      socket_.set(zmq::sockopt::curve_serverkey, key.open);
+      socket_.set(zmq::sockopt::curve_publickey, key.open);
+      socket_.set(zmq::sockopt::curve_secretkey, key.secret);
+      socket_.connect(endpoint_);
+    } catch (const zmq::error_t& error) {
+      throw InputError("--view: cannot call " + endpoint_ + " (" + error.what() +
+                       "); give HOST:PORT, 127.0.0.1:5555 say");
+    }
+  }
+
+  std::string trouble() const override {
+    if (ever_answered_) return {};
+    if (!monitor_.reached()) return "--view: nobody has answered at " + endpoint_;
+    return "--view: what listens at " + endpoint_ + " does not have the key in " + key_file_ +
+           "; give trevi-view --listen the folder of the run";
+  }
 
   void send(const ViewedFrame& frame) override {
     const std::string text = text_of(frame);
@@ -94,7 +119,7 @@ class ZmqLink : public ViewerLink {
     while (monitor_.check_event(0)) {
       if (monitor_.take_down()) lose();
       if (!monitor_.take_up()) continue;
-      answered_ = true;
+      answered_ = ever_answered_ = true;
       deliver({zmq::buffer(scene_)});
     }
   }
@@ -110,11 +135,12 @@ class ZmqLink : public ViewerLink {
     forget();
   }
 
+  std::string endpoint_, key_file_;
   zmq::context_t context_;
   zmq::socket_t socket_;
   LineMonitor monitor_;
   std::string scene_;
-  bool answered_ = false;
+  bool answered_ = false, ever_answered_ = false;
 };
 
 }  // namespace

@@ -31,8 +31,10 @@ class ViewerLink {
   /// A viewer found or lost since the last call.
   bool take_change() { return std::exchange(changed_, false); }
 
-  /// What a viewer is told when it is found.
+  /// Calls; what a viewer is told when it is found. InputError where the folder's key (viewer_key.hpp) is no good.
   virtual void introduce(const ViewedScene& scene) = 0;
+  /// Why nobody has ever answered, for the user; empty when somebody has.
+  virtual std::string trouble() const { return {}; }
   virtual void send(const ViewedFrame& frame) = 0;
   /// The last word; it may still be on its way for a second after the link is gone.
   virtual void end(const std::string& reason) = 0;

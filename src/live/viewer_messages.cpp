@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "trevi/error.hpp"
 
@@ -13,6 +13,11 @@ namespace trevi {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Thrown for a number that no run and no viewer sends.
+struct Damaged {};
+
+constexpr int most_ranks = 1 << 24, highest_level = 62;
 
 std::string text_of_kind(const char* kind, Json content) {
   content["kind"] = kind;
@@ -29,8 +34,9 @@ std::optional<T> of_kind(const char* kind, const std::string& text, Read read) {
     if (json.at("kind") != kind || json.at("protocol") != viewer_protocol) return std::nullopt;
     return read(json);
   } catch (const Json::exception&) {
-    return std::nullopt;
+  } catch (const Damaged&) {
   }
+  return std::nullopt;
 }
 
 Json array_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -40,6 +46,31 @@ Vec3 vector_of(const Json& json) {
 
 /// JSON has no nan: null stands for it.
 Real number_of(const Json& json) { return json.is_null() ? NAN : json.get<Real>(); }
+
+/// JSON's library makes whole numbers of any, 1e300 and 2^63 included; what is no count is damage.
+std::int64_t whole(const Json& json, std::int64_t least, std::int64_t most = std::int64_t{1} << 62) {
+  const bool fits = json.is_number_integer() && (!json.is_number_unsigned() || json.get<std::uint64_t>() <= INT64_MAX);
+  const std::int64_t value = fits ? json.get<std::int64_t>() : least - 1;
+  if (value < least || value > most) throw Damaged();
+  return value;
+}
+
+Real positive(const Json& json) {
+  const Real value = json.get<Real>();
+  if (!(value > 0) || !std::isfinite(value)) throw Damaged();
+  return value;
+}
+
+/// Whether the counts of the ranks are those of so many particles.
+bool add_up(const std::vector<std::int64_t>& counts, std::int64_t particles) {
+  for (const std::int64_t count : counts) {
+    if (count > particles) return false;
+    particles -= count;
+  }
+  return particles == 0;
+}
+
+bool is_somewhere(const ViewedParticle& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 }  // namespace
 
@@ -96,10 +127,11 @@ std::optional<ViewedScene> read_scene(const std::string& text) {
     json.at("directory").get_to(scene.directory);
     scene.min = vector_of(json.at("min"));
     scene.max = vector_of(json.at("max"));
-    json.at("spacing").get_to(scene.spacing);
-    json.at("rest_density").get_to(scene.rest_density);
-    json.at("ranks").get_to(scene.ranks);
-    json.at("last_step").get_to(scene.last_step);
+    if (!(scene.max - scene.min).allFinite() || !((scene.max - scene.min).minCoeff() > 0)) throw Damaged();
+    scene.spacing = positive(json.at("spacing"));
+    scene.rest_density = positive(json.at("rest_density"));
+    scene.ranks = static_cast<int>(whole(json.at("ranks"), 1, most_ranks));
+    scene.last_step = whole(json.at("last_step"), 0);
     return scene;
   });
 }
@@ -107,27 +139,31 @@ std::optional<ViewedScene> read_scene(const std::string& text) {
 std::optional<ViewedFrame> read_frame(const std::string& text, const std::string& particles) {
   auto frame = of_kind<ViewedFrame>("frame", text, [](const Json& json) {
     ViewedFrame found;
-    json.at("step").get_to(found.step);
+    found.step = whole(json.at("step"), 0);
     json.at("time").get_to(found.time);
-    json.at("particles").get_to(found.particles);
-    json.at("level").get_to(found.level);
-    json.at("rank_counts").get_to(found.rank_counts);
+    found.particles = whole(json.at("particles"), 0);
+    found.level = static_cast<int>(whole(json.at("level"), 0, highest_level));
+    for (const Json& count : json.at("rank_counts")) found.rank_counts.push_back(whole(count, 0));
+    if (!std::isfinite(found.time)) throw Damaged();
     for (const Json& state : json.at("fountains"))
       found.fountains.push_back({number_of(state.at("note")), number_of(state.at("speed"))});
     return found;
   });
   if (!frame) return frame;
-  frame->shown.resize(particles.size() / sizeof(ViewedParticle));
-  const auto counted = std::accumulate(frame->rank_counts.begin(), frame->rank_counts.end(), std::int64_t{0});
-  if (counted != static_cast<std::int64_t>(frame->shown.size())) return std::nullopt;
-  std::memcpy(frame->shown.data(), particles.data(), frame->shown.size() * sizeof(ViewedParticle));
+  const std::size_t count = particles.size() / sizeof(ViewedParticle);
+  const bool whole_rows = particles.size() == count * sizeof(ViewedParticle);
+  if (!whole_rows || !add_up(frame->rank_counts, static_cast<std::int64_t>(count))) return std::nullopt;
+  frame->shown.resize(count);
+  if (count > 0) std::memcpy(frame->shown.data(), particles.data(), particles.size());
+  if (!std::all_of(frame->shown.begin(), frame->shown.end(), is_somewhere)) return std::nullopt;
   return frame;
 }
 
 std::optional<ViewerWishes> read_wishes(const std::string& text) {
   return of_kind<ViewerWishes>("wishes", text, [](const Json& json) {
-    return ViewerWishes{json.at("paused"), json.at("single_steps"), json.at("seen"),
-                        json.at("budget"), json.at("density"),      json.at("stop")};
+    return ViewerWishes{json.at("paused"),          whole(json.at("single_steps"), 0),
+                        whole(json.at("seen"), -1), whole(json.at("budget"), 0),
+                        json.at("density"),         json.at("stop")};
   });
 }
 

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <utility>
 #include <zmq.hpp>
 
+#include "live/viewer_key.hpp"
 #include "live/viewer_messages.hpp"
 #include "trevi/error.hpp"
 
@@ -17,6 +21,22 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto between_wishes = std::chrono::milliseconds(500);  // repeated, and a probe whether the run is there
 constexpr int heartbeat = 2000, presumed_gone = 10000;           // ms
+
+constexpr std::int64_t longest_message = std::int64_t{1} << 30;  // bytes
+constexpr std::size_t most_parts = 3;                            // sender, text, particles
+
+/// Says once that somebody without the key has called; ZeroMQ has turned him away.
+class CallerMonitor : public zmq::monitor_t {
+ private:
+  void on_event_handshake_failed_no_detail(const zmq_event_t&, const char*) override { tell(); }
+  void on_event_handshake_failed_protocol(const zmq_event_t&, const char*) override { tell(); }
+  void on_event_handshake_failed_auth(const zmq_event_t&, const char*) override { tell(); }
+  void tell() {
+    if (!std::exchange(told_, true))
+      std::fprintf(stderr, "trevi-view: refused a caller that does not have the key of this run\n");
+  }
+  bool told_ = false;
+};
 
 std::string ending_of(int code) {
   switch (static_cast<ExitCode>(code)) {
@@ -33,8 +53,14 @@ std::string ending_of(int code) {
 
 class ZmqLiveSource : public LiveSource {
  public:
-  ZmqLiveSource(const std::string& endpoint, const LiveOptions& options)
-      : socket_(context_, zmq::socket_type::router), message_("waiting for a run to call " + endpoint) {
+  ZmqLiveSource(const std::string& endpoint, const ViewerKey& key, const LiveOptions& options)
+      : socket_(context_, zmq::socket_type::router), key_(key), message_("waiting for a run to call " + endpoint) {
+    socket_.set(zmq::sockopt::curve_server, true);
+    socket_.set(zmq::sockopt::curve_secretkey, key.secret);
+    socket_.set(zmq::sockopt::maxmsgsize, longest_message);
+    monitor_.init(
+        socket_, "inproc://callers",
+        ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH);
     socket_.set(zmq::sockopt::linger, 200);
     socket_.set(zmq::sockopt::router_mandatory, true);  // sending to a run that is gone is an error, not silence
     socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
@@ -57,6 +83,7 @@ class ZmqLiveSource : public LiveSource {
     words.insert(words.end(), {(here / "trevi").string(), run.scene});
     words.insert(words.end(), run.arguments.begin(), run.arguments.end());
     words.insert(words.end(), {"--view", address});
+    setenv(viewer_key_variable, key_.secret.c_str(), 1);  // a command line could be read by others
     child_.emplace(words, ChildOptions{.own_session = true});
     message_ = "the run is starting";
   }
@@ -64,6 +91,8 @@ class ZmqLiveSource : public LiveSource {
   bool advance(double) override {
     changed_ = false;
     while (receive()) {
+    }
+    while (monitor_.check_event(0)) {
     }
     look_after_child();
     if (!run_.empty() && (wishes_changed_ || Clock::now() - last_sent_ > between_wishes)) send_wishes();
@@ -113,7 +142,7 @@ class ZmqLiveSource : public LiveSource {
     std::vector<std::string> parts;
     zmq::message_t part;
     while (socket_.recv(part, zmq::recv_flags::dontwait)) {
-      parts.push_back(part.to_string());
+      if (parts.size() < most_parts) parts.push_back(part.to_string());
       if (!part.more()) break;
     }
     if (parts.size() >= 2) take(parts[0], parts[1], parts.size() > 2 ? parts[2] : "");
@@ -176,6 +205,8 @@ class ZmqLiveSource : public LiveSource {
 
   zmq::context_t context_;
   zmq::socket_t socket_;
+  ViewerKey key_;
+  CallerMonitor monitor_;
   std::optional<Child> child_;
   std::string run_;  ///< the run's address on the socket; empty: none
   ViewedScene scene_;
@@ -190,13 +221,15 @@ class ZmqLiveSource : public LiveSource {
 }  // namespace
 
 std::unique_ptr<LiveSource> start_run(const RunToStart& run, const LiveOptions& options) {
-  auto source = std::make_unique<ZmqLiveSource>("tcp://127.0.0.1:*", options);
+  auto source = std::make_unique<ZmqLiveSource>("tcp://127.0.0.1:*", new_viewer_key(), options);
   source->start(run);
   return source;
 }
 
-std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const LiveOptions& options) {
-  return std::make_unique<ZmqLiveSource>(viewer_endpoint("--listen", address), options);
+std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const std::string& directory,
+                                           const LiveOptions& options) {
+  const std::string endpoint = viewer_endpoint("--listen", address);  // before a key is made
+  return std::make_unique<ZmqLiveSource>(endpoint, viewer_key_of(directory), options);
 }
 
 }  // namespace trevi

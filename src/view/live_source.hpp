@@ -29,7 +29,9 @@ class LiveSource : public FrameSource {
 };
 
 std::unique_ptr<LiveSource> start_run(const RunToStart& run, const LiveOptions& options);
-/// `address` as --listen gives it. InputError when it is none, or taken.
-std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const LiveOptions& options);
+/// `address` as --listen gives it, for the run whose folder this is (or will be). InputError when the address is none,
+/// or taken.
+std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const std::string& directory,
+                                           const LiveOptions& options);
 
 }  // namespace trevi

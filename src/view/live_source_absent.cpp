@@ -14,6 +14,6 @@ namespace {
 }  // namespace
 
 std::unique_ptr<LiveSource> start_run(const RunToStart&, const LiveOptions&) { refuse(); }
-std::unique_ptr<LiveSource> listen_for_run(const std::string&, const LiveOptions&) { refuse(); }
+std::unique_ptr<LiveSource> listen_for_run(const std::string&, const std::string&, const LiveOptions&) { refuse(); }
 
 }  // namespace trevi

@@ -126,9 +126,9 @@ void lower_priority() { std::ignore = setpriority(PRIO_PROCESS, 0, lowest_priori
 
 ExitCode watch(const ViewOptions& options) {
   const LiveOptions live{options.budget, options.paused};
-  const bool starts = !options.target.empty();
+  const bool starts = options.listen.empty();
   const auto source = starts ? start_run({options.target, options.ranks, options.run_arguments}, live)
-                             : listen_for_run(options.listen, live);
+                             : listen_for_run(options.listen, options.target, live);
   lower_priority();
   if (starts) wait_for_call(*source);
   // A run that could not even start has said why.

@@ -12,7 +12,8 @@ namespace {
 constexpr const char* summary =
     "Looks at a run: trevi-view DIR plays what a run has written or is writing,\n"
     "trevi-view SCENE.toml [-np N] [arguments of trevi] starts a run and shows it live,\n"
-    "trevi-view --listen HOST:PORT waits for one started with trevi ... --view HOST:PORT.";
+    "trevi-view --listen HOST:PORT DIR waits for the one that writes into DIR, started with trevi ... --view "
+    "HOST:PORT.";
 
 constexpr const char* notes =
     "Only particles that can be seen are drawn: not those whose cell (two spacings; live: the kernel radius) and all "
@@ -89,7 +90,7 @@ ViewOptions parse_view_options(int argc, const char* const* argv) {
   app.footer("Keys when playing:\n" + key_help(false) + "\nKeys on a live run, where they differ:\n" + key_help(true) +
              "\n" + notes);
   app.add_option("target", options.target, "directory of a run, particles.pvd, particles.hdf.series, or scene (.toml)");
-  app.add_option("--listen", options.listen, "HOST:PORT, or PORT on 127.0.0.1, that a run calls");
+  app.add_option("--listen", options.listen, "HOST:PORT, or PORT on 127.0.0.1, that the run of a directory calls");
   app.add_option("-n,--np", options.ranks, "ranks of the run to start")->check(CLI::PositiveNumber);
   add_looks(app, options, raw);
   add_playing(app, options);
@@ -109,8 +110,11 @@ ViewOptions parse_view_options(int argc, const char* const* argv) {
   if (!raw.size.empty()) options.width = raw.size[0], options.height = raw.size[1];
   if (!raw.camera.empty()) options.camera = {raw.camera[0], raw.camera[1], raw.camera[2]};
   if (options.budget == 0) options.budget = std::int64_t{options.width} * options.height / 4;
-  if (options.target.empty() == options.listen.empty())
-    throw InputError("give a directory, a scene, or --listen HOST:PORT; trevi-view --help tells more");
+  if (options.target.empty() && !options.listen.empty() && std::getenv("TREVI_VIEW_KEY") == nullptr)
+    throw InputError(
+        "--listen: give the folder of the run, too (--listen HOST:PORT DIR), whose key keeps strangers out");
+  if (options.target.empty() && options.listen.empty())
+    throw InputError("give a directory, a scene, or --listen HOST:PORT DIR; trevi-view --help tells more");
   if (!options.run_arguments.empty() && !options.target.ends_with(".toml"))
     throw InputError(options.run_arguments.front() + ": unknown; trevi-view --help lists all options");
   return options;

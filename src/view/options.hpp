@@ -10,8 +10,8 @@
 namespace trevi {
 
 struct ViewOptions {
-  std::string target;                      ///< directory, list of frames, or scene (.toml) to run; empty: listen
-  std::string listen;                      ///< HOST:PORT a run is expected at
+  std::string target;                      ///< directory, list of frames, or scene (.toml) to run
+  std::string listen;                      ///< HOST:PORT the run of a directory is expected at; empty: do not listen
   int ranks = 1;                           ///< of a run that is started
   std::vector<std::string> run_arguments;  ///< for the solver, as given
   std::string scene;                       ///< file; for a directory that does not tell

@@ -1,4 +1,5 @@
 // VTU frames: the .pvtu names one piece a rank, each read by VTK.
+#include <fmt/format.h>
 #include <vtkCommand.h>
 #include <vtkDataArray.h>
 #include <vtkNew.h>
@@ -7,9 +8,13 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
+#include <charconv>
 #include <filesystem>
+#include <fstream>
+#include <new>
 #include <regex>
 
+#include "base/memory.hpp"
 #include "io/files.hpp"
 #include "io/vtk_error_text.hpp"
 #include "trevi/error.hpp"
@@ -25,8 +30,33 @@ namespace fs = std::filesystem;
   throw InputError(path + ": damaged or cut short (" + why + "); use another copy, or delete its line in the list");
 }
 
+/// The number behind each `name="` of a text must be a count of things of which a file of this size can hold so many.
+void check_counts(const std::string& path, std::string_view text, std::string_view name, double size) {
+  constexpr double least_bytes = 4, most_compression = 1100;  // of a point or a cell; of zlib
+  for (std::size_t at = 0; (at = text.find(name, at)) != std::string_view::npos;) {
+    at += name.size();
+    std::int64_t count = -1;
+    const auto [end, problem] = std::from_chars(text.data() + at, text.data() + text.size(), count);
+    const bool good = problem == std::errc() && end != text.data() + text.size() && *end == '"';
+    if (good && count >= 0 && least_bytes * static_cast<double>(count) <= most_compression * size) continue;
+    fail(path,
+         fmt::format("{}{}\" in a file of {}", name, text.substr(at, text.substr(at, 24).find('"')), bytes_text(size)));
+  }
+}
+
+// VTK takes what a piece claims without a look at the file's size, and a count below 0 for a size.
+void check_claims(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const auto size = static_cast<double>(fs::file_size(path));
+  for (std::string line; std::getline(file, line) && line.find("<AppendedData") == std::string::npos;) {
+    for (const char* name : {"NumberOfPoints=\"", "NumberOfCells=\"", "NumberOfTuples=\""})
+      check_counts(path, line, name, size);
+  }
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> read_piece(const std::string& path) {
   if (!fs::exists(path)) throw InputError(path + ": is listed but not there; copy the directory whole");
+  check_claims(path);
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   vtkNew<VtkErrorText> errors;
   reader->AddObserver(vtkCommand::ErrorEvent, errors);
@@ -90,7 +120,13 @@ std::vector<std::string> pieces_of(const std::string& path) {
 
 RawFrame read_vtu_frame(const std::string& path) {
   RawFrame raw;
-  for (const std::string& piece : pieces_of(path)) append_piece(raw, read_piece(piece));
+  for (const std::string& piece : pieces_of(path)) {
+    try {
+      append_piece(raw, read_piece(piece));
+    } catch (const std::bad_alloc& error) {
+      fail(piece, text_of(error));
+    }
+  }
   return raw;
 }
 

@@ -57,7 +57,7 @@ class LiveTest(unittest.TestCase):
 
     def watched_run(self, ranks, *arguments):
         """A run that holds at step 0 until its viewer lets it go, and the viewer."""
-        viewer = self.viewer("--listen", self.address, "--paused")
+        viewer = self.viewer("--listen", self.address, self.output, "--paused")
         run = self.start(ranks, *arguments)
         viewer.wait_title("step 0, live: paused")
         return run, viewer
@@ -142,7 +142,7 @@ class Partings(LiveTest):
         viewer.press("n", "step 1,")
         viewer.process.kill()
         wait_until(lambda: rows(self.output)[-1] > 3, "the run to go on")
-        second = self.viewer("--listen", self.address)
+        second = self.viewer("--listen", self.address, self.output)
         second.wait_title(r"step \d+, live ")
         moved = second.step()
         wait_until(lambda: second.step() > moved, "new frames", second.process)
@@ -171,7 +171,25 @@ class Partings(LiveTest):
         wait_until(lambda: viewer.process.poll() == 0, "the end of the viewer")
 
     def test_nobody_listens(self):
-        self.assertEqual(runs.finish(self.start(2, "--steps", 20))[0], 0)
+        code, text = runs.finish(self.start(2, "--steps", 20))
+        self.assertEqual(code, 0, text)
+        self.assertIn(f"warning: --view: nobody has answered at tcp://{self.address}", text)
+
+    def test_strangers_are_turned_away(self):
+        # A viewer of another run is no viewer of this one, however it pauses; nor is a caller that sends by hand.
+        other = self.viewer("--listen", self.address, self.folder.path("other"), "--paused")
+        code, text = runs.finish(self.start(2, "--steps", 20))
+        self.assertEqual(code, 0, text)
+        self.assertIn(f"what listens at tcp://{self.address} does not have the key in {self.output}", text)
+        self.assertNotIn("step", other.title())
+        with socket.create_connection(self.address.split(":")) as caller:  # ZeroMQ without a key
+            caller.sendall(b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(48))
+            caller.settimeout(20)
+            while caller.recv(100):
+                pass  # until the viewer hangs up
+        other.process.terminate()
+        other.process.wait()
+        self.assertEqual(other.process.stdout.read().count("refused a caller that does not have the key"), 1)
 
     def test_bad_addresses_and_scenes(self):
         code, text = runs.run(2, self.scene, self.output, "--view", "here")
@@ -187,10 +205,14 @@ class Partings(LiveTest):
             taken.bind(("127.0.0.1", 0))
             taken.listen()
             address = f"127.0.0.1:{taken.getsockname()[1]}"
-            result = subprocess.run([VIEW, "--listen", address], env=self.screen.environment(), capture_output=True,
+            result = subprocess.run([VIEW, "--listen", address, str(self.folder.path("x"))], env=self.screen.environment(), capture_output=True,
                                     text=True, timeout=60, check=False)
         self.assertEqual(result.returncode, 2)
         self.assertIn("choose another port", result.stderr)
+        result = subprocess.run([VIEW, "--listen", address], env=self.screen.environment(), capture_output=True,
+                                text=True, timeout=60, check=False)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("give the folder of the run", result.stderr)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,10 @@
 // The messages between run and viewer: what is written is read, what is damaged is not.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "live/viewer_key.hpp"
 #include "live/viewer_messages.hpp"
 #include "trevi/error.hpp"
 
@@ -34,6 +38,74 @@ TEST(ViewerMessages, ComeBackAsTheyWere) {
   for (const char* bad :
        {"", "{", "[]", "{\"kind\":\"wishes\",\"protocol\":1}", "{\"kind\":\"wishes\",\"protocol\":2}"})
     EXPECT_FALSE(read_wishes(bad).has_value()) << bad;
+}
+
+std::string with(std::string text, const std::string& old, const std::string& now) {
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), now);
+}
+
+TEST(ViewerMessages, EveryCountIsCheckedAgainstTheFrame) {
+  ViewedFrame frame;
+  frame.rank_counts = {40, 60};
+  frame.shown.resize(100);
+  const auto bytes_of = [&] {
+    return std::string(reinterpret_cast<const char*>(frame.shown.data()), 100 * sizeof(ViewedParticle));
+  };
+  const std::string text = text_of(frame), bytes = bytes_of(), counts = "[40,60]";
+  EXPECT_TRUE(read_frame(text, bytes).has_value());
+  EXPECT_TRUE(read_frame(with(text, counts, "[0,100,0]"), bytes).has_value());
+  for (const char* bad :
+       {"[1000000000,-999999900]", "[40,61]", "[40,59]", "[]", "[100.0]", "[1e300]", "[101,-1]",
+        "[9223372036854775807,9223372036854775807,102]", "[18446744073709551615,101]", "[null,100]", "7", "[\"100\"]"})
+    EXPECT_FALSE(read_frame(with(text, counts, bad), bytes).has_value()) << bad;
+  for (const auto& [old, bad] :
+       {std::pair("\"level\":0", "\"level\":63"), std::pair("\"level\":0", "\"level\":-1"),
+        std::pair("\"step\":0", "\"step\":-1"), std::pair("\"step\":0", "\"step\":1e19"),
+        std::pair("\"particles\":0", "\"particles\":-1"), std::pair("\"time\":0.0", "\"time\":null")})
+    EXPECT_FALSE(read_frame(with(text, old, bad), bytes).has_value()) << bad;
+  EXPECT_FALSE(read_frame(text, bytes + "x").has_value());
+  frame.shown[70].y = NAN;
+  EXPECT_FALSE(read_frame(text, bytes_of()).has_value());
+}
+
+TEST(ViewerMessages, ABoxIsABoxAndAWishIsACount) {
+  const std::string scene = text_of(ViewedScene()), wishes = text_of(ViewerWishes());
+  EXPECT_TRUE(read_scene(scene).has_value());
+  for (const auto& [old, bad] :
+       {std::pair("[1.0,1.0,1.0]", "[1.0,1.0]"), std::pair("[1.0,1.0,1.0]", "[1.0,0.0,1.0]"),
+        std::pair("[1.0,1.0,1.0]", "[1e308,1e308,null]"), std::pair("\"spacing\":0.1", "\"spacing\":0"),
+        std::pair("\"spacing\":0.1", "\"spacing\":-1"), std::pair("\"ranks\":1", "\"ranks\":-2147483649"),
+        std::pair("\"last_step\":0", "\"last_step\":1e30"), std::pair("1000.0", "0")})
+    EXPECT_FALSE(read_scene(with(scene, old, bad)).has_value()) << bad;
+  EXPECT_TRUE(read_wishes(wishes).has_value());
+  for (const auto& [old, bad] : {std::pair("\"budget\":0", "\"budget\":-1"), std::pair("\"seen\":-1", "\"seen\":1e99"),
+                                 std::pair("\"single_steps\":0", "\"single_steps\":18446744073709551615")})
+    EXPECT_FALSE(read_wishes(with(wishes, old, bad)).has_value()) << bad;
+}
+
+TEST(ViewerKeys, AreSharedByTheEndsOfARunAndKeptFromOthers) {
+  namespace fs = std::filesystem;
+  const std::string folder = testing::TempDir() + "viewer_keys", file = folder + "/" + viewer_key_file;
+  fs::remove_all(folder);
+  const ViewerKey made = viewer_key_of(folder), found = viewer_key_of(folder);
+  EXPECT_EQ(made.secret, found.secret);
+  EXPECT_EQ(made.open, found.open);
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_NE(new_viewer_key().secret, made.secret);
+  fs::permissions(file, fs::perms::group_read, fs::perm_options::add);
+  EXPECT_THROW(viewer_key_of(folder), InputError);
+  fs::remove(file);
+  std::ofstream(file) << "too short";
+  fs::permissions(file, fs::perms::owner_read);
+  EXPECT_THROW(viewer_key_of(folder), InputError);
+  fs::remove(file);
+  const std::string elsewhere = folder + "/elsewhere";
+  viewer_key_of(elsewhere);
+  fs::create_symlink(elsewhere + "/" + viewer_key_file, file);  // to a key that another program may have chosen
+  EXPECT_THROW(viewer_key_of(folder), InputError);
+  fs::remove_all(folder);
 }
 
 TEST(ViewerMessages, Addresses) {
