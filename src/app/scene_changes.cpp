@@ -92,9 +92,26 @@ bool may_change(const std::string& path) {
   return false;
 }
 
-/// Why not even --set may change it; empty when it may.
-std::string why_never(const std::string& path) {
+bool holds(const Values& values, const std::string& path, std::string_view word) {
+  const auto found = values.find(path);
+  return found != values.end() && found->second.text.find(word) != std::string::npos;
+}
+
+/// Whether a particle has the mass rho0 s³, whatever the kernel: the report's preset says so, too.
+bool has_mass_of_volume(const Values& values) {
+  return values.contains("fluid.mass") ? holds(values, "fluid.mass", "volume")
+                                       : holds(values, "density.preset", "report");
+}
+
+/// Why not even --set may change it; empty when it may. `by_volume`: the mass, then and now.
+std::string why_never(const std::string& path, std::pair<bool, bool> by_volume) {
   if (path == "time.dt") return "steps of another length need a run of their own";
+  if (path == "fluid.spacing") return "the particles of the checkpoint have the mass and the size of their lattice";
+  if (path == "fluid.rest_density") return "it would change the mass of the particles in the checkpoint";
+  if ((path == "fluid.mass" || path == "density.preset") && by_volume.first != by_volume.second)
+    return "it would change the mass of the particles in the checkpoint";
+  if (path == "fluid.kernel_radius" && by_volume.first)
+    return "with fluid.mass = \"volume\" the water of the checkpoint would have another density";
   if (path.starts_with("particles.")) return "a restart has its particles from the checkpoint; put it back";
   return {};
 }
@@ -102,11 +119,12 @@ std::string why_never(const std::string& path) {
 /// Sorts the changes into those that are fine and those that are not.
 class Comparison {
  public:
+  Comparison(const Values& then, const Values& now) : by_volume_(has_mass_of_volume(then), has_mass_of_volume(now)) {}
   void add(const std::string& path, const Value* then, const Value* now) {
     const std::string change =
         fmt::format("{}: {} -> {}", path, then ? then->text : "(absent)", now ? now->text : "(absent)");
     const bool asked_for = now && now->by_override;
-    const std::string never = why_never(path);
+    const std::string never = why_never(path, by_volume_);
     if (may_change(path) || (asked_for && never.empty())) {
       allowed.push_back(change);
       return;
@@ -117,6 +135,9 @@ class Comparison {
     refused.push_back(fmt::format("{}{}; {}", where, change, never.empty() ? remedy : never));
   }
   std::vector<std::string> allowed, refused;
+
+ private:
+  std::pair<bool, bool> by_volume_;
 };
 
 }  // namespace
@@ -137,7 +158,7 @@ std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::st
                                        const Scene& scene, const std::vector<std::int64_t>& music) {
   const Values then = values_of({checkpoint_path, info.scene_text, info.scene_overrides});
   const Values now = values_of({scene.path, scene.text, scene.overrides});
-  Comparison comparison;
+  Comparison comparison(then, now);
   for (const auto& [path, value] : now) {
     const auto old = then.find(path);
     if (old == then.end()) comparison.add(path, nullptr, &value);

@@ -1,7 +1,8 @@
 // What changed between the scene a checkpoint was made with and the scene it is restarted with, key by key.
 // Times and outputs may change freely: [time] end, [output], [colour], [run]. What changes the physics may not, unless
 // the command line says so with --set; and time.dt may not at all, as times are numbers of steps times dt, nor
-// [[particles]], which a restart does not read.
+// [[particles]], which a restart does not read, nor what gives the stored particles their mass: fluid.spacing,
+// rest_density, mass, and with mass = "volume" kernel_radius.
 // The texts are compared as parsed documents, so comments, order and the way a number is written do not count.
 // A music file that holds something else under its old name has changed, too.
 // Not collective, but for music_checksums; the same texts give the same answer on all ranks.

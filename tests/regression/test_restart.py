@@ -188,6 +188,23 @@ class SceneChanges(unittest.TestCase):
         self.assertEqual(code, 2, told)
         self.assertIn("say --set domain.slab_axis=y again", told)
 
+    def test_mass_of_the_particles_never(self):
+        volume = self.text.replace("spacing = 0.1", 'spacing = 0.1\nmass = "volume"')
+        output = self.folder.path("volume")
+        runs.run_well(1, self.folder.scene(volume), output, "--steps", 10)
+        for text, folder, settings, words in (
+                (self.text, self.output, ["fluid.spacing=0.09"], "fluid.spacing: 0.1 -> 0.09; the particles of the checkpoint"),
+                (self.text, self.output, ["fluid.rest_density=900.0"], "fluid.rest_density: (absent) -> 900; it would change the mass"),
+                (self.text, self.output, ["fluid.mass=volume"], "it would change the mass"),
+                (self.text, self.output, ["density.preset=report"], "it would change the mass"),
+                (volume, output, ["fluid.kernel_radius=0.25"], 'with fluid.mass = "volume" the water')):
+            more = [word for setting in settings for word in ("--set", setting)]
+            code, told = runs.run(1, self.folder.scene(text), folder, "--restart", "latest", "--steps", 12, *more)
+            self.assertEqual(code, 2, told)
+            self.assertIn(words, told)
+        code, told = self.restart(self.text, "--set", "fluid.kernel_radius=0.21")  # calibrated anew
+        self.assertEqual(code, 0, told)
+
     def test_length_of_a_step_never(self):
         code, told = self.restart(self.text, "--set", "time.dt=0.01")
         self.assertEqual(code, 2, told)
