@@ -59,7 +59,15 @@ std::vector<std::string> own_arguments(int argc, const char* const* argv) {
 CommandLine parse_command_line(int argc, const char* const* argv) {
   CommandLine line;
   CLI::App app("Trevi: water by position based fluids, on any number of MPI ranks.", "trevi");
-  app.footer("PETSc options such as -log_view may follow the scene.\n\nKeys of a scene:\n" + scene_reference());
+  app.footer(
+      "PETSc options such as -log_view may follow the scene.\nDefaults, definitions and formats are in "
+      "inputs/README.md. "
+      "In short: a box is at least one kernel radius wide (two\nspacings), so two dimensions are a tank of that width; "
+      "a "
+      "score has lines \"time pitch length\", such as 0.5 C4 0.25;\nparticle files are HDF5 with /particles/position "
+      "(N "
+      "x 3), velocity (N x 3) and id (N).\n\nKeys of a scene:\n" +
+      scene_reference());
   app.add_option("scene", line.scene, "scene file (.toml)")->required();
   app.add_option("--output", line.output, "output directory, in place of the scene's")->check(refuse_empty);
   app.add_option("--set", line.overrides, "table.key=value, in place of the scene's value; repeatable")

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <optional>
+#include <regex>
 
 #include "trevi/error.hpp"
 
@@ -28,6 +29,16 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// "0.01" for ".01", "1.0e3" for "1.e3", and so on; empty for what is no number, or one as it stands.
+std::string number_meant(std::string_view text) {
+  static const std::regex number("([+-]?)([0-9]*)\\.([0-9]*)([eE][+-]?[0-9]+)?");
+  std::cmatch part;
+  if (!std::regex_match(text.begin(), text.end(), part, number)) return {};
+  const std::string before = part[2], after = part[3];
+  if (before.empty() == after.empty()) return {};
+  return part[1].str() + (before.empty() ? "0" : before) + "." + (after.empty() ? "0" : after) + part[4].str();
+}
+
 /// "a.0.b = 1" is itself a TOML document with a key named 0, which is how an element of a list is addressed.
 std::optional<toml::table> parse_override(const std::string& assignment, Findings& findings) {
   const std::size_t equals = assignment.find('=');
@@ -42,6 +53,10 @@ std::optional<toml::table> parse_override(const std::string& assignment, Finding
     findings.add_override(assignment, "not of the form table.key=value");
   } catch (const toml::parse_error& error) {
     const std::string_view value = trimmed(std::string_view(assignment).substr(equals + 1));
+    if (const std::string number = number_meant(value); !number.empty()) {
+      findings.add_override(assignment, fmt::format("TOML has digits on both sides of a point; write {}", number));
+      return std::nullopt;
+    }
     // A shell eats the quotes of "chebyshev", so a plain word stands for itself.
     if (is_plain_word(value)) {
       try {

@@ -185,11 +185,17 @@ Header read_header(Cursor& cursor, const std::string& bytes) {
   cursor.skip(4, "the header");
   if (cursor.big_endian(4, "the header") != 6) cursor.fail("the header must be 6 bytes long");
   const std::int64_t format = cursor.big_endian(2, "the header");
-  if (format > 1) cursor.fail("format " + std::to_string(format) + " is not read, only 0 and 1");
+  if (format == 2)
+    cursor.fail("format 2, several pieces in one file, which do not sound together; save one as format 1");
+  if (format > 2) cursor.fail("format " + std::to_string(format) + " is none that there is; copy the file again");
   const std::int64_t tracks = cursor.big_endian(2, "the header");
   if (tracks < 1) cursor.fail("there is no track");
   const std::int64_t division = cursor.big_endian(2, "the header");
-  if (division == 0 || division >= 0x8000) cursor.fail("times must be in ticks per quarter note, not in SMPTE frames");
+  if (division == 0) cursor.fail("0 ticks per quarter note (the division of the header); save the file again");
+  if (division >= 0x8000) {
+    cursor.fail("times in SMPTE frames (" + std::to_string(256 - division / 256) +
+                " a second); save it with ticks per quarter note");
+  }
   return {tracks, division};
 }
 

@@ -50,6 +50,8 @@ class NoteCollector {
     return std::move(notes_);
   }
   const Voices& voices() const { return voices_; }
+  /// Whether all that was wanted began where the piece ends, so that there is nothing to hear.
+  bool only_unended() const { return notes_.empty() && !sounding_.empty(); }
 
  private:
   bool wanted(const MidiEvent& event) const {
@@ -70,7 +72,13 @@ Melody read_midi(const std::string& name, const std::string& bytes, const MusicS
   NoteCollector collector(settings);
   for (const MidiEvent& event : file.events) collector.take(event);
   const std::string where = list_of(collector.voices());
+  const bool unended = collector.only_unended();
   Melody melody = melody_of_notes(std::move(collector).notes(file.length));
+  if (melody.tones.empty() && unended) {
+    throw InputError(name +
+                     ": its notes begin at the end of the piece and never end (no note-off), so that nothing "
+                     "sounds; save it again from the program that made it");
+  }
   if (melody.tones.empty()) {
     std::string chosen = settings.track != 0 ? " in track " + std::to_string(settings.track) : "";
     chosen += settings.channel != 0 ? " on channel " + std::to_string(settings.channel) : " (drums, channel 10, apart)";

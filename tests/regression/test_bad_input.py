@@ -95,6 +95,8 @@ class BadInput(ProgramTest):
             (["none.toml"], ["none.toml"]),
             ([], ["usage"]),
             (["scene.toml", "--set", "time.dt"], ["time.dt"]),
+            (["scene.toml", "--set", "time.dt=.01"], ["--set time.dt=.01: ", "write 0.01"]),
+            (["scene.toml", "--set", "time.dt=1.e-2"], ["--set time.dt=1.e-2: ", "write 1.0e-2"]),
             (["scene.toml", "--set", "fluid.colour=3"], ["fluid.colour"]),
             (["scene.toml", "--fast"], ["--fast"]),
             (["scene.toml", "--steps", "-3"], ["--steps:"]),

@@ -91,6 +91,13 @@ TEST(Midi, CutShortAtAnyByteIsAnErrorThatNamesIt) {
 TEST(Midi, WhatIsNoMidiIsNamed) {
   EXPECT_NE(refused("RIFF and so on").find("byte 0: not a Standard MIDI File"), std::string::npos);
   EXPECT_NE(refused(midi_header(1, 0xe728) + midi_track("")).find("SMPTE"), std::string::npos);
+  EXPECT_NE(refused(midi_header(1, 0xe728) + midi_track("")).find("SMPTE frames (25 a second)"), std::string::npos);
+  EXPECT_NE(refused(midi_header(1, 0) + midi_track("")).find("0 ticks per quarter note"), std::string::npos);
+  std::string several = midi_header(1) + midi_track("");
+  several[9] = 2;
+  EXPECT_NE(refused(several).find("format 2, several pieces"), std::string::npos);
+  EXPECT_NE(refused(midi_header(1) + midi_track("\x00\x90\x3c\x40"s)).find("never end (no note-off)"),
+            std::string::npos);
   EXPECT_NE(refused(midi_header(1) + midi_track("\x00\x40\x40"s)).find("without a status byte"), std::string::npos);
   EXPECT_NE(refused(midi_header(1) + midi_track("\x00\x90\x80\x40"s)).find("over 127"), std::string::npos);
   EXPECT_NE(refused(midi_header(1) + midi_track("\x00\xff\x51\x03\x00\x00\x00"s)).find("tempo"), std::string::npos);
