@@ -49,7 +49,7 @@ CheckpointOptions checkpoint_options(MPI_Comm comm, const Scene& scene, const st
   return options;
 }
 
-// The viewer's rainbow is the scene's, or else goes by the places in the start lattice.
+// The viewer's own colours are the scene's, or else go by the places in the start lattice.
 std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
                                           GlobalId particles) {
   LiveViewOptions live;
@@ -65,7 +65,7 @@ std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, con
   live.scene.last_step = options.last_step;
   live.cell = scene.fluid.kernel_radius;
   live.colour = colour_scale(scene, particles);
-  if (live.colour.by == Colour::blue || live.colour.by == Colour::speed) live.colour.by = Colour::rainbow_id;
+  if (!scene.colour) live.colour.by = Colour::rainbow_id;
   return make_live_view(comm, std::move(live));
 }
 

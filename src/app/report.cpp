@@ -3,6 +3,9 @@
 #include <petscsys.h>
 #include <sys/resource.h>
 
+#include <filesystem>
+#include <system_error>
+
 #include "app/envelope.hpp"
 #include "base/simd.hpp"
 #include "io/hdf5_rows.hpp"
@@ -77,7 +80,12 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.threads = context.launch.threads_max;
   report.threads_min = context.launch.threads_min;
   report.versions = versions();
-  report.scene = context.scene.path;
+  std::error_code ignored;  // a working directory that is gone
+  report.scene = std::filesystem::absolute(context.scene.path, ignored).lexically_normal().string();
+  if (report.scene.empty()) report.scene = context.scene.path;
+  report.domain = context.scene.domain;
+  report.spacing = context.scene.fluid.spacing;
+  report.rest_density = context.scene.fluid.rest_density;
   report.scene_hash = scene_hash(context.scene.text);
   report.warnings = start_warnings(context.scene);
   if (context.energy != nullptr) {

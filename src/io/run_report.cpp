@@ -14,6 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
 Json phase_json(const PhaseReport& phase) {
   return Json{{"name", phase.name},
               {"seconds", {{"min", phase.seconds_min}, {"mean", phase.seconds_mean}, {"max", phase.seconds_max}}},
@@ -32,6 +34,9 @@ Json report_json(const RunReport& report) {
   json["versions"] = Json{{"trevi", v.trevi}, {"mpi", v.mpi}, {"petsc", v.petsc}, {"hdf5", v.hdf5}, {"vtk", v.vtk}};
   json["scene"] = report.scene;
   json["scene_hash"] = report.scene_hash;
+  json["domain"] = Json{{"min", numbers(report.domain.min)}, {"max", numbers(report.domain.max)}};
+  json["spacing"] = report.spacing;
+  json["rest_density"] = report.rest_density;
   json["warnings"] = report.warnings;
   json["instruction_set"] = report.instruction_set;
   json["precision"] = report.precision;

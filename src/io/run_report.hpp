@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "trevi/box.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
@@ -31,7 +32,9 @@ struct RunReport {
   struct Versions {
     std::string trevi, mpi, petsc, hdf5, vtk;
   } versions;
-  std::string scene, scene_hash;           ///< path as given; scene_hash() of the text
+  std::string scene, scene_hash;  ///< absolute path; scene_hash() of the text
+  Box domain;
+  double spacing = unknown, rest_density = unknown;
   std::vector<std::string> warnings;       ///< settings outside the stability envelope, and a rise of the energy
   std::string instruction_set, precision;  ///< e.g. "AVX2", "double"
   std::int64_t first_step = 0, last_step = 0;

@@ -67,9 +67,11 @@ ExitCode play_unattended(const ViewOptions& options, Playback& playback, Window&
   return ExitCode::done;
 }
 
-ExitCode play(const ViewOptions& options) {
+ExitCode play(ViewOptions options) {
   FrameList list(options.target);
   const auto scene = find_scene(list.directory(), options.scene);
+  // Its other colours are in the frames' rgb, or as good as by id.
+  if (!options.colour_given && scene && scene->colour == Colour::speed) options.colour = Colour::speed;
   const ViewedScene viewed = describe_run(list, scene);
   const std::size_t last = list.entries().size() - 1;
   const std::size_t index = index_at(list, options.at, unattended(options) ? last : 0);

@@ -54,7 +54,7 @@ struct Raw {
 void add_looks(CLI::App& app, ViewOptions& options, Raw& raw) {
   app.add_option("--style", raw.style, "points, spheres or fluid")
       ->transform(CLI::CheckedTransformer(numbered(style_names)));
-  app.add_option("--colour", raw.colour, "rainbow, speed, density or rank")
+  app.add_option("--colour", raw.colour, "rainbow, speed, density or rank; the scene's own without it")
       ->transform(CLI::CheckedTransformer(viewer_colours()));
   app.add_option("--size", raw.size, "width and height in pixels (1280 720)")
       ->expected(2)
@@ -107,6 +107,7 @@ ViewOptions parse_view_options(int argc, const char* const* argv) {
   options.run_arguments = app.remaining();
   options.style = static_cast<Style>(raw.style);
   options.colour = static_cast<Colour>(raw.colour);
+  options.colour_given = app.count("--colour") > 0;
   if (!raw.size.empty()) options.width = raw.size[0], options.height = raw.size[1];
   if (!raw.camera.empty()) options.camera = {raw.camera[0], raw.camera[1], raw.camera[2]};
   if (options.budget == 0) options.budget = std::int64_t{options.width} * options.height / 4;

@@ -16,7 +16,8 @@ struct ViewOptions {
   std::vector<std::string> run_arguments;  ///< for the solver, as given
   std::string scene;                       ///< file; for a directory that does not tell
   Style style = Style::points;
-  Colour colour = Colour::rainbow;
+  Colour colour = Colour::rainbow;  ///< that is the scene's own where the run or its frames have one
+  bool colour_given = false;
   int width = 1280, height = 720;
   CameraPose camera;
   double speed = 1;

@@ -1,6 +1,7 @@
 #include "view/run_folder.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -15,11 +16,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// run.json; null when there is none, or none that is whole.
+nlohmann::json report_of(const std::string& directory) {
+  const std::string path = directory + "/run.json";
+  return fs::exists(path) ? nlohmann::json::parse(read_text(path), nullptr, false) : nlohmann::json();
+}
+
 /// The scene file that run.json names, by which paths of music are resolved; empty when there is none.
 std::string scene_path_of(const std::string& directory) {
-  if (!fs::exists(directory + "/run.json")) return {};
-  const auto json = nlohmann::json::parse(read_text(directory + "/run.json"), nullptr, false);
+  const auto json = report_of(directory);
   return json.is_object() ? json.value("scene", "") : "";
+}
+
+/// What run.json tells of the box; false when it does not.
+bool describe_by_report(const std::string& directory, ViewedScene& viewed) {
+  try {
+    const auto json = report_of(directory);
+    for (std::size_t a = 0; a < 3; ++a) {
+      viewed.min[static_cast<Eigen::Index>(a)] = json.at("domain").at("min").at(a);
+      viewed.max[static_cast<Eigen::Index>(a)] = json.at("domain").at("max").at(a);
+    }
+    viewed.spacing = json.at("spacing");
+    viewed.rest_density = json.at("rest_density");
+    viewed.last_step = json.at("last_step");
+    return (viewed.max - viewed.min).minCoeff() > 0 && viewed.spacing > 0;
+  } catch (const nlohmann::json::exception&) {  // of another version
+    return false;
+  }
 }
 
 std::vector<std::string> columns_of(const std::string& line) {
@@ -64,7 +87,15 @@ std::optional<Scene> find_scene(const std::string& directory, const std::string&
 }
 
 ViewedScene describe_run(const FrameList& list, const std::optional<Scene>& scene) {
-  ViewedScene viewed = scene ? ViewedScene() : guess_from(read_raw(list.entries().front().path));
+  ViewedScene viewed;
+  if (!scene && !describe_by_report(list.directory(), viewed)) {
+    viewed = guess_from(read_raw(list.entries().front().path));
+    std::fprintf(
+        stderr,
+        "trevi-view: %s tells of no scene and no box (no run.json, no checkpoint): the box is that of the first "
+        "frame's particles; give --scene\n",
+        list.directory().c_str());
+  }
   viewed.name = fs::path(fs::absolute(list.directory())).lexically_normal().filename().string();
   viewed.directory = list.directory();
   if (!scene) return viewed;

@@ -1,6 +1,6 @@
 // What a run's directory tells beside its frames: the box, the music, and what the fountains did at each step.
 // The scene comes from a file that is named, or else from the newest checkpoint, or from the scene that run.json names;
-// without any of them the box is that of the first frame's particles. Rank-local.
+// without any of them the box is that of run.json, or, which is told, that of the first frame's particles. Rank-local.
 #pragma once
 
 #include <map>

@@ -2,6 +2,7 @@
 """trevi-view in a real window: what the keys do to the picture, judged by its pixels; pictures without hands; and what
 becomes of directories that are missing, damaged or still growing."""
 
+import re
 import shutil
 import subprocess
 import unittest
@@ -237,7 +238,7 @@ class WithoutHands(ViewTest):
         self.refused("[output.vtu]", empty)
         self.refused("unknown", self.run_folder, "--wrong")
         self.refused("--style", self.run_folder, "--style", "smoke")
-        self.refused("not an address", "--listen", "127.0.0.1:port")
+        self.refused("not an address", "--listen", "127.0.0.1:port", "x")
 
     def test_damaged(self):
         damaged = self.folder.path("damaged")
@@ -253,6 +254,45 @@ class WithoutHands(ViewTest):
                 path.unlink()
                 self.refused("not there", target, "--screenshot", "none.png", "--at", 0)
         self.assertFalse(self.folder.path("none.png").exists())
+
+    def test_the_box_of_a_run_without_its_scene(self):
+        """Pictures are the same with the scene, with run.json alone, and the box is guessed only when that is told."""
+        def picture(folder):
+            result = self.view(folder / "particles.hdf.series", "--screenshot", "box.png", "--at", 0)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return numpy.asarray(Image.open(self.folder.path("box.png"))).astype(int), result.stderr
+        whole, told = picture(self.run_folder)
+        self.assertEqual(told, "")
+        bare = self.folder.path("bare")
+        shutil.copytree(self.run_folder, bare)
+        for checkpoint in bare.glob("checkpoint_*"):
+            checkpoint.unlink()
+        report = bare / "run.json"
+        self.assertIn(f'"scene": "{self.folder.path("scene.toml")}"', report.read_text())
+        report.write_text(re.sub(r'"scene": "[^"]*"', '"scene": "/gone.toml"', report.read_text()))
+        by_report, told = picture(bare)
+        self.assertEqual(told, "")
+        self.assertLess(changed(whole, by_report), 0.02)  # the name above it is another
+        report.unlink()
+        _, told = picture(bare)
+        self.assertIn("the box is that of the first frame's particles; give --scene", told)
+
+    def test_the_colour_of_the_scene(self):
+        folder = self.folder.path("by_speed")
+        scene = self.folder.scene(self.scene.replace("rainbow_x", "speed").replace(', "rgb"', ""), "by_speed.toml")
+        run_well(1, scene, folder, "--steps", 4)
+        self.viewer(folder, "--paused").wait_title("points, speed")
+        self.viewer(folder, "--paused", "--colour", "rank").wait_title("points, rank")
+
+    def test_counts_that_cannot_be(self):
+        copy = self.folder.path("counts")
+        shutil.copytree(self.run_folder, copy)
+        piece = copy / "vtu/particles_000000_1.vtu"
+        good = piece.read_bytes()
+        for count in (b"-1", b"4000000000000", b"99999999999999999999", b"many", b""):
+            with self.subTest(count):
+                piece.write_bytes(re.sub(b'NumberOfPoints="[0-9]+', b'NumberOfPoints="' + count, good))
+                self.refused(f"{piece}: damaged", copy / "particles.pvd", "--screenshot", "none.png", "--at", 0)
 
 
 if __name__ == "__main__":
