@@ -193,6 +193,7 @@ main() {
   local quick repeats
   parse_arguments "$@"
   cd "$trevi_root"
+  trevi_packages+=(libbenchmark-dev)
   install_packages
   mpi_environment
   # Ranks that are bound to one core each would share it with whatever else runs there.

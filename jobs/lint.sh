@@ -38,7 +38,7 @@ SHIM
 # tidy FILE...: the sources among the files; headers are checked through the sources that include them.
 tidy() {
   local shim sources
-  cmake --preset release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null || return 1
+  cmake --preset release >/dev/null || return 1
   shim="$(source_location_shim)"
   mapfile -t sources < <(printf '%s\n' "$@" | grep '\.cpp$' | while read -r file; do
     if grep -q "\"file\": \".*/$file\"" build/release/compile_commands.json; then

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # usage: jobs/run.sh SCENE [RANKS] [-- more arguments of trevi]
 #
-# Installs what is missing, builds, runs SCENE on all cores, draws the density curve and says where everything is. RANKS
+# Installs what is missing, builds the program (not its tests), runs SCENE on all cores, draws the density curve and says where everything is. RANKS
 # is the number of ranks, which share the cores as threads; by default there is one for each NUMA node, so on a machine
 # with a single one there is one rank, and no mpirun. Output goes to out/<scene name>, or -2, -3, ... when that exists; with --restart to the newest of them.
 # trevi runs in the root of the project, so paths after -- are relative to that.
@@ -105,7 +105,7 @@ main() {
   local scene ranks extra output launch status=0
   parse_arguments "$@"
   cd "$trevi_root"
-  setup release
+  setup_program trevi
   choose_output
   choose_launch
   local run=("${launch[@]}" build/release/trevi "$scene" "${extra[@]}")

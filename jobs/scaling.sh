@@ -63,6 +63,7 @@ parse_arguments() {
 }
 
 build_benchmarks() {
+  trevi_packages+=(libbenchmark-dev)
   install_packages
   cmake --preset release -B build/bench -DTREVI_BENCHMARKS=ON -DTREVI_TESTS=OFF >/dev/null
   cmake --build build/bench -j "$(build_jobs)"

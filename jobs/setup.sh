@@ -5,12 +5,13 @@ set -euo pipefail
 
 trevi_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
+# What a run and its plot need. Scripts that need more add it before they call install_packages or setup_program.
 trevi_packages=(
   g++ cmake ninja-build pkg-config openmpi-bin libeigen3-dev libpetsc-real-dev libvtk9-dev
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev
-  libsndfile1-dev libzmq3-dev cppzmq-dev libgtest-dev libgmock-dev libbenchmark-dev xvfb xdotool
-  python3 python3-numpy python3-h5py python3-matplotlib python3-pil
+  libsndfile1-dev libzmq3-dev cppzmq-dev python3 python3-numpy python3-matplotlib
 )
+test_packages=(libgtest-dev libgmock-dev xvfb xdotool python3-h5py python3-pil)
 
 fail() {
   echo "$(basename "$0"): $1" >&2
@@ -78,19 +79,39 @@ build_jobs() {
   echo "$jobs"
 }
 
-# build PRESET: configures and compiles in build/PRESET; lint.sh needs the list of compile commands.
-build() {
+# configure PRESET ON|OFF: with tests or without, where that is not how build/PRESET stands. A folder that has tests keeps
+# them, and ninja itself sees to changed CMakeLists.txt, so that nothing is done twice.
+configure() {
+  local cache="build/$1/CMakeCache.txt" tests="$2"
+  if grep -qs '^TREVI_TESTS:BOOL=ON' "$cache"; then tests=ON; fi
+  if [[ -e build/$1/build.ninja && ! CMakePresets.json -nt build/$1/build.ninja ]] &&
+    grep -qs "^TREVI_TESTS:BOOL=$tests" "$cache"; then
+    return
+  fi
+  cmake --preset "$1" -DTREVI_TESTS="$tests"
+}
+
+# setup PRESET: packages, program, viewer and tests.
+setup() {
+  trevi_packages+=("${test_packages[@]}")
+  install_packages
+  mpi_environment
   (
     cd "$trevi_root"
-    cmake --preset "$1" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+    configure "$1" ON
     cmake --build --preset "$1" -j "$(build_jobs)"
   )
 }
 
-setup() {
+# setup_program TARGET...: what a run needs and no more; trevi, and trevi-view to look at it.
+setup_program() {
   install_packages
   mpi_environment
-  build "$1"
+  (
+    cd "$trevi_root"
+    configure release OFF
+    cmake --build --preset release -j "$(build_jobs)" --target "$@"
+  )
 }
 
 setup_main() {

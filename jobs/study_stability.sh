@@ -10,7 +10,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 main() {
   case "${1:-}" in -h | --help) print_help && exit 0 ;; esac
-  setup release
+  trevi_packages+=(python3-h5py)
+  setup_program trevi
   local results="$trevi_root/postprocess/results/stability"
   "$trevi_root/postprocess/study_stability.py" "$results.csv" "$@"
   "$trevi_root/postprocess/stability_matrix.py" "$results.csv" "$results.png"

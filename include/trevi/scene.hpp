@@ -42,7 +42,7 @@ struct CheckpointSettings {
 };
 
 struct OutputSettings {
-  std::string directory;  ///< relative to the working directory; default out/<scene name>
+  std::string directory;  ///< relative to the working directory; default out/SCENE
   std::optional<FrameSettings> vtu, vtkhdf;
   std::optional<CheckpointSettings> checkpoint;
   std::optional<Schedule> series;

@@ -8,8 +8,10 @@
 #include "app/build.hpp"
 #include "app/envelope.hpp"
 #include "app/initial_particles.hpp"
+#include "app/run_cost.hpp"
 #include "fluid/inlet.hpp"
 #include "fluid/xsph_viscosity.hpp"
+#include "parallel/reductions.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
 
@@ -111,15 +113,47 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
   return text;
 }
 
-std::string time_text(const Scene& scene) {
+// The longest step at the fastest that a particle may get.
+Real longest_step(const Scene& scene, Real cfl) {
   const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
-  const Real cfl = scene.cfl > 0 ? scene.cfl.value() : 0.4;
-  const Real by_speed = v > 0 ? cfl * h / v : INFINITY, by_gravity = g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY;
+  return std::min(v > 0 ? cfl * h / v : INFINITY, g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY);
+}
+
+std::string time_text(const Scene& scene) {
+  const Real h = scene.fluid.kernel_radius, cfl = scene.cfl > 0 ? scene.cfl.value() : 0.4;
   const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, h);
   return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}{}\n", scene.steps(),
-                     scene.dt, cfl, std::min(by_speed, by_gravity), v,
+                     scene.dt, cfl, longest_step(scene, cfl), expected_speed(scene),
                      std::isfinite(viscous) ? fmt::format(", by viscosity {:.3g} s", viscous) : "",
                      scene.cfl > 0 ? "; longer steps are split" : "");
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 100) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 3e5) return fmt::format("{:.1f} h", seconds / 3600);
+  return fmt::format("{:.1f} days", seconds / 86400);
+}
+
+// By the speed of a pool at rest; a splash has a similar number of pairs, but its steps may be split. `most` is the
+// number of particles of the fullest rank.
+std::string run_time_text(const Scene& scene, double most, const MeasuredSpeed& speed) {
+  const double substep = speed.substep * most, steps = static_cast<double>(scene.steps());
+  const double least = steps * substep * static_cast<double>(speed.substeps);
+  const double split = scene.cfl > 0 ? std::ceil(scene.dt / longest_step(scene, scene.cfl.value())) : 1;
+  const double longest = std::max(least, steps * substep * split);
+  return fmt::format(
+      "run time    {}{}, files left out, by {:.3g} ms for a step of {} particles at rest, measured now\n",
+      duration_text(least), longest > least ? " to " + duration_text(longest) : "",
+      1e3 * speed.substep * static_cast<double>(speed.substeps) * speed.particles, with_commas(speed.particles));
+}
+
+double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
+  double most = 0;
+  for (int r = 0; r < slabs.ranks(); ++r)
+    most = std::max(
+        most, std::accumulate(weights.begin() + slabs.first_plane(r), weights.begin() + slabs.last_plane(r), 0.0));
+  return most;
 }
 
 std::string output_text(const Scene& scene, const std::string& directory) {
@@ -144,15 +178,22 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   const CellGrid grid = cell_grid(scene);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
+  MeasuredSpeed speed = measured_speed(scene);
+  speed.substep = max_over_ranks(session.comm(), speed.substep);
   if (session.rank() != 0) return;
+  const double particles = std::accumulate(weights.begin(), weights.end(), 0.0);
   fmt::print("scene       {}\n", scene.path);
   fmt::print("launch      {}\n", launch_text(launch, scene));
-  fmt::print("particles   {:.0f}, {:.6g} kg each\n", std::accumulate(weights.begin(), weights.end(), 0.0), model.mass);
+  fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, model.mass);
   fmt::print("{}", inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
-  for (const std::string& warning : start_warnings(scene)) fmt::print("warning     {}\n", warning);
-  fmt::print("{}{}", time_text(scene), output_text(scene, directory));
+  fmt::print("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
+  const double bytes = output_bytes(scene, particles);
+  fmt::print("{}  in all      up to {}\n", output_text(scene, directory), size_text(bytes));
+  std::vector<std::string> warnings = start_warnings(scene);
+  for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
+  for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
 }
 
 }  // namespace trevi

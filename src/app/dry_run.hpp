@@ -1,4 +1,5 @@
-// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, planned output.
+// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, run time, planned
+// output against the free disk.
 // Collective.
 #pragma once
 

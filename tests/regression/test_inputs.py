@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Every scene in inputs/ is understood, or asks for a part that this build lacks and is told so; and the small ones run to
-their end without losing a particle or, where nothing pumps, gaining energy."""
+"""Every scene in inputs/ is understood, or asks for a part that this build lacks and is told so; and the small ones, those of
+the tutorial among them, run to their end without losing a particle or, where nothing pumps, gaining energy."""
 
 import re
 import sys
@@ -31,8 +31,8 @@ class Scenes(ProgramTest):
                     self.assertIn("particles", result.stdout)
 
     def test_small_scenes_run_to_their_end(self):
-        scenes = sorted(INPUTS.glob("*_small.toml"))
-        self.assertGreater(len(scenes), 5)
+        scenes = sorted([*INPUTS.glob("*_small.toml"), *INPUTS.glob("tutorial/*.toml")])
+        self.assertGreater(len(scenes), 11)
         for scene in scenes:
             if "MUSIC" in WITHOUT and "\nmusic" in scene.read_text():
                 continue

@@ -1,0 +1,136 @@
+#!/usr/bin/python3
+"""Every page of the project: links and pictures lead somewhere, commands name scripts and scenes that are there and are
+understood in dry form, and figures in tables are those of the csv files that they come from."""
+
+import csv
+import re
+import shlex
+import subprocess
+import unittest
+from pathlib import Path
+
+from program import WITHOUT, ProgramTest, main
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "postprocess/results"
+PAGES = sorted(page for folder in (".", "inputs", "inputs/tutorial", "postprocess", "postprocess/results", "jobs")
+               for page in (ROOT / folder).glob("*.md"))
+
+
+def without_code(text):
+    return re.sub(r"`[^`]*`", "", re.sub(r"```.*?```", "", text, flags=re.S))
+
+
+def anchors(page):
+    """As GitHub makes them of headings."""
+    headings = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", page.read_text(), flags=re.S), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def commands(page):
+    """Lines of indented blocks, their comments left out."""
+    for line in page.read_text().splitlines():
+        if line.startswith("    ") and re.match(r" +(jobs/|build/release/trevi |postprocess/|sbatch |trevi-view )", line):
+            yield shlex.split(line, comments=True)
+
+
+class Pages(ProgramTest):
+    def test_links_and_pictures_lead_somewhere(self):
+        self.assertGreater(len(PAGES), 12)
+        for page in PAGES:
+            for target in re.findall(r"\]\(([^)\s]+)\)", without_code(page.read_text())):
+                if re.match("https?:", target):
+                    continue
+                path, _, anchor = target.partition("#")
+                file = (page.parent / path).resolve() if path else page
+                with self.subTest(page=page.name, link=target):
+                    self.assertTrue(file.exists())
+                    if anchor and file.suffix == ".md":
+                        self.assertIn(anchor, anchors(file))
+
+    def test_every_picture_is_shown(self):
+        shown = {(page.parent / target).resolve() for page in PAGES
+                 for target in re.findall(r"\]\(([^)\s]+\.png)\)", page.read_text())}
+        self.assertEqual({path for path in RESULTS.rglob("*.png")} - shown, set())
+
+    def test_commands_name_what_is_there(self):
+        found = 0
+        for page in PAGES:
+            for words in commands(page):
+                with self.subTest(page=page.name, command=" ".join(words)):
+                    for word in words:
+                        if re.match(r"(jobs|inputs|postprocess|tests)/[\w./]+$", word):
+                            if word != "inputs/tutorial/mine.toml":
+                                self.assertTrue((ROOT / word).exists(), word)
+                                found += 1
+        self.assertGreater(found, 20)
+
+    def test_runs_are_understood(self):
+        """What follows -- in a call of jobs/run.sh, and calls of trevi itself, in dry form."""
+        tried = set()
+        for page in PAGES:
+            for words in commands(page):
+                if words[0] == "jobs/run.sh":
+                    scene, more = words[1], words[words.index("--") + 1:] if "--" in words else []
+                elif words[0] == "build/release/trevi":
+                    scene, more = words[1], words[2:]
+                else:
+                    continue
+                if scene == "SCENE" or "--preview" in more or (scene, *more) in tried:
+                    continue
+                tried.add((scene, *more))
+                with self.subTest(page=page.name, command=" ".join(words)):
+                    result = self.run_trevi(1, ROOT / scene, *more, "--dry-run")
+                    missing = any(f"TREVI_WITH_{part}=ON" in result.stderr for part in WITHOUT)
+                    self.assertEqual(result.returncode, 2 if missing else 0, result.stderr)
+        self.assertGreater(len(tried), 6)
+
+    def test_scripts_tell_their_usage(self):
+        for script in sorted((ROOT / "jobs").glob("*.sh")):
+            with self.subTest(script.name):
+                told = subprocess.run([script, "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
+                self.assertIn("usage:", told)
+                self.assertIn(script.name, (ROOT / "jobs/README.md").read_text())
+
+
+class Figures(unittest.TestCase):
+    def compressions(self):
+        """{(scene, method, iterations): mean compression}."""
+        with open(RESULTS / "error_against_run_time.csv", newline="", encoding="utf-8") as file:
+            return {(row["scene"], row["method"], int(row["iterations"])): float(row["compression_mean"])
+                    for row in csv.DictReader(file)}
+
+    def assert_rounds_to(self, said, value):
+        digits = len(said.replace(".", "").lstrip("0"))
+        self.assertAlmostEqual(float(said) / value, 1, delta=0.51 * 10 ** (1 - digits), msg=f"{said} for {value}")
+
+    def test_readme(self):
+        real = self.compressions()
+        error, = re.findall(r"falling cube: ([\d.]+) % by default, ([\d.]+) %", (ROOT / "README.md").read_text())
+        self.assert_rounds_to(error[0], 100 * real["cube", "default", 4])
+        self.assert_rounds_to(error[1], 100 * real["cube", "report's Jacobi", 4])
+
+    def test_error_table(self):
+        real = self.compressions()
+        text = (RESULTS / "README.md").read_text()
+        for words, scene in (("falling cube, 20³", "cube"), ("fountain", "fountain")):
+            row, = re.findall(rf"^\| {re.escape(words)} \| ([\d.]+) % / ([\d.]+) % \| ([\d.]+) % / ([\d.]+) %", text,
+                              re.MULTILINE)
+            keys = [("report's Jacobi", 4), ("report's Jacobi", 8), ("default", 4), ("default", 8)]
+            for said, (method, iterations) in zip(row, keys):
+                with self.subTest(scene=scene, method=method, iterations=iterations):
+                    self.assert_rounds_to(said, 100 * real[scene, method, iterations])
+
+    def test_stability(self):
+        with open(RESULTS / "stability.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        text = (RESULTS / "README.md").read_text()
+        said = re.search(r"Of (\d+) stress cases.*?default is stable in (\d+);[^;]*preset in (\d+)", text, re.S)
+        stable = {name: sum(row["preset"] == name and row["verdict"] == "stable" for row in rows)
+                  for name in ("default", "report")}
+        cases = len({(row["group"], row["case"]) for row in rows if row["preset"] == "default"})
+        self.assertEqual([int(number) for number in said.groups()], [cases, stable["default"], stable["report"]])
+
+
+if __name__ == "__main__":
+    main()
