@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/scene_fountain.hpp"
+#include "app/scene_obstacle.hpp"
 #include "fluid/kernels.hpp"
 #include "fluid/xsph_viscosity.hpp"
 
@@ -50,6 +51,7 @@ class PhysicsReader {
     read_vorticity();
     read_viscosity(viscosity);
     resolve(viscosity);
+    for (Section& obstacle : root_.children("obstacle")) read_obstacle(obstacle, scene_);
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     domain_.reject_unknown();
     fluid_.reject_unknown();

@@ -23,13 +23,20 @@ constexpr Real fade_begins = -0.25, fade_length = 2;
 
 }  // namespace
 
-CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model)
-    : model_(model), water_(comm, grid, box, model.spacing), pressure_(comm) {}
+CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model,
+                                   Obstacles* obstacles)
+    : model_(model), water_(comm, grid, box, model.spacing, obstacles), pressure_(comm), obstacles_(obstacles) {}
+
+// What takes the particles along with a wall, or with a solid.
+Real CoarseCorrection::through_closed(std::size_t a, std::size_t face) const {
+  const CoarseSolids* solids = water_.solids();
+  return (solids != nullptr ? solids->moved(a, face) : 0) - water_.displacement(a, face);
+}
 
 CellDisplacement CoarseCorrection::displacement_of(LocalId k, LocalId r, LocalId c) const {
   const CoarseGrid& grid = water_.grid();
   const std::size_t own = grid.index(k, r, c);
-  const bool wet = water_.is_wet(own), follows = !wet && water_.is_wet(own - 1);  // the top cell below it
+  const bool wet = water_.is_wet(own), follows = !wet && water_.is_wet(own - 1) && !water_.is_solid(own - 1);  // the top cell below it
   CellDisplacement by{};
   by.share = wet ? share_ : 0;
   by.per_noise2 = per_noise2_;
@@ -42,9 +49,10 @@ CellDisplacement CoarseCorrection::displacement_of(LocalId k, LocalId r, LocalId
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t at = follows && a < 2 ? own - 1 : own, above = at + grid.step(a), b = grid.axis(a);
     const auto through = [&](std::size_t face, bool wall, bool& known) {
+      wall = is_closed(a, face, wall);
       known = wall ? water_.is_wet(at) : water_.is_wet(face) || water_.is_wet(face - grid.step(a));
       if (!known) return 0.0;
-      return wall ? -water_.displacement(a, face) : pressure_.displacement(water_, a, face);
+      return wall ? through_closed(a, face) : pressure_.displacement(water_, a, face);
     };
     bool low_known = false, high_known = false;
     Real low = through(at, grid.is_wall(a, k, r, c), low_known);

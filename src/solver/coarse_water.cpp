@@ -45,8 +45,9 @@ Real CoarseWater::Moments::at_face() const {
   return u - x * covariance / (variance + regression_damping);
 }
 
-CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing)
-    : comm_(comm), grid_(comm, grid, box) {
+CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing, const Obstacles* obstacles)
+    : comm_(comm), box_(box), grid_(comm, grid, box) {
+  if (obstacles != nullptr) solids_.emplace(*obstacles);
   frame_.origin = grid_.origin();
   frame_.per_length = grid_.per_length();
   frame_.per_full = 1;
@@ -74,7 +75,7 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& moti
   halo.start_planes(fill_, grid_.step(0));
   for_each_part({1, grid_.planes() + 2}, 1, [&](Range k) { finish_faces(k.begin); });
   halo.finish();
-  find_surface();
+  find_surface(halo);
 }
 
 // Finds the number of columns to look at: two cells above the highest that may hold water, one for its surface and one
@@ -164,22 +165,34 @@ void CoarseWater::finish_faces(LocalId k) {
     displacement_[0][at] = (sums_[at - grid_.step(0)].high + sums_[at].low).at_face();
 }
 
-void CoarseWater::find_surface() {
+void CoarseWater::find_surface(Halo& halo) {
   wet_.assign(grid_.cells(), 0);
   height_.assign(grid_.cells(), 1.0);
+  if (solids_) {
+    solids_->measure(comm_, grid_, box_);
+    find_surface_among_solids(halo);
+    return;
+  }
   for_each_part((grid_.planes() + 2) * grid_.rows(), [&](LocalId row) {
     const LocalId k = row / grid_.rows(), r = row % grid_.rows();
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
-      const bool submerged = c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-      const bool on_floor = c == 0 && fill_[at] >= floor_fill;
-      wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
+      wet_[at] = is_full_enough(at, c, c == 0) ? 1 : 0;
     }
-    // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
-    const std::size_t end = grid_.index(k, r, grid_.columns());
-    if (grid_.columns() == grid_.count(2)) wet_[end] = wet_[end - 1];
+    close_ceiling(k, r);
     find_tops(k, r);
   });
+}
+
+bool CoarseWater::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {
+  const bool submerged = c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+  return fill_[at] >= wet_fill || submerged || (on_floor && fill_[at] >= floor_fill);
+}
+
+// Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
+void CoarseWater::close_ceiling(LocalId k, LocalId r) {
+  const std::size_t end = grid_.index(k, r, grid_.columns());
+  if (grid_.columns() == grid_.count(2)) wet_[end] = wet_[end - 1];
 }
 
 void CoarseWater::find_tops(LocalId k, LocalId r) {
@@ -189,12 +202,12 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
   for (LocalId c = 0; c < grid_.columns(); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (!is_wet(at)) {
-      standing = false;
+      standing = standing && is_solid(at);
     } else if (is_top(at)) {
       const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
     } else {
-      excess += fill_[at] - 1;
+      excess += open(at) * (fill_[at] - 1);
     }
   }
 }

@@ -26,7 +26,9 @@ struct Compression {
 template <class T>
 class DensityProblem {
  public:
-  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls);
+  /// `obstacles` may be null.
+  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls,
+                 Obstacles* obstacles = nullptr);
 
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
@@ -82,6 +84,7 @@ class DensityProblem {
   Neighbourhood<T>& near_;
   const DensityConstraint<T>& constraint_;
   const Walls& walls_;
+  Obstacles* obstacles_;
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
