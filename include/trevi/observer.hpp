@@ -23,6 +23,12 @@ struct Diagnostics {
   Real imbalance = 1, wall_seconds = 0;
 };
 
+/// What the water did to an obstacle, or to the box, in the mean over the last step.
+struct BodyForce {
+  Vec3 force = Vec3::Zero();   ///< N
+  Vec3 torque = Vec3::Zero();  ///< N m, about the centre of the obstacle
+};
+
 /// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
 struct Frame {
   const Clock& clock;
@@ -30,6 +36,7 @@ struct Frame {
   std::span<const Real> density;             ///< kg/m³ at the final positions; empty unless an observer wanted it
   const Diagnostics* diagnostics;            ///< null unless an observer wanted it
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene
+  std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
 };
 
 class Observer {
@@ -39,6 +46,7 @@ class Observer {
   virtual bool due(const Clock& clock) const = 0;
   virtual bool wants_density() const { return false; }
   virtual bool wants_diagnostics() const { return false; }
+  virtual bool wants_forces() const { return false; }
   /// Collective.
   virtual void observe(const Frame& frame) = 0;
   /// Writes what a restart needs, on a request from outside (SIGUSR1, a request to stop), due or not. Collective.

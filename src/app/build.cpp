@@ -4,10 +4,12 @@
 #include <limits>
 
 #include "app/initial_particles.hpp"
+#include "app/obstacle_files.hpp"
 #include "app/scene_changes.hpp"
 #include "app/scene_place.hpp"
 #include "fluid/density.hpp"
 #include "fluid/fountain.hpp"
+#include "io/obstacle_series.hpp"
 #include "io/output_directory.hpp"
 #include "io/series.hpp"
 #include "io/vtkhdf.hpp"
@@ -38,7 +40,7 @@ CheckpointOptions checkpoint_options(MPI_Comm comm, const Scene& scene, const st
   CheckpointOptions options;
   options.directory = directory;
   options.info = {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides,
-                  music_checksums(comm, scene)};
+                  music_checksums(comm, scene), obstacle_checksums(scene)};
   options.restart_step = restart_step;
   options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
   if (scene.output.checkpoint) {
@@ -80,6 +82,11 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
     const int fountains = static_cast<int>(scene.fountains.size());
     observers.push_back(std::make_unique<SeriesWriter>(
         comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy}));
+  }
+  if (output.series && !scene.obstacles.empty()) {
+    observers.push_back(std::make_unique<ObstacleSeries>(
+        comm, ObstacleSeriesOptions{options.directory, *output.series, static_cast<int>(scene.obstacles.size()),
+                                    restart_step}));
   }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/obstacle_files.hpp"
 #include "app/scene_overrides.hpp"
 #include "app/scene_physics.hpp"
 #include "app/scene_reader.hpp"
@@ -206,7 +207,9 @@ Scene parse_scene(const std::string& path, const std::string& text, const std::v
 }
 
 Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides) {
-  return parse_scene(path, read_file_everywhere(comm, path), overrides);
+  Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
+  read_obstacle_files(comm, scene);
+  return scene;
 }
 
 std::string scene_reference() {

@@ -25,6 +25,20 @@ namespace {
 
 constexpr std::int64_t format_version = 1;
 
+// Nothing where there are none; they are the same on all ranks.
+void write_checksums(MPI_Comm comm, Hdf5Writer& file, const std::string& name, const std::vector<std::int64_t>& sums) {
+  if (sums.empty()) return;
+  const auto count = static_cast<std::int64_t>(sums.size());
+  const bool writes = rank_of(comm) == 0;
+  file.write(name, writes ? sums : std::vector<std::int64_t>{}, {writes ? 0 : count, writes ? count : 0, count});
+}
+
+std::vector<std::int64_t> read_checksums(const Hdf5Reader& file, const std::string& name) {
+  if (!file.has(name)) return {};
+  const std::int64_t count = file.rows<std::int64_t>(name);
+  return file.read<std::int64_t>(name, {0, count, count});
+}
+
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
@@ -45,11 +59,8 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   file.text("/scene", info.scene_text);
   file.attribute("scene_overrides", info.scene_overrides);
   file.attribute("scene_checksum", checksum(info.scene_text));
-  if (info.music.empty()) return;
-  const auto fountains = static_cast<std::int64_t>(info.music.size());
-  const bool writes = rank_of(comm) == 0;
-  file.write("/music", writes ? info.music : std::vector<std::int64_t>{},
-             {writes ? 0 : fountains, writes ? fountains : 0, fountains});
+  write_checksums(comm, file, "/music", info.music);
+  write_checksums(comm, file, "/obstacles", info.obstacles);
 }
 
 // Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
@@ -165,10 +176,8 @@ CheckpointState read_slice(const std::string& path, int rank, int size) {
   state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
   state.info.scene_overrides = file.integer_attribute("scene_overrides");
-  if (file.has("/music")) {
-    const std::int64_t fountains = file.rows<std::int64_t>("/music");
-    state.info.music = file.read<std::int64_t>("/music", {0, fountains, fountains});
-  }
+  state.info.music = read_checksums(file, "/music");
+  state.info.obstacles = read_checksums(file, "/obstacles");
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);

@@ -76,8 +76,9 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
   const Real noise = noise_speed * time * model_.h;
   share_ = std::min(1.0, time / noise_time);
   per_noise2_ = 1 / (noise * noise);
+  fall_ = model_.gravity * dt * dt;
   water_.measure(order, halo, motion);
-  pressure_.solve(water_, halo, model_.gravity * dt * dt, std::min(1.0, time / return_time));
+  pressure_.solve(water_, halo, fall_, std::min(1.0, time / return_time));
   const LocalId rows = order.grid().rows(), all_columns = order.grid().columns(), columns = water_.grid().columns();
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows;
@@ -94,6 +95,45 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
       }
     }
   });
+  if (obstacles_ != nullptr) tell_obstacles<T>(order, out);
+}
+
+// Obstacles have what the pressure of the cells does to their surface, the box has the rest.
+template <class T>
+void CoarseCorrection::tell_obstacles(const CellOrder& order, std::span<const Vec4<T>> out) {
+  const LocalId cells = order.grid().rows() * order.grid().columns();
+  for_each_part({1, order.planes() + 1}, 1, [&](Range plane) {
+    for (LocalId cell = 0; cell < cells; ++cell) {
+      Vec3 sum = Vec3::Zero();
+      for (LocalId i = order.start(plane.begin, cell); i < order.start(plane.begin, cell + 1); ++i)
+        sum += vector_of(out[static_cast<std::size_t>(i - order.low_ghosts())]);
+      obstacles_->take(obstacles_->box_taker(), sum, Vec3::Zero());
+    }
+    for (LocalId r = 0; r < water_.grid().rows(); ++r) {
+      for (LocalId c = 0; c < water_.grid().columns(); ++c) tell_of_cell(plane.begin, r, c);
+    }
+  });
+}
+
+// The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
+// pressure is that at the surface's height.
+void CoarseCorrection::tell_of_cell(LocalId k, LocalId r, LocalId c) {
+  const CoarseGrid& grid = water_.grid();
+  const CoarseSolids& solids = *water_.solids();
+  const std::size_t at = grid.index(k, r, c);
+  if (!water_.is_wet(at) || water_.is_solid(at)) return;
+  const Real phi = pressure_.phi(at) + fall_ * solids.surface_above_middle(at);
+  Vec3 shift = Vec3::Zero();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
+    const Real particles = grid.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
+    shift[static_cast<Eigen::Index>(grid.axis(a))] =
+        -phi * rise * particles / grid.size()[static_cast<Eigen::Index>(a)];
+  }
+  if (shift.isZero()) return;
+  const std::size_t nearest = solids.nearest(at);
+  obstacles_->take(nearest, shift, solids.middle(k, r, c));
+  obstacles_->take(obstacles_->box_taker(), -shift, Vec3::Zero());
 }
 
 template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);

@@ -32,18 +32,25 @@ Vec3 CoarseSolids::middle(LocalId k, LocalId r, LocalId c) const { return place(
 
 CoarseSolids::Nearest CoarseSolids::nearest_at(const Vec3& p) const {
   Nearest nearest{INFINITY, 0};
+  const Vec3 gap = Vec3::Constant(size_.maxCoeff() / (2 * samples));
+  const Vec3 in_box = p.cwiseMax(box_.min + gap).cwiseMin(box_.max - gap);
   for (std::size_t k = 0; k < obstacles_.count(); ++k) {
     const Body& body = obstacles_.body(k);
-    const Real d = body.shape().distance(body.now().into_body(p));
+    const Real d = body.shape().distance(body.now().into_body(in_box));
     if (d < nearest.distance) nearest = {d, k};
   }
   return nearest;
 }
 
-bool CoarseSolids::meets(const Vec3& from, const Vec3& to) const {
+// Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is open.
+bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to) const {
   for (std::size_t k = 0; k < obstacles_.count(); ++k) {
     const Body& body = obstacles_.body(k);
-    if (body.first_contact(body.now().into_body(from), body.now().into_body(to))) return true;
+    const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
+    const auto part = body.first_contact(begin, end);
+    if (!part) continue;
+    const Vec3 contact = begin + *part * (end - begin);
+    if (body.shape().distance(contact - size_.maxCoeff() * body.shape().normal(contact)) > 0) return true;
   }
   return false;
 }
@@ -56,7 +63,7 @@ bool CoarseSolids::is_passage(std::size_t a, const Vec3& on_face) const {
   if (nearest_at(low).distance < 0) low = place(on_face - step);
   if (nearest_at(high).distance < 0) high = place(on_face + step);
   if (nearest_at(low).distance < 0 || nearest_at(high).distance < 0) return true;
-  return !meets(low, high);
+  return !meets_sheet(low, high);
 }
 
 // `corner` of the cell, in cells; its lower face in direction a.
@@ -82,12 +89,30 @@ Real CoarseSolids::face_at(std::size_t a, const Vec3& corner) const {
   return sum / (samples * samples);
 }
 
+// From each sample near the surface straight to it.
+Real CoarseSolids::surface_at(const Vec3& corner) const {
+  const Real width = size_.maxCoeff() / samples, step = width / 100;
+  Real sum = 0, weight = 0;
+  for (int i = 0; i < samples * samples * samples; ++i) {
+    const Vec3 in_cell(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
+    const Vec3 p = place(corner + in_cell), up = step * Vec3::UnitZ();
+    const Real d = nearest_at(p).distance, w = std::max(1 - std::abs(d) / width, 0.0);
+    if (w == 0) continue;
+    const Real slope = (nearest_at(p + up).distance - nearest_at(p - up).distance) / (2 * step);
+    sum += w * ((in_cell.z() - 0.5) * size_.z() - d * slope);
+    weight += w;
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
 CoarseSolids::Cell CoarseSolids::cell_at(LocalId k, LocalId r, LocalId c) const {
   Cell cell;
   const Vec3 corner(k, r, c);
   const Nearest far = nearest_at(middle(k, r, c));
   cell.nearest = static_cast<std::uint32_t>(far.body);
   for (std::size_t a = 0; a < 3; ++a) cell.face[a] = static_cast<float>(face_at(a, corner));
+  // Surfaces a little outside of the cell count where a face of it is closed.
+  if (std::abs(far.distance) < 0.75 * size_.norm()) cell.surface = static_cast<float>(surface_at(corner));
   if (std::abs(far.distance) > size_.norm() / 2) {
     cell.open = far.distance > 0 ? 1 : 0;
     return cell;
@@ -162,6 +187,7 @@ void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box
     size_[b] = grid.size()[b];
     origin_[b] = box.min[axis_[a]] + (a == 0 ? (first - 1) * size_[b] : 0);
   }
+  box_ = box;
   first_ = first;
   planes_ = grid.planes();
   if (obstacles_.moves()) {

@@ -28,6 +28,8 @@ class CoarseSolids {
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
+  /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
+  Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// The middle of a cell, m.
   Vec3 middle(LocalId k, LocalId r, LocalId c) const;
 
@@ -39,6 +41,7 @@ class CoarseSolids {
   struct Cell {
     float open = 1;
     std::array<float, 3> face{1, 1, 1};
+    float surface = 0;
     std::uint32_t nearest = 0;
   };
   struct Nearest {
@@ -46,16 +49,19 @@ class CoarseSolids {
     std::size_t body;
   };
   Vec3 place(const Vec3& in_cells) const;
+  // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
   Nearest nearest_at(const Vec3& p) const;
-  bool meets(const Vec3& from, const Vec3& to) const;
+  bool meets_sheet(const Vec3& from, const Vec3& to) const;
   void measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells) const;
   Cell cell_at(LocalId k, LocalId r, LocalId c) const;
   Real face_at(std::size_t a, const Vec3& corner) const;
+  Real surface_at(const Vec3& corner) const;
   bool is_passage(std::size_t a, const Vec3& on_face) const;
   void measure_motion(const CoarseGrid& grid);
   void take_columns(const CoarseGrid& grid);
 
   const Obstacles& obstacles_;
+  Box box_;
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction; the origin is that of plane 0, a ghost
   LocalId first_ = -1, planes_ = -1;

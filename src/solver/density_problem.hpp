@@ -62,6 +62,10 @@ class DensityProblem {
   void compute_density();
 
   const CellOrder& order() const { return near_.order(); }
+  /// Null where there are none.
+  const Obstacles* obstacles() const { return obstacles_; }
+  /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
+  std::vector<Taken> taken() const { return obstacles_->toll().total(comm_); }
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return walls_; }
   Particles& particles() { return *particles_; }

@@ -10,7 +10,9 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
     : walls_(walls),
       law_(std::move(law)),
       toll_(settings.obstacles.size() + 1, settings.fluid.kernel_radius),
-      relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1) {
+      relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
+      water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
+                  settings.fluid.spacing) {
   const BodyRules rules{settings.domain, settings.walls, kernels_of(settings.fluid).density,
                         settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)

@@ -45,19 +45,25 @@ class Obstacles {
   /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
   Toll& toll() { return toll_; }
   std::size_t box_taker() const { return bodies_.size(); }
+  /// Tells the toll of a shift that a taker gave to a particle at p.
+  void take(std::size_t taker, const Vec3& shift, const Vec3& p);
+
+  /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
+  /// particles is calibrated to their kernel.
+  Real water_mass() const { return water_mass_; }
 
   std::size_t bytes() const;
 
  private:
   struct Leg;
   Vec3 among(const Vec3& p, const Vec3& v, Real dt);
-  void take(std::size_t taker, const Vec3& shift, const Vec3& p);
 
   std::vector<std::unique_ptr<Body>> bodies_;
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   Toll toll_;
   Real relaxation_;  // of shifts by the density solver
+  Real water_mass_;
 };
 
 }  // namespace trevi
