@@ -20,7 +20,7 @@ ROOMS = ["base", "parallel", "particles", "domain", "fluid", "solver", "music", 
 PUBLIC = {  # header of the library: its room
     "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",
-    "settings": "fluid", "forcing": "fluid", "observer": "solver", "solver": "solver", "scene": "app",
+    "settings": "fluid", "obstacle": "fluid", "forcing": "fluid", "observer": "solver", "solver": "solver", "scene": "app",
 }
 FOLDERS = {"jobs", "inputs", "postprocess", "tests", "src", "include"}
 MAX_LINES = 400

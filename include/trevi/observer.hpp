@@ -37,6 +37,12 @@ struct FlowState {
   std::vector<Stream> streams;  ///< in the order of the scene
 };
 
+/// What the water did to an obstacle, or to the box, in the mean over the last step.
+struct BodyForce {
+  Vec3 force = Vec3::Zero();   ///< N
+  Vec3 torque = Vec3::Zero();  ///< N m, about the centre of the obstacle
+};
+
 /// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
 struct Frame {
   const Clock& clock;
@@ -45,6 +51,7 @@ struct Frame {
   const Diagnostics* diagnostics;            ///< null unless an observer wanted it
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
+  std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
 };
 
 class Observer {
@@ -54,6 +61,7 @@ class Observer {
   virtual bool due(const Clock& clock) const = 0;
   virtual bool wants_density() const { return false; }
   virtual bool wants_diagnostics() const { return false; }
+  virtual bool wants_forces() const { return false; }
   /// Collective.
   virtual void observe(const Frame& frame) = 0;
   /// Writes what a restart needs, on a request from outside (SIGUSR1, a request to stop), due or not. Collective.

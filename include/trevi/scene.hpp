@@ -1,4 +1,5 @@
-// A scene file, read, checked and turned into plain data. Nothing is built here and no file but the scene is read.
+// A scene file, read, checked and turned into plain data. Nothing is built here, and no file is read but the scene and
+// those that its obstacles name.
 // Every problem of the file is found in one pass and reported together, each with file, line, key and remedy.
 // The same text gives the same Scene on all ranks.
 #pragma once
@@ -75,7 +76,7 @@ struct Scene : Settings {
 /// Throws InputError that lists every problem as "file:line: [table] key: what is wrong; remedy", one a line.
 Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& overrides);
 
-/// Reads a scene file on one rank of `comm` for all. Collective. InputError on all ranks alike, as parse_scene().
+/// Reads a scene file, meshes and motions of its obstacles included, on one rank of `comm` for all. Collective. InputError on all ranks alike, as parse_scene().
 Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// The particles of [[particles]], those of this rank's slab; ids x fastest within a block, sources in file order.

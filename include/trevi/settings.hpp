@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "trevi/box.hpp"
+#include "trevi/obstacle.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
@@ -161,6 +162,7 @@ struct Settings {
   std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;
+  std::vector<ObstacleSettings> obstacles;
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step

@@ -4,10 +4,12 @@
 #include <limits>
 
 #include "app/initial_particles.hpp"
+#include "app/obstacle_files.hpp"
 #include "app/scene_changes.hpp"
 #include "app/scene_place.hpp"
 #include "fluid/density.hpp"
 #include "fluid/fountain.hpp"
+#include "io/obstacle_series.hpp"
 #include "io/output_directory.hpp"
 #include "io/series.hpp"
 #include "io/vtkhdf.hpp"
@@ -83,6 +85,11 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
     observers.push_back(std::make_unique<SeriesWriter>(
         comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy, flow}));
   }
+  if (output.series && !scene.obstacles.empty()) {
+    observers.push_back(std::make_unique<ObstacleSeries>(
+        comm, ObstacleSeriesOptions{options.directory, *output.series, static_cast<int>(scene.obstacles.size()),
+                                    restart_step}));
+  }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
                                                colour_scale(scene, particles), restart_step}));
@@ -135,8 +142,12 @@ std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::opti
 }  // namespace
 
 CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
-  return {scene.text, TREVI_VERSION, static_cast<std::int64_t>(scene.seed), scene.overrides,
-          music_checksums(comm, scene)};
+  return {scene.text,
+          TREVI_VERSION,
+          static_cast<std::int64_t>(scene.seed),
+          scene.overrides,
+          music_checksums(comm, scene),
+          obstacle_checksums(scene)};
 }
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {

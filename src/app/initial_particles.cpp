@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "app/free_places.hpp"
 #include "app/lattice.hpp"
 #include "app/scene_place.hpp"
 #include "base/memory.hpp"
@@ -38,23 +39,19 @@ void add_particle(Particles& particles, GlobalId id, const Vec3& position, const
   particles.velocity.push_back(velocity);
 }
 
-struct Layer {
-  int axis;  // across which it lies
-  GlobalId number;
+// A block of the scene with the ids that its points have; those in obstacles are left out.
+struct Block {
+  const ParticleSource& source;
+  Lattice lattice;
+  GlobalId first_id;
 };
 
-void add_layer(Particles& particles, const Lattice& lattice, Layer layer, const ParticleSource& block,
-               GlobalId first_id) {
-  std::array<GlobalId, 3> begin = {0, 0, 0}, end = lattice.count;
-  begin[static_cast<std::size_t>(layer.axis)] = layer.number;
-  end[static_cast<std::size_t>(layer.axis)] = layer.number + 1;
-  for (GlobalId k = begin[2]; k < end[2]; ++k) {
-    for (GlobalId j = begin[1]; j < end[1]; ++j) {
-      for (GlobalId i = begin[0]; i < end[0]; ++i) {
-        add_particle(particles, first_id + lattice.id(i, j, k), lattice.point(i, j, k), block.velocity);
-      }
-    }
-  }
+void add_layer(Particles& particles, const Block& block, int axis, GlobalId layer, const FreePlaces& places) {
+  for_each_point(block.lattice, axis, layer, [&](GlobalId i, GlobalId j, GlobalId k) {
+    const Vec3 point = block.lattice.point(i, j, k);
+    if (!places.is_free(point)) return;
+    add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, block.source.velocity);
+  });
 }
 
 // Particles read from files, wherever they belong; ids already follow those of the sources before.
@@ -80,12 +77,25 @@ void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, c
   });
 }
 
+void check_free(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, const std::string& source) {
+  const FreePlaces places(scene);
+  all_or_none(comm, [&] {
+    for (std::size_t i = 0; i < rows.position.size(); ++i) {
+      const int k = places.solid_at(rows.position[i]);
+      if (k < 0) continue;
+      throw InputError(fmt::format("{}: /particles/position: row {} is in obstacle {} of the scene; move the particle",
+                                   source, rows.first + static_cast<GlobalId>(i), k));
+    }
+  });
+}
+
 // Returns how many ids the rows take, from 0 to the largest.
 GlobalId append_file(MPI_Comm comm, const Scene& scene, const std::string& path, GlobalId first_id,
                      Particles& particles) {
   const ParticleRows rows = read_particle_file(comm, path);
   if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
   check_inside(comm, scene, rows, path);
+  check_free(comm, scene, rows, path);
   append_rows(particles, rows, first_id);
   GlobalId last = -1;
   for (const GlobalId id : rows.id) last = std::max(last, id);
@@ -125,11 +135,29 @@ std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
   return weights;
 }
 
+// The same where obstacles take some of the places: ranks take turns with the layers.
+std::vector<Real> free_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places) {
+  std::vector<GlobalId> count(static_cast<std::size_t>(grid.planes()), 0);
+  for (const ParticleSource& source : scene.particles) {
+    if (source.type != ParticleSource::Type::block) continue;
+    const Lattice lattice(source, scene.fluid.spacing);
+    for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
+      if (layer % size_of(comm) != rank_of(comm)) return;
+      count[static_cast<std::size_t>(plane)] += places.count(lattice, grid.slab_axis(), layer);
+    });
+  }
+  count = sum_over_ranks(comm, count);
+  return {count.begin(), count.end()};
+}
+
 // The same with particles from files, which may be on any rank.
 std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const Particles& files) {
   std::vector<Real> weights = plane_weights(comm, grid, files);
-  const std::vector<Real> blocks = block_weights(scene, grid);
+  const FreePlaces places(scene);
+  const std::vector<Real> blocks = places.all() ? block_weights(scene, grid) : free_weights(comm, scene, grid, places);
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
+  if (std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
+    throw InputError(scene.path + ": [[particles]]: no particle is left outside of the obstacles; move them");
   return weights;
 }
 
@@ -177,13 +205,14 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
   // run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
+  const FreePlaces places(scene);
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
     const ParticleSource& source = scene.particles[s];
     if (source.type != ParticleSource::Type::block) continue;
     const Lattice lattice(source, scene.fluid.spacing);
     for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
       if (slabs.owner(plane) != rank) return;
-      add_layer(particles, lattice, {grid.slab_axis(), layer}, source, files.first_id[s]);
+      add_layer(particles, {source, lattice, files.first_id[s]}, grid.slab_axis(), layer, places);
     });
   }
   if (scene.colour == Colour::rainbow_x) add_hue(comm, particles);

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <string_view>
 
+#include "app/obstacle_files.hpp"
 #include "app/scene_changes.hpp"
 #include "io/output_directory.hpp"
 #include "trevi/error.hpp"
@@ -52,6 +53,7 @@ std::optional<Restart> find_restart(const Session& session, const Scene& scene, 
   restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step) + restart.message;
   const std::vector<std::string> changes =
       scene_changes(restart.state->info, restart.file, scene, music_checksums(comm, scene));
+  check_obstacle_files(restart.state->info, restart.file, scene);
   for (const std::string& change : changes) restart.message += "\n  changed since: " + change;
   return restart;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/obstacle_files.hpp"
 #include "app/scene_overrides.hpp"
 #include "app/scene_physics.hpp"
 #include "app/scene_reader.hpp"
@@ -206,14 +207,16 @@ Scene parse_scene(const std::string& path, const std::string& text, const std::v
 }
 
 Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides) {
-  return parse_scene(path, read_file_everywhere(comm, path), overrides);
+  Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
+  read_obstacle_files(comm, scene);
+  return scene;
 }
 
 std::string scene_reference() {
   // The reader itself lists the keys it asks for, so the reference cannot drift from it. All tables are there, empty;
   // what is missing from them does not matter here.
   const std::string every_table =
-      "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
+      "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\nobstacle = [{type = 'sphere'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";
   Findings findings("reference");

@@ -8,6 +8,7 @@
 
 #include "app/scene_fountain.hpp"
 #include "app/scene_inlet.hpp"
+#include "app/scene_obstacle.hpp"
 #include "fluid/kernels.hpp"
 #include "fluid/xsph_viscosity.hpp"
 
@@ -51,6 +52,7 @@ class PhysicsReader {
     read_vorticity();
     read_viscosity(viscosity);
     resolve(viscosity);
+    for (Section& obstacle : root_.children("obstacle")) read_obstacle(obstacle, scene_);
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
     for (Section& drain : root_.children("drain")) read_drain(drain, scene_);

@@ -29,11 +29,12 @@ void prefetch(std::span<const V> field, Range here) {
     __builtin_prefetch(at);
 }
 
-// visit(i, share) for the particles of the range, at most sums_chunk, that are near a wall.
+// visit(i, share) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
 template <class T>
 template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
   if (!walls_) return;
+  if (obstacles_) return for_each_near_obstacle(range, p, visit);
   const auto first = static_cast<std::size_t>(range.begin);
   std::array<LocalId, sums_chunk> near;
   const std::size_t count =
@@ -45,14 +46,38 @@ void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3>
 }
 
 template <class T>
+template <class Visit>
+void DensityConstraint<T>::for_each_near_obstacle(Range range, std::span<const Vec3> p, const Visit& visit) const {
+  for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
+    const bool at_wall = !walls_->interior().contains(p[i]), at_obstacle = obstacles_->is_near(p[i]);
+    if (!at_wall && !at_obstacle) continue;
+    const BoundaryShare box = at_wall ? walls_->at(p[i]) : BoundaryShare{};
+    visit(i, at_obstacle ? obstacles_->with(box, p[i]) : box);
+  }
+}
+
+template <class T>
+void DensityConstraint<T>::tell_obstacles(const Pairs<T>& pairs, Range range, std::span<const Vec3> p) const {
+  if (!walls_ || !obstacles_) return;
+  const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
+  for_each_index(range, [&](std::size_t i) {
+    const bool at_wall = !walls_->interior().contains(p[i]), at_obstacle = obstacles_->is_near(p[i]);
+    if (!at_wall && !at_obstacle) return;
+    const BoundaryShare box = at_wall ? walls_->at(p[i]) : BoundaryShare{};
+    obstacles_->take_gradient(box, p[i], static_cast<Real>(records[i].w));
+  });
+}
+
+template <class T>
 DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
-                                        std::optional<AnalyticWallDensity> walls)
+                                        std::optional<AnalyticWallDensity> walls, std::shared_ptr<Obstacles> obstacles)
     : model_(model),
       density_factor_(model.mass * model.kernels.density.factor(model.h)),
       gradient_factor_(model.mass / model.rest_density * model.kernels.gradient.slope_factor(model.h)),
       loops_(constraint_loops<T>(model.kernels)),
       delta_loop_(loops_.delta),
-      walls_(std::move(walls)) {
+      walls_(std::move(walls)),
+      obstacles_(std::move(obstacles)) {
   if (tensile) {
     delta_loop_ = [loop = loops_.tensile_delta, t = *tensile](const Pairs<T>& pairs, Range range, Vec4<T>* out) {
       loop(pairs, range, t, out);

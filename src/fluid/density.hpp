@@ -8,10 +8,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "fluid/kernels.hpp"
+#include "fluid/obstacles/obstacles.hpp"
 #include "fluid/pair_sums.hpp"
 #include "fluid/wall_density.hpp"
 #include "trevi/settings.hpp"
@@ -46,7 +48,7 @@ class DensityConstraint {
  public:
   /// Without `walls` a particle at a wall misses the neighbours that water behind it would give, as in the paper.
   DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
-                    std::optional<AnalyticWallDensity> walls);
+                    std::optional<AnalyticWallDensity> walls, std::shared_ptr<Obstacles> obstacles = nullptr);
 
   const DensityModel& model() const { return model_; }
 
@@ -67,12 +69,17 @@ class DensityConstraint {
   /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions.
   void deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const;
 
+  /// Tells the obstacles' toll what the walls and they have in these deltas; p are the positions of lambdas().
+  void tell_obstacles(const Pairs<T>& pairs, Range range, std::span<const Vec3> p) const;
+
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
 
  private:
   template <class Visit>
   void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
+  template <class Visit>
+  void for_each_near_obstacle(Range range, std::span<const Vec3> p, const Visit& visit) const;
 
   DensityModel model_;
   Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours
@@ -80,6 +87,7 @@ class DensityConstraint {
   ConstraintLoops<T> loops_;
   std::function<void(const Pairs<T>&, Range, Vec4<T>*)> delta_loop_;
   std::optional<AnalyticWallDensity> walls_;
+  std::shared_ptr<Obstacles> obstacles_;
 };
 
 extern template class DensityConstraint<float>;

@@ -91,6 +91,12 @@ AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis
           per * 6 * u};
 }
 
+AnalyticWallDensity::OfPlane AnalyticWallDensity::of_plane(Real distance) const {
+  if (distance >= (layers_ + 0.5) * spacing_) return {0, 0};
+  const Plane plane = plane_at(distance, 0, -1);
+  return {plane.share, plane.slope};
+}
+
 // Interpolates the table linearly in the blend of each plane.
 AnalyticWallDensity::Ratio AnalyticWallDensity::ratio(std::initializer_list<const Plane*> planes) const {
   const std::vector<Real>& table = planes.size() == 2 ? edge_ : corner_;

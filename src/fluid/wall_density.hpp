@@ -43,6 +43,11 @@ class AnalyticWallDensity {
   const Box& interior() const { return interior_; }
   /// The share at p; zero in the interior.
   BoundaryShare at(const Vec3& p) const;
+  /// The share w of a single plane at a distance, m, and its slope, 1/m; below 0 the straight line goes on.
+  struct OfPlane {
+    Real share, slope;
+  };
+  OfPlane of_plane(Real distance) const;
 
  private:
   static constexpr int most_planes = 6;

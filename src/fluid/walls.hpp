@@ -11,6 +11,12 @@
 
 namespace trevi {
 
+/// The first plane that a path meets: its axis, −1 for none, and the time, s.
+struct WallHit {
+  int axis = -1;
+  Real t = 0;
+};
+
 class Walls {
  public:
   /// `tolerance`: how far inside the plane a shift stops with reflection "report", m (1e-6 h).
@@ -36,6 +42,11 @@ class Walls {
   }
   bool inside(const Vec3& p) const { return box_.contains(p); }
   const Box& box() const { return box_; }
+
+  /// The steps of predict(), for paths that meet other things, too: the first plane that p + t v meets before t_end,
+  /// and the position and the velocity when it has been met.
+  WallHit first_hit(const Vec3& p, const Vec3& v, Real t_end) const;
+  void bounce(const WallHit& hit, Vec3& position, Vec3& velocity) const;
 
  private:
   Vec3 stop_on_ray(const Vec3& p, const Vec3& shift) const;

@@ -56,6 +56,12 @@ std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& fi
   return flow;
 }
 
+std::vector<std::int64_t> read_checksums(const Hdf5Reader& file, const std::string& name) {
+  if (!file.has(name)) return {};
+  const std::int64_t count = file.rows<std::int64_t>(name);
+  return file.read<std::int64_t>(name, {0, count, count});
+}
+
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
@@ -77,6 +83,7 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   file.attribute("scene_overrides", info.scene_overrides);
   file.attribute("scene_checksum", checksum(info.scene_text));
   if (!info.music.empty()) write_on_root(comm, file, "/music", info.music);
+  if (!info.obstacles.empty()) write_on_root(comm, file, "/obstacles", info.obstacles);
   write_flow(comm, file, frame.flow);
 }
 
@@ -193,10 +200,8 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
   state.info.scene_overrides = file.integer_attribute("scene_overrides");
-  if (file.has("/music")) {
-    const std::int64_t fountains = file.rows<std::int64_t>("/music");
-    state.info.music = file.read<std::int64_t>("/music", {0, fountains, fountains});
-  }
+  state.info.music = read_checksums(file, "/music");
+  state.info.obstacles = read_checksums(file, "/obstacles");
   state.flow = read_flow(path, file);
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);

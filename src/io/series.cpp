@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <utility>
 
+#include "io/kept_rows.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
 
@@ -61,12 +61,6 @@ std::string row(const Frame& frame, Real wall_seconds_before) {
   return text + "\n";
 }
 
-struct KeptRows {
-  std::string text;  ///< header and rows
-  std::int64_t last_step = -1;
-  Real wall_seconds = 0;  ///< of the last row
-};
-
 /// One of the fixed columns of a row, by its name.
 Real column_of(const std::string& row, std::string_view name) {
   const std::string columns = std::string(",") + fixed_columns + ",";
@@ -76,26 +70,6 @@ Real column_of(const std::string& row, std::string_view name) {
     if (c == ',') begin = row.find(',', begin) + 1;
   }
   return std::strtod(row.c_str() + begin, nullptr);
-}
-
-/// The rows up to `last`, without a row that a killed run left unfinished.
-KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::string& header) {
-  std::istringstream old(read_text(path));
-  std::string line;
-  std::getline(old, line);
-  if (line != header) {
-    throw InputError(path + ": its columns are not those of this scene; restart with another --output");
-  }
-  KeptRows kept{header + "\n"};
-  while (std::getline(old, line) && !old.eof()) {  // eof: the line has no end
-    std::int64_t step = -1;
-    const auto result = std::from_chars(line.data(), line.data() + line.size(), step);
-    if (result.ec != std::errc() || step > last) continue;
-    kept.text += line + "\n";
-    kept.last_step = step;
-    kept.wall_seconds = column_of(line, "wall_seconds");
-  }
-  return kept;
 }
 
 }  // namespace
@@ -115,11 +89,11 @@ SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), 
 void SeriesWriter::open() {
   const std::string path = options_.directory + "/series.csv";
   const std::string header = series_header(options_.fountains, options_.flow);
-  KeptRows kept{header + "\n"};
+  KeptRows kept{header + "\n", -1, {}};
   if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
   replace_file(path, kept.text);
   last_step_ = kept.last_step;
-  wall_seconds_before_ = kept.wall_seconds;
+  if (!kept.last_row.empty()) wall_seconds_before_ = column_of(kept.last_row, "wall_seconds");
   if (options_.energy) recall(kept.text);
   file_.emplace(path);
 }

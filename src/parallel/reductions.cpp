@@ -20,6 +20,11 @@ Real max_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, 
 Real min_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, MPI_DOUBLE, MPI_MIN); }
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value) { return all_reduce(comm, value, MPI_INT64_T, MPI_SUM); }
 
+std::vector<GlobalId> sum_over_ranks(MPI_Comm comm, std::vector<GlobalId> values) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm);
+  return values;
+}
+
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value) {
   GlobalId sum = 0;
   MPI_Exscan(&value, &sum, 1, MPI_INT64_T, MPI_SUM, comm);

@@ -16,6 +16,7 @@ namespace trevi {
 Real max_over_ranks(MPI_Comm comm, Real value);
 Real min_over_ranks(MPI_Comm comm, Real value);
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value);
+std::vector<GlobalId> sum_over_ranks(MPI_Comm comm, std::vector<GlobalId> values);
 /// Sum over the ranks below this one: the index of this rank's first row where ranks write rows in rank order.
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value);
 

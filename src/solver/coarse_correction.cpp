@@ -23,13 +23,20 @@ constexpr Real fade_begins = -0.25, fade_length = 2;
 
 }  // namespace
 
-CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model)
-    : model_(model), water_(comm, grid, box, model.spacing), pressure_(comm) {}
+CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model,
+                                   Obstacles* obstacles)
+    : model_(model), water_(comm, grid, box, model.spacing, obstacles), pressure_(comm), obstacles_(obstacles) {}
+
+// What takes the particles along with a wall, or with a solid.
+Real CoarseCorrection::through_closed(std::size_t a, std::size_t face) const {
+  const CoarseSolids* solids = water_.solids();
+  return (solids != nullptr ? solids->moved(a, face) : 0) - water_.displacement(a, face);
+}
 
 CellDisplacement CoarseCorrection::displacement_of(LocalId k, LocalId r, LocalId c) const {
   const CoarseGrid& grid = water_.grid();
   const std::size_t own = grid.index(k, r, c);
-  const bool wet = water_.is_wet(own), follows = !wet && water_.is_wet(own - 1);  // the top cell below it
+  const bool wet = water_.is_wet(own), follows = !wet && water_.is_wet(own - 1) && !water_.is_solid(own - 1);  // the top cell below it
   CellDisplacement by{};
   by.share = wet ? share_ : 0;
   by.per_noise2 = per_noise2_;
@@ -42,9 +49,10 @@ CellDisplacement CoarseCorrection::displacement_of(LocalId k, LocalId r, LocalId
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t at = follows && a < 2 ? own - 1 : own, above = at + grid.step(a), b = grid.axis(a);
     const auto through = [&](std::size_t face, bool wall, bool& known) {
+      wall = is_closed(a, face, wall);
       known = wall ? water_.is_wet(at) : water_.is_wet(face) || water_.is_wet(face - grid.step(a));
       if (!known) return 0.0;
-      return wall ? -water_.displacement(a, face) : pressure_.displacement(water_, a, face);
+      return wall ? through_closed(a, face) : pressure_.displacement(water_, a, face);
     };
     bool low_known = false, high_known = false;
     Real low = through(at, grid.is_wall(a, k, r, c), low_known);
@@ -68,8 +76,9 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
   const Real noise = noise_speed * time * model_.h;
   share_ = std::min(1.0, time / noise_time);
   per_noise2_ = 1 / (noise * noise);
+  fall_ = model_.gravity * dt * dt;
   water_.measure(order, halo, motion);
-  pressure_.solve(water_, halo, model_.gravity * dt * dt, std::min(1.0, time / return_time));
+  pressure_.solve(water_, halo, fall_, std::min(1.0, time / return_time));
   const LocalId rows = order.grid().rows(), all_columns = order.grid().columns(), columns = water_.grid().columns();
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows;
@@ -86,6 +95,45 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
       }
     }
   });
+  if (obstacles_ != nullptr) tell_obstacles<T>(order, out);
+}
+
+// Obstacles have what the pressure of the cells does to their surface, the box has the rest.
+template <class T>
+void CoarseCorrection::tell_obstacles(const CellOrder& order, std::span<const Vec4<T>> out) {
+  const LocalId cells = order.grid().rows() * order.grid().columns();
+  for_each_part({1, order.planes() + 1}, 1, [&](Range plane) {
+    for (LocalId cell = 0; cell < cells; ++cell) {
+      Vec3 sum = Vec3::Zero();
+      for (LocalId i = order.start(plane.begin, cell); i < order.start(plane.begin, cell + 1); ++i)
+        sum += vector_of(out[static_cast<std::size_t>(i - order.low_ghosts())]);
+      obstacles_->take(obstacles_->box_taker(), sum, Vec3::Zero());
+    }
+    for (LocalId r = 0; r < water_.grid().rows(); ++r) {
+      for (LocalId c = 0; c < water_.grid().columns(); ++c) tell_of_cell(plane.begin, r, c);
+    }
+  });
+}
+
+// The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
+// pressure is that at the surface's height.
+void CoarseCorrection::tell_of_cell(LocalId k, LocalId r, LocalId c) {
+  const CoarseGrid& grid = water_.grid();
+  const CoarseSolids& solids = *water_.solids();
+  const std::size_t at = grid.index(k, r, c);
+  if (!water_.is_wet(at) || water_.is_solid(at)) return;
+  const Real phi = pressure_.phi(at) + fall_ * solids.surface_above_middle(at);
+  Vec3 shift = Vec3::Zero();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
+    const Real particles = grid.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
+    shift[static_cast<Eigen::Index>(grid.axis(a))] =
+        -phi * rise * particles / grid.size()[static_cast<Eigen::Index>(a)];
+  }
+  if (shift.isZero()) return;
+  const std::size_t nearest = solids.nearest(at);
+  obstacles_->take(nearest, shift, solids.middle(k, r, c));
+  obstacles_->take(obstacles_->box_taker(), -shift, Vec3::Zero());
 }
 
 template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);

@@ -27,7 +27,9 @@ class CoarseCorrection {
   struct Model {
     Real spacing, h, gravity;
   };
-  CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model);
+  /// `obstacles` may be null.
+  CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model,
+                   Obstacles* obstacles = nullptr);
 
   /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s.
   template <class T>
@@ -37,11 +39,18 @@ class CoarseCorrection {
 
  private:
   CellDisplacement displacement_of(LocalId k, LocalId r, LocalId c) const;
+  bool is_closed(std::size_t a, std::size_t face, bool wall) const { return wall || water_.face(a, face) == 0; }
+  Real through_closed(std::size_t a, std::size_t face) const;
+  template <class T>
+  void tell_obstacles(const CellOrder& order, std::span<const Vec4<T>> out);
+  void tell_of_cell(LocalId k, LocalId r, LocalId c);
 
   Event event_{"CoarseGrid"};
   Model model_;
   CoarseWater water_;
   CoarsePressure pressure_;
+  Obstacles* obstacles_;
+  Real fall_ = 0;                    // g dt², m
   Real share_ = 0, per_noise2_ = 0;  // of the damping in this step, see CellDisplacement
 };
 

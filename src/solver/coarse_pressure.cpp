@@ -49,12 +49,14 @@ void CoarsePressure::weigh_row(const CoarseWater& water, LocalId k, LocalId r) {
       const std::size_t below = at - grid.step(a);
       const bool low = water.is_wet(below), high = water.is_wet(at);
       weight[a][at] = 0;
-      if (grid.is_wall(a, k, r, c) || (!low && !high)) continue;
+      const Real open = water.face(a, at);
+      if (grid.is_wall(a, k, r, c) || (!low && !high) || open == 0) continue;
       if (a == 2) {
         weight[a][at] = low && !high ? 1 / water.above_middle(below) : 1;
       } else {
         weight[a][at] = low && high ? (water.height(below) + water.height(at)) / 2 : water.height(low ? below : at);
       }
+      weight[a][at] *= open;
     }
   }
 }
@@ -75,7 +77,7 @@ void CoarsePressure::find_sources(const CoarseWater& water, Real return_share, L
       cells.sink[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
     }
     const Real covered = water.is_top(at) ? std::min(2 * water.fill(at + 1), 1.0) : 1;
-    cells.rhs[at] = divergence(water, at) - return_share * covered * (water.fill(at) - 1);
+    cells.rhs[at] = divergence(water, at) - return_share * covered * water.open(at) * (water.fill(at) - 1);
   }
 }
 
@@ -93,7 +95,8 @@ void CoarsePressure::leave_water(const CoarseWater& water, LocalId k, LocalId r)
   }
 }
 
-// Divergence of the particles' mean displacements. Nothing passes a wall; horizontal faces count with their whole area.
+// Divergence of the particles' mean displacements. Nothing passes a wall; horizontal faces count with their whole area,
+// as far as it is open. A moving solid takes its share of a face along.
 Real CoarsePressure::divergence(const CoarseWater& water, std::size_t at) const {
   const CoarseGrid& grid = water.grid();
   const auto& weight = multigrid_.finest().link;
@@ -102,16 +105,21 @@ Real CoarsePressure::divergence(const CoarseWater& water, std::size_t at) const 
     const std::size_t above = at + grid.step(a);
     Real low = weight[a][at], high = weight[a][above];
     if (a == 2) {
-      low = low > 0 ? 1 : 0;
-      high = high > 0 ? 1 : 0;
+      low = low > 0 ? water.face(a, at) : 0;
+      high = high > 0 ? water.face(a, above) : 0;
     }
     sum += (high * water.displacement(a, above) - low * water.displacement(a, at)) /
            grid.size()[static_cast<Eigen::Index>(a)];
+    if (const CoarseSolids* solids = water.solids(); solids != nullptr) {
+      sum +=
+          ((1 - solids->face(a, above)) * solids->moved(a, above) - (1 - solids->face(a, at)) * solids->moved(a, at)) /
+          grid.size()[static_cast<Eigen::Index>(a)];
+    }
   }
   return sum;
 }
 
-// In a column that stands on the floor, the hydrostatic phi below that column's own surface.
+// In a column that stands on the floor, the hydrostatic phi below that column's own surface, as if solids were water.
 void CoarsePressure::start_at_rest(const CoarseWater& water, Real fall, LocalId k, LocalId r) {
   const CoarseGrid& grid = water.grid();
   CoarseLevel& cells = multigrid_.finest();
@@ -119,7 +127,7 @@ void CoarsePressure::start_at_rest(const CoarseWater& water, Real fall, LocalId 
   const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns(k, r));
   for (std::size_t at = floor; at < ceiling; ++at) cells.phi[at] = cells.next[at] = 0;
   std::size_t end = floor;
-  while (end < ceiling && water.is_wet(end)) ++end;
+  while (end < ceiling && (water.is_wet(end) || water.is_solid(end))) ++end;
   if (end == floor || !water.is_top(end - 1)) return;
   Real phi = -step * water.above_middle(end - 1);
   for (std::size_t at = end; at-- > floor; phi -= step) cells.phi[at] = phi;

@@ -27,6 +27,9 @@ class CoarsePressure {
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
   Real displacement(const CoarseWater& water, std::size_t a, std::size_t at) const;
 
+  /// phi of a cell, m².
+  Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+
   std::size_t bytes() const { return multigrid_.bytes(); }
 
  private:

@@ -45,8 +45,9 @@ Real CoarseWater::Moments::at_face() const {
   return u - x * covariance / (variance + regression_damping);
 }
 
-CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing)
-    : comm_(comm), grid_(comm, grid, box) {
+CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing, const Obstacles* obstacles)
+    : comm_(comm), box_(box), grid_(comm, grid, box) {
+  if (obstacles != nullptr) solids_.emplace(*obstacles);
   frame_.origin = grid_.origin();
   frame_.per_length = grid_.per_length();
   frame_.per_full = 1;
@@ -73,15 +74,7 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& moti
   halo.start_planes(fill_, grid_.step(0));
   for_each_row({1, grid_.planes() + 2}, [&](LocalId k, LocalId r) { finish_faces(k, r); });
   halo.finish();
-  for_each_row({0, grid_.planes() + 2}, [&](LocalId k, LocalId r) { find_surface(k, r); });
-}
-
-template <class Work>
-void CoarseWater::for_each_row(Range planes, const Work& work) const {
-  const LocalId rows = grid_.rows();
-  for_each_part(Range{planes.begin * rows, planes.end * rows}, 16, [&](Range part) {
-    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
-  });
+  find_surface(halo);
 }
 
 // Finds the number of columns to look at: two cells above the highest that may hold water, one for its surface and one
@@ -147,7 +140,7 @@ void CoarseWater::clear_row(LocalId k, LocalId r) {
   }
   const bool known_below = k >= 2 || grid_.is_wall(0, 1, r, 0);
   const bool known_above = k + 2 <= last || grid_.is_wall(0, last, r, 0);
-  grid_.set_columns(k, r, known_below && known_above ? highest + 2 : grid_.columns());
+  grid_.set_columns(k, r, known_below && known_above && !solids_ ? highest + 2 : grid_.columns());
 }
 
 void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces) {
@@ -205,18 +198,31 @@ void CoarseWater::finish_faces(LocalId k, LocalId r) {
     displacement_[0][at] = (sums_[at - grid_.step(0)].high + sums_[at].low).at_face();
 }
 
-void CoarseWater::find_surface(LocalId k, LocalId r) {
-  const LocalId columns = grid_.columns(k, r);
-  for (LocalId c = 0; c < columns; ++c) {
-    const std::size_t at = grid_.index(k, r, c);
-    const bool submerged = c + 1 < columns && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-    const bool on_floor = c == 0 && fill_[at] >= floor_fill;
-    wet_[at] = fill_[at] >= wet_fill || submerged || on_floor ? 1 : 0;
+void CoarseWater::find_surface(Halo& halo) {
+  if (solids_) {
+    solids_->measure(comm_, grid_, box_);
+    find_surface_among_solids(halo);
+    return;
   }
-  // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
-  const std::size_t end = grid_.index(k, r, columns);
-  if (columns == grid_.count(2)) wet_[end] = wet_[end - 1];
-  find_tops(k, r);
+  for_each_row({0, grid_.planes() + 2}, [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+      const std::size_t at = grid_.index(k, r, c);
+      wet_[at] = is_full_enough(at, c, c == 0) ? 1 : 0;
+    }
+    if (grid_.columns(k, r) == grid_.columns()) close_ceiling(k, r);
+    find_tops(k, r);
+  });
+}
+
+bool CoarseWater::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {
+  const bool submerged = c + 1 < grid_.columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+  return fill_[at] >= wet_fill || submerged || (on_floor && fill_[at] >= floor_fill);
+}
+
+// Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
+void CoarseWater::close_ceiling(LocalId k, LocalId r) {
+  const std::size_t end = grid_.index(k, r, grid_.columns());
+  if (grid_.columns() == grid_.count(2)) wet_[end] = wet_[end - 1];
 }
 
 void CoarseWater::find_tops(LocalId k, LocalId r) {
@@ -226,12 +232,12 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (!is_wet(at)) {
-      standing = false;
+      standing = standing && is_solid(at);
     } else if (is_top(at)) {
       const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
     } else {
-      excess += fill_[at] - 1;
+      excess += open(at) * (fill_[at] - 1);
     }
   }
 }

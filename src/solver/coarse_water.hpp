@@ -14,30 +14,41 @@
 // Collective.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "domain/halo.hpp"
 #include "solver/coarse_grid.hpp"
 #include "solver/coarse_particles.hpp"
+#include "solver/coarse_solids.hpp"
 
 namespace trevi {
 
 class CoarseWater {
  public:
-  /// `spacing` of the start lattice, m: the edge of a particle's cube.
-  CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing);
+  /// `spacing` of the start lattice, m: the edge of a particle's cube. `obstacles` may be null.
+  CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing, const Obstacles* obstacles = nullptr);
 
   /// Computes all of this from the owned particles of `order`, which the prediction moves so.
   void measure(const CellOrder& order, Halo& halo, const Motion& motion);
 
   const CoarseGrid& grid() const { return grid_; }
+  /// Null where there are no obstacles.
+  const CoarseSolids* solids() const { return solids_ ? &*solids_ : nullptr; }
+  /// Share of face (a, at) that no solid closes.
+  Real face(std::size_t a, std::size_t at) const { return solids_ ? solids_->face(a, at) : 1; }
+  /// Whether the cell is solid; it is wet where the water below it has no surface under it.
+  bool is_solid(std::size_t at) const { return solids_ && solids_->open(at) == 0; }
+  /// Share of the cell that is not solid; its fill is a share of that.
+  Real open(std::size_t at) const { return solids_ ? solids_->open(at) : 1; }
   /// The largest number of cells directly above one another that may hold water, over all ranks.
   int depth() const { return depth_; }
   Real fill(std::size_t at) const { return fill_[at]; }
   bool is_wet(std::size_t at) const { return wet_[at] != 0; }
   /// A wet cell with a dry one above it. The few particles in that dry cell follow the wet one.
-  bool is_top(std::size_t at) const { return is_wet(at) && !is_wet(at + 1); }
+  bool is_top(std::size_t at) const { return is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least `least_height`.
@@ -85,11 +96,21 @@ class CoarseWater {
   };
   void add_cell(const Place& place, Real count, const CellSums& sums, FaceSums& faces);
   void finish_faces(LocalId k, LocalId r);
-  void find_surface(LocalId k, LocalId r);
+  void find_surface(Halo& halo);
   void find_tops(LocalId k, LocalId r);
+  void close_ceiling(LocalId k, LocalId r);
+  bool is_full_enough(std::size_t at, LocalId c, bool on_floor) const;
+  // Among obstacles; see coarse_water_solids.cpp.
+  void find_surface_among_solids(Halo& halo);
+  void fill_open_parts();
+  void level_small_cells(Halo& halo);
+  bool is_small(std::size_t at) const;
+  std::size_t widest_neighbour(std::size_t at) const;
 
   MPI_Comm comm_;
+  Box box_;
   CoarseGrid grid_;
+  std::optional<CoarseSolids> solids_;
   CellFrame frame_;
   LocalId least_particles_;  // fewest particles of a cell that may hold water
   int depth_ = 0;
@@ -99,5 +120,13 @@ class CoarseWater {
   std::vector<char> wet_;
   std::array<std::vector<Real>, 3> displacement_;
 };
+
+template <class Work>
+void CoarseWater::for_each_row(Range planes, const Work& work) const {
+  const LocalId rows = grid_.rows();
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, 16, [&](Range part) {
+    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
+  });
+}
 
 }  // namespace trevi

@@ -31,8 +31,8 @@ Vec3 direction_of(GlobalId a, GlobalId b) {
 
 template <class T>
 DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
-                                  const Walls& walls)
-    : comm_(comm), near_(near), constraint_(constraint), walls_(walls) {}
+                                  const Walls& walls, Obstacles* obstacles)
+    : comm_(comm), near_(near), constraint_(constraint), walls_(walls), obstacles_(obstacles) {}
 
 template <class T>
 void DensityProblem<T>::start(Particles& particles, Real dt) {
@@ -69,11 +69,18 @@ template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   constraint_.deltas(pairs(), near_.all(), delta_);
+  constraint_.tell_obstacles(pairs(), near_.all(), particles_->predicted);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
+  if (obstacles_ != nullptr) {
+    const std::vector<Vec3>& p = particles_->predicted;
+    set_positions(
+        part, [&](LocalId i) { return obstacles_->collide(p[static_cast<std::size_t>(i)], relaxation * delta(i)); });
+    return;
+  }
   constexpr LocalId part_size = 512;
   const Shift<T> shift{walls_, near_.encoding(), relaxation};
   for_each_part(part, part_size, [&](Range few) {

@@ -26,7 +26,9 @@ struct Compression {
 template <class T>
 class DensityProblem {
  public:
-  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls);
+  /// `obstacles` may be null.
+  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls,
+                 Obstacles* obstacles = nullptr);
 
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
@@ -60,6 +62,10 @@ class DensityProblem {
   void compute_density();
 
   const CellOrder& order() const { return near_.order(); }
+  /// Null where there are none.
+  const Obstacles* obstacles() const { return obstacles_; }
+  /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
+  std::vector<Taken> taken() const { return obstacles_->toll().total(comm_); }
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return walls_; }
   Particles& particles() { return *particles_; }
@@ -82,6 +88,7 @@ class DensityProblem {
   Neighbourhood<T>& near_;
   const DensityConstraint<T>& constraint_;
   const Walls& walls_;
+  Obstacles* obstacles_;
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;

@@ -97,7 +97,8 @@ template <class T>
 class CoarseFirst : public DensitySolver<T> {
  public:
   CoarseFirst(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> fine)
-      : coarse_(context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()}),
+      : coarse_(context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()},
+                context.obstacles),
         fine_(std::move(fine)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {

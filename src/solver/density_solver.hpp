@@ -36,7 +36,8 @@ struct DensitySolverContext {
   const Box& box;
   const DensityModel& model;
   Real spacing;
-  Vec3 gravity;  ///< m/s²
+  Vec3 gravity;                    ///< m/s²
+  Obstacles* obstacles = nullptr;  ///< null where there are none
 };
 
 /// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.

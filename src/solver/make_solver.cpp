@@ -9,6 +9,7 @@
 #include "fluid/floor_friction.hpp"
 #include "fluid/gravity.hpp"
 #include "fluid/kernels.hpp"
+#include "fluid/obstacles/obstacle_motion.hpp"
 #include "fluid/vorticity_confinement.hpp"
 #include "fluid/xsph_viscosity.hpp"
 #include "parallel/collective.hpp"
@@ -97,9 +98,15 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
   parts.walls = std::make_unique<Walls>(parts.box, settings.walls, 1e-6 * model.h);
-  parts.constraint = std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings));
-  parts.density_solver =
-      make_density_solver<T>(settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity});
+  if (!settings.obstacles.empty()) {
+    parts.obstacles = std::make_shared<Obstacles>(settings, *parts.walls, make_wall_density(settings));
+    parts.obstacles->move(parts.clock.time(), parts.clock.time());
+    parts.forcings.push_back(std::make_unique<ObstacleMotion>(parts.obstacles));
+  }
+  parts.constraint =
+      std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), parts.obstacles);
+  parts.density_solver = make_density_solver<T>(
+      settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, parts.obstacles.get()});
   parts.filters = make_filters<T>(settings, model);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};

@@ -21,7 +21,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
-      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.walls),
+      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.walls, parts_.obstacles.get()),
       reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow()}, std::move(parts_.observers),
                 *parts_.diagnostics) {}
 
@@ -92,10 +92,20 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
 template <class T>
 void PbfSolver<T>::predict_positions(Real dt) {
   const ScopedEvent timed(predict_event_);
+  if (parts_.obstacles) {
+    predict_each([&, dt](const Vec3& p, const Vec3& v) { return parts_.obstacles->predict(p, v, dt); });
+  } else {
+    predict_each([&, dt](const Vec3& p, const Vec3& v) { return parts_.walls->predict(p, v, dt); });
+  }
+}
+
+template <class T>
+template <class Predict>
+void PbfSolver<T>::predict_each(const Predict& predict) {
   Particles& particles = parts_.particles;
   // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
   const LocalId lost = first_index({0, particles.size()}, [&](std::size_t i) {
-    particles.predicted[i] = parts_.walls->predict(particles.position[i], particles.velocity[i], dt);
+    particles.predicted[i] = predict(particles.position[i], particles.velocity[i]);
     return !parts_.walls->inside(particles.predicted[i]);
   });
   if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);

@@ -38,6 +38,7 @@ struct SolverParts {
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Walls> walls;
+  std::shared_ptr<Obstacles> obstacles;  ///< null where there are none
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<OpenFlow> flow;  ///< may be null
@@ -76,6 +77,8 @@ class PbfSolver : public Solver {
   // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);
   void predict_positions(Real dt);
+  template <class Predict>
+  void predict_each(const Predict& predict);
   void migrate_particles(std::vector<Vec3> Particles::*position);
   void find_neighbours(Velocities velocities);
   void update_velocities(Real dt);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "trevi/error.hpp"
+
 namespace trevi {
 
 template <class T>
@@ -39,6 +41,10 @@ void Reporter<T>::observe() {
     state_.problem.compute_density();
     seen.density = state_.problem.density();
   }
+  if (wanted(&Observer::wants_forces, seen.clock.step)) {
+    find_forces();
+    seen.forces = forces_;
+  }
   Diagnostics row;
   if (diagnose) {
     const ScopedEvent timed(diagnostics_event_);
@@ -56,6 +62,17 @@ template <class T>
 Frame Reporter<T>::frame() {
   fountain_states_ = fountains();
   return {state_.clock, state_.particles, {}, nullptr, fountain_states_, state_.flow};
+}
+
+// A displacement d in a substep is a change of momentum by m d/dt.
+template <class T>
+void Reporter<T>::find_forces() {
+  const Clock& clock = state_.clock;
+  const Obstacles* const obstacles = state_.problem.obstacles();
+  require(obstacles != nullptr, "forces without obstacles");
+  const Real per = obstacles->water_mass() * clock.substeps / (clock.dt * clock.dt);
+  forces_.clear();
+  for (const Taken& taken : state_.problem.taken()) forces_.push_back({-per * taken.shift, -per * taken.moment});
 }
 
 template <class T>

@@ -52,6 +52,7 @@ class Reporter {
  private:
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   Frame frame();
+  void find_forces();
 
   ReportedState<T> state_;
   std::vector<std::unique_ptr<Observer>> observers_;
@@ -61,6 +62,7 @@ class Reporter {
   Stopwatch stopwatch_;
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
+  std::vector<BodyForce> forces_;               // to this, too
   Event diagnostics_event_{"Diagnostics"};
 };
 

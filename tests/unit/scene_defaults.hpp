@@ -70,6 +70,13 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "inlet.0.follow='loudness'",
                                                               "inlet.0.rate=44100",
                                                               "drain.0.type='box'",
+                                                              "obstacle.0.axis=[0, 0, 1]",
+                                                              "obstacle.0.rotate=[0, 0, 0]",
+                                                              "obstacle.0.inside=false",
+                                                              "obstacle.0.velocity=[0, 0, 0]",
+                                                              "obstacle.0.angular_velocity=[0, 0, 0]",
+                                                              "obstacle.0.restitution=0.5",
+                                                              "obstacle.0.friction=0",
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
                                                               "output.checkpoint.keep=2",
@@ -78,7 +85,8 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
 inline const std::string every_table =
     "[gravity]\n[tensile]\n[vorticity]\n[viscosity]\n[[fountain]]\ncenter = [1, 0.5]\nmusic = '-'\n[[inlet]]\ncenter = "
     "[1, 0.5, 0.5]\nradius = 0.1\nspeed = 10\nmusic = '-'\n"
-    "[[drain]]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n[output.vtu]\n"
+    "[[drain]]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n"
+    "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nheight = 0.2\n[output.vtu]\n"
     "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n";
 
 /// Of what `density.preset = "report"` changes.

@@ -1,0 +1,12 @@
+// The table [[obstacle]] of a scene. Nothing is read but the scene: meshes and tables of motion are read by
+// obstacle_files.hpp.
+#pragma once
+
+#include "app/scene_reader.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+void read_obstacle(Section& section, Scene& scene);
+
+}  // namespace trevi

@@ -1,0 +1,85 @@
+#include "fluid/obstacles/obstacles.hpp"
+
+#include <algorithm>
+
+#include "fluid/kernels.hpp"
+
+namespace trevi {
+
+Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
+    : walls_(walls),
+      law_(std::move(law)),
+      toll_(settings.obstacles.size() + 1, settings.fluid.kernel_radius),
+      relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
+      water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
+                  settings.fluid.spacing) {
+  const BodyRules rules{settings.domain, settings.walls, kernels_of(settings.fluid).density,
+                        settings.fluid.kernel_radius};
+  for (const ObstacleSettings& obstacle : settings.obstacles)
+    bodies_.push_back(std::make_unique<Body>(obstacle, rules));
+}
+
+void Obstacles::move(Real begin, Real end) {
+  for (const auto& body : bodies_)
+    if (body->moves()) body->move(begin, end);
+}
+
+bool Obstacles::moves() const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const auto& body) { return body->moves(); });
+}
+
+Real Obstacles::fastest(Real begin, Real end) const {
+  Real most = 0;
+  for (const auto& body : bodies_) most = std::max(most, body->motion().fastest(begin, end, body->radius()));
+  return most;
+}
+
+bool Obstacles::is_near(const Vec3& p) const {
+  return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
+}
+
+namespace {
+
+// The share of one obstacle and its gradient, in the world.
+BoundaryShare share_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
+  if (!body.may_reach(p)) return {};
+  const PlaneLike plane = body.map().at(body.now().into_body(p));
+  const auto [share, slope] = law.of_plane(plane.distance);
+  return {share, slope * (body.now().turn * plane.gradient)};
+}
+
+}  // namespace
+
+BoundaryShare Obstacles::with(const BoundaryShare& box, const Vec3& p) const {
+  BoundaryShare all;
+  for (const auto& body : bodies_) {
+    const BoundaryShare one = share_of(*body, *law_, p);
+    all.density += one.density;
+    all.gradient += one.gradient;
+  }
+  return {box.density + all.density - box.density * all.density,
+          (1 - all.density) * box.gradient + (1 - box.density) * all.gradient};
+}
+
+void Obstacles::take_gradient(const BoundaryShare& box, const Vec3& p, Real factor) {
+  Real solid = 0;
+  factor *= relaxation_;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const BoundaryShare one = share_of(*bodies_[k], *law_, p);
+    solid += one.density;
+    if (one.density != 0) take(k, factor * (1 - box.density) * one.gradient, p);
+  }
+  if (box.density != 0) take(box_taker(), factor * (1 - solid) * box.gradient, p);
+}
+
+void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
+  toll_.add(taker, shift, taker < bodies_.size() ? Vec3(p - bodies_[taker]->now().center) : p);
+}
+
+std::size_t Obstacles::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& body : bodies_) bytes += body->map().bytes();
+  return bytes;
+}
+
+}  // namespace trevi

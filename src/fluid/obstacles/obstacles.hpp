@@ -1,0 +1,69 @@
+// The obstacles of a scene: what particles near them have of their density, where their paths end, and what the
+// obstacles and the box take of the water's momentum on the way. Metres and seconds. Functions for single particles may
+// be called in loops that threads share; move() and clear() may not. Collective: total().
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "fluid/obstacles/body.hpp"
+#include "fluid/obstacles/toll.hpp"
+#include "fluid/wall_density.hpp"
+#include "fluid/walls.hpp"
+
+namespace trevi {
+
+class Obstacles {
+ public:
+  /// Without `law` obstacles have no density, as walls without one have none.
+  Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law);
+
+  /// Takes all obstacles to where they are from `begin` to `end`.
+  void move(Real begin, Real end);
+
+  /// Whether p is so near to an obstacle that it has a share of density, perhaps.
+  bool is_near(const Vec3& p) const;
+  /// The share at p of box and obstacles together; `box` is that of the box alone. The solids of obstacles do not
+  /// overlap, so their shares add up; walls and obstacles are independent of each other, as in an edge of the box.
+  BoundaryShare with(const BoundaryShare& box, const Vec3& p) const;
+  /// Tells the toll of a shift along the gradient of the share at p: `factor` times its parts, as far as the density
+  /// solver goes that way.
+  void take_gradient(const BoundaryShare& box, const Vec3& p, Real factor);
+
+  /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt);
+  /// Shift by the density solve, at the obstacles' places now: along what it meets.
+  Vec3 collide(const Vec3& p, const Vec3& shift);
+
+  std::size_t count() const { return bodies_.size(); }
+  const Body& body(std::size_t k) const { return *bodies_[k]; }
+  bool moves() const;
+  /// The highest speed of a point of an obstacle, m/s.
+  Real fastest(Real begin, Real end) const;
+
+  /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
+  Toll& toll() { return toll_; }
+  std::size_t box_taker() const { return bodies_.size(); }
+  /// Tells the toll of a shift that a taker gave to a particle at p.
+  void take(std::size_t taker, const Vec3& shift, const Vec3& p);
+
+  /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
+  /// particles is calibrated to their kernel.
+  Real water_mass() const { return water_mass_; }
+
+  std::size_t bytes() const;
+
+ private:
+  struct Leg;
+  Vec3 among(const Vec3& p, const Vec3& v, Real dt);
+
+  std::vector<std::unique_ptr<Body>> bodies_;
+  Walls walls_;
+  std::optional<AnalyticWallDensity> law_;
+  Toll toll_;
+  Real relaxation_;  // of shifts by the density solver
+  Real water_mass_;
+};
+
+}  // namespace trevi

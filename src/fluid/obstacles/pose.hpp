@@ -1,0 +1,45 @@
+// Where an obstacle is and how it is turned, as a pure function of time: the same bits on any rank, processor and
+// version of the C library, which sine and cosine of the library would not give. Not collective.
+#pragma once
+
+#include "trevi/obstacle.hpp"
+
+namespace trevi {
+
+using Turn = Eigen::Matrix3d;
+
+/// World = center + turn · body.
+struct Pose {
+  Vec3 center = Vec3::Zero();
+  Turn turn = Turn::Identity();
+  Vec3 into_body(const Vec3& world) const { return turn.transpose() * (world - center); }
+  Vec3 into_world(const Vec3& body) const { return center + turn * body; }
+};
+
+struct SineCosine {
+  Real sine, cosine;
+};
+/// To 1e-15; exact for multiples of a quarter. 1 is a whole turn.
+SineCosine sine_cosine_of_turns(Real turns);
+
+/// By an angle, in whole turns, about a unit vector (Rodrigues).
+Turn turn_about(const Vec3& axis, Real turns);
+
+class BodyMotion {
+ public:
+  explicit BodyMotion(const ObstacleSettings& obstacle);
+  Pose at(Real time) const;
+  /// The largest speed that a point of the obstacle within `radius` of its centre has in between, m/s.
+  Real fastest(Real begin, Real end, Real radius) const;
+
+ private:
+  Vec3 slope_at(std::size_t knot) const;
+  Vec3 center_at(Real time) const;
+
+  Vec3 center_, velocity_, spin_axis_;
+  Real turns_per_second_;
+  Turn start_;
+  std::vector<ObstacleKnot> knots_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,31 @@
+// Solids as signed distances: how far a point is from the surface, negative inside the solid, m. In the frame of the
+// solid, with its centre at the origin. All distances are exact, so that their slope is 1: a ball of that radius around
+// a point does not meet the surface. IEEE operations only: the same bits on any processor. Not collective.
+#pragma once
+
+#include <memory>
+
+#include "trevi/box.hpp"
+#include "trevi/obstacle.hpp"
+
+namespace trevi {
+
+class Shape {
+ public:
+  virtual ~Shape() = default;
+  virtual Real distance(const Vec3& p) const = 0;
+  /// The distance where its magnitude is below `reach`; elsewhere that, or just `reach`.
+  virtual Real distance_within(const Vec3& p, Real) const { return distance(p); }
+  /// Of the surface, not of a vessel's solid, which has no bounds.
+  virtual Box bounds() const = 0;
+  /// Triangles on the surface, for pictures: `finest`, m, is what a chord may deviate by.
+  virtual TriangleMesh surface(Real finest) const = 0;
+  /// Unit vector along which the distance grows.
+  Vec3 normal(const Vec3& p) const;
+};
+
+/// The shape of an obstacle; for a vessel that of its solid, which is all the rest of the world. `axis` and `rotate`
+/// are not part of it: they are the pose of the frame.
+std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle);
+
+}  // namespace trevi

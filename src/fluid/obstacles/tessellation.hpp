@@ -1,0 +1,24 @@
+// Triangles on the surfaces of the analytic shapes, for pictures only: sine and cosine of the C library will do, as no
+// bit of a run depends on them. Not collective.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "trevi/obstacle.hpp"
+
+namespace trevi {
+
+/// Points (distance from the axis, z), the surface's outer side on the right of the way from each to the next. A closed
+/// profile ends where it begins.
+using Profile = std::vector<std::pair<Real, Real>>;
+
+/// A half circle from the lower end of the axis to the upper one, its halves `apart` above and below z = 0.
+Profile arc(Real radius, Real apart, Real size, Real finest);
+/// A circle at the distance `radius` from the axis.
+Profile ring(Real radius, Real tube, Real finest);
+/// The surface that a profile leaves when it turns about z.
+TriangleMesh turned(const Profile& profile, Real finest);
+TriangleMesh cuboid_surface(const Vec3& half);
+
+}  // namespace trevi

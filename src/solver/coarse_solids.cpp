@@ -1,0 +1,206 @@
+#include "solver/coarse_solids.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/threads.hpp"
+#include "parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr int samples = 4;  // in each direction of a cell
+// A cell with less open volume has no water: no particle comes nearer to a wall than half a spacing, a quarter of a
+// cell, which leaves at least 0.0135 where it is in the corner of a cell.
+constexpr Real least_open = 0.013;
+
+Real sample(int k) { return (k + 0.5) / samples; }
+
+}  // namespace
+
+Vec3 CoarseSolids::place(const Vec3& in_cells) const {
+  Vec3 p;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    p[axis_[a]] = origin_[b] + in_cells[b] * size_[b];
+  }
+  return p;
+}
+
+Vec3 CoarseSolids::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
+
+CoarseSolids::Nearest CoarseSolids::nearest_at(const Vec3& p) const {
+  Nearest nearest{INFINITY, 0};
+  const Vec3 gap = Vec3::Constant(size_.maxCoeff() / (2 * samples));
+  const Vec3 in_box = p.cwiseMax(box_.min + gap).cwiseMin(box_.max - gap);
+  for (std::size_t k = 0; k < obstacles_.count(); ++k) {
+    const Body& body = obstacles_.body(k);
+    const Real d = body.shape().distance(body.now().into_body(in_box));
+    if (d < nearest.distance) nearest = {d, k};
+  }
+  return nearest;
+}
+
+// Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is open.
+bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to) const {
+  for (std::size_t k = 0; k < obstacles_.count(); ++k) {
+    const Body& body = obstacles_.body(k);
+    const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
+    const auto part = body.first_contact(begin, end);
+    if (!part) continue;
+    const Vec3 contact = begin + *part * (end - begin);
+    if (body.shape().distance(contact - size_.maxCoeff() * body.shape().normal(contact)) > 0) return true;
+  }
+  return false;
+}
+
+// Whether one can go through a face at a point of it from the middle of one cell to that of the other; where a middle
+// is in a solid, from the far side of its cell, so that a sheet in the very middle of a cell is noticed.
+bool CoarseSolids::is_passage(std::size_t a, const Vec3& on_face) const {
+  const Vec3 step = Vec3::Unit(static_cast<Eigen::Index>(a));
+  Vec3 low = place(on_face - step / 2), high = place(on_face + step / 2);
+  if (nearest_at(low).distance < 0) low = place(on_face - step);
+  if (nearest_at(high).distance < 0) high = place(on_face + step);
+  if (nearest_at(low).distance < 0 || nearest_at(high).distance < 0) return true;
+  return !meets_sheet(low, high);
+}
+
+// `corner` of the cell, in cells; its lower face in direction a.
+Real CoarseSolids::face_at(std::size_t a, const Vec3& corner) const {
+  const auto b = static_cast<Eigen::Index>(a), u = (b + 1) % 3, v = (b + 2) % 3;
+  const Real width = size_.maxCoeff() / samples;
+  Vec3 middle = corner;
+  middle[u] += 0.5;
+  middle[v] += 0.5;
+  const Real far = nearest_at(place(middle)).distance;
+  const Real reach = 1.5 * size_.maxCoeff();  // to where is_passage() looks
+  if (std::abs(far) > reach) return far > 0 ? 1 : 0;
+  Real sum = 0;
+  for (int i = 0; i < samples; ++i) {
+    for (int j = 0; j < samples; ++j) {
+      Vec3 on_face = corner;
+      on_face[u] += sample(i);
+      on_face[v] += sample(j);
+      const Real share = std::clamp(0.5 + nearest_at(place(on_face)).distance / width, 0.0, 1.0);
+      if (share > 0 && is_passage(a, on_face)) sum += share;
+    }
+  }
+  return sum / (samples * samples);
+}
+
+// From each sample near the surface straight to it.
+Real CoarseSolids::surface_at(const Vec3& corner) const {
+  const Real width = size_.maxCoeff() / samples, step = width / 100;
+  Real sum = 0, weight = 0;
+  for (int i = 0; i < samples * samples * samples; ++i) {
+    const Vec3 in_cell(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
+    const Vec3 p = place(corner + in_cell), up = step * Vec3::UnitZ();
+    const Real d = nearest_at(p).distance, w = std::max(1 - std::abs(d) / width, 0.0);
+    if (w == 0) continue;
+    const Real slope = (nearest_at(p + up).distance - nearest_at(p - up).distance) / (2 * step);
+    sum += w * ((in_cell.z() - 0.5) * size_.z() - d * slope);
+    weight += w;
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
+CoarseSolids::Cell CoarseSolids::cell_at(LocalId k, LocalId r, LocalId c) const {
+  Cell cell;
+  const Vec3 corner(k, r, c);
+  const Nearest far = nearest_at(middle(k, r, c));
+  cell.nearest = static_cast<std::uint32_t>(far.body);
+  for (std::size_t a = 0; a < 3; ++a) cell.face[a] = static_cast<float>(face_at(a, corner));
+  // Surfaces a little outside of the cell count where a face of it is closed.
+  if (std::abs(far.distance) < 0.75 * size_.norm()) cell.surface = static_cast<float>(surface_at(corner));
+  if (std::abs(far.distance) > size_.norm() / 2) {
+    cell.open = far.distance > 0 ? 1 : 0;
+    return cell;
+  }
+  const Real width = size_.maxCoeff() / samples;
+  Real sum = 0;
+  for (int i = 0; i < samples * samples * samples; ++i) {
+    const Vec3 in_cell(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
+    sum += std::clamp(0.5 + nearest_at(place(corner + in_cell)).distance / width, 0.0, 1.0);
+  }
+  const Real open = sum / (samples * samples * samples);
+  cell.open = open < least_open ? 0 : static_cast<float>(open);
+  return cell;
+}
+
+void CoarseSolids::measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells) const {
+  cells.assign(grid.cells(), Cell{});
+  for_each_part((grid.planes() + 2) * grid.rows(), [&](LocalId row) {
+    const LocalId k = row / grid.rows(), r = row % grid.rows();
+    for (LocalId c = 0; c < grid.columns(); ++c) cells[grid.index(k, r, c)] = cell_at(k, r, c);
+  });
+  for_each_part({0, grid.planes() + 2}, 1, [&](Range plane) {
+    const LocalId k = plane.begin;
+    for (LocalId r = 0; r < grid.rows(); ++r) {
+      for (LocalId c = 0; c < grid.columns(); ++c) {
+        const std::size_t at = grid.index(k, r, c);
+        for (std::size_t a = 0; a < 3; ++a) {
+          const bool low_closed = (a > 0 || k > 0) && cells[at - grid.step(a)].open == 0;
+          if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
+        }
+      }
+    }
+  });
+}
+
+// Of the solid that is nearest to the middle of each face.
+void CoarseSolids::measure_motion(const CoarseGrid& grid) {
+  moved_.assign(grid.cells(), {0, 0, 0});
+  for_each_part((grid.planes() + 2) * grid.rows(), [&](LocalId row) {
+    const LocalId k = row / grid.rows(), r = row % grid.rows();
+    for (LocalId c = 0; c < grid.columns(); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (cells_[at].face[a] == 1) continue;
+        const Vec3 p = place(Vec3(k + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
+        const Body& body = obstacles_.body(nearest_at(p).body);
+        const Vec3 way = p - body.before().into_world(body.now().into_body(p));
+        moved_[at][a] = static_cast<float>(way[axis_[a]]);
+      }
+    }
+  });
+}
+
+void CoarseSolids::take_columns(const CoarseGrid& grid) {
+  CoarseGrid whole = grid;
+  whole.resize(planes_, grid.count(2));
+  cells_.resize(grid.cells());
+  const auto length = static_cast<std::ptrdiff_t>(grid.columns()) + 2;
+  for_each_part((grid.planes() + 2) * (grid.rows() + 2), [&](LocalId row) {
+    const LocalId k = row / (grid.rows() + 2), r = row % (grid.rows() + 2) - 1;
+    const auto from = static_cast<std::ptrdiff_t>(whole.index(k, r, 0)) - 1;
+    std::copy_n(all_.begin() + from, length, cells_.begin() + static_cast<std::ptrdiff_t>(grid.index(k, r, 0)) - 1);
+  });
+}
+
+void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box) {
+  const auto first = static_cast<LocalId>(sum_over_lower_ranks(comm, grid.planes()));
+  const bool stays = first == first_ && grid.planes() == planes_;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    axis_[a] = static_cast<int>(grid.axis(a));
+    size_[b] = grid.size()[b];
+    origin_[b] = box.min[axis_[a]] + (a == 0 ? (first - 1) * size_[b] : 0);
+  }
+  box_ = box;
+  first_ = first;
+  planes_ = grid.planes();
+  if (obstacles_.moves()) {
+    measure_cells(grid, cells_);
+    measure_motion(grid);
+    return;
+  }
+  if (!stays) {
+    CoarseGrid whole = grid;
+    whole.resize(planes_, grid.count(2));
+    measure_cells(whole, all_);
+  }
+  if (!stays || cells_.size() != grid.cells()) take_columns(grid);
+}
+
+}  // namespace trevi

@@ -1,0 +1,73 @@
+// What obstacles leave of the cells and the faces of the coarse grid: shares of volume and of area that are open to
+// water, by samples of the signed distance a quarter of a cell apart (Batty et al. 2007), and how far a moving solid
+// goes through the rest of a face. A thin sheet between the middles of two cells closes the face between them wherever
+// it stands, as pressure must not pass it. Worked out once for obstacles that stand, in each substep for others.
+// Arrays are those of CoarseGrid. Collective: measure().
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "fluid/obstacles/obstacles.hpp"
+#include "solver/coarse_grid.hpp"
+
+namespace trevi {
+
+class CoarseSolids {
+ public:
+  explicit CoarseSolids(const Obstacles& obstacles) : obstacles_(obstacles) {}
+
+  /// For the planes and columns that `grid` has now.
+  void measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box);
+
+  /// Share of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
+  Real open(std::size_t at) const { return cells_[at].open; }
+  /// Share of the area of face (a, at) that is open.
+  Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
+  /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
+  Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
+  /// The obstacle nearest to a cell that is cut.
+  std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
+  /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
+  Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
+  /// The middle of a cell, m.
+  Vec3 middle(LocalId k, LocalId r, LocalId c) const;
+
+  std::size_t bytes() const {
+    return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]);
+  }
+
+ private:
+  struct Cell {
+    float open = 1;
+    std::array<float, 3> face{1, 1, 1};
+    float surface = 0;
+    std::uint32_t nearest = 0;
+  };
+  struct Nearest {
+    Real distance;
+    std::size_t body;
+  };
+  Vec3 place(const Vec3& in_cells) const;
+  // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
+  Nearest nearest_at(const Vec3& p) const;
+  bool meets_sheet(const Vec3& from, const Vec3& to) const;
+  void measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells) const;
+  Cell cell_at(LocalId k, LocalId r, LocalId c) const;
+  Real face_at(std::size_t a, const Vec3& corner) const;
+  Real surface_at(const Vec3& corner) const;
+  bool is_passage(std::size_t a, const Vec3& on_face) const;
+  void measure_motion(const CoarseGrid& grid);
+  void take_columns(const CoarseGrid& grid);
+
+  const Obstacles& obstacles_;
+  Box box_;
+  std::array<int, 3> axis_{};
+  Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction; the origin is that of plane 0, a ghost
+  LocalId first_ = -1, planes_ = -1;
+  std::vector<Cell> all_;  // of all columns of the box
+  std::vector<Cell> cells_;
+  std::vector<std::array<float, 3>> moved_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,157 @@
+// Meshes as obstacles: their distance against that of the shapes they are of, what is refused as not closed, and a jug
+// that keeps its water.
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "cloud.hpp"
+#include "fluid/obstacles/closed_mesh.hpp"
+#include "fluid/obstacles/mesh_shape.hpp"
+#include "fluid/obstacles/tessellation.hpp"
+#include "output_fixture.hpp"
+#include "trevi/scene.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi::test {
+namespace {
+
+/// With equal points joined, as those of a file are, and without what then has no area.
+TriangleMesh joined(const TriangleMesh& mesh) {
+  TriangleMesh result;
+  std::map<std::array<Real, 3>, std::int32_t> number;
+  std::vector<std::int32_t> to;
+  for (const Vec3& p : mesh.points) {
+    const std::array<Real, 3> key{std::round(p.x() * 1e9), std::round(p.y() * 1e9), std::round(p.z() * 1e9)};
+    const auto [place, is_new] = number.try_emplace(key, static_cast<std::int32_t>(result.points.size()));
+    if (is_new) result.points.push_back(p);
+    to.push_back(place->second);
+  }
+  for (const auto& t : mesh.triangles) {
+    const std::array<std::int32_t, 3> n{to[static_cast<std::size_t>(t[0])], to[static_cast<std::size_t>(t[1])],
+                                        to[static_cast<std::size_t>(t[2])]};
+    if (n[0] != n[1] && n[1] != n[2] && n[2] != n[0]) result.triangles.push_back(n);
+  }
+  return result;
+}
+
+ObstacleSettings mesh_of(TriangleMesh mesh) {
+  ObstacleSettings settings;
+  settings.shape = ShapeKind::mesh;
+  settings.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+  return settings;
+}
+
+// A jug of revolution: outside, over the rim, and down inside; walls one spacing thick.
+TriangleMesh jug(Real wall) {
+  return joined(turned({{0, -0.6}, {0.5, -0.6}, {0.7, -0.1}, {0.5, 0.3}, {0.5, 0.6}, {0.5 - wall, 0.6},
+                        {0.5 - wall, 0.3}, {0.7 - wall, -0.1}, {0.5 - wall, -0.6 + wall}, {0, -0.6 + wall}},
+                       0.002));
+}
+
+TEST(Mesh, OfABoxHasTheDistanceOfTheBox) {
+  ObstacleSettings settings;
+  settings.shape = ShapeKind::box;
+  settings.size = {0.7, 0.4, 0.9};
+  const auto box = make_shape(settings), mesh = make_shape(mesh_of(box->surface(0.01)));
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<Real> number(-1, 1);
+  for (int k = 0; k < 5000; ++k) {
+    const Real x = number(generator), y = number(generator);
+    const Vec3 p(x, y, number(generator));
+    EXPECT_NEAR(mesh->distance(p), box->distance(p), 1e-12);
+    const Real within = mesh->distance_within(p, 0.2);
+    EXPECT_EQ(within, std::abs(box->distance(p)) < 0.2 ? mesh->distance(p) : 0.2);
+  }
+}
+
+TEST(Mesh, OfATorusHasItsDistanceToTheChords) {
+  ObstacleSettings settings;
+  settings.shape = ShapeKind::torus;
+  settings.radius = 0.5;
+  settings.tube = 0.2;
+  const auto torus = make_shape(settings);
+  const TriangleMesh surface = joined(torus->surface(1e-4));
+  EXPECT_EQ(why_not_closed(surface), "");
+  for (const bool inside : {false, true}) {
+    ObstacleSettings of = mesh_of(surface);
+    of.inside = inside;
+    const auto mesh = make_shape(of);
+    std::mt19937 generator(2);
+    std::uniform_real_distribution<Real> number(-1, 1);
+    for (int k = 0; k < 2000; ++k) {
+      const Real x = number(generator), y = number(generator);
+      const Vec3 p(x, y, number(generator) / 2);
+      EXPECT_NEAR(mesh->distance(p), (inside ? -1 : 1) * torus->distance(p), 5e-4);
+    }
+  }
+}
+
+TEST(Mesh, IsRefusedWithItsOpenEdges) {
+  TriangleMesh mesh = jug(0.1);
+  EXPECT_EQ(why_not_closed(mesh), "");
+  TriangleMesh open = mesh;
+  open.triangles.pop_back();
+  EXPECT_TRUE(why_not_closed(open).starts_with("3 open edges, 0 of more than two triangles, 0 between"))
+      << why_not_closed(open);
+  TriangleMesh turned_one = mesh;
+  std::swap(turned_one.triangles[5][0], turned_one.triangles[5][1]);
+  EXPECT_TRUE(why_not_closed(turned_one).starts_with("0 open edges, 0 of more than two triangles, 3 between"))
+      << why_not_closed(turned_one);
+  TriangleMesh inside_out = mesh;
+  for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
+  face_outwards(inside_out);
+  EXPECT_EQ(why_not_closed(inside_out), "");
+  EXPECT_GT(make_shape(mesh_of(inside_out))->distance({0, 0, 0}), 0) << "the inside of the jug is no solid";
+  EXPECT_LT(make_shape(mesh_of(inside_out))->distance({0, 0, -0.55}), 0) << "its floor is";
+}
+
+// Half a second at 3 g sideways there and back: what has not gone over the rim is inside, and nobody in the wall.
+TEST(Mesh, JugKeepsItsWater) {
+  Scene scene = parse_scene("test.toml", R"(
+[domain]
+min = [-1, -1, -0.8]
+max = [1, 1, 1.2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [-0.5, -0.5, -0.5]
+max = [0.5, 0.5, 0.2]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+[[obstacle]]
+type = "sphere"
+center = [0, 0, 0]
+radius = 1
+)",
+                            {});
+  scene.obstacles = {mesh_of(jug(0.1))};
+  scene.obstacles[0].knots = {{0, {0, 0, 0}}, {0.25, {0.1, 0, 0}}, {0.5, {-0.1, 0, 0}}, {0.75, {0, 0, 0}}};
+  Particles particles = initial_particles(world, scene);
+  const auto shape = make_shape(scene.obstacles[0]);
+  const auto in_jug = [](const Vec3& p) { return p.head<2>().norm() < 0.7 && p.z() > -0.55 && p.z() < 0.6; };
+  Particles inside;  // only what is in the jug
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    const Vec3& p = particles.position[i];
+    const Real widest = p.z() < -0.1 ? 0.4 + 0.2 * (p.z() + 0.6) / 0.5 : 0.6 - 0.2 * (p.z() + 0.1) / 0.4;
+    if (!in_jug(p) || p.head<2>().norm() > widest) continue;
+    inside.id.push_back(particles.id[i]);
+    inside.position.push_back(p);
+    inside.velocity.push_back(Vec3::Zero());
+  }
+  const std::unique_ptr<Solver> solver = make_solver(world, scene, std::move(inside));
+  solver->start();
+  for (int k = 0; k < 60; ++k) {
+    solver->step();
+    const Pose pose = BodyMotion(scene.obstacles[0]).at(solver->clock().time());
+    for (const Vec3& world_p : solver->particles().position) {
+      const Vec3 p = pose.into_body(world_p);
+      ASSERT_GT(shape->distance(p), -1e-9);
+      if (p.z() < 0.5) ASSERT_LT(p.head<2>().norm(), 0.6) << "through the wall, at " << p.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace trevi::test

@@ -1,0 +1,200 @@
+// Water in vessels and around obstacles, through the whole solver: nobody leaks, still water stays still, forces are
+// those of Archimedes and balance with momentum, and the bits do not depend on the ranks.
+#include <cmath>
+#include <numbers>
+
+#include "cloud.hpp"
+#include "fluid/obstacles/body.hpp"
+#include "output_fixture.hpp"
+#include "trevi/scene.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi::test {
+namespace {
+
+/// Keeps what the solver reports of each step.
+struct Keeper : Observer {
+  std::vector<Diagnostics>& rows;
+  std::vector<std::vector<BodyForce>>& forces;
+  Keeper(std::vector<Diagnostics>& r, std::vector<std::vector<BodyForce>>& f) : rows(r), forces(f) {}
+  bool due(const Clock&) const override { return true; }
+  bool wants_diagnostics() const override { return true; }
+  bool wants_forces() const override { return true; }
+  void observe(const Frame& frame) override {
+    rows.push_back(*frame.diagnostics);
+    forces.emplace_back(frame.forces.begin(), frame.forces.end());
+  }
+};
+
+struct Run {
+  Scene scene;
+  std::vector<Diagnostics> rows;
+  std::vector<std::vector<BodyForce>> forces;
+  std::unique_ptr<Solver> solver;
+
+  Run(MPI_Comm comm, const std::string& text, const std::vector<ObstacleKnot>& knots = {})
+      : scene(parse_scene("test.toml", text, {})) {
+    if (!knots.empty()) scene.obstacles.front().knots = knots;
+    SolverExtras extras;
+    extras.observers.push_back(std::make_unique<Keeper>(rows, forces));
+    solver = make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
+    solver->start();
+  }
+  void steps(int count) {
+    for (int k = 0; k < count; ++k) solver->step();
+  }
+  /// The least distance of a particle of this rank to a surface, negative in a solid.
+  Real nearest() const {
+    Real least = 1e300;
+    for (const ObstacleSettings& obstacle : scene.obstacles) {
+      const auto shape = make_shape(obstacle);
+      const Pose pose = BodyMotion(obstacle).at(solver->clock().time());
+      for (const Vec3& p : solver->particles().position) least = std::min(least, shape->distance(pose.into_body(p)));
+    }
+    return least;
+  }
+};
+
+const std::string pool = R"(
+[domain]
+min = [0, 0, 0]
+max = [1.6, 1.2, 1.6]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [1.6, 1.2, 1.2]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+)";
+
+const std::string ball = R"(
+[[obstacle]]
+type = "sphere"
+center = [0.75, 0.6, 0.6]
+radius = 0.3
+)";
+
+TEST(Vessels, SameBitsOnAnyRanks) {
+  const std::string scene = pool + ball +
+                            "velocity = [0.3, 0, 0.2]\nangular_velocity = [1, 2, 3]\n[[obstacle]]\ntype = 'box'\n"
+                            "center = [0.8, 0.6, 0.8]\nsize = [1.5, 1.1, 1.5]\nrotate = [0, 10, 5]\ninside = true\n";
+  for (const char* precision : {"double", "single"}) {
+    const std::string text = scene + "[density]\nprecision = '" + precision + "'\n";
+    Run together(world, text), alone(MPI_COMM_SELF, text);
+    together.steps(15);
+    alone.steps(15);
+    const Cloud a = gathered(world, together.solver->particles()), b = gathered(MPI_COMM_SELF, alone.solver->particles());
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.position, b.position);
+    EXPECT_EQ(a.velocity, b.velocity);
+    for (std::size_t k = 0; k < together.forces.back().size(); ++k) {
+      EXPECT_EQ(together.forces.back()[k].force, alone.forces.back()[k].force);
+      EXPECT_EQ(together.forces.back()[k].torque, alone.forces.back()[k].torque);
+    }
+    EXPECT_GT(together.nearest(), -1e-9);
+  }
+}
+
+// The momentum of water with rest density changes by its weight less what obstacles and the box took.
+TEST(Vessels, MomentumBalances) {
+  Run run(world, pool + ball + "velocity = [1, 0, 0.5]\n");
+  run.steps(30);
+  const Real count = static_cast<Real>(run.rows.front().particles), mass = 1000 * 1e-3;
+  const Real dt = run.scene.dt, factor = mass / particle_mass(run.scene.fluid);
+  for (std::size_t k = 1; k < run.rows.size(); ++k) {
+    Vec3 taken = Vec3::Zero();
+    for (const BodyForce& one : run.forces[k]) taken += one.force;
+    const Vec3 change = factor * (run.rows[k].momentum - run.rows[k - 1].momentum) / dt;
+    const Vec3 weight(0, 0, -9.8 * count * mass);
+    EXPECT_LT((change - (weight - taken)).norm(), 1e-6 * weight.norm()) << k;
+  }
+}
+
+// In the mean over steps at rest.
+TEST(Vessels, BuoyancyIsThatOfArchimedes) {
+  for (const char* shape : {"type = 'sphere'\nradius = 0.35", "type = 'box'\nsize = [0.5, 0.44, 0.53]"}) {
+    Run run(world, pool + "[[obstacle]]\ncenter = [0.77, 0.61, 0.57]\n" + shape + "\n");
+    run.steps(120);
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t k = 60; k < run.forces.size(); ++k) mean += run.forces[k][0].force / static_cast<Real>(run.forces.size() - 60);
+    const bool is_ball = run.scene.obstacles[0].shape == ShapeKind::sphere;
+    const Real volume = is_ball ? std::numbers::pi * 4 / 3 * 0.35 * 0.35 * 0.35 : 0.5 * 0.44 * 0.53;
+    const Real expected = 1000 * 9.8 * volume;
+    if (rank_of(world) == 0) std::printf("buoyancy over rho g V: %.4f\n", mean.z() / expected);
+    EXPECT_NEAR(mean.z() / expected, 1, 0.02);
+    EXPECT_LT(std::abs(mean.x()) + std::abs(mean.y()), 0.02 * expected);
+  }
+}
+
+// Shaken at 10 m/s and 20 g for half a second: a swing of 0.51 m along x, with the same along z a quarter later.
+TEST(Vessels, NobodyLeavesAShakenBall) {
+  const std::string text = R"(
+[domain]
+min = [-1.2, -0.7, -1.2]
+max = [1.2, 0.7, 1.2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [-0.6, -0.6, -0.6]
+max = [0.6, 0.6, 0.1]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+[[obstacle]]
+type = "sphere"
+center = [0, 0, 0]
+radius = 0.6
+inside = true
+)";
+  std::vector<ObstacleKnot> knots;
+  constexpr Real speed = 10, acceleration = 20 * 9.8;
+  constexpr Real omega = acceleration / speed, swing = speed / omega;
+  for (int k = 0; k <= 400; ++k) {
+    const Real t = 0.0025 * k;
+    knots.push_back({t, Vec3(swing * std::sin(omega * t), 0, swing * (1 - std::cos(omega * t)) * 0.5)});
+  }
+  Run run(world, text, knots);
+  for (int k = 0; k < 30; ++k) {
+    run.steps(1);
+    ASSERT_GT(run.nearest(), -1e-9) << k;
+  }
+  EXPECT_EQ(run.rows.back().particles, run.rows.front().particles);
+  EXPECT_GT(run.rows.back().speed_max, 3);
+}
+
+// Water comes to rest in a turned box: as calm as pools do in the plain one, and as high as it should be.
+TEST(Vessels, WaterRestsInATurnedBox) {
+  Run run(world, R"(
+[domain]
+min = [-0.9, -0.4, 0]
+max = [0.9, 0.4, 1.8]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [-0.8, -0.3, 0.1]
+max = [0.8, 0.3, 0.9]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+[[obstacle]]
+type = "box"
+center = [0, 0, 0.9]
+size = [1.0, 0.8, 1.2]
+rotate = [0, 30, 0]
+inside = true
+)");
+  run.steps(240);
+  const Diagnostics& row = run.rows.back();
+  const Real energy = row.kinetic_energy / (static_cast<Real>(row.particles) * particle_mass(run.scene.fluid));
+  if (rank_of(world) == 0) std::printf("kinetic energy %.2e m2/s2, centre of mass %.4f m\n", energy, row.com.z());
+  EXPECT_LT(energy, 1e-3);
+  EXPECT_GT(run.nearest(), -1e-9);
+}
+
+}  // namespace
+}  // namespace trevi::test
