@@ -22,8 +22,8 @@ namespace trevi {
 struct CheckpointInfo {
   std::string scene_text, program_version;
   std::int64_t seed = 1;
-  std::int64_t scene_overrides = 0;   ///< so many lines "# --set table.key=value" at the end of the text
-  std::vector<std::int64_t> music{};  ///< checksum of each fountain's file, 0 without one; empty: not known
+  std::int64_t scene_overrides = 0;       ///< so many lines "# --set table.key=value" at the end of the text
+  std::vector<std::int64_t> music{};      ///< checksum of each fountain's file, 0 without one; empty: not known
   std::vector<std::int64_t> obstacles{};  ///< of the mesh and the motion of each obstacle, 0 without
 };
 
