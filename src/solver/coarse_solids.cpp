@@ -23,7 +23,8 @@ Vec3 CoarseSolids::place(const Vec3& in_cells) const {
   Vec3 p;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto b = static_cast<Eigen::Index>(a);
-    p[axis_[a]] = origin_[b] + in_cells[b] * size_[b];
+    // Counted from the start of the box first, which is exact: the same place on whatever rank.
+    p[axis_[a]] = origin_[b] + (in_cells[b] + (a == 0 ? first_ - 1 : 0)) * size_[b];
   }
   return p;
 }
@@ -187,7 +188,7 @@ void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box
     const auto b = static_cast<Eigen::Index>(a);
     axis_[a] = static_cast<int>(grid.axis(a));
     size_[b] = grid.size()[b];
-    origin_[b] = box.min[axis_[a]] + (a == 0 ? (first - 1) * size_[b] : 0);
+    origin_[b] = box.min[axis_[a]];
   }
   box_ = box;
   first_ = first;
