@@ -72,8 +72,7 @@ std::int64_t checksum_of(const std::vector<T>& rows) {
 void read_obstacle_files(MPI_Comm comm, Scene& scene) {
   for (ObstacleSettings& obstacle : scene.obstacles) {
     if (obstacle.shape == ShapeKind::mesh) {
-      obstacle.mesh =
-          told_at(scene, obstacle.line, "[[obstacle]] path", [&] { return read_mesh(comm, obstacle); });
+      obstacle.mesh = told_at(scene, obstacle.line, "[[obstacle]] path", [&] { return read_mesh(comm, obstacle); });
     }
     if (!obstacle.motion.empty()) {
       obstacle.knots =
@@ -99,8 +98,8 @@ void check_obstacle_files(const CheckpointInfo& info, const std::string& checkpo
   const std::vector<std::int64_t> now = obstacle_checksums(scene);
   for (std::size_t k = 0; k < std::min(now.size(), info.obstacles.size()); ++k) {
     if (now[k] == info.obstacles[k]) continue;
-    throw InputError(fmt::format("{}: made with another mesh or motion of obstacle {}; put the file back",
-                                 checkpoint_path, k));
+    throw InputError(
+        fmt::format("{}: made with another mesh or motion of obstacle {}; put the file back", checkpoint_path, k));
   }
 }
 

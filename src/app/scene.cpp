@@ -216,7 +216,8 @@ std::string scene_reference() {
   // The reader itself lists the keys it asks for, so the reference cannot drift from it. All tables are there, empty;
   // what is missing from them does not matter here.
   const std::string every_table =
-      "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\nobstacle = [{type = 'sphere'}]\n"
+      "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
+      "obstacle = [{type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";
   Findings findings("reference");

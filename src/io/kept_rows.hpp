@@ -12,7 +12,8 @@ struct KeptRows {
   std::string last_row;  ///< empty where there is none
 };
 
-/// The rows up to step `last`, without a row that a killed run left unfinished. InputError where the columns are others.
+/// The rows up to step `last`, without a row that a killed run left unfinished. InputError where the columns are
+/// others.
 KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::string& header);
 
 }  // namespace trevi

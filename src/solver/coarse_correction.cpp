@@ -36,7 +36,8 @@ Real CoarseCorrection::through_closed(std::size_t a, std::size_t face) const {
 CellDisplacement CoarseCorrection::displacement_of(LocalId k, LocalId r, LocalId c) const {
   const CoarseGrid& grid = water_.grid();
   const std::size_t own = grid.index(k, r, c);
-  const bool wet = water_.is_wet(own), follows = !wet && water_.is_wet(own - 1) && !water_.is_solid(own - 1);  // the top cell below it
+  const bool wet = water_.is_wet(own),
+             follows = !wet && water_.is_wet(own - 1) && !water_.is_solid(own - 1);  // the top cell below it
   CellDisplacement by{};
   by.share = wet ? share_ : 0;
   by.per_noise2 = per_noise2_;

@@ -23,7 +23,8 @@ Vec3 CoarseSolids::place(const Vec3& in_cells) const {
   Vec3 p;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto b = static_cast<Eigen::Index>(a);
-    p[axis_[a]] = origin_[b] + in_cells[b] * size_[b];
+    // Counted from the start of the box first, which is exact: the same place on whatever rank.
+    p[axis_[a]] = origin_[b] + (in_cells[b] + (a == 0 ? first_ - 1 : 0)) * size_[b];
   }
   return p;
 }
@@ -42,7 +43,8 @@ CoarseSolids::Nearest CoarseSolids::nearest_at(const Vec3& p) const {
   return nearest;
 }
 
-// Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is open.
+// Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is
+// open.
 bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to) const {
   for (std::size_t k = 0; k < obstacles_.count(); ++k) {
     const Body& body = obstacles_.body(k);
@@ -89,7 +91,8 @@ Real CoarseSolids::face_at(std::size_t a, const Vec3& corner) const {
   return sum / (samples * samples);
 }
 
-// From each sample near the surface straight to it.
+// From each sample near the surface straight to it; each counts as far as the surface there lies flat, since it is the
+// upward pressure that needs the height.
 Real CoarseSolids::surface_at(const Vec3& corner) const {
   const Real width = size_.maxCoeff() / samples, step = width / 100;
   Real sum = 0, weight = 0;
@@ -99,8 +102,8 @@ Real CoarseSolids::surface_at(const Vec3& corner) const {
     const Real d = nearest_at(p).distance, w = std::max(1 - std::abs(d) / width, 0.0);
     if (w == 0) continue;
     const Real slope = (nearest_at(p + up).distance - nearest_at(p - up).distance) / (2 * step);
-    sum += w * ((in_cell.z() - 0.5) * size_.z() - d * slope);
-    weight += w;
+    sum += w * std::abs(slope) * ((in_cell.z() - 0.5) * size_.z() - d * slope);
+    weight += w * std::abs(slope);
   }
   return weight > 0 ? sum / weight : 0;
 }
@@ -185,7 +188,7 @@ void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box
     const auto b = static_cast<Eigen::Index>(a);
     axis_[a] = static_cast<int>(grid.axis(a));
     size_[b] = grid.size()[b];
-    origin_[b] = box.min[axis_[a]] + (a == 0 ? (first - 1) * size_[b] : 0);
+    origin_[b] = box.min[axis_[a]];
   }
   box_ = box;
   first_ = first;

@@ -63,7 +63,7 @@ class CoarseSolids {
   const Obstacles& obstacles_;
   Box box_;
   std::array<int, 3> axis_{};
-  Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction; the origin is that of plane 0, a ghost
+  Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1;
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;

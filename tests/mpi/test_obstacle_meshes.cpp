@@ -7,6 +7,7 @@
 #include "cloud.hpp"
 #include "fluid/obstacles/closed_mesh.hpp"
 #include "fluid/obstacles/mesh_shape.hpp"
+#include "fluid/obstacles/pose.hpp"
 #include "fluid/obstacles/tessellation.hpp"
 #include "output_fixture.hpp"
 #include "trevi/scene.hpp"
@@ -43,8 +44,16 @@ ObstacleSettings mesh_of(TriangleMesh mesh) {
 
 // A jug of revolution: outside, over the rim, and down inside; walls one spacing thick.
 TriangleMesh jug(Real wall) {
-  return joined(turned({{0, -0.6}, {0.5, -0.6}, {0.7, -0.1}, {0.5, 0.3}, {0.5, 0.6}, {0.5 - wall, 0.6},
-                        {0.5 - wall, 0.3}, {0.7 - wall, -0.1}, {0.5 - wall, -0.6 + wall}, {0, -0.6 + wall}},
+  return joined(turned({{0, -0.6},
+                        {0.5, -0.6},
+                        {0.7, -0.1},
+                        {0.5, 0.3},
+                        {0.5, 0.6},
+                        {0.5 - wall, 0.6},
+                        {0.5 - wall, 0.3},
+                        {0.7 - wall, -0.1},
+                        {0.5 - wall, -0.6 + wall},
+                        {0, -0.6 + wall}},
                        0.002));
 }
 
@@ -105,7 +114,8 @@ TEST(Mesh, IsRefusedWithItsOpenEdges) {
   EXPECT_LT(make_shape(mesh_of(inside_out))->distance({0, 0, -0.55}), 0) << "its floor is";
 }
 
-// Half a second at 3 g sideways there and back: what has not gone over the rim is inside, and nobody in the wall.
+// A third of a second at 1 to 3 g sideways there and back: what has not gone over the rim is inside, and nobody in the
+// wall.
 TEST(Mesh, JugKeepsItsWater) {
   Scene scene = parse_scene("test.toml", R"(
 [domain]
@@ -142,13 +152,13 @@ radius = 1
   }
   const std::unique_ptr<Solver> solver = make_solver(world, scene, std::move(inside));
   solver->start();
-  for (int k = 0; k < 60; ++k) {
+  for (int k = 0; k < 20; ++k) {
     solver->step();
     const Pose pose = BodyMotion(scene.obstacles[0]).at(solver->clock().time());
     for (const Vec3& world_p : solver->particles().position) {
       const Vec3 p = pose.into_body(world_p);
       ASSERT_GT(shape->distance(p), -1e-9);
-      if (p.z() < 0.5) ASSERT_LT(p.head<2>().norm(), 0.6) << "through the wall, at " << p.transpose();
+      ASSERT_TRUE(p.z() > 0.5 || p.head<2>().norm() < 0.6) << "through the wall, at " << p.transpose();
     }
   }
 }

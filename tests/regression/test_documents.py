@@ -45,6 +45,11 @@ end = 1.0
 [gravity]
 [[fountain]]
 center = [1.2, 0.4]
+[[obstacle]]
+type = "cylinder"
+center = [0.2, 0.4, 0.3]
+radius = 0.1
+height = 0.4
 [output.series]
 """
 FILTERS = "[tensile]\n[vorticity]\n[viscosity]\n"
@@ -308,6 +313,12 @@ class Files(Page):
         with open(self.output / "series.csv") as file:
             header = file.readline().strip().split(",")
         said = [name for name, in self.rows("series.csv", "column")]
+        self.assertEqual([name.replace("_K", "_0") for name in said], header)
+
+    def test_obstacles(self):
+        with open(self.output / "obstacles.csv") as file:
+            header = file.readline().strip().split(",")
+        said = [name for name, in self.rows("obstacles.csv", "column")]
         self.assertEqual([name.replace("_K", "_0") for name in said], header)
 
     def test_run_json(self):

@@ -29,12 +29,12 @@ std::string why_not_closed(const TriangleMesh& mesh) {
     ++(all == 1 ? open : all > 2 ? shared : turned);
   }
   if (first == nullptr) return {};
-  const Vec3 middle = (mesh.points[static_cast<std::size_t>(first->first)] +
-                       mesh.points[static_cast<std::size_t>(first->second)]) /
-                      2;
-  return fmt::format("{} open edges, {} of more than two triangles, {} between triangles that are turned against each "
-                     "other, the first at ({:.6g}, {:.6g}, {:.6g})",
-                     open, shared, turned, middle.x(), middle.y(), middle.z());
+  const Vec3 middle =
+      (mesh.points[static_cast<std::size_t>(first->first)] + mesh.points[static_cast<std::size_t>(first->second)]) / 2;
+  return fmt::format(
+      "{} open edges, {} of more than two triangles, {} between triangles that are turned against each "
+      "other, the first at ({:.6g}, {:.6g}, {:.6g})",
+      open, shared, turned, middle.x(), middle.y(), middle.z());
 }
 
 void face_outwards(TriangleMesh& mesh) {
