@@ -190,8 +190,13 @@ void create_empty_file(const std::string& path) {
 }
 
 void publish_file(const std::string& path, const std::string& target) {
-  sync_file(path);
-  rename_file(path, target);
+  try {
+    sync_file(path);
+    rename_file(path, target);
+  } catch (...) {
+    ::unlink(path.c_str());
+    throw;
+  }
   sync_folder_of(target);
 }
 

@@ -79,7 +79,7 @@ void create_empty_file(const std::string& path);
 void replace_file(const std::string& path, std::string_view text);
 
 /// fsync of `path`, rename to `target`, fsync of the folder, so that the new name stands for whole content after a
-/// crash.
+/// crash. `path` is removed when that fails.
 void publish_file(const std::string& path, const std::string& target);
 
 /// fsync of a file when there is one of that name.

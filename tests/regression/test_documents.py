@@ -25,7 +25,8 @@ from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, ProgramTest, main
 
 ROOT = Path(__file__).resolve().parents[2]
 TIMES = ("imbalance", "wall_seconds")
-ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp"}  # files that a run removes before it ends
+# Files that a run removes before it ends, and those that only a viewer and a removed folder bring about.
+ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
 SCENE = """
 [domain]

@@ -281,8 +281,11 @@ class WithoutHands(ViewTest):
         folder = self.folder.path("by_speed")
         scene = self.folder.scene(self.scene.replace("rainbow_x", "speed").replace(', "rgb"', ""), "by_speed.toml")
         run_well(1, scene, folder, "--steps", 4)
-        self.viewer(folder, "--paused").wait_title("points, speed")
-        self.viewer(folder, "--paused", "--colour", "rank").wait_title("points, rank")
+        for more, colour in (([], "speed"), (["--colour", "rank"], "rank")):
+            viewer = self.viewer(folder, "--paused", *more)
+            viewer.wait_title(f"points, {colour}")
+            viewer.process.kill()  # as windows are found by their title
+            viewer.process.wait()
 
     def test_counts_that_cannot_be(self):
         copy = self.folder.path("counts")
