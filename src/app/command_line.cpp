@@ -38,6 +38,10 @@ void refuse_single_dash(const CLI::App& app, int argc, const char* const* argv) 
     if (is_petsc_option(argument) && meant != "--help" && app.get_option_no_throw(meant) != nullptr) {
       throw InputError(argument + ": did you mean -" + argument + "? A single dash is for options of PETSc");
     }
+    if (argument == "-np" || argument == "-n") {
+      throw InputError(argument + ": the number of ranks is for mpirun, before the program: mpirun " + argument +
+                       " 2 trevi SCENE.toml");
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "app/advice.hpp"
 #include "app/build.hpp"
 #include "app/envelope.hpp"
 #include "app/initial_particles.hpp"
@@ -57,23 +58,6 @@ double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   return (grid.rows() + 2.0) * (columns + 2.0) * (sums + fields + pressure);
 }
 
-// The fastest a particle may get: pumped, thrown, or fallen from the top of the water.
-Real expected_speed(const Scene& scene) {
-  Real speed = 0, top = scene.domain.min.z();
-  for (const FountainSettings& fountain : scene.fountains)
-    speed = std::max(speed, fountain.top_speed() + fountain.jitter);
-  for (const InletSettings& inlet : scene.inlets) {
-    speed = std::max(speed, inlet.top_speed() + inlet.jitter);
-    top = std::max(top, inlet.center.z());
-  }
-  for (const ParticleSource& source : scene.particles) {
-    speed = std::max(speed, source.velocity.norm());
-    top = std::max(top, source.max.z());
-  }
-  const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
-  return std::max(speed, std::sqrt(2 * g * (top - scene.domain.min.z())));
-}
-
 // The most that the inlets add by the end of the run: what recycles is there already.
 std::string inlet_text(const Scene& scene) {
   if (scene.inlets.empty()) return "";
@@ -111,12 +95,6 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
                         owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
   }
   return text;
-}
-
-// The longest step at the fastest that a particle may get.
-Real longest_step(const Scene& scene, Real cfl) {
-  const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
-  return std::min(v > 0 ? cfl * h / v : INFINITY, g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY);
 }
 
 std::string time_text(const Scene& scene) {
@@ -188,10 +166,12 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   fmt::print("{}", inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
+  if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
   fmt::print("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
   const double bytes = output_bytes(scene, particles);
   fmt::print("{}  in all      up to {}\n", output_text(scene, directory), size_text(bytes));
   std::vector<std::string> warnings = start_warnings(scene);
+  for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
   for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
   for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
 }

@@ -156,7 +156,7 @@ std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGr
   const FreePlaces places(scene);
   const std::vector<Real> blocks = places.all() ? block_weights(scene, grid) : free_weights(comm, scene, grid, places);
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
-  if (std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
+  if (!scene.particles.empty() && std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
     throw InputError(scene.path + ": [[particles]]: no particle is left outside of the obstacles; move them");
   return weights;
 }

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "app/advice.hpp"
 #include "app/build.hpp"
 #include "app/dry_run.hpp"
 #include "app/envelope.hpp"
@@ -13,6 +14,7 @@
 #include "app/report.hpp"
 #include "app/rescue.hpp"
 #include "app/restart.hpp"
+#include "app/run_cost.hpp"
 #include "base/simd.hpp"
 #include "io/blowup.hpp"
 #include "io/files.hpp"
@@ -153,6 +155,11 @@ void announce(const Session& session, const RunContext& context, const Solver& s
   }
   if (!restart.empty()) tell(session, restart);
   for (const std::string& warning : start_warnings(context.scene)) tell(session, "warning: " + warning);
+  if (context.restarted) return;  // said before
+  for (const std::string& warning : scene_advice(context.scene)) tell(session, "warning: " + warning);
+  if (session.rank() != 0) return;
+  const double bytes = output_bytes(context.scene, static_cast<double>(particles));
+  for (const std::string& warning : disk_warnings(bytes, context.directory)) tell(session, "warning: " + warning);
 }
 
 ExitCode run_scene(const Session& session, const Scene& scene, const Launch& launch, const CommandLine& line,

@@ -194,10 +194,13 @@ class Outputs(ProgramTest):
                 self.assertRegex(result.stderr, "^trevi: standard output: cannot write: .*\n$")
 
     def test_slips_among_the_options_of_petsc_are_told(self):
-        told = self.run_well(2, CUBE, "--output", "run", "--steps", 1, "-np", 4, "-log_view").stderr
+        told = self.run_well(2, CUBE, "--output", "run", "--steps", 1, "-log_veiw", "-log_view").stderr
         warnings = [line for line in told.splitlines() if "warning" in line and "fused multiply-add" not in line]
         self.assertEqual(len(warnings), 1, told)
-        self.assertIn("-np was not used", warnings[0])
+        self.assertIn("-log_veiw was not used", warnings[0])
+        refused = self.run_trevi(1, CUBE, "-np", 4)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("mpirun -np", refused.stderr)
 
 
 class Profile(ProgramTest):

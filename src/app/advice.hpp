@@ -1,0 +1,21 @@
+// What a beginner's scene has that is allowed, and hardly ever meant: said at the start of a run and by a dry run. A
+// scene is never refused for it. Not collective.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+/// The fastest a particle may get: pumped, thrown, or fallen from the top of the water, m/s.
+Real expected_speed(const Scene& scene);
+
+/// The longest step at that speed, s.
+Real longest_step(const Scene& scene, Real cfl);
+
+/// A sentence with the remedy for each.
+std::vector<std::string> scene_advice(const Scene& scene);
+
+}  // namespace trevi

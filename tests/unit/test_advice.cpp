@@ -1,0 +1,67 @@
+// What is said of scenes that are allowed and hardly ever meant, and that nothing is said of good ones.
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "app/advice.hpp"
+#include "app/run_cost.hpp"
+
+namespace trevi {
+namespace {
+
+const std::string pool =
+    "[domain]\nmin = [0, 0, 0]\nmax = [2.4, 1.6, 3]\n[fluid]\nspacing = 0.1\n[[particles]]\nmin = [0, 0, 0]\n"
+    "max = [2.4, 1.6, 0.6]\n[time]\ndt = 0.016666666666666667\nend = 1\n[gravity]\n[output.series]\n";
+const std::string fountain = "[[fountain]]\ncenter = [1.2, 0.8]\ndiameter = 0.25\nheight = 0.5\n";
+
+std::string said(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const std::vector<std::string> advice = scene_advice(parse_scene("scene.toml", text, overrides));
+  return std::accumulate(advice.begin(), advice.end(), std::string());
+}
+
+void expect_said(const std::string& word, const std::string& text, const std::vector<std::string>& overrides) {
+  const std::string all = said(text, overrides);
+  EXPECT_NE(all.find(word), std::string::npos) << word << " is not in \"" << all << '"';
+}
+
+TEST(Advice, NothingIsSaidOfGoodScenes) {
+  EXPECT_EQ(said(pool), "");
+  EXPECT_EQ(said(pool + fountain), "");
+}
+
+TEST(Advice, WaterThatDoesNotFitBetweenWalls) {
+  expect_said("along x", pool, {"fluid.spacing=0.11"});
+  expect_said("along y", pool, {"domain.max=[2.4,1.65,3]", "particles.0.max=[2.4,1.65,0.6]"});
+}
+
+TEST(Advice, Overlap) {
+  expect_said("overlap", pool, {"particles.1.min=[1,1,0.3]", "particles.1.max=[1.4,1.4,1]"});
+  EXPECT_EQ(said(pool, {"particles.1.min=[1,1,0.6]", "particles.1.max=[1.4,1.4,1]"}), "");
+}
+
+TEST(Advice, FountainsOutOfTheWater) {
+  expect_said("ends above the water", pool + fountain, {"fountain.0.height=1.5"});
+  expect_said("holds no water", pool + fountain, {"fountain.0.diameter=0.01"});
+  expect_said("holds no water", pool + fountain, {"particles.0.max=[0.8,1.6,0.6]"});
+}
+
+TEST(Advice, LongStepsThatAreNeverSplit) {
+  expect_said("time.cfl", pool, {"time.dt=0.2", "time.cfl=0"});
+  EXPECT_EQ(said(pool, {"time.dt=0.2"}), "");
+}
+
+TEST(Advice, NoOutput) { expect_said("no output", pool.substr(0, pool.find("[output")), {}); }
+
+TEST(RunCost, MoreThanTheDiskHolds) {
+  EXPECT_TRUE(disk_warnings(1e3, "there/is/no/such/folder").empty());
+  EXPECT_EQ(disk_warnings(1e24, "there/is/no/such/folder").size(), 1U);
+}
+
+TEST(RunCost, BytesOfFrames) {
+  const Scene scene = parse_scene("scene.toml", pool + "[output.vtu]\nevery = 0.1\nfields = [\"velocity\"]\n", {});
+  // 11 frames of 24 bytes for a position and 12 for a velocity, and 61 rows of the series.
+  EXPECT_DOUBLE_EQ(output_bytes(scene, 1000), 11 * 1000 * 36 + 61 * 500);
+}
+
+}  // namespace
+}  // namespace trevi
