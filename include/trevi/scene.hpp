@@ -76,7 +76,8 @@ struct Scene : Settings {
 /// Throws InputError that lists every problem as "file:line: [table] key: what is wrong; remedy", one a line.
 Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& overrides);
 
-/// Reads a scene file, meshes and motions of its obstacles included, on one rank of `comm` for all. Collective. InputError on all ranks alike, as parse_scene().
+/// Reads a scene file, meshes and motions of its obstacles included, on one rank of `comm` for all. Collective.
+/// InputError on all ranks alike, as parse_scene().
 Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// The particles of [[particles]], those of this rank's slab; ids x fastest within a block, sources in file order.

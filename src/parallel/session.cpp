@@ -73,7 +73,7 @@ Session::Session(int& argc, char**& argv) {
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
   sigaction(SIGHUP, &hangup, nullptr);  // PETSc's handler, too, leaves the default where nohup had set it to ignore
-  std::signal(SIGPIPE, SIG_IGN);  // a run goes on when nobody reads its progress any more
+  std::signal(SIGPIPE, SIG_IGN);        // a run goes on when nobody reads its progress any more
   begin();
 }
 

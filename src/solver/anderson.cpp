@@ -43,9 +43,8 @@ PetscErrorCode evaluate(SNES, Vec x, Vec f, void* context) {
   PetscCall(VecGetArrayRead(x, &positions));
   set_all_positions(residual.problem, positions);
   PetscCall(VecRestoreArrayRead(x, &positions));
-  residual.problem.with_halo(Phase::lambda, [&](Range part) {
-    residual.problem.compute_lambda(part, [](T lambda, T) { return lambda; });
-  });
+  residual.problem.with_halo(
+      Phase::lambda, [&](Range part) { residual.problem.compute_lambda(part, [](T lambda, T) { return lambda; }); });
   residual.problem.compute_delta();
   PetscCall(VecGetArray(f, &out));
   for (LocalId i = 0; i < residual.problem.particles().size(); ++i)
