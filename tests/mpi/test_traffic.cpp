@@ -9,9 +9,10 @@
 namespace trevi::test {
 namespace {
 
-// Cells of the box and of the water, and those that the coarse grid looks at: two above the water, and a ring.
-constexpr int rows = 2, columns = 8, water_columns = 5;
-constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (water_columns + 2 + 2);
+// Cells of the box and of the water, and those that the coarse grid looks at: two above the water, rounded up to a
+// multiple of four, and a ring.
+constexpr int rows = 2, columns = 8, water_columns = 5, coarse_columns = (water_columns + 2 + 3) / 4 * 4;
+constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (coarse_columns + 2);
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
 const std::string still_scene = R"(
