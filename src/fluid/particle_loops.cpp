@@ -30,14 +30,14 @@ HWY_INLINE auto widened(hn::Vec<As<T>> v) {
   }
 }
 
-struct WideVec3 {
+struct WideVec3 {  // always made with its values: the default constructor would not be of this instruction set
   hn::Vec<Wide> x, y, z;
 };
 
 HWY_INLINE WideVec3 load(const Vec3* p) {
-  WideVec3 v;
-  hn::LoadInterleaved3(Wide(), p->data(), v.x, v.y, v.z);
-  return v;
+  hn::Vec<Wide> x, y, z;
+  hn::LoadInterleaved3(Wide(), p->data(), x, y, z);
+  return {x, y, z};
 }
 
 HWY_INLINE auto is_outside(const Box& box, const WideVec3& p) {

@@ -31,8 +31,11 @@ struct Particles8 {
   V3 f;
 };
 
+// Always made with values: the default constructor would not be of this instruction set.
+HWY_INLINE V3 zeros() { return {hn::Zero(Wide()), hn::Zero(Wide()), hn::Zero(Wide())}; }
+
 HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
-  V3 v;
+  V3 v = zeros();
   if (i + hn::Lanes(Wide()) <= field.size()) {
     hn::LoadInterleaved3(Wide(), field[i].data(), v[0], v[1], v[2]);
   } else {  // whole vectors are read, so the last particles need something behind them
@@ -47,7 +50,7 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
 HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
   constexpr Real most_way = 0.25;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
-  Particles8 particles;
+  Particles8 particles{zeros(), zeros(), zeros(), zeros()};
   for (std::size_t a = 0; a < 3; ++a) {
     const V in_cells = hn::Mul(hn::Sub(p[a], set(frame.origin[a])), set(frame.per_length[a]));
     particles.here[a] = hn::Sub(in_cells, set(cell.corner[a]));
@@ -134,7 +137,7 @@ CellSums sum_cell_of(const CellFrame& frame, const Motion& motion, const CellPar
 }
 
 HWY_INLINE V3 displacements(const Particles8& particles, const CellParticles& cell, const CellDisplacement& by) {
-  V3 u, off;
+  V3 u = zeros(), off = zeros();
   V off2 = hn::Zero(Wide());
   for (std::size_t a = 0; a < 3; ++a) {
     u[a] = hn::MulAdd(particles.f[a], set(by.rise[a]), set(by.low[a]));
