@@ -119,11 +119,14 @@ setup_main() {
     -h | --help)
       cat <<HELP
 usage: jobs/setup.sh [PRESET]
+       jobs/setup.sh --program
 
 Installs with apt what is missing on Debian 12 or Ubuntu (as root or through sudo), then configures and builds
-PRESET (release, debug, asan, tsan or profile; default release) in build/PRESET.
+PRESET (release, debug, asan, tsan or profile; default release) in build/PRESET. --program: only what a run needs, and
+only the program, in build/release.
 HELP
       ;;
+    --program) setup_program trevi ;;
     -*) fail "unknown option $1; see --help" 2 ;;
     *) setup "${1:-release}" ;;
   esac

@@ -13,7 +13,7 @@ from program import WITHOUT, ProgramTest, main
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "postprocess/results"
-PAGES = sorted(page for folder in (".", "inputs", "inputs/tutorial", "postprocess", "postprocess/results", "jobs")
+PAGES = sorted(page for folder in (".", "inputs", "inputs/tutorial", "postprocess", "postprocess/results", "jobs", "jobs/cluster")
                for page in (ROOT / folder).glob("*.md"))
 
 
