@@ -352,6 +352,33 @@ class Slurm(unittest.TestCase):
         runs.run_well(1, scene, straight, "--steps", last)
         self.assertEqual(runs.rows(straight), runs.rows(output))
 
+    def signalled_deaf(self, *signals):
+        """What the job says when its signals come before the run listens: the launcher here never does."""
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        folder.scene("#!/bin/sh\necho scontrol \"$@\"\n", "scontrol").chmod(0o755)
+        launcher = folder.scene("#!/bin/sh\necho started\nexec sleep 3\n", "launcher")
+        launcher.chmod(0o755)
+        process = subprocess.Popen(["bash", str(runs.ROOT / "jobs/trevi.sbatch"), "scene.toml"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True, env=runs.environment({
+                                       "PATH": f"{folder.name}:{os.environ['PATH']}", "MPIRUN": str(launcher),
+                                       "SLURM_JOB_ID": "77"}))
+        self.assertEqual(process.stdout.readline(), "started\n")
+        for one in signals:
+            time.sleep(0.5)
+            process.send_signal(one)
+        told, _ = process.communicate(timeout=runs.TIMEOUT)
+        return process.returncode, told
+
+    def test_a_signal_before_the_run_listens_puts_it_back(self):
+        code, told = self.signalled_deaf(signal.SIGUSR2)
+        self.assertEqual(code, 0, told)
+        self.assertIn("scontrol requeue 77", told)
+
+    def test_a_request_before_the_run_listens_is_lost(self):
+        code, told = self.signalled_deaf(signal.SIGUSR1, signal.SIGUSR1)
+        self.assertEqual((code, told), (0, ""))
+
 
 if __name__ == "__main__":
     unittest.main()
