@@ -80,7 +80,7 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
   fall_ = model_.gravity * dt * dt;
   water_.measure(order, halo, motion);
   pressure_.solve(water_, halo, fall_, std::min(1.0, time / return_time));
-  const LocalId rows = order.grid().rows(), all_columns = order.grid().columns(), columns = water_.grid().columns();
+  const LocalId rows = order.grid().rows(), all_columns = order.grid().columns();
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows;
     for (LocalId c = 0; c < all_columns; ++c) {
@@ -88,7 +88,7 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
       const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
       if (begin == end) continue;
-      if (c < columns) {
+      if (c < water_.grid().columns(k, r)) {
         displace_cell(water_.frame(), motion, {begin, end, water_.grid().corner_of(motion.p[begin])},
                       displacement_of(k, r, c), &out[begin]);
       } else {

@@ -34,14 +34,15 @@ void CoarseLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
   used = columns;
 }
 
+// Work of a thread at a time: some 4096 cells.
+LocalId CoarseLevel::rows_at_a_time() const { return std::max(4096 / (shape_.columns + 2), 1); }
+
 template <class Work>
 void CoarseLevel::for_each_row(Range planes, const Work& work) const {
-  constexpr LocalId cells = 4096;
   const LocalId rows = shape_.rows;
-  for_each_part(Range{planes.begin * rows, planes.end * rows}, std::max(cells / (shape_.columns + 2), 1),
-                [&](Range part) {
-                  for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
-                });
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(), [&](Range part) {
+    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
+  });
 }
 
 void CoarseLevel::factor() {
@@ -65,7 +66,8 @@ void CoarseLevel::factor_column(LocalId k, LocalId r) {
 }
 
 // In `next`: rhs and what comes from the sides.
-void CoarseLevel::gather_column(std::size_t at, std::size_t count) {
+void CoarseLevel::gather_column(const Column& column) {
+  const auto [at, count] = column;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   const Real *x = phi.data() + at, *wx = link[0].data() + at, *wy = link[1].data() + at, *b = rhs.data() + at;
   Real* y = next.data() + at;
@@ -76,32 +78,97 @@ void CoarseLevel::gather_column(std::size_t at, std::size_t count) {
   }
 }
 
-// Solves the column for `next`, in place, by elimination from the floor up.
-void CoarseLevel::solve_column(std::size_t at, std::size_t count) {
-  Real* y = next.data() + at;
-  const Real *wz = link[2].data() + at, *per = per_pivot.data() + at;
-  Real last = 0;
-  for (std::size_t c = 0; c < count; ++c) y[c] = last = y[c] * per[c] + wz[c] * per[c] * last;
-  last = 0;
-  for (std::size_t c = count; c-- > 0;) y[c] = last = y[c] + wz[c + 1] * per[c] * last;
+// Solves columns for `next`, in place, by elimination from the floor up. Each step of a column waits for the one
+// before, so the steps of several columns are taken in turns.
+void CoarseLevel::solve_columns(std::span<const Column> columns) {
+  if (columns.size() != together) {
+    for (const Column& column : columns) {
+      const std::array<Column, 1> alone{column};
+      std::array<Real, 1> last{};
+      eliminate(alone, {0, column.count}, last);
+      last = {};
+      substitute(alone, {0, column.count}, last);
+    }
+    return;
+  }
+  std::array<Column, together> all{};
+  std::copy(columns.begin(), columns.end(), all.begin());
+  std::size_t common = all[0].count;
+  for (const Column& column : all) common = std::min(common, column.count);
+  std::array<Real, together> last{}, top{};
+  eliminate(all, {0, common}, last);
+  for (std::size_t i = 0; i < together; ++i) {
+    const std::array<Column, 1> alone{all[i]};
+    std::array<Real, 1> own{last[i]};
+    eliminate(alone, {common, all[i].count}, own);
+    own = {};
+    substitute(alone, {common, all[i].count}, own);
+    top[i] = own[0];
+  }
+  substitute(all, {0, common}, top);
+}
+
+template <std::size_t n>
+void CoarseLevel::eliminate(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
+  const Real *wz = link[2].data(), *per = per_pivot.data();
+  Real* y = next.data();
+  for (std::size_t c = cells.begin; c < cells.end; ++c) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = columns[i].at + c;
+      y[at] = last[i] = y[at] * per[at] + wz[at] * per[at] * last[i];
+    }
+  }
+}
+
+template <std::size_t n>
+void CoarseLevel::substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
+  const Real *wz = link[2].data(), *per = per_pivot.data();
+  Real* y = next.data();
+  for (std::size_t c = cells.end; c-- > cells.begin;) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = columns[i].at + c;
+      y[at] = last[i] = y[at] + wz[at + 1] * per[at] * last[i];
+    }
+  }
+}
+
+// Calls make(column) for each column of the planes and solves them, then finish(column).
+template <class Make, class Finish>
+void CoarseLevel::solve_rows(Range planes, const Make& make, const Finish& finish) {
+  const LocalId rows = shape_.rows;
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(), [&](Range part) {
+    std::array<Column, together> columns{};
+    for (LocalId i = part.begin; i < part.end;) {
+      std::size_t count = 0;
+      for (; i < part.end && count < together; ++i) {
+        columns[count] = {shape_.index(i / rows, i % rows, 0), top(i / rows, i % rows)};
+        make(columns[count++]);
+      }
+      solve_columns(std::span(columns).first(count));
+      for (std::size_t j = 0; j < count; ++j) finish(columns[j]);
+    }
+  });
 }
 
 void CoarseLevel::sweep(Range planes, Real share) {
-  for_each_row(planes, [&](LocalId k, LocalId r) {
-    const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
-    gather_column(at, count);
-    solve_column(at, count);
-    for (std::size_t i = at; i < at + count; ++i) next[i] = phi[i] + share * (next[i] - phi[i]);
-  });
+  solve_rows(
+      planes, [&](const Column& column) { gather_column(column); },
+      [&](const Column& column) {
+        for (std::size_t i = column.at; i < column.at + column.count; ++i)
+          next[i] = phi[i] + share * (next[i] - phi[i]);
+      });
 }
 
 void CoarseLevel::sweep_from_zero(Real share) {
-  for_each_row({1, shape_.planes + 1}, [&](LocalId k, LocalId r) {
-    const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
-    std::copy_n(rhs.begin() + static_cast<std::ptrdiff_t>(at), count, next.begin() + static_cast<std::ptrdiff_t>(at));
-    solve_column(at, count);
-    for (std::size_t i = at; i < at + count; ++i) next[i] *= share;
-  });
+  solve_rows(
+      {1, shape_.planes + 1},
+      [&](const Column& column) {
+        const auto at = static_cast<std::ptrdiff_t>(column.at);
+        std::copy_n(rhs.begin() + at, column.count, next.begin() + at);
+      },
+      [&](const Column& column) {
+        for (std::size_t i = column.at; i < column.at + column.count; ++i) next[i] *= share;
+      });
 }
 
 void CoarseLevel::find_residual() {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "base/range.hpp"
@@ -72,7 +73,15 @@ class CoarseLevel {
   std::vector<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
 
  private:
-  /// Work of a thread at a time: rows with some 4096 cells.
+  // Cells of a column, from the floor up to the highest one of water.
+  struct Column {
+    std::size_t at, count;
+  };
+  struct Cells {
+    std::size_t begin, end;
+  };
+  static constexpr std::size_t together = 4;  // columns that are solved in turns
+  LocalId rows_at_a_time() const;
   template <class Work>
   void for_each_row(Range planes, const Work& work) const;
   std::size_t row_index(LocalId k, LocalId r) const {
@@ -81,8 +90,14 @@ class CoarseLevel {
   std::size_t top(LocalId k, LocalId r) const { return top_[row_index(k, r)]; }
   std::size_t used(LocalId k, LocalId r) const { return used_[row_index(k, r)]; }
   void factor_column(LocalId k, LocalId r);
-  void gather_column(std::size_t at, std::size_t count);
-  void solve_column(std::size_t at, std::size_t count);
+  void gather_column(const Column& column);
+  void solve_columns(std::span<const Column> columns);
+  template <std::size_t n>
+  void eliminate(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last);
+  template <std::size_t n>
+  void substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last);
+  template <class Make, class Finish>
+  void solve_rows(Range planes, const Make& make, const Finish& finish);
 
   LevelShape shape_;
   std::vector<std::size_t> used_;  // cells of each column that use_columns() has left

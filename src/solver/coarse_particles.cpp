@@ -109,12 +109,37 @@ HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, cons
   }
 }
 
-// The sums over the virtual lanes of two quantities.
+// The sums over the virtual lanes of quantities, in the same order on every processor.
 using Two = hn::FixedTag<double, 2>;
 HWY_INLINE auto folded(const double* lane) {
   const Two d;
   return hn::Add(hn::Add(hn::Load(d, lane), hn::Load(d, lane + 4)),
                  hn::Add(hn::Load(d, lane + 2), hn::Load(d, lane + 6)));
+}
+HWY_INLINE void fold_two(const Lanes& lanes, std::size_t q, double* out) {
+  const Two d;
+  const auto a = folded(lanes.value[q]), b = folded(lanes.value[q + 1]);
+  hn::StoreU(hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)), d, out);
+}
+
+using Four = hn::CappedTag<double, 4>;
+// Of two quantities: even and odd lanes of the one, then of the other.
+HWY_INLINE auto even_and_odd(const double* one, const double* other) {
+  const Four d;
+  const auto a = hn::Add(hn::Load(d, one), hn::Load(d, one + 4));
+  const auto b = hn::Add(hn::Load(d, other), hn::Load(d, other + 4));
+  return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
+}
+HWY_INLINE void fold_four(const Lanes& lanes, std::size_t q, double* out) {
+  if constexpr (hn::MaxLanes(Four()) < 4) {
+    fold_two(lanes, q, out);
+    fold_two(lanes, q + 2, out + 2);
+  } else {
+    const Four d;
+    const auto first = even_and_odd(lanes.value[q], lanes.value[q + 2]);
+    const auto second = even_and_odd(lanes.value[q + 1], lanes.value[q + 3]);
+    hn::StoreU(hn::Add(hn::InterleaveLower(d, first, second), hn::InterleaveUpper(d, first, second)), d, out);
+  }
 }
 
 CellSums sum_cell_of(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
@@ -126,13 +151,11 @@ CellSums sum_cell_of(const CellFrame& frame, const Motion& motion, const CellPar
   static_assert(sizeof(CellSums) == count * sizeof(double));
   CellSums sums;
   auto* out = reinterpret_cast<double*>(&sums);
-  const Two d;
-  for (std::size_t q = 0; q + 1 < count; q += 2) {
-    const auto a = folded(lanes.value[q]), b = folded(lanes.value[q + 1]);
-    hn::StoreU(hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)), d, out + q);
-  }
-  const auto last = folded(lanes.value[count - 1]);
-  out[count - 1] = hn::GetLane(hn::Add(last, hn::InterleaveUpper(d, last, last)));
+  constexpr std::size_t fours = count / 4 * 4;
+  for (std::size_t q = 0; q < fours; q += 4) fold_four(lanes, q, out + q);
+  static_assert(fours + 1 == count);
+  const auto last = folded(lanes.value[fours]);
+  out[fours] = hn::GetLane(hn::Add(last, hn::InterleaveUpper(Two(), last, last)));
   return sums;
 }
 

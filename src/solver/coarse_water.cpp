@@ -19,6 +19,15 @@ constexpr Real most_excess = 0.25;
 // Added to the variance, in cells², so that the regression line of a face does not follow noise; particles on one side
 // of a face alone have a variance of 0.05.
 constexpr Real regression_damping = 0.1;
+// Share of its volume in particles of which the middle is in it from which on a cell counts for the depth, and from
+// which on it has a surface of water in or above it. A sheet on a solid may be as thin as one on the floor.
+constexpr Real deep_fill = 0.2, surface_fill = 0.4;
+
+WaterReach::Least least_particles(const CoarseGrid& grid, Real spacing, bool solids) {
+  const Real particles = grid.size().prod() / (spacing * spacing * spacing);
+  const auto number = [&](Real fill) { return static_cast<LocalId>(std::ceil(fill * particles)); };
+  return {number(deep_fill), number(solids ? deep_fill : surface_fill)};
+}
 
 }  // namespace
 
@@ -40,13 +49,17 @@ CoarseWater::Moments CoarseWater::Moments::operator+(const Moments& other) const
 
 Real CoarseWater::Moments::at_face() const {
   if (weight < 1e-9) return 0;
-  const Real u = value / weight, x = offset / weight;
-  const Real variance = offset2 / weight - x * x, covariance = offset_value / weight - x * u;
-  return u - x * covariance / (variance + regression_damping);
+  // Covariance and damped variance, times the square of the weight.
+  const Real covariance = offset_value * weight - offset * value;
+  const Real variance = offset2 * weight - offset * offset + regression_damping * (weight * weight);
+  return (value - offset * (covariance / variance)) / weight;
 }
 
 CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Real spacing, const Obstacles* obstacles)
-    : comm_(comm), box_(box), grid_(comm, grid, box) {
+    : comm_(comm),
+      box_(box),
+      grid_(comm, grid, box),
+      reach_(comm, least_particles(grid_, spacing, obstacles != nullptr)) {
   if (obstacles != nullptr) solids_.emplace(*obstacles);
   frame_.origin = grid_.origin();
   frame_.per_length = grid_.per_length();
@@ -57,11 +70,11 @@ CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Re
     frame_.farthest[b] = grid_.count(a) - frame_.half[b];
     frame_.per_full *= 2 * frame_.half[b];
   }
-  least_particles_ = static_cast<LocalId>(std::ceil(0.2 / frame_.per_full));
 }
 
 void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& motion) {
-  look_for_water(order);
+  reach_.measure(order, halo);
+  resize(order.planes());
   PerThread<FaceSums> faces;
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion, faces.mine()); });
   halo.start_planes(sums_, grid_.step(0));
@@ -77,39 +90,10 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& moti
   find_surface(halo);
 }
 
-// Finds the number of columns to look at: two cells above the highest that may hold water, one for its surface and one
-// that is dry. Particles higher up are ignored. Depth counts cells directly above one another, as water in flight puts
-// no pressure on the water below it.
-void CoarseWater::look_for_water(const CellOrder& order) {
-  const LocalId columns = order.grid().columns();
-  const LocalId rows = order.grid().rows();
-  occupied_.assign((static_cast<std::size_t>(order.planes()) + 2) * static_cast<std::size_t>(rows), 0);
-  PerThread<std::array<LocalId, 2>> most;  // depth, columns
-  for_each_part(order.planes() + 2, [&](LocalId k) {
-    auto& [depth, highest] = most.mine();
-    for (LocalId r = 0; r < rows; ++r) {
-      LocalId run = 0;
-      for (LocalId c = 0; c < columns; ++c) {
-        const LocalId cell = r * columns + c, count = order.start(k, cell + 1) - order.start(k, cell);
-        if (count > 0) occupied_[static_cast<std::size_t>(k * rows + r)] = c + 1;
-        run = count >= least_particles_ ? run + 1 : 0;
-        if (run == 0) continue;
-        depth = std::max(depth, run);
-        highest = std::max(highest, c + 1);
-      }
-    }
-  });
-  std::array<LocalId, 2> found{};
-  most.for_each([&](const auto& one) { found = {std::max(found[0], one[0]), std::max(found[1], one[1])}; });
-  MPI_Allreduce(MPI_IN_PLACE, found.data(), 2, MPI_INT32_T, MPI_MAX, comm_);
-  depth_ = found[0];
-  resize(order.planes(), found[1] + 2);
-}
-
 // Arrays keep their shape while the water grows and falls by a few columns.
-void CoarseWater::resize(LocalId planes, LocalId columns) {
+void CoarseWater::resize(LocalId planes) {
   constexpr LocalId step = 4;
-  if (grid_.resize(planes, (columns + step - 1) / step * step)) {
+  if (grid_.resize(planes, (reach_.most_columns() + step - 1) / step * step)) {
     sums_.assign(grid_.cells(), {});
     for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
     fill_.assign(grid_.cells(), 0.0);
@@ -117,30 +101,21 @@ void CoarseWater::resize(LocalId planes, LocalId columns) {
     wet_.assign(grid_.cells(), 0);
   }
   // The ghost planes, too: where the box ends nothing is received.
-  for_each_row({0, planes + 2}, [&](LocalId k, LocalId r) { clear_row(k, r); });
+  for_each_row({0, planes + 2}, [&](LocalId k, LocalId r) {
+    clear_row(k, r);
+    grid_.set_columns(k, r, solids_ ? grid_.columns() : reach_.columns(k, r));
+  });
 }
 
-// What the last step left there; then the columns that this one will use. A row's water, its links and its faces depend
-// on what is up to two rows away, and two cells below.
+// What the last step left there.
 void CoarseWater::clear_row(LocalId k, LocalId r) {
   const auto begin = static_cast<std::ptrdiff_t>(grid_.index(k, r, 0)), count = std::ptrdiff_t{grid_.columns(k, r)} + 1;
-  const LocalId rows = grid_.rows(), last = grid_.planes() + 1;
   std::fill_n(sums_.begin() + begin, count, PlaneSums{});
   for (auto& u : displacement_) std::fill_n(u.begin() + begin, count, 0.0);
   std::fill_n(fill_.begin() + begin, count, 0.0);
   std::fill_n(wet_.begin() + begin, count, 0);
-  if (r == rows - 1) {
-    for (auto& u : displacement_)
-      std::fill_n(u.begin() + begin + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
-  }
-  LocalId highest = 0;
-  for (LocalId plane = std::max(k - 2, 0); plane <= std::min(k + 2, last); ++plane) {
-    for (LocalId row = std::max(r - 2, 0); row <= std::min(r + 2, rows - 1); ++row)
-      highest = std::max(highest, occupied_[static_cast<std::size_t>(plane * rows + row)]);
-  }
-  const bool known_below = k >= 2 || grid_.is_wall(0, 1, r, 0);
-  const bool known_above = k + 2 <= last || grid_.is_wall(0, last, r, 0);
-  grid_.set_columns(k, r, known_below && known_above && !solids_ ? highest + 2 : grid_.columns());
+  if (r < grid_.rows() - 1) return;
+  for (auto& u : displacement_) std::fill_n(u.begin() + begin + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
 }
 
 void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces) {
@@ -182,12 +157,12 @@ void CoarseWater::add_cell(const Place& place, Real count, const CellSums& sums,
   faces.column[in_plane] += low(sums, count, 2);
   faces.column[in_plane + 1] += high(sums, 2);
   const bool along_x = grid_.axis(0) == 0;
-  for (std::size_t row = 0; row < 3; ++row) {
-    // Particles higher than the columns in use are ignored.
-    for (std::size_t column = 0; column < (c + 1 < grid_.columns() ? 3U : 2U); ++column) {
-      auto& volume = sums_[at + row * grid_.step(1) + column - grid_.step(1) - 1].volume;
+  for (LocalId row = std::max(r - 1, 0); row <= std::min(r + 1, grid_.rows() - 1); ++row) {
+    for (LocalId column = std::max(c - 1, 0); column <= std::min(c + 1, grid_.columns(k, row) - 1); ++column) {
+      auto& volume = sums_[grid_.index(k, row, column)].volume;
+      const auto i = static_cast<std::size_t>(row - r + 1), j = static_cast<std::size_t>(column - c + 1);
       for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane] += along_x ? sums.volume[plane][row][column] : sums.volume[row][plane][column];
+        volume[plane] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
     }
   }
 }
@@ -205,7 +180,7 @@ void CoarseWater::find_surface(Halo& halo) {
     return;
   }
   for_each_row({0, grid_.planes() + 2}, [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+    for (LocalId c = 0; c < std::min(reach_.wet_columns(k, r), grid_.columns()); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       wet_[at] = is_full_enough(at, c, c == 0) ? 1 : 0;
     }
@@ -245,8 +220,7 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
 std::size_t CoarseWater::bytes() const {
   std::size_t values = fill_.capacity() + height_.capacity();
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + wet_.capacity() + occupied_.capacity() * sizeof(LocalId) +
-         sums_.capacity() * sizeof(PlaneSums);
+  return values * sizeof(Real) + wet_.capacity() + sums_.capacity() * sizeof(PlaneSums);
 }
 
 }  // namespace trevi

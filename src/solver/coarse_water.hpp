@@ -23,6 +23,7 @@
 #include "solver/coarse_grid.hpp"
 #include "solver/coarse_particles.hpp"
 #include "solver/coarse_solids.hpp"
+#include "solver/water_reach.hpp"
 
 namespace trevi {
 
@@ -44,7 +45,7 @@ class CoarseWater {
   /// Share of the cell that is not solid; its fill is a share of that.
   Real open(std::size_t at) const { return solids_ ? solids_->open(at) : 1; }
   /// The largest number of cells directly above one another that may hold water, over all ranks.
-  int depth() const { return depth_; }
+  int depth() const { return reach_.depth(); }
   Real fill(std::size_t at) const { return fill_[at]; }
   bool is_wet(std::size_t at) const { return wet_[at] != 0; }
   /// A wet cell with a dry one above it. The few particles in that dry cell follow the wet one.
@@ -77,8 +78,7 @@ class CoarseWater {
     std::array<Real, 3> volume{};
     Moments low, high;
   };
-  void look_for_water(const CellOrder& order);
-  void resize(LocalId planes, LocalId columns);
+  void resize(LocalId planes);
   void clear_row(LocalId k, LocalId r);
   template <class Work>
   void for_each_row(Range planes, const Work& work) const;
@@ -110,11 +110,9 @@ class CoarseWater {
   MPI_Comm comm_;
   Box box_;
   CoarseGrid grid_;
+  WaterReach reach_;
   std::optional<CoarseSolids> solids_;
   CellFrame frame_;
-  LocalId least_particles_;  // fewest particles of a cell that may hold water
-  int depth_ = 0;
-  std::vector<LocalId> occupied_;  // of each row, ghost planes included: columns up to its highest particle
   std::vector<PlaneSums> sums_;
   std::vector<Real> fill_, height_;
   std::vector<char> wet_;

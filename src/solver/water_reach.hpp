@@ -1,0 +1,47 @@
+// How high the water of the coarse grid can reach in each row of cells, so that air above it costs nothing, nor does
+// spray: water in flight needs no pressure, and a drop that is thrown up must not make the work of all cells below it.
+// The same on any rank count. Collective.
+#pragma once
+
+#include <vector>
+
+#include "domain/halo.hpp"
+
+namespace trevi {
+
+class WaterReach {
+ public:
+  /// Fewest particles of a cell that counts for the depth, and of one that can have a surface of water in or above it.
+  struct Least {
+    LocalId depth, surface;
+  };
+  WaterReach(MPI_Comm comm, const Least& least) : comm_(comm), least_(least) {}
+
+  /// Of the particles of `order`, ghosts included.
+  void measure(const CellOrder& order, Halo& halo);
+
+  /// The largest number of cells directly above one another that may hold water, over all ranks.
+  int depth() const { return depth_; }
+  /// The largest columns() of all ranks.
+  LocalId most_columns() const { return most_columns_; }
+  /// Cells of row r of plane k that can be water: up to the one above the highest cell around that has a surface.
+  /// Planes are counted from 0, the low ghost plane.
+  LocalId wet_columns(LocalId k, LocalId r) const { return wet_[index(k, r)]; }
+  /// Cells to look at: all that are next to one that can be water. Not known of the ghost planes' rows in full.
+  LocalId columns(LocalId k, LocalId r) const { return near_[index(k, r)]; }
+
+ private:
+  std::size_t index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
+  }
+  void look_at_plane(const CellOrder& order, LocalId k, int& depth);
+  void spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const;
+
+  MPI_Comm comm_;
+  Least least_;
+  LocalId planes_ = 0, rows_ = 0, most_columns_ = 0;
+  int depth_ = 0;
+  std::vector<LocalId> surface_, wet_, near_;  // of each row, ghost planes included
+};
+
+}  // namespace trevi
