@@ -2,7 +2,7 @@
 # usage: jobs/render.sh SCRIPT RUN [more arguments of the script]
 #        jobs/render.sh gallery [RUNS]
 #
-# Installs what is missing (with the build's packages: xvfb, ffmpeg) and starts SCRIPT, render.py or surface.py of
+# Installs what is missing (with the build's packages: xvfb, ffmpeg, scipy) and starts SCRIPT, render.py or surface.py of
 # postprocess/, with a virtual display. "gallery" makes all pictures of postprocess/results/gallery.md and the film
 # out/musical_fountain.mp4 from the runs in RUNS (default out/), after running the scenes that are not there, or going on
 # with those that were cut short (minutes each). Pictures in postprocess/results/ are written over.
@@ -13,7 +13,7 @@
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-trevi_packages+=(xvfb xauth ffmpeg)
+trevi_packages+=(xvfb xauth ffmpeg python3-scipy)
 
 # show SCRIPT RUN ...: a script that draws, with a virtual display.
 show() {
@@ -40,9 +40,9 @@ gallery() {
   show render.py "$runs/fountain" --time 4.5 --output $results/fountain.png "${small[@]}"
   show render.py "$runs/fountain_shapes" --time 1.3 --elevation 18 --output $results/fountain_shapes.png "${small[@]}"
   show render.py "$runs/fountain_heights" --time 4.5 --output $results/fountain_heights.png "${small[@]}"
-  show surface.py "$runs/musical_fountain" --time 2.6 --pool 0.5 --tint 0.85 --foam 0.9 \
+  show surface.py "$runs/musical_fountain" --time 2.6 --tint 0.85 \
     --output $results/musical_fountain_water.png "${small[@]}"
-  show surface.py "$runs/fountain_shapes" --time 1.3 --pool 0.8 --elevation 18 \
+  show surface.py "$runs/fountain_shapes" --time 1.3 --elevation 18 \
     --output $results/fountain_shapes_water.png --size 720 540
   /usr/bin/python3 postprocess/plot_series.py "$runs/constant_fountain" --output $results/constant_fountain_density.png
   /usr/bin/python3 postprocess/plot_series.py "$runs/falling_cube" "$runs/falling_cube_report" \

@@ -42,7 +42,7 @@ class Run:
         return len(self.times) - 1 if time is None else int(np.argmin(np.abs(np.array(self.times) - time)))
 
     def read(self, number):
-        """Positions (m), colours (uint8, blue where the run has none), and speeds (m/s, zero where it has none)."""
+        """Positions (m), colours (uint8, blue where the run has none), and velocities (m/s, zero where it has none)."""
         reader = vtkXMLPUnstructuredGridReader()
         reader.SetFileName(str(self.files[number]))
         reader.Update()
@@ -52,7 +52,7 @@ class Run:
         position = vtk_to_numpy(cloud.GetPoints().GetData()).astype(float)
         rgb, velocity = (cloud.GetPointData().GetArray(name) for name in ("rgb", "velocity"))
         rgb = vtk_to_numpy(rgb) if rgb else np.tile(np.array(BLUE, np.uint8), (len(position), 1))
-        return position, rgb, np.linalg.norm(vtk_to_numpy(velocity), axis=1) if velocity else np.zeros(len(position))
+        return position, rgb, vtk_to_numpy(velocity).astype(float) if velocity else np.zeros_like(position)
 
     def bounds(self, numbers):
         """Lowest and highest corner (m) of the box around the first frame and these ones."""

@@ -3,9 +3,11 @@
 
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.png
 
-Surface: the share of each place that is water, sum of W V over the particles (cubic spline, kernel radius 2 spacings)
-on a grid of half the spacing, its contour, smoothed by a windowed sinc filter. Picture: each pixel's ray is refracted,
-reflected and absorbed (water.py). --tint mixes in the particles' own colours, for a fountain lit by coloured lamps.
+Surface: where the share of water, spread by kernels that follow the water's shape, is that of which it holds its
+volume, about 0.4 (anisotropic.py). Picture: each
+pixel's ray is refracted, reflected and absorbed (water.py). White is what air is driven into, and spray has white specks
+about it; both want [output.vtu] with the field velocity. --tint mixes in the particles' own colours, for a fountain lit by
+coloured lamps.
 """
 
 import argparse
@@ -13,16 +15,20 @@ import sys
 from collections import namedtuple
 
 import numpy as np
+from scipy.optimize import brentq
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkStaticPointLocator
-from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
+from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkMassProperties, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
 from vtkmodules.vtkFiltersPoints import vtkSPHCubicKernel, vtkSPHInterpolator
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from anisotropic import LEVELS, share_of_water, white
 from stage import BadInput, Run, add_options, camera_for, cloud_of, pixels, save, window_for
-from water import Ground, developed, normalised, smoothstep, water
+from water import Ground, developed, normalised, water
 
-CONTOUR = 0.2  # a lone particle becomes a drop of its own volume, radius 0.6 spacings
+SMOOTHING, PASS_BAND = 10, 0.3
+SPECKS = 12  # about a particle of spray, within a spacing
+SPECK_SIZE = 0.12  # spacings
 FOAM_WHITE = np.array([0.80, 0.86, 0.92], np.float32)
 # x and y of the normal in the camera's axes, 12 bits each; z follows, as what is seen faces the camera.
 PACKED_NORMAL = """//VTK::Light::Impl
@@ -32,57 +38,80 @@ PACKED_NORMAL = """//VTK::Light::Impl
 Hit = namedtuple("Hit", "point normal direction depth")
 
 
-def interpolator(position, spacing):
+def interpolator(cloud, spacing):
     kernel, result = vtkSPHCubicKernel(), vtkSPHInterpolator()
     kernel.SetSpatialStep(spacing)
     result.SetKernel(kernel)
     result.SetLocator(vtkStaticPointLocator())
-    result.SetSourceData(position)
+    result.SetSourceData(cloud)
     result.PassFieldArraysOff()
     return result
 
 
-def share_of_water(cloud, spacing):
-    """The field whose contour is the surface, on a grid around all particles."""
-    bounds = np.array(cloud.GetBounds()).reshape(3, 2)
-    low, cell = bounds[:, 0] - 2.5 * spacing, spacing / 2
-    grid = vtkImageData()
-    grid.SetOrigin(*low)
-    grid.SetSpacing(cell, cell, cell)
-    grid.SetDimensions(*(int(n) for n in np.ceil((bounds[:, 1] + 2.5 * spacing - low) / cell) + 1))
-    sums = interpolator(cloud, spacing)
-    sums.SetInputData(grid)
-    sums.ComputeShepardSumOn()
-    sums.PassPointArraysOff()
-    sums.Update()
-    result = sums.GetOutput()
-    result.GetPointData().SetActiveScalars(sums.GetShepardSumArrayName())
-    return result
-
-
-def surface_of(cloud, spacing, smoothing):
-    """Triangles with normals and the array rgb."""
+def contour_of(grid, level):
+    """The contour's mesh with normals, its facets smoothed away."""
     contour, smooth, normals = vtkFlyingEdges3D(), vtkWindowedSincPolyDataFilter(), vtkPolyDataNormals()
-    contour.SetInputData(share_of_water(cloud, spacing))
-    contour.SetValue(0, CONTOUR)
+    contour.SetInputData(grid)
+    contour.SetValue(0, level)
     contour.ComputeNormalsOff()
     contour.ComputeScalarsOff()
     smooth.SetInputConnection(contour.GetOutputPort())
-    smooth.SetNumberOfIterations(smoothing)
-    smooth.SetPassBand(0.1)
+    smooth.SetNumberOfIterations(SMOOTHING)
+    smooth.SetPassBand(PASS_BAND)
     smooth.NormalizeCoordinatesOn()
     normals.SetInputConnection(smooth.GetOutputPort())
     normals.SplittingOff()
-    colours = interpolator(cloud, spacing)
-    colours.SetInputConnection(normals.GetOutputPort())
-    colours.ComputeShepardSumOn()
-    colours.Update()
-    mesh = colours.GetOutput()
-    rgb = vtk_to_numpy(mesh.GetPointData().GetArray("rgb"))
-    total = vtk_to_numpy(mesh.GetPointData().GetArray(colours.GetShepardSumArrayName()))
-    mean = numpy_to_vtk((rgb / np.maximum(total, 1e-6)[:, None]).clip(0, 255).astype(np.uint8), deep=1)
-    mean.SetName("rgb")
-    mesh.GetPointData().AddArray(mean)
+    normals.Update()
+    return normals.GetOutput()
+
+
+def volume_of(mesh):
+    mass = vtkMassProperties()
+    mass.SetInputData(mesh)
+    mass.Update()
+    return mass.GetVolume()
+
+
+def surface_of(position, spacing):
+    """Closed triangles around the water, which hold as much of it as there is: the level is chosen so."""
+    low, cell, size, share = share_of_water(position, spacing)
+    grid = vtkImageData()
+    grid.SetOrigin(*low)
+    grid.SetSpacing(cell, cell, cell)
+    grid.SetDimensions(*(int(n) for n in size))
+    grid.GetPointData().SetScalars(numpy_to_vtk(share, deep=1))
+    water = len(position) * spacing**3
+
+    def excess(level):
+        return volume_of(contour_of(grid, level)) / water - 1
+
+    lowest, highest = LEVELS
+    if excess(lowest) < 0:
+        level = lowest
+    elif excess(highest) > 0:
+        level = highest
+    else:
+        level = brentq(excess, lowest, highest, xtol=0.004)
+    return contour_of(grid, level)
+
+
+def coloured(mesh, position, rgb, whiteness, spacing):
+    """The mesh with the arrays rgb and white (as grey), the means of the particles beside."""
+    cloud = cloud_of(position, rgb.astype(np.float32))
+    grey = numpy_to_vtk(np.repeat(255 * whiteness[:, None], 3, axis=1).astype(np.float32), deep=1)
+    grey.SetName("white")
+    cloud.GetPointData().AddArray(grey)
+    sums = interpolator(cloud, spacing)
+    sums.SetInputData(mesh)
+    sums.ComputeShepardSumOn()
+    sums.Update()
+    mesh = sums.GetOutput()
+    total = vtk_to_numpy(mesh.GetPointData().GetArray(sums.GetShepardSumArrayName()))
+    for name in ("rgb", "white"):
+        colour = vtk_to_numpy(mesh.GetPointData().GetArray(name)) / np.maximum(total, 1e-6)[:, None]
+        mean = numpy_to_vtk(colour.clip(0, 255).astype(np.uint8), deep=1)
+        mean.SetName(name)
+        mesh.GetPointData().AddArray(mean)
     return mesh
 
 
@@ -95,7 +124,7 @@ def actor_of(mesh):
 
 
 def buffers(mesh, camera, size):
-    """Of each pixel, by VTK: normal in the camera's axes, colour, and depth buffers of the front and back sides."""
+    """Of each pixel, by VTK: normal in the camera's axes, colour, white, and depth buffers of the front and back sides."""
     window, renderer = window_for(size)
     actor = actor_of(mesh)
     renderer.AddActor(actor)
@@ -111,15 +140,17 @@ def buffers(mesh, camera, size):
     mapper = actor.GetMapper()
     mapper.ScalarVisibilityOn()
     mapper.SetScalarModeToUsePointFieldData()
-    mapper.SelectColorArray("rgb")
     mapper.SetColorModeToDirectScalars()
     actor.GetProperty().LightingOff()
-    window.Render()
-    colour = pixels(window).astype(np.float32) / 255
+    colours = []
+    for name in ("rgb", "white"):
+        mapper.SelectColorArray(name)
+        window.Render()
+        colours.append(pixels(window).astype(np.float32) / 255)
     actor.GetProperty().FrontfaceCullingOn()
     window.Render()
     back = pixels(window, depth=True)[..., 0].copy()
-    return normal, colour, front, back
+    return normal, *colours, front, back
 
 
 def rays(camera, size):
@@ -142,8 +173,31 @@ def distance_of(depth, camera):
     return (near * far / (far - depth * (far - near))).astype(np.float32)
 
 
+def specks(position, whiteness, spacing):
+    """Places and brightness of what is thrown about by white spray."""
+    random = np.random.default_rng(1)
+    offset = random.normal(size=(len(position), SPECKS, 3)) * spacing / 2
+    return (position[:, None] + offset).reshape(-1, 3), np.repeat(whiteness, SPECKS)
+
+
+def add_specks(result, front, camera, size, places, brightness, width):
+    """Specks in front of the water, each as bright as the share of a pixel that it covers."""
+    eye, _, axes = rays(camera, [1, 1])
+    x, y, back = ((places - eye) @ axes.T).T
+    scale = size[1] / 2 / np.tan(np.radians(camera.GetViewAngle() / 2)) / -back
+    column, row = (np.floor(c).astype(int) for c in (size[0] / 2 + x * scale, size[1] / 2 + y * scale))
+    seen = (back < 0) & (column >= 0) & (column < size[0]) & (row >= 0) & (row < size[1])
+    pixel = (row * size[0] + column)[seen]
+    free = -back[seen] < distance_of(front[pixel, 0], camera)
+    cover = brightness[seen] * np.minimum(1, (width * scale[seen]) ** 2)
+    covered = np.bincount(pixel[free], cover[free], len(result)).clip(0, 1)[:, None]
+    return result * (1 - covered) + FOAM_WHITE * covered
+
+
 def picture(mesh, camera, size, low, high, options):
-    normal, colour, front, back = (layer.reshape(size[0] * size[1], -1) for layer in buffers(mesh, camera, size))
+    """Linear colours of all pixels, a row each, and the depth buffer of the front."""
+    layers = (layer.reshape(size[0] * size[1], -1) for layer in buffers(mesh, camera, size))
+    normal, colour, whiteness, front, back = layers
     eye, plane, axes = rays(camera, size)
     direction, ground = normalised(plane), Ground(low, high)
     result = ground.seen(np.broadcast_to(eye, plane.shape), direction)
@@ -152,12 +206,10 @@ def picture(mesh, camera, size, low, high, options):
     slant = np.linalg.norm(plane[wet], axis=1, keepdims=True)
     hit = Hit(eye + plane[wet] * nearest, normalised(normal[wet] @ axes), direction[wet],
               np.clip(behind - nearest, 0.02, 20) * slant)
-    pool = options.pool if options.pool is not None else low[2]
-    airborne = smoothstep(pool, pool + 0.6, hit.point[:, 2:])
     tint = FOAM_WHITE + options.tint * (colour[wet] ** 2.2 - FOAM_WHITE)
-    foam = 0.03 + 0.12 * options.tint + (options.foam - 0.03) * airborne
+    foam = 0.03 + 0.12 * options.tint + (options.foam - 0.03) * whiteness[wet, :1]
     result[wet] = water(ground, hit, tint, foam)
-    return developed(result.reshape(size[1], size[0], 3))
+    return result, front
 
 
 def halved(image):
@@ -170,20 +222,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     add_options(parser)
     parser.add_argument("--spacing", type=float, default=0.1, help="of the run's lattice, m (default %(default)s)")
-    parser.add_argument("--smoothing", type=int, default=15, help="iterations of the filter (default %(default)s)")
     parser.add_argument("--tint", type=float, default=0, help="share of the particles' colours, 0 to 1 (default 0)")
-    parser.add_argument("--foam", type=float, default=0.35, help="white of water in the air, 0 to 1 (default 0.35)")
-    parser.add_argument("--pool", type=float, help="level above which water is in the air, m (default: the floor)")
+    parser.add_argument("--foam", type=float, default=0.9, help="white where air is driven in, 0 to 1 (default 0.9)")
     options = parser.parse_args()
     try:
         run = Run(options.run)
         number = run.nearest(options.time)
-        position, rgb, _ = run.read(number)
-        mesh = surface_of(cloud_of(position, rgb.astype(np.float32)), options.spacing, options.smoothing)
+        position, rgb, velocity = run.read(number)
+        whiteness, spray = white(position, velocity, options.spacing)
+        mesh = coloured(surface_of(position, options.spacing), position, rgb, whiteness, options.spacing)
         low, high = run.bounds([number])
-        size = [2 * n for n in options.size]
-        image = picture(mesh, camera_for(low - 0.3, high + 0.3, options), size, low, high, options)
-        save(halved(image), options.output)
+        size, camera = [2 * n for n in options.size], camera_for(low - 0.3, high + 0.3, options)
+        linear, front = picture(mesh, camera, size, low, high, options)
+        linear = add_specks(linear, front, camera, size, *specks(position[spray], whiteness[spray], options.spacing),
+                            SPECK_SIZE * options.spacing)
+        save(halved(developed(linear.reshape(size[1], size[0], 3))), options.output)
     except (BadInput, OSError) as error:
         print(f"surface.py: {error}", file=sys.stderr)
         return 2

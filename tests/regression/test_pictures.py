@@ -3,6 +3,7 @@
 missing run is told. Exit code 77: there is no virtual display or no VTK for Python here, so nothing was tested."""
 
 import importlib.util
+import json
 import shutil
 import subprocess
 import sys
@@ -43,6 +44,23 @@ class Pictures(ProgramTest):
         self.assertEqual((picture, melody), ("video", "audio"))
         self.assertEqual(int(frames), (self.folder / "run/particles.pvd").read_text(encoding="utf-8").count("<DataSet"))
         self.assertAlmostEqual(float(seconds), 16.4, delta=0.2)
+
+    @unittest.skipUnless(importlib.util.find_spec("scipy"), "no scipy here")
+    def test_the_surface_holds_the_water(self):
+        """Of blocks, sheets and drops: volume within 2 %, no open edge, in one piece or as many as there are."""
+        code = ("import json, sys; sys.path.insert(0, sys.argv[1]); import study_surface as study; "
+                "cases = [case for case in study.shapes() if len(case[1]) < 10000]; "
+                "print(json.dumps([list(study.rows(*case[:2], study.SPACING, case[2]))[1] for case in cases]))")
+        result = subprocess.run(["xvfb-run", "-a", "/usr/bin/python3", "-c", code, POSTPROCESS], capture_output=True,
+                                text=True, timeout=200, check=False)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        found = json.loads(result.stdout)
+        self.assertGreater(len(found), 6)
+        for row in found:
+            with self.subTest(row["case"]):
+                self.assertLess(abs(float(row["volume_error_percent"])), 2)
+                self.assertEqual(row["open_edges"], 0)
+                self.assertEqual(row["pieces"], row["pieces_known"])
 
     def test_what_cannot_be_drawn_is_told(self):
         for script in ("render.py", "surface.py"):
