@@ -1,13 +1,13 @@
 """Shows a run's particles in ParaView as balls in their own colours:
 
-  paraview --script=inputs/tutorial/paraview_state.py out/6_duet/particles.pvd
+  paraview out/6_duet/particles.pvd inputs/tutorial/paraview_state.py
 """
 
 import sys
 
 from paraview import simple
 
-# ParaView opens the file that stands behind the script; started without one, it is asked for here.
+# ParaView has opened the file that stands before the script; pvbatch opens none.
 source = simple.GetActiveSource() or simple.PVDReader(FileName=sys.argv[-1])
 view = simple.GetActiveViewOrCreate("RenderView")
 display = simple.Show(source, view)
@@ -20,5 +20,6 @@ if "rgb" in arrays:
     display.MapScalars = 0  # they are colours already
 else:
     simple.ColorBy(display, ("POINTS", "velocity", "Magnitude"))
+view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [-0.5, -1, 0.4], [0, 0, 0], [0, 0, 1]
 view.ResetCamera()
 simple.Render()

@@ -93,7 +93,86 @@ class Pages(ProgramTest):
                 self.assertIn(script.name, (ROOT / "jobs/README.md").read_text())
 
 
+def table(page, head):
+    """Rows of the table that begins with this line, as lists of cells without stars."""
+    lines = (RESULTS / page).read_text().splitlines()
+    first = next(number for number, line in enumerate(lines) if line.startswith(head)) + 2
+    last = next(number for number in range(first, len(lines)) if not lines[number].startswith("|"))
+    return [[cell.strip(" *") for cell in line.strip("|").split("|")] for line in lines[first:last]]
+
+
+def rows_of(name):
+    with open(RESULTS / name, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 class Figures(unittest.TestCase):
+    def assert_written(self, said, value):
+        """Said to as many decimals as it is written with; a minus may be a real one."""
+        number = said.split()[0].replace("\N{MINUS SIGN}", "-").replace(",", "")
+        decimals = len(number.partition(".")[2])
+        self.assertAlmostEqual(float(number), float(value), delta=0.501 * 10**-decimals, msg=f"{said} for {value}")
+
+    def test_waves(self):
+        real = {(row["layers"], row["ratio"], row["amplitude"]): row for row in rows_of("water.csv")
+                if row["group"] == "waves" and re.fullmatch(r"\d+ layers, 4 m, A .*, 1/60 s", row["name"])}
+        told = table("water.md", "| layers | h, spacings |")
+        self.assertEqual(len(told), 9)
+        for layers, ratio, *cells in told:
+            for amplitude, cell in zip(("1", "0.5", "0.25"), cells):
+                with self.subTest(layers=layers, ratio=ratio, amplitude=amplitude):
+                    period, loss = cell.replace("*", "").split(",")
+                    self.assert_written(period, real[layers, ratio, amplitude]["period_ratio"])
+                    self.assert_written(loss, 100 * float(real[layers, ratio, amplitude]["loss_per_half"]))
+
+    def test_scaling(self):
+        real = {(row["study"], row["case"], row["ranks"], row["threads"]): row for row in rows_of("scaling.csv")}
+        cases = {"strong, 96,000 in all": "96k", "strong, 1 million in all": "million", "weak, 96,000 a core": "96k",
+                 "weak, 500,000 a core": "million"}
+        columns = ["runs", "ms_per_step_median", "ms_per_step_fastest", "efficiency_median", "efficiency_fastest",
+                   "wait_percent_median", "wait_percent_least", "messages_per_step"]
+        told = table("scaling.md", "| study | ranks x threads |")
+        self.assertEqual(len(told), 12)
+        for study, shape, *cells in told:
+            row = real[study.split(",")[0], cases[study], *shape.split(" x ")]
+            for column, cell in zip(columns, cells):
+                with self.subTest(study=study, shape=shape, column=column):
+                    self.assert_written(cell, row[column])
+            self.assert_written(cells[-1], float(row["bytes_per_step"]) / 1e6)
+
+    def test_messages(self):
+        real = {(row["case"], row["ranks"]): row for row in rows_of("scaling.csv") if row["study"] == "counted"}
+        told = table("scaling.md", "| case | ranks | steps | messages by formula |")
+        self.assertEqual(len(told), 8)
+        for case, ranks, steps, by_formula, messages, bytes_by_formula, sent, _ in told:
+            with self.subTest(case=case, ranks=ranks):
+                self.assertEqual((by_formula, bytes_by_formula), (messages, sent))
+                self.assert_written(str(int(messages) / int(steps)), real[case, ranks]["messages_per_step"])
+                self.assert_written(str(int(sent) // int(steps)), real[case, ranks]["bytes_per_step"])
+
+    def test_surfaces(self):
+        real = {(row["case"], row["method"]): row for row in rows_of("surface.csv")}
+        for case, particles, before, now, edges, pieces_before, pieces in table("surface.md", "| case | particles |"):
+            with self.subTest(case):
+                was, row = real[case, "round"], real[case, "anisotropic"]
+                self.assertEqual([particles, edges, pieces_before, pieces],
+                                 [row["particles"], row["open_edges"], was["pieces"], row["pieces"]])
+                self.assert_written(before, was["volume_error_percent"])
+                self.assert_written(now, row["volume_error_percent"])
+
+    def test_error_against_run_time(self):
+        real = self.compressions()
+        told = table("error_against_run_time.md", "| compression, seconds |")
+        scenes = {"falling cube": "cube", "column, 40 layers": "column", "dam break": "dam", "fountain": "fountain"}
+        self.assertEqual([row[0] for row in told], list(scenes))
+        found = {scene for scene, _, _ in real}
+        for name, report4, default4, _, _, report8, default8, _, _ in told:
+            scene = next(one for one in found if one.startswith(scenes[name]))
+            keys = [("report's Jacobi", 4), ("default", 4), ("report's Jacobi", 8), ("default", 8)]
+            for cell, key in zip((report4, default4, report8, default8), keys):
+                with self.subTest(scene=name, key=key):
+                    self.assert_rounds_to(cell.split(",")[0], real[scene, *key])
+
     def compressions(self):
         """{(scene, method, iterations): mean compression}."""
         with open(RESULTS / "error_against_run_time.csv", newline="", encoding="utf-8") as file:
@@ -101,7 +180,7 @@ class Figures(unittest.TestCase):
                     for row in csv.DictReader(file)}
 
     def assert_rounds_to(self, said, value):
-        digits = len(said.replace(".", "").lstrip("0"))
+        digits = len(said.partition("e")[0].replace(".", "").lstrip("0"))
         self.assertAlmostEqual(float(said) / value, 1, delta=0.51 * 10 ** (1 - digits), msg=f"{said} for {value}")
 
     def test_readme(self):
