@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
 # usage: jobs/film.sh [RUNS]
 #
-# Films in 1080p with their sound of the three scenes that play Ode to Joy or a tune: tutorial/5_music, tutorial/6_duet and
-# musical_fountain, from the runs in RUNS (default out/), after running the scenes that are not there. They are left there
-# as NAME.mp4, 1 to 15 MB each; minutes without a graphics card.
+# Films in 1080p of the three scenes with music: tutorial/5_music, tutorial/6_duet to the end of Ode to Joy, and
+# musical_fountain, the last two with its melody as sound. Runs that are not in RUNS/film_NAME yet (default out/) are made first;
+# the films are RUNS/NAME.mp4, 2 to 20 MB each. A quarter of an hour on two cores without a graphics card.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-# film RUNS SCENE [arguments of render.py]
+# film RUNS SCENE END [arguments of render.py]
 film() {
-  local place
-  place="$1/$(basename "$2")"
-  if ! grep -qs '"exit_code": 0' "$place/run.json"; then
-    jobs/run.sh "inputs/$2.toml" -- --output "$place"
+  local name
+  name="$(basename "$2")"
+  if ! grep -qs '"exit_code": 0' "$1/film_$name/run.json"; then
+    jobs/run.sh "inputs/$2.toml" -- --output "$1/film_$name" --set time.end="$3"
   fi
-  jobs/render.sh render.py "$place" --size 1920 1080 --crf 20 --output "$place.mp4" "${@:3}"
+  jobs/render.sh render.py "$1/film_$name" --size 1920 1080 --crf 20 --output "$1/$name.mp4" "${@:4}"
 }
 
 main() {
@@ -26,9 +26,9 @@ main() {
   cd "$trevi_root"
   local runs="${1:-out}"
   mkdir -p "$runs"
-  film "$runs" tutorial/5_music --elevation 20
-  film "$runs" tutorial/6_duet --radius 0.045 --elevation 20 --sound inputs/ode_to_joy.wav
-  film "$runs" musical_fountain --sound inputs/ode_to_joy.wav
+  film "$runs" tutorial/5_music 3.0 --elevation 20
+  film "$runs" tutorial/6_duet 17.0 --radius 0.045 --elevation 20 --sound inputs/ode_to_joy.wav
+  film "$runs" musical_fountain 17.0 --sound inputs/ode_to_joy.wav
 }
 
 main "$@"

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import h5py
 import numpy
+from matplotlib import image
 
 import runs
 from runs import BOX, Folder
@@ -73,6 +74,17 @@ class ParaView(unittest.TestCase):
                 for step, frame in enumerate(found[name]["frames"]):
                     self.check_frame(frame, step)
         self.check_frame(found[single]["frames"][0], STEPS)
+
+    def test_the_tutorials_script_draws(self):
+        """As pvbatch runs it, and then saves the picture: not all of one colour."""
+        script, picture = self.folder.path("draw.py"), self.folder.path("picture.png")
+        state = runs.ROOT / "inputs/tutorial/paraview_state.py"
+        script.write_text(f"{state.read_text()}\nsimple.SaveScreenshot({str(picture)!r}, view)\n")
+        result = subprocess.run(["xvfb-run", "-a", "pvbatch", str(script), "particles.pvd"], cwd=self.output, text=True,
+                                env={**runs.environment(), "PYTHONPATH": MODULES, "LIBGL_ALWAYS_SOFTWARE": "1"},
+                                capture_output=True, timeout=runs.TIMEOUT, check=False)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertGreater(len(numpy.unique(image.imread(picture).reshape(-1, 4), axis=0)), 20)
 
     def test_a_blow_up_opens(self):
         output = self.folder.path("blown")
