@@ -49,6 +49,22 @@ std::int64_t most_bytes_of(const std::string& path) {
   return std::filesystem::is_regular_file(path, ignored) ? 1 << 30 : 1 << 26;
 }
 
+// Returns an errno; EFBIG for a file of more than `most` bytes.
+std::int64_t read_file(const std::string& path, std::int64_t most, std::string& text) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 1 << 16> block;
+  // read() makes a bad stream of what an iterator would throw, for a folder for instance.
+  while (file && std::ssize(text) <= most) {
+    file.read(block.data(), block.size());
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  const bool large = std::ssize(text) > most;
+  if (!large && file.eof()) return 0;
+  text.clear();
+  return large ? EFBIG : errno != 0 ? errno : EIO;
+}
+
 }  // namespace
 
 Mpi::Mpi(int& argc, char**& argv) {
@@ -143,20 +159,8 @@ std::string read_file_everywhere(MPI_Comm comm, const std::string& path) {
   std::string text;
   std::int64_t status[2] = {0, 0};  // errno, length
   if (rank_of(comm) == 0) {
-    errno = 0;
-    const std::int64_t most = most_bytes_of(path);
-    std::ifstream file(path, std::ios::binary);
-    std::array<char, 1 << 16> block;
-    while (file && std::ssize(text) <=
-                       most) {  // read() makes a bad stream of what an iterator would throw, for a folder for instance
-      file.read(block.data(), block.size());
-      text.append(block.data(), static_cast<std::size_t>(file.gcount()));
-    }
-    if (std::ssize(text) > most)
-      status[0] = EFBIG, text.clear();
-    else if (!file.eof())
-      status[0] = errno != 0 ? errno : EIO;
-    status[1] = static_cast<std::int64_t>(text.size());
+    status[0] = read_file(path, most_bytes_of(path), text);
+    status[1] = std::ssize(text);
   }
   MPI_Bcast(status, 2, MPI_INT64_T, 0, comm);
   if (status[0] == EFBIG) {

@@ -13,6 +13,7 @@
 
 #include "domain/slabs.hpp"
 #include "particles/cell_grid.hpp"
+#include "solver/cell_rows.hpp"
 #include "trevi/box.hpp"
 #include "trevi/session.hpp"
 
@@ -47,6 +48,8 @@ class CoarseGrid {
   }
 
   LocalId planes() const { return planes_; }
+  /// All rows of some planes, to go through with for_each_row().
+  CellRows rows_of(Range planes) const { return {planes, rows(), columns_}; }
   LocalId rows() const { return count_[1]; }
   LocalId columns() const { return columns_; }
   /// Columns of row r of plane k to look at: in higher ones, and in those around them, there is nothing.

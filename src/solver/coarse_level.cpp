@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "base/threads.hpp"
-
 namespace trevi {
 
 namespace {
@@ -34,19 +32,8 @@ void CoarseLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
   used = columns;
 }
 
-// Work of a thread at a time: some 4096 cells.
-LocalId CoarseLevel::rows_at_a_time() const { return std::max(4096 / (shape_.columns + 2), 1); }
-
-template <class Work>
-void CoarseLevel::for_each_row(Range planes, const Work& work) const {
-  const LocalId rows = shape_.rows;
-  for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(), [&](Range part) {
-    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
-  });
-}
-
 void CoarseLevel::factor() {
-  for_each_row({1, shape_.planes + 1}, [&](LocalId k, LocalId r) { factor_column(k, r); });
+  for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) { factor_column(k, r); });
 }
 
 void CoarseLevel::factor_column(LocalId k, LocalId r) {
@@ -136,7 +123,7 @@ void CoarseLevel::substitute(const std::array<Column, n>& columns, Cells cells, 
 template <class Make, class Finish>
 void CoarseLevel::solve_rows(Range planes, const Make& make, const Finish& finish) {
   const LocalId rows = shape_.rows;
-  for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(), [&](Range part) {
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(shape_.columns), [&](Range part) {
     std::array<Column, together> columns{};
     for (LocalId i = part.begin; i < part.end;) {
       std::size_t count = 0;
@@ -173,7 +160,7 @@ void CoarseLevel::sweep_from_zero(Real share) {
 
 void CoarseLevel::find_residual() {
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
-  for_each_row({1, shape_.planes + 1}, [&](LocalId k, LocalId r) {
+  for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) {
     const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
     const Real *x = phi.data() + at, *b = rhs.data() + at, *d = sink.data() + at, *per = per_pivot.data() + at;
     const Real *wx = link[0].data() + at, *wy = link[1].data() + at, *wz = link[2].data() + at;
@@ -191,7 +178,7 @@ void CoarseLevel::find_residual() {
 void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
-  coarse.for_each_row(planes, [&](LocalId k, LocalId r) {
+  for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
     const std::size_t from = shape_.index(2 * (k - 1 + to.first) - shape_.first + 1, 2 * r, 0);
     const std::size_t at = to.index(k, r, 0);
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
@@ -207,7 +194,7 @@ void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
 void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
-  coarse.for_each_row(planes, [&](LocalId k, LocalId r) {
+  for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
     const Real* from = next.data() + shape_.index(2 * (k - 1 + to.first) - shape_.first + 1, 2 * r, 0);
     Real* y = coarse.rhs.data() + to.index(k, r, 0);
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c)
@@ -217,7 +204,7 @@ void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
 
 void CoarseLevel::add_correction(const CoarseLevel& coarse) {
   const LevelShape& from = coarse.shape_;
-  for_each_row({0, shape_.planes + 2}, [&](LocalId k, LocalId r) {
+  for_each_row(shape_.rows_of({0, shape_.planes + 2}), [&](LocalId k, LocalId r) {
     const LocalId parent = (k + 1 + shape_.first) / 2 - from.first;
     const std::size_t at = shape_.index(k, r, 0), above = from.index(parent, r / 2, 0);
     for (std::size_t c = 0; c < used(k, r); ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;

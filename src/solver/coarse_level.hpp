@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "base/range.hpp"
+#include "solver/cell_rows.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
@@ -34,6 +34,8 @@ struct LevelShape {
     return static_cast<std::size_t>(k) * step(0) + (static_cast<std::size_t>(r) + 1) * step(1) +
            static_cast<std::size_t>(c) + 1;
   }
+  CellRows rows_of(Range of) const { return {of, rows, columns}; }
+  CellRows own_rows() const { return rows_of({1, planes + 1}); }
   bool operator==(const LevelShape&) const = default;
 };
 
@@ -81,9 +83,6 @@ class CoarseLevel {
     std::size_t begin, end;
   };
   static constexpr std::size_t together = 4;  // columns that are solved in turns
-  LocalId rows_at_a_time() const;
-  template <class Work>
-  void for_each_row(Range planes, const Work& work) const;
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r);
   }

@@ -1,7 +1,5 @@
 #include "solver/coarse_pressure.hpp"
 
-#include "base/threads.hpp"
-
 namespace trevi {
 
 namespace {
@@ -12,28 +10,19 @@ constexpr int cycles = 3;
 
 }  // namespace
 
-template <class Work>
-void CoarsePressure::for_each_row(const CoarseGrid& grid, Range planes, const Work& work) {
-  const LocalId rows = grid.rows();
-  for_each_part(Range{planes.begin * rows, planes.end * rows}, std::max(4096 / (grid.columns() + 2), 1),
-                [&](Range part) {
-                  for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
-                });
-}
-
 void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real return_share) {
   const CoarseGrid& grid = water.grid();
   const LocalId planes = grid.planes();
   multigrid_.resize(planes, grid.rows(), grid.columns(), water.depth());
-  for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) {
+  for_each_row(grid.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) {
     multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
   });
-  for_each_row(grid, {1, planes + 2}, [&](LocalId k, LocalId r) { weigh_row(water, k, r); });
-  for_each_row(grid, {1, planes + 1}, [&](LocalId k, LocalId r) { find_sources(water, return_share, k, r); });
-  for_each_row(grid, {1, planes + 2}, [&](LocalId k, LocalId r) { leave_water(water, k, r); });
-  for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) { start_at_rest(water, fall, k, r); });
+  for_each_row(grid.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) { weigh_row(water, k, r); });
+  for_each_row(grid.rows_of({1, planes + 1}), [&](LocalId k, LocalId r) { find_sources(water, return_share, k, r); });
+  for_each_row(grid.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) { leave_water(water, k, r); });
+  for_each_row(grid.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { start_at_rest(water, fall, k, r); });
   multigrid_.solve(halo, cycles);
-  for_each_row(grid, {0, planes + 2}, [&](LocalId k, LocalId r) {
+  for_each_row(grid.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
   });
@@ -131,13 +120,6 @@ void CoarsePressure::start_at_rest(const CoarseWater& water, Real fall, LocalId 
   if (end == floor || !water.is_top(end - 1)) return;
   Real phi = -step * water.above_middle(end - 1);
   for (std::size_t at = end; at-- > floor; phi -= step) cells.phi[at] = phi;
-}
-
-Real CoarsePressure::displacement(const CoarseWater& water, std::size_t a, std::size_t at) const {
-  const std::vector<Real>& phi = multigrid_.finest().phi;
-  const std::size_t below = at - water.grid().step(a);
-  const Real u = (phi[at] - phi[below]) / water.grid().size()[static_cast<Eigen::Index>(a)];
-  return a == 2 && water.is_wet(below) && !water.is_wet(at) ? u / water.above_middle(below) : u;
 }
 
 }  // namespace trevi

@@ -25,7 +25,12 @@ class CoarsePressure {
   void solve(const CoarseWater& water, Halo& halo, Real fall, Real return_share);
 
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
-  Real displacement(const CoarseWater& water, std::size_t a, std::size_t at) const;
+  Real displacement(const CoarseWater& water, std::size_t a, std::size_t at) const {
+    const std::vector<Real>& phi = multigrid_.finest().phi;
+    const std::size_t below = at - water.grid().step(a);
+    const Real u = (phi[at] - phi[below]) / water.grid().size()[static_cast<Eigen::Index>(a)];
+    return a == 2 && water.is_wet(below) && !water.is_wet(at) ? u / water.above_middle(below) : u;
+  }
 
   /// phi of a cell, m².
   Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
@@ -33,8 +38,6 @@ class CoarsePressure {
   std::size_t bytes() const { return multigrid_.bytes(); }
 
  private:
-  template <class Work>
-  void for_each_row(const CoarseGrid& grid, Range planes, const Work& work);
   void weigh_row(const CoarseWater& water, LocalId k, LocalId r);
   void find_sources(const CoarseWater& water, Real return_share, LocalId k, LocalId r);
   void leave_water(const CoarseWater& water, LocalId k, LocalId r);

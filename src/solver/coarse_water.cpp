@@ -79,13 +79,13 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& moti
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion, faces.mine()); });
   halo.start_planes(sums_, grid_.step(0));
   halo.finish();
-  for_each_row({1, grid_.planes() + 1}, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
     const std::size_t plane = grid_.step(0), floor = grid_.index(k, r, 0);
     for (std::size_t at = floor; at < floor + static_cast<std::size_t>(grid_.columns(k, r)); ++at)
       fill_[at] = sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
   });
   halo.start_planes(fill_, grid_.step(0));
-  for_each_row({1, grid_.planes() + 2}, [&](LocalId k, LocalId r) { finish_faces(k, r); });
+  for_each_row(grid_.rows_of({1, grid_.planes() + 2}), [&](LocalId k, LocalId r) { finish_faces(k, r); });
   halo.finish();
   find_surface(halo);
 }
@@ -101,7 +101,7 @@ void CoarseWater::resize(LocalId planes) {
     wet_.assign(grid_.cells(), 0);
   }
   // The ghost planes, too: where the box ends nothing is received.
-  for_each_row({0, planes + 2}, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) {
     clear_row(k, r);
     grid_.set_columns(k, r, solids_ ? grid_.columns() : reach_.columns(k, r));
   });
@@ -179,7 +179,7 @@ void CoarseWater::find_surface(Halo& halo) {
     find_surface_among_solids(halo);
     return;
   }
-  for_each_row({0, grid_.planes() + 2}, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of({0, grid_.planes() + 2}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < std::min(reach_.wet_columns(k, r), grid_.columns()); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       wet_[at] = is_full_enough(at, c, c == 0) ? 1 : 0;

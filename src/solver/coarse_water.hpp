@@ -18,7 +18,6 @@
 #include <span>
 #include <vector>
 
-#include "base/threads.hpp"
 #include "domain/halo.hpp"
 #include "solver/coarse_grid.hpp"
 #include "solver/coarse_particles.hpp"
@@ -80,8 +79,6 @@ class CoarseWater {
   };
   void resize(LocalId planes);
   void clear_row(LocalId k, LocalId r);
-  template <class Work>
-  void for_each_row(Range planes, const Work& work) const;
   // Of one plane, for the faces between its rows and between its columns.
   struct FaceSums {
     std::vector<Moments> row, column;
@@ -118,13 +115,5 @@ class CoarseWater {
   std::vector<char> wet_;
   std::array<std::vector<Real>, 3> displacement_;
 };
-
-template <class Work>
-void CoarseWater::for_each_row(Range planes, const Work& work) const {
-  const LocalId rows = grid_.rows();
-  for_each_part(Range{planes.begin * rows, planes.end * rows}, 16, [&](Range part) {
-    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
-  });
-}
 
 }  // namespace trevi

@@ -26,14 +26,14 @@ void CoarseWater::fill_open_parts() {
 void CoarseWater::find_surface_among_solids(Halo& halo) {
   const Range all{0, grid_.planes() + 2}, own{1, grid_.planes() + 1};
   fill_open_parts();
-  for_each_row(all, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       wet_[at] = !is_solid(at) && is_full_enough(at, c, c == 0 || solids_->face(2, at) == 0) ? 1 : 0;
     }
   });
   std::vector<char> joined = wet_;
-  for_each_row(own, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       if (is_small(at) && !is_wet(at)) joined[at] = wet_[widest_neighbour(at)];
@@ -42,7 +42,7 @@ void CoarseWater::find_surface_among_solids(Halo& halo) {
   halo.start_planes(joined, grid_.step(0));
   halo.finish();
   wet_.swap(joined);
-  for_each_row(all, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 1; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       if (is_solid(at)) wet_[at] = wet_[at - 1];
@@ -56,7 +56,7 @@ void CoarseWater::find_surface_among_solids(Halo& halo) {
 // The surface in a small cell is that beside it.
 void CoarseWater::level_small_cells(Halo& halo) {
   std::vector<Real> level = height_;
-  for_each_row({1, grid_.planes() + 1}, [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       if (!is_small(at) || !is_top(at)) continue;
