@@ -97,7 +97,9 @@ def exchange_bytes(basin, filters=0):
     """Bytes through one cut in one direction and step: counts, records, coarse planes. The same formula as in
     tests/mpi/test_traffic.cpp, in the mean of both directions. `filters`: exchanges of the velocity filters."""
     coarse = WATER * (basin.width / 2 + 2) + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())
-    return rebuild_bytes(basin) + (EXCHANGES - 1 + filters) * plane_bytes(basin) + coarse * (basin.columns() + 2)
+    heights = 4 * basin.width / 2
+    records = (EXCHANGES - 1 + filters) * plane_bytes(basin)
+    return rebuild_bytes(basin) + records + heights + coarse * (basin.columns() + 2)
 
 
 def rebuild_bytes(basin):
@@ -111,7 +113,7 @@ def plane_bytes(basin):
 
 def messages(basin, filters=0):
     """Through one cut in one direction and step, in the mean of both; two of them at the start of a run."""
-    return 1 + EXCHANGES + filters + 2 + sum(planes for _, planes in basin.levels())
+    return 1 + EXCHANGES + filters + 3 + sum(planes for _, planes in basin.levels())
 
 
 def share(parts, threads):

@@ -42,8 +42,9 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, bool coarse
   // small enough to be gathered.
   constexpr int cycles = 3, both_ways = 3 + 2 * 5 + 1 + 1 + 4 * cycles, one_way = 1 + cycles;
   const std::int64_t coarse_cell = 8 * both_ways + 4 * one_way;
-  return messages *
-         (counts + exchanges * particles_per_plane * record + (coarse ? coarse_cells_per_plane * coarse_cell : 0));
+  const std::int64_t heights = 4 * rows;  // of the water
+  return messages * (counts + exchanges * particles_per_plane * record +
+                     (coarse ? heights + coarse_cells_per_plane * coarse_cell : 0));
 }
 
 class Traffic : public Output {
