@@ -30,13 +30,30 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// "0.01" for ".01", "1.0e3" for "1.e3", and so on; empty for what is no number, or one as it stands.
-std::string number_meant(std::string_view text) {
+std::string number_meant(const std::string& text) {
   static const std::regex number("([+-]?)([0-9]*)\\.([0-9]*)([eE][+-]?[0-9]+)?");
-  std::cmatch part;
-  if (!std::regex_match(text.begin(), text.end(), part, number)) return {};
+  constexpr std::size_t longest_number = 40;  // the regex goes by recursion
+  std::smatch part;
+  if (text.size() > longest_number || !std::regex_match(text, part, number)) return {};
   const std::string before = part[2], after = part[3];
   if (before.empty() == after.empty()) return {};
   return part[1].str() + (before.empty() ? "0" : before) + "." + (after.empty() ? "0" : after) + part[4].str();
+}
+
+/// What TOML says of a text that it cannot read; of .01 and 5., which are numbers elsewhere, what to write instead.
+std::string toml_problem(std::string_view text, const toml::parse_error& error) {
+  const toml::source_position at = error.source().begin;
+  for (toml::source_index line = 1; line < at.line && text.find('\n') != std::string_view::npos; ++line)
+    text.remove_prefix(text.find('\n') + 1);
+  text = text.substr(0, text.find_first_of("\r\n"));
+  const std::size_t column = std::min<std::size_t>(at.column, text.size());  // from 1, so that it is behind the point
+  constexpr std::string_view of_numbers = "+-.0123456789eE";
+  const std::size_t before = text.substr(0, column > 0 ? column - 1 : 0).find_last_not_of(of_numbers);
+  const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
+  const std::size_t end = std::min(text.find_first_not_of(of_numbers, begin), text.size());
+  const std::string number = number_meant(std::string(text.substr(begin, end - begin)));
+  if (!number.empty()) return fmt::format("TOML has digits on both sides of a point; write {}", number);
+  return fmt::format("not valid TOML: {}", printable(error.description(), longest_message));
 }
 
 /// "a.0.b = 1" is itself a TOML document with a key named 0, which is how an element of a list is addressed.
@@ -53,19 +70,14 @@ std::optional<toml::table> parse_override(const std::string& assignment, Finding
     findings.add_override(assignment, "not of the form table.key=value");
   } catch (const toml::parse_error& error) {
     const std::string_view value = trimmed(std::string_view(assignment).substr(equals + 1));
-    if (const std::string number = number_meant(value); !number.empty()) {
-      findings.add_override(assignment, fmt::format("TOML has digits on both sides of a point; write {}", number));
-      return std::nullopt;
-    }
     // A shell eats the quotes of "chebyshev", so a plain word stands for itself.
-    if (is_plain_word(value)) {
+    if (is_plain_word(value) && number_meant(std::string(value)).empty()) {
       try {
         return toml::parse(assignment.substr(0, equals) + "=\"" + std::string(value) + '"', "--set " + assignment);
       } catch (const toml::parse_error&) {  // then the key is at fault, which the first message says
       }
     }
-    findings.add_override(assignment,
-                          fmt::format("not valid TOML: {}", printable(error.description(), longest_message)));
+    findings.add_override(assignment, toml_problem(assignment, error));
   }
   return std::nullopt;
 }
@@ -145,8 +157,7 @@ toml::table read_document(const std::string& path, const std::string& text, cons
   try {
     document = toml::parse(text, std::string(path));
   } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}: not valid TOML: {}", path, error.source().begin.line,
-                                 printable(error.description(), longest_message)));
+    throw InputError(fmt::format("{}:{}: {}", path, error.source().begin.line, toml_problem(text, error)));
   }
   for (const std::string& assignment : overrides) {
     auto table = parse_override(assignment, findings);

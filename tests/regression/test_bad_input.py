@@ -31,6 +31,9 @@ BAD_LINES = {
     "nan": (12, "dt = nan", ["scene.toml:12:", "dt"]),
     "infinite velocity": (9, "min = [0, 0, 0]\nvelocity = [inf, 0, 0]", ["scene.toml:10:", "velocity"]),
     "not toml": (12, "dt = = 3", ["scene.toml:12"]),
+    "no digit before the point": (12, "dt = .01", ["scene.toml:12: ", "digits on both sides of a point; write 0.01"]),
+    "no digit behind it": (3, "max = [2, 1., 1]  # m", ["scene.toml:3: ", "write 1.0\n"]),
+    "nor before an exponent": (12, "dt = -1.e-2", ["scene.toml:12: ", "write -1.0e-2"]),
 }
 
 
@@ -97,6 +100,7 @@ class BadInput(ProgramTest):
             (["scene.toml", "--set", "time.dt"], ["time.dt"]),
             (["scene.toml", "--set", "time.dt=.01"], ["--set time.dt=.01: ", "write 0.01"]),
             (["scene.toml", "--set", "time.dt=1.e-2"], ["--set time.dt=1.e-2: ", "write 1.0e-2"]),
+            (["scene.toml", "--set", "domain.max=[2, 1, .5]"], ["--set domain.max=[2, 1, .5]: ", "write 0.5"]),
             (["scene.toml", "--set", "fluid.colour=3"], ["fluid.colour"]),
             (["scene.toml", "--fast"], ["--fast"]),
             (["scene.toml", "--steps", "-3"], ["--steps:"]),

@@ -106,6 +106,20 @@ def rows_of(name):
         return list(csv.DictReader(file))
 
 
+class Claims(unittest.TestCase):
+    def test_the_same_bits_are_not_promised_of_anderson(self):
+        for page in ("README.md", "inputs/README.md"):
+            claims = [" ".join(part.split()) for part in re.split(r"\n\n|\n\|", (ROOT / page).read_text())]
+            self.assertTrue([claim for claim in claims if "bits" in claim and "anderson" in claim], page)
+
+    def test_thin_tanks_and_formats_are_in_the_reference(self):
+        text = " ".join((ROOT / "inputs/README.md").read_text().split())
+        for words in ("### Thin tanks, and two dimensions", "at least one kernel radius wide in each axis, which is two spacings",
+                      "lines `time pitch length`", "HDF5 with `/particles/position` (N × 3",
+                      "`/particles/id` (N, integers"):
+            self.assertIn(words, text)
+
+
 class Figures(unittest.TestCase):
     def assert_written(self, said, value):
         """Said to as many decimals as it is written with; a minus may be a real one."""

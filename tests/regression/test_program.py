@@ -185,6 +185,20 @@ class Outputs(ProgramTest):
         told = self.run_well(1, "--set", "fluid.spacing=0.05", "--set", "time.dt=0.005", CUBE, "--dry-run").stdout
         self.assertNotEqual(told, self.run_well(1, CUBE, "--dry-run").stdout)
 
+    def test_help_tells_limits_and_formats(self):
+        told = " ".join(self.run_well(1, "--help").stdout.split())
+        for words in ("inputs/README.md", "at least one kernel radius wide (two spacings)", "two dimensions",
+                      '"time pitch length"', "/particles/position (N x 3), velocity (N x 3) and id (N)",
+                      "default twice the spacing"):
+            self.assertIn(words, told)
+
+    def test_a_method_without_the_same_bits_says_so_at_the_start(self):
+        for ranks in (1, 2):
+            told = self.run_well(ranks, CUBE, "--output", f"run{ranks}", "--steps", 1, "--set", "density.method=anderson")
+            self.assertEqual(told.stderr.count('density.method = "anderson" are PETSc\'s'), 1, told.stderr)
+            warnings = json.loads((self.folder / f"run{ranks}/run.json").read_text())["warnings"]
+            self.assertEqual(sum("not in bits" in warning and "anderson" in warning for warning in warnings), 1)
+
     def test_lost_output_is_told(self):
         with open("/dev/full", "w") as full:
             for arguments in ([CUBE, "--dry-run"], ["--help"]):
