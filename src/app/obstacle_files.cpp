@@ -48,7 +48,9 @@ std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
   std::vector<ObstacleKnot> knots;
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' || std::isalpha(line[0]) != 0) continue;
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' ||
+        std::isalpha(static_cast<unsigned char>(line[0])) != 0)
+      continue;
     ObstacleKnot knot;
     int end = 0;
     if (std::sscanf(line.c_str(), " %lf , %lf , %lf , %lf %n", &knot.time, &knot.center[0], &knot.center[1],

@@ -1,5 +1,6 @@
 #include "io/mesh_file.hpp"
 
+#include <vtkExecutive.h>
 #include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkOBJReader.h>
@@ -9,9 +10,14 @@
 #include <vtkTriangleFilter.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <string>
 
 #include "io/vtk_error_text.hpp"
 #include "trevi/error.hpp"
@@ -29,8 +35,10 @@ std::string ending_of(const std::string& path) {
 template <class Reader>
 vtkSmartPointer<vtkPolyData> read_by(const std::string& path) {
   vtkNew<Reader> reader;
-  vtkNew<VtkErrorText> errors;
+  vtkNew<VtkErrorText> errors, warnings;  // of which the latter are not told
+  reader->AddObserver(vtkCommand::WarningEvent, warnings);
   reader->AddObserver(vtkCommand::ErrorEvent, errors);
+  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, errors);
   reader->SetFileName(path.c_str());
   vtkNew<vtkTriangleFilter> triangles;
   triangles->PassVertsOff();
@@ -41,9 +49,25 @@ vtkSmartPointer<vtkPolyData> read_by(const std::string& path) {
   return triangles->GetOutput();
 }
 
+// 80 bytes of any text, the number of triangles, and 50 bytes for each of them.
+void check_binary_stl(const std::string& path) {
+  constexpr std::uintmax_t head = 84, triangle = 50;
+  std::ifstream file(path, std::ios::binary);
+  std::array<unsigned char, head> bytes{};
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), head) || std::memcmp(bytes.data(), "solid", 5) == 0) return;
+  std::uintmax_t count = 0;
+  for (std::size_t k = 4; k-- > 0;) count = 256 * count + bytes[80 + k];
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  if (size < head + triangle * count) {
+    throw InputError(path + ": says that it has " + std::to_string(count) + " triangles, and has bytes for " +
+                     std::to_string((size - head) / triangle) + "; copy or save it again");
+  }
+}
+
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such file; give the path of a mesh");
   const std::string ending = ending_of(path);
+  if (ending == ".stl") check_binary_stl(path);
   if (ending == ".stl") return read_by<vtkSTLReader>(path);
   if (ending == ".obj") return read_by<vtkOBJReader>(path);
   if (ending == ".ply") return read_by<vtkPLYReader>(path);
@@ -54,6 +78,10 @@ vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
 
 TriangleMesh read_mesh_file(const std::string& path) {
   const vtkSmartPointer<vtkPolyData> surface = read_surface(path);
+  // Corners are counted by 32 bits, and the mesh goes to all ranks in one message of less than 2 GB.
+  constexpr vtkIdType most_triangles = 50'000'000;
+  if (surface->GetNumberOfCells() > most_triangles)
+    throw InputError(path + ": holds more than 50 million triangles; make it coarser");
   TriangleMesh mesh;
   std::map<std::array<Real, 3>, std::int32_t> number;
   vtkNew<vtkIdList> corners;
@@ -64,6 +92,9 @@ TriangleMesh read_mesh_file(const std::string& path) {
     for (vtkIdType k = 0; k < 3; ++k) {
       std::array<Real, 3> p{};
       surface->GetPoint(corners->GetId(k), p.data());
+      if (!std::all_of(p.begin(), p.end(), [](Real x) { return std::isfinite(x); }))
+        throw InputError(path + ": a corner of triangle " + std::to_string(cell) +
+                         " is no finite number; mend the file");
       const auto [place, is_new] = number.try_emplace(p, static_cast<std::int32_t>(mesh.points.size()));
       if (is_new) mesh.points.emplace_back(p[0], p[1], p[2]);
       triangle[static_cast<std::size_t>(k)] = place->second;

@@ -4,6 +4,7 @@ is printed once, nothing is written, and no rank is left waiting."""
 
 import os
 import subprocess
+import unittest
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 
@@ -174,6 +175,49 @@ class BadInput(ProgramTest):
             self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments],
                                       [f"-DTREVI_WITH_{part}=ON", *words],
                                       lambda folder: [(folder / f"song.{end}").touch() for end in ("mid", "wav")])])
+
+    @unittest.skipIf("VTK" in WITHOUT, "this build reads no meshes")
+    def test_meshes(self):
+        corners = [(x, y, z) for x in (0.3, 0.7) for y in (0.3, 0.7) for z in (0.1, 0.4)]
+        broken = [("nan", y, z) if k == 3 else (x, y, z) for k, (x, y, z) in enumerate(corners)]
+        far = [("1e39", y, z) if k == 3 else (x, y, z) for k, (x, y, z) in enumerate(corners)]
+        faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6),
+                 (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+
+        def obj(points):
+            return "".join([f"v {x} {y} {z}\n" for x, y, z in points]
+                           + ["f " + " ".join(str(k + 1) for k in face) + "\n" for face in faces]).encode()
+
+        def stl(count):
+            numbers = numpy.zeros((12, 50), numpy.uint8)
+            numbers[:, 12:48] = numpy.array(corners, "<f4")[numpy.array(faces)].reshape(12, 9).view(numpy.uint8)
+            return bytes(80) + numpy.array([count], "<u4").tobytes() + numbers.tobytes()
+        text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'mesh'\npath = '{}'\n"
+
+        def case(name, data, words):
+            return (name, text.format(name), ["scene.toml"], [f"scene.toml:16: [[obstacle]] path: {name}: ", *words],
+                    lambda folder: (folder / name).write_bytes(data))
+        self.assert_all_refused([
+            case("nan.obj", obj(broken), ["a corner of triangle 1 is no finite number"]),
+            case("far.obj", obj(far), ["a corner of triangle 1 is no finite number"]),
+            case("false.stl", stl(4_000_000_000), ["says that it has 4000000000 triangles", "bytes for 12;"]),
+            case("cut.stl", stl(12)[:-70], ["says that it has 12 triangles", "bytes for 10;"]),
+            case("open.obj", obj(corners)[:-8], ["not closed: 3 open edges"]),
+            case("empty.obj", b"", ["holds no triangles"])], rank_counts=(2,))
+        (self.folder / "whole.stl").write_bytes(stl(12))
+        (self.folder / "scene.toml").write_text(text.format("whole.stl"))
+        self.run_well(2, "scene.toml")
+
+    def test_motions(self):
+        text = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"
+                "motion = 'way.csv'\n")
+        self.assert_all_refused([(name, text, ["scene.toml"], ["scene.toml:16: [[obstacle]] motion: way.csv:", *words],
+                                  lambda folder, data=data: (folder / "way.csv").write_bytes(data))
+                                 for name, data, words in (
+            ("nan", b"0,0.5,0.5,0.3\n1,0.5,nan,0.3\n", ["2: not four numbers"]),
+            ("letters of another kind", b"\xe9\xff\n0,0.5,0.5,0.3\n", ["1: not four numbers"]),
+            ("backwards", b"1,0.5,0.5,0.3\n0,0.5,0.5,0.3\n", ["2: not later than the line before"]),
+            ("alone", b"0,0.5,0.5,0.3\n", ["fewer than two times and places"]))], rank_counts=(2,))
 
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)

@@ -1,65 +1,141 @@
 #!/usr/bin/python3
-"""Disks that are not well: a rename, fsync or write that fails at the n-th call, and an fsync that takes its time.
+"""Disks that are not well, ranks that are lost at a chosen call of MPI, and clocks that jump.
 
-A failed call ends the run with 3 and a message that names the file; nothing half-written stays, and a restart from what
-is there ends in the bits of a run that was left alone. usage: test_faults.py SHIM [CALLS], SHIM the library of
-fault_shim.cpp, CALLS how many of each call are made to fail (default: the first and the sixth). The program: runs.py.
+A call on the disk that fails ends the run with 3 and a message that names the file; nothing half-written stays, and a
+restart from what is there ends in the bits of a run that was left alone. So it does when a rank is lost wherever it is
+in a step, and the other ranks end. A slow disk and a clock that jumps change nothing.
+usage: test_faults.py SHIM [CALLS [KILLS]], SHIM the library of fault_shim.cpp, CALLS how many of each call on the disk
+are made to fail (default: the first and the sixth), KILLS how many points of a run are those at which a rank is lost
+(default 4). The program: runs.py.
 """
 
 import errno
 import os
 import re
 import sys
+import time
+from pathlib import Path
 
 import runs
 from runs import CHECKPOINTS, CUBE, FRAMES, Folder
 
 STEPS = 12
 SOME = (1, 6)
+# What stands in the path of the files of each writer.
+WRITERS = ["checkpoint_", "series.csv", "run.json", ".hdf"] + (["vtu/", "particles.pvd"] if "VTK" not in runs.WITHOUT else [])
+MESSAGE = r"trevi: (rank \d+: )?.*/\S+: cannot"
 
 
-def problems(code, told, output):
+class Faults:
+    """Runs of one scene, each with a fault, compared with one that was left alone."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.scene = folder.scene(CUBE + FRAMES.replace("every_steps = 10", "every_steps = 5") + CHECKPOINTS.format(3, 2)
+                                  + '[run]\nwall_limit = "1h"\n')
+        self.straight = folder.path("straight")
+        self.failed, self.tried = [], 0
+        runs.run_well(1, self.scene, self.straight, "--steps", STEPS)
+
+    def run(self, ranks, name, fault, **more):
+        """Exit code, what was told, and the folder of a run with a fault."""
+        output = self.folder.path(name)
+        shim = {"LD_PRELOAD": sys.argv[1], "TREVI_FAULT": fault, "TREVI_FAULT_FOLDER": str(output),
+                **{f"TREVI_FAULT_{key.upper()}": str(value) for key, value in more.items()}}
+        return (*runs.finish(runs.start(ranks, self.scene, output, "--steps", STEPS, extra=shim)), output)
+
+    def check(self, name, told, found, output):
+        """The run went as it should but for what was found; a restart must end in the bits of a run left alone."""
+        code, more = runs.run(2, self.scene, output, "--steps", STEPS, "--restart", "latest")
+        found += runs.differences(self.straight, output) if code == 0 else [f"restart: exit code {code}: {more}"]
+        self.failed += [f"{name}: {', '.join(found)}: {told.strip()}"] if found else []
+
+    def disk(self, ranks, name, fault, **more):
+        """A run may not come to the call, or do without, as with the sync of a folder."""
+        code, told, output = self.run(ranks, name, fault, **more)
+        self.tried += code != 0
+        self.check(name, told, disk_problems(code, told, output) if code != 0 else [], output)
+
+    def lose(self, ranks, call, rank):
+        code, told, output = self.run(ranks, f"kill_{call}_{rank}", f"kill:{call}", rank=rank)
+        where = re.search("killed at call .*", told)
+        found = ["exit code 0"] if where and code == 0 else []
+        end = time.monotonic() + 20
+        while left_over(output) and time.monotonic() < end:
+            time.sleep(0.05)
+        found += [f"process {pid} lives on" for pid in left_over(output)]
+        self.tried += where is not None
+        self.check(f"rank {rank} of {ranks}, {where[0] if where else 'not reached'}", told, found, output)
+        return where[0].rsplit(" ", 1)[1] if where else None
+
+
+def disk_problems(code, told, output):
     found = [f"exit code {code}"] if code != 3 else []
-    found += ["no file named"] if not re.search(r"trevi: .*/\S+: cannot", told) else []
+    found += ["no file named"] if not re.search(MESSAGE, told) else []
     found += [f"left {path.name}" for path in output.rglob("*.tmp")]
     found += ["a signal"] if re.search("signal|Segmentation|terminate called", told) else []
     return found
 
 
-def try_fault(folder, scene, straight, fault):
-    """What went wrong, and whether the run failed: it may not come to the call, or do without, as with the sync of a
-    folder."""
-    output = folder.path(fault.replace(":", "_"))
-    shim = {"LD_PRELOAD": sys.argv[1], "TREVI_FAULT": fault, "TREVI_FAULT_FOLDER": str(output),
-            "TREVI_FAULT_ERRNO": str(errno.ENOSPC if fault.startswith(("write", "pwrite")) else errno.EIO)}
-    code, told = runs.finish(runs.start(1, scene, output, "--steps", STEPS, extra=shim))
-    reached = code != 0
-    found = problems(code, told, output) if reached else []
-    again, more = runs.run(2, scene, output, "--steps", STEPS, "--restart", "latest")
-    found += [f"restart: exit code {again}: {more}"] if again != 0 else []
-    found += runs.differences(straight, output) if again == 0 else []
-    return [f"{fault}: {', '.join(found)}: {told.strip()}"] if found else [], reached
+def left_over(output):
+    """Processes of the program that write to a folder."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes().split(b"\0") if entry.name.isdigit() else []
+        except OSError:  # gone meanwhile
+            continue
+        if words and words[0].endswith(b"/trevi") and str(output).encode() in words:
+            found.append(int(entry.name))
+    return found
+
+
+def try_disks(faults, calls):
+    for call in ("rename", "fsync", "pwrite", "write"):
+        error = errno.ENOSPC if "write" in call else errno.EIO
+        for number in calls:
+            faults.disk(1, f"{call}_{number}", f"{call}:{number}", errno=error)
+    for writer in WRITERS:
+        faults.disk(2, f"full_{writer.replace('/', '')}", "full:2", file=writer)
+
+
+def try_delays(faults):
+    """Disks that take their time, and clocks that jump: nothing changes."""
+    cases = [(f"slow_{writer.replace('/', '')}", "slow:4", {"file": writer}) for writer in WRITERS]
+    for name, fault, more in [*cases, ("clock", "clock:7", {})]:
+        code, told, output = faults.run(2, name, fault, **more)
+        found = [f"exit code {code}"] if code != 0 else []
+        seconds = runs.column(output, "wall_seconds") if code == 0 else []
+        found += ["wall_seconds jump"] if seconds != sorted(seconds) or any(s > 3600 for s in seconds) else []
+        faults.check(name, told, found, output)
+
+
+def try_losses(faults, kills, ranks=3):
+    """At calls that are spread over the run of a rank, each rank in turn; returns how often at which call."""
+    _, told, _ = faults.run(ranks, "counted", "calls:0")
+    numbers = {int(rank): int(calls) for rank, calls in re.findall(r"rank (\d+): (\d+) calls of MPI", told)}
+    assert len(numbers) == ranks, told
+    reached = {}
+    for k in range(kills):
+        rank = k % ranks
+        call = faults.lose(ranks, max(1, round((k + 0.5) / kills * numbers[rank])), rank)
+        reached[call] = reached.get(call, 0) + 1
+    return reached
 
 
 def main():
-    failed, tried = [], 0
     calls = range(1, int(sys.argv[2]) + 1) if len(sys.argv) > 2 else SOME
+    kills = int(sys.argv[3]) if len(sys.argv) > 3 else 4
     with Folder() as folder:
-        scene = folder.scene(CUBE + FRAMES.replace("every_steps = 10", "every_steps = 5") + CHECKPOINTS.format(3, 2))
-        straight = folder.path("straight")
-        runs.run_well(1, scene, straight, "--steps", STEPS)
-        for call in ("rename", "fsync", "pwrite", "write"):
-            for number in calls:
-                found, reached = try_fault(folder, scene, straight, f"{call}:{number}")
-                failed += found
-                tried += reached
-        slow = folder.path("slow")
-        extra = {"LD_PRELOAD": sys.argv[1], "TREVI_FAULT": "slow:20", "TREVI_FAULT_FOLDER": str(slow)}
-        code, told = runs.finish(runs.start(2, scene, slow, "--steps", STEPS, extra=extra))
-        failed += [f"slow: {told}"] if code != 0 or runs.differences(straight, slow) else []
-    print("\n".join(failed))
-    print(f"faults: {tried} calls failed, {len(failed)} not survived")
-    return 1 if failed or not tried else 0
+        faults = Faults(folder)
+        try_disks(faults, calls)
+        print(f"disk: {faults.tried} runs failed", flush=True)
+        try_delays(faults)
+        reached = try_losses(faults, kills)
+        print("ranks lost at", ", ".join(f"{call}: {n}" for call, n in sorted(reached.items(), key=str)), flush=True)
+    print("\n".join(faults.failed))
+    print(f"faults: {faults.tried} runs ended by them, {len(faults.failed)} not survived")
+    return 1 if faults.failed or not faults.tried else 0
 
 
 if __name__ == "__main__":
