@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include "io/vtk_error_text.hpp"
@@ -64,12 +65,30 @@ void check_binary_stl(const std::string& path) {
   }
 }
 
+// Lines "element vertex 8" and "element face 12" of the head; each takes some bytes below it.
+void check_ply(const std::string& path) {
+  constexpr int longest_head = 100;
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  std::ifstream file(path, std::ios::binary);
+  std::string line, word, name;
+  for (int k = 0; k < longest_head && std::getline(file, line) && line.rfind("end_header", 0) != 0; ++k) {
+    std::istringstream words(line);
+    std::int64_t count = 0;
+    if (!(words >> word >> name) || word != "element") continue;
+    if (!(words >> count) || count < 0 || static_cast<std::uintmax_t>(count) > size) {
+      throw InputError(path + ": its \"" + line + "\" is more than its " + std::to_string(size) +
+                       " bytes can hold, or no count; copy or save it again");
+    }
+  }
+}
+
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such file; give the path of a mesh");
   const std::string ending = ending_of(path);
   if (ending == ".stl") check_binary_stl(path);
   if (ending == ".stl") return read_by<vtkSTLReader>(path);
   if (ending == ".obj") return read_by<vtkOBJReader>(path);
+  if (ending == ".ply") check_ply(path);
   if (ending == ".ply") return read_by<vtkPLYReader>(path);
   throw InputError(path + ": unknown kind of mesh; give a file ending in .stl, .obj or .ply");
 }
@@ -79,9 +98,9 @@ vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
 TriangleMesh read_mesh_file(const std::string& path) {
   const vtkSmartPointer<vtkPolyData> surface = read_surface(path);
   // Corners are counted by 32 bits, and the mesh goes to all ranks in one message of less than 2 GB.
-  constexpr vtkIdType most_triangles = 50'000'000;
+  constexpr vtkIdType most_triangles = 25'000'000;
   if (surface->GetNumberOfCells() > most_triangles)
-    throw InputError(path + ": holds more than 50 million triangles; make it coarser");
+    throw InputError(path + ": holds more than 25 million triangles; make it coarser");
   TriangleMesh mesh;
   std::map<std::array<Real, 3>, std::int32_t> number;
   vtkNew<vtkIdList> corners;
@@ -91,6 +110,9 @@ TriangleMesh read_mesh_file(const std::string& path) {
     std::array<std::int32_t, 3> triangle{};
     for (vtkIdType k = 0; k < 3; ++k) {
       std::array<Real, 3> p{};
+      if (corners->GetId(k) < 0 || corners->GetId(k) >= surface->GetNumberOfPoints())
+        throw InputError(path + ": triangle " + std::to_string(cell) +
+                         " names a corner that is not there; mend the file");
       surface->GetPoint(corners->GetId(k), p.data());
       if (!std::all_of(p.begin(), p.end(), [](Real x) { return std::isfinite(x); }))
         throw InputError(path + ": a corner of triangle " + std::to_string(cell) +

@@ -192,6 +192,12 @@ class BadInput(ProgramTest):
             numbers = numpy.zeros((12, 50), numpy.uint8)
             numbers[:, 12:48] = numpy.array(corners, "<f4")[numpy.array(faces)].reshape(12, 9).view(numpy.uint8)
             return bytes(80) + numpy.array([count], "<u4").tobytes() + numbers.tobytes()
+
+        def ply(count, corner):
+            head = (f"ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n"
+                    "element face 12\nproperty list uchar int vertex_indices\nend_header\n")
+            return "".join([head, *(f"{x} {y} {z}\n" for x, y, z in corners), f"3 0 1 {corner}\n",
+                            *(f"3 {a} {b} {c}\n" for a, b, c in faces[1:])]).encode()
         text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'mesh'\npath = '{}'\n"
 
         def case(name, data, words):
@@ -202,6 +208,10 @@ class BadInput(ProgramTest):
             case("far.obj", obj(far), ["a corner of triangle 1 is no finite number"]),
             case("false.stl", stl(4_000_000_000), ["says that it has 4000000000 triangles", "bytes for 12;"]),
             case("cut.stl", stl(12)[:-70], ["says that it has 12 triangles", "bytes for 10;"]),
+            case("crowd.ply", ply(4_000_000_000, 3), ['its "element vertex 4000000000" is more than its']),
+            case("less.ply", ply(-8, 3), ['its "element vertex -8"']),
+            case("far.ply", ply(8, 77), ["names a corner that is not there"]),
+            case("text.ply", b"hello\n", ["cannot be read as a mesh"]),
             case("open.obj", obj(corners)[:-8], ["not closed: 3 open edges"]),
             case("empty.obj", b"", ["holds no triangles"])], rank_counts=(2,))
         (self.folder / "whole.stl").write_bytes(stl(12))
