@@ -13,6 +13,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -82,11 +83,26 @@ void check_ply(const std::string& path) {
   }
 }
 
+// VTK takes what it cannot read of a vertex for 0, and what is too large for the largest number.
+void check_obj(const std::string& path) {
+  constexpr Real largest = 1e30;
+  std::ifstream file(path);
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    if (line.rfind("v ", 0) != 0) continue;
+    std::array<double, 3> p{};
+    const bool read = std::sscanf(line.c_str(), "v %lf %lf %lf", &p[0], &p[1], &p[2]) == 3;
+    if (!read || !std::all_of(p.begin(), p.end(), [](double x) { return std::abs(x) < largest; }))
+      throw InputError(path + ":" + std::to_string(number) + ": a vertex is not three finite numbers; mend the file");
+  }
+}
+
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such file; give the path of a mesh");
   const std::string ending = ending_of(path);
   if (ending == ".stl") check_binary_stl(path);
   if (ending == ".stl") return read_by<vtkSTLReader>(path);
+  if (ending == ".obj") check_obj(path);
   if (ending == ".obj") return read_by<vtkOBJReader>(path);
   if (ending == ".ply") check_ply(path);
   if (ending == ".ply") return read_by<vtkPLYReader>(path);

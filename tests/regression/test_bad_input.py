@@ -193,19 +193,20 @@ class BadInput(ProgramTest):
             numbers[:, 12:48] = numpy.array(corners, "<f4")[numpy.array(faces)].reshape(12, 9).view(numpy.uint8)
             return bytes(80) + numpy.array([count], "<u4").tobytes() + numbers.tobytes()
 
-        def ply(count, corner):
+        def ply(count, corner, points=corners):
             head = (f"ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n"
                     "element face 12\nproperty list uchar int vertex_indices\nend_header\n")
-            return "".join([head, *(f"{x} {y} {z}\n" for x, y, z in corners), f"3 0 1 {corner}\n",
+            return "".join([head, *(f"{x} {y} {z}\n" for x, y, z in points), f"3 0 1 {corner}\n",
                             *(f"3 {a} {b} {c}\n" for a, b, c in faces[1:])]).encode()
         text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'mesh'\npath = '{}'\n"
 
         def case(name, data, words):
-            return (name, text.format(name), ["scene.toml"], [f"scene.toml:16: [[obstacle]] path: {name}: ", *words],
+            return (name, text.format(name), ["scene.toml"], [f"scene.toml:16: [[obstacle]] path: {name}:", *words],
                     lambda folder: (folder / name).write_bytes(data))
         self.assert_all_refused([
-            case("nan.obj", obj(broken), ["a corner of triangle 1 is no finite number"]),
-            case("far.obj", obj(far), ["a corner of triangle 1 is no finite number"]),
+            case("nan.obj", obj(broken), ["nan.obj:4: a vertex is not three finite numbers"]),
+            case("far.obj", obj(far), ["far.obj:4: a vertex is not three finite numbers"]),
+            case("nan.ply", ply(8, 3, broken), ["a corner of triangle 0 is no finite number"]),
             case("false.stl", stl(4_000_000_000), ["says that it has 4000000000 triangles", "bytes for 12;"]),
             case("cut.stl", stl(12)[:-70], ["says that it has 12 triangles", "bytes for 10;"]),
             case("crowd.ply", ply(4_000_000_000, 3), ['its "element vertex 4000000000" is more than its']),
