@@ -51,9 +51,14 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
 }
 
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
+  constexpr Real fastest = 1e4;  // as for inlets
   section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, components(obstacle.velocity));
+  section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest,
+                "must be at most 10000 m/s on each axis; check the units");
   section.numbers({"angular_velocity", "the angular velocity [x, y, z] about the centre in rad/s"},
                   components(obstacle.angular_velocity));
+  section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest,
+                "must be at most 10000 rad/s about each axis; check the units");
   if (section.text({"motion", "a CSV file of times and places, time,x,y,z in s and m, relative to the scene's folder"},
                    obstacle.motion)) {
     obstacle.motion = beside_scene(scene.path, obstacle.motion);

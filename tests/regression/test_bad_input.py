@@ -228,7 +228,13 @@ class BadInput(ProgramTest):
             ("nan", b"0,0.5,0.5,0.3\n1,0.5,nan,0.3\n", ["2: not four numbers"]),
             ("letters of another kind", b"\xe9\xff\n0,0.5,0.5,0.3\n", ["1: not four numbers"]),
             ("backwards", b"1,0.5,0.5,0.3\n0,0.5,0.5,0.3\n", ["2: not later than the line before"]),
+            ("far", b"0,0.5,0.5,0.3\n0.01,1e300,0.5,0.3\n", ["2: further from the line before than 10000 m/s"]),
             ("alone", b"0,0.5,0.5,0.3\n", ["fewer than two times and places"]))], rank_counts=(2,))
+
+        ball = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"
+        self.assert_all_refused([(key, f"{ball}{key} = [0, 1e300, 0]\n", ["scene.toml"],
+                                  [f"scene.toml:20: [[obstacle]] {key}: must be at most 10000"])
+                                 for key in ("velocity", "angular_velocity")], rank_counts=(2,))
 
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)
