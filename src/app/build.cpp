@@ -1,5 +1,6 @@
 #include "app/build.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 
@@ -153,6 +154,10 @@ CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   if (!scene.output.series || !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty())
     return nullptr;
+  const bool stirred = std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const ObstacleSettings& o) {
+    return !o.velocity.isZero(0) || !o.angular_velocity.isZero(0) || !o.motion.empty();
+  });
+  if (stirred) return nullptr;
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
   return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
 }

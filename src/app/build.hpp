@@ -33,7 +33,7 @@ struct BuildOptions {
 /// What a checkpoint tells of the run.
 CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene);
 
-/// For the series of a scene without fountains, inlets and drains; null for others.
+/// For the series of a scene without fountains, inlets, drains and obstacles that move; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);
 
 /// Makes the folder of the output once the whole scene has been found good; writes nothing but what observers open. Any

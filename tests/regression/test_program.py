@@ -126,8 +126,10 @@ class Outputs(ProgramTest):
     def test_energy_of_a_fountain_and_without_a_series_is_not_known(self):
         (self.folder / "plain.toml").write_text(COLUMN.read_text().split("[output")[0])
         small = ["--set", "particles.0.max=[1.0,1.0,0.5]", "--set", "domain.max=[1.0,1.0,1.0]"]
-        for scene, settings in ((FOUNTAIN, []), ("plain.toml", small)):
-            run = self.folder / f"run_{len(settings)}"
+        (self.folder / "stirred.toml").write_text(CUBE.read_text() + "\n[[obstacle]]\ntype = 'sphere'\nradius = 0.2\n"
+                                                  "center = [0.5, 0.5, 0.3]\nvelocity = [1, 0, 0]\n")
+        for scene, settings in ((FOUNTAIN, []), ("plain.toml", small), ("stirred.toml", [])):
+            run = self.folder / f"run_{scene if isinstance(scene, str) else scene.stem}"
             self.run_well(2, scene, "--output", run, "--steps", 3, *settings)
             self.assertIsNone(json.loads((run / "run.json").read_text())["energy_gain"])
 
