@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Renders the particles of a run as shaded balls in their own colours: a picture of one frame, or a film of all.
+"""Renders the particles of a run as shaded balls in their own colours, its obstacles as stone: a picture of one frame,
+or a film of all.
 
   jobs/render.sh render.py out/fountain --time 4 --output fountain.png
   jobs/render.sh render.py out/musical_fountain --sound inputs/ode_to_joy.wav --output fountain.mp4
@@ -15,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2 as opengl
+from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkFiltersSources import vtkCubeSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper
 
@@ -22,6 +24,8 @@ from stage import BadInput, Run, add_options, camera_for, cloud_of, pixels, save
 
 SKY = ((0.02, 0.03, 0.07), (0.10, 0.13, 0.24))  # bottom, top
 STONE = (0.30, 0.31, 0.36)
+MARBLE = (0.80, 0.76, 0.70)
+EDGE = 35  # degrees; sharper ones are seen as edges
 RIM = 0.15  # m; thickness of the floor, and width of it that is seen around the water
 
 
@@ -39,8 +43,31 @@ def balls(radius):
     return actor
 
 
-def show(actor, position, rgb):
-    actor.GetMapper().SetInputData(cloud_of(position, rgb))
+def marble():
+    """An actor for obstacles. Only what looks at the camera, so that one sees the water in a vessel."""
+    actor, mapper = vtkActor(), vtkPolyDataMapper()
+    mapper.ScalarVisibilityOff()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(MARBLE)
+    actor.GetProperty().SetAmbient(0.15)
+    actor.GetProperty().SetDiffuse(0.75)
+    actor.GetProperty().SetSpecular(0.15)
+    actor.GetProperty().SetSpecularPower(20)
+    actor.GetProperty().BackfaceCullingOn()
+    return actor
+
+
+def show(actors, run, number):
+    """Particles and obstacles of a frame."""
+    particles, obstacles = actors
+    particles.GetMapper().SetInputData(cloud_of(*run.read(number)[:2]))
+    surface = run.solids(number)
+    if surface is None:
+        return
+    rounded = vtkPolyDataNormals()
+    rounded.SetInputData(surface)
+    rounded.SetFeatureAngle(EDGE)
+    obstacles.GetMapper().SetInputConnection(rounded.GetOutputPort())
 
 
 def floor(low, high):
@@ -63,7 +90,7 @@ def light_from(azimuth, elevation, strength):
 
 
 def stage(low, high, options):
-    """Window and the actor of the balls, in a night sky above a stone floor."""
+    """Window and the actors of balls and obstacles, in a night sky above a stone floor."""
     window, renderer = window_for(options.size)
     renderer.SetBackground(SKY[0])
     renderer.SetBackground2(SKY[1])
@@ -71,15 +98,15 @@ def stage(low, high, options):
     renderer.SetUseFXAA(True)
     for light in (light_from(-35, 40, 0.85), light_from(50, 15, 0.3)):
         renderer.AddLight(light)
-    actor = balls(options.radius)
-    renderer.AddActor(actor)
-    renderer.AddActor(floor(low, high))
+    actors = balls(options.radius), marble()
+    for actor in (*actors, floor(low, high)):
+        renderer.AddActor(actor)
     renderer.SetActiveCamera(camera_for(low - [RIM, RIM, RIM], high + [RIM, RIM, RIM], options))
     renderer.ResetCameraClippingRange(low[0] - RIM, high[0] + RIM, low[1] - RIM, high[1] + RIM, -RIM, high[2] + RIM)
-    return window, actor
+    return window, actors
 
 
-def film(run, window, actor, options):
+def film(run, window, actors, options):
     """Pipes the frames through ffmpeg, at the rate of the run's own clock."""
     if not shutil.which("ffmpeg"):
         raise BadInput("ffmpeg is not installed; jobs/render.sh installs it")
@@ -92,7 +119,7 @@ def film(run, window, actor, options):
                 "-movflags", "+faststart", options.output]
     with subprocess.Popen(command, stdin=subprocess.PIPE) as encoder:
         for number in range(len(run.times)):
-            show(actor, *run.read(number)[:2])
+            show(actors, run, number)
             window.Render()
             encoder.stdin.write(pixels(window).tobytes())
     if encoder.returncode:
@@ -113,11 +140,11 @@ def main():
         run = Run(options.run)
         is_film = options.output.endswith(".mp4")
         numbers = range(len(run.times)) if is_film else [run.nearest(options.time)]
-        window, actor = stage(*run.bounds(numbers), options)
+        window, actors = stage(*run.bounds(numbers), options)
         if is_film:
-            film(run, window, actor, options)
+            film(run, window, actors, options)
         else:
-            show(actor, *run.read(numbers[0])[:2])
+            show(actors, run, numbers[0])
             window.Render()
             save(pixels(window), options.output)
     except (BadInput, OSError) as error:

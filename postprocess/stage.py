@@ -13,7 +13,8 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray,
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkIOImage import vtkPNGWriter
-from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPUnstructuredGridReader
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
 BLUE = (40, 120, 220)
@@ -24,18 +25,21 @@ class BadInput(Exception):
 
 
 class Run:
-    """The VTU frames of a run: files and times (s)."""
+    """The VTU frames of a run: files, times (s), and of each frame the surfaces of obstacles."""
 
     def __init__(self, folder):
         index = Path(folder) / "particles.pvd"
         try:
-            entries = xml.parse(index).getroot().iter("DataSet")
+            entries = list(xml.parse(index).getroot().iter("DataSet"))
         except (OSError, xml.ParseError) as error:
             raise BadInput(f"{index}: {error}; was [output.vtu] in the scene?") from error
-        frames = [(float(entry.get("timestep")), index.parent / entry.get("file")) for entry in entries]
+        frames = {}
+        for entry in entries:
+            frames.setdefault(float(entry.get("timestep")), []).append(index.parent / entry.get("file"))
         if not frames:
             raise BadInput(f"{index}: holds no frame")
-        self.times, self.files = zip(*frames)
+        self.times = tuple(frames)
+        self.files, self.others = zip(*((files[0], files[1:]) for files in frames.values()))
 
     def nearest(self, time):
         """Number of the frame nearest a time; the last one without a time."""
@@ -54,9 +58,23 @@ class Run:
         rgb = vtk_to_numpy(rgb) if rgb else np.tile(np.array(BLUE, np.uint8), (len(position), 1))
         return position, rgb, vtk_to_numpy(velocity).astype(float) if velocity else np.zeros_like(position)
 
+    def solids(self, number):
+        """The surfaces of all obstacles, one vtkPolyData that looks towards the water; None without obstacles."""
+        if not self.others[number]:
+            return None
+        together = vtkAppendPolyData()
+        for file in self.others[number]:
+            reader = vtkXMLPolyDataReader()
+            reader.SetFileName(str(file))
+            together.AddInputConnection(reader.GetOutputPort())
+        together.Update()
+        return together.GetOutput()
+
     def bounds(self, numbers):
         """Lowest and highest corner (m) of the box around the first frame and these ones."""
         clouds = [self.read(number)[0] for number in sorted({0, *numbers})]
+        for surface in filter(None, (self.solids(number) for number in sorted({0, *numbers}))):
+            clouds.append(vtk_to_numpy(surface.GetPoints().GetData()))
         return np.min([c.min(axis=0) for c in clouds], axis=0), np.max([c.max(axis=0) for c in clouds], axis=0)
 
 

@@ -52,6 +52,11 @@ CheckpointOptions checkpoint_options(MPI_Comm comm, const Scene& scene, const st
   return options;
 }
 
+std::shared_ptr<const ObstacleSurfaces> obstacle_surfaces(const Scene& scene) {
+  if (scene.obstacles.empty()) return nullptr;
+  return std::make_shared<const ObstacleSurfaces>(scene.obstacles, scene.fluid.spacing / 50);
+}
+
 // The viewer's own colours are the scene's, or else go by the places in the start lattice.
 std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
                                           GlobalId particles) {
@@ -78,6 +83,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   std::optional<std::int64_t> restart_step;
   if (options.restart) restart_step = options.restart->step;
   const OutputSettings& output = scene.output;
+  const auto surfaces = obstacle_surfaces(scene);
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (options.lock != nullptr) options.lock->take();
   if (output.series) {
@@ -93,11 +99,11 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
-                                               colour_scale(scene, particles), restart_step}));
+                                               colour_scale(scene, particles), restart_step, surfaces}));
   }
   if (output.vtkhdf) {
     observers.push_back(make_vtkhdf_writer(comm, {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
-                                                  colour_scale(scene, particles), restart_step}));
+                                                  colour_scale(scene, particles), restart_step, surfaces}));
   }
   observers.push_back(
       std::make_unique<CheckpointWriter>(comm, checkpoint_options(comm, scene, options.directory, restart_step)));

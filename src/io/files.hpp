@@ -96,9 +96,13 @@ inline constexpr SteppedName checkpoint_files{"checkpoint_", ".h5"};
 inline constexpr SteppedName vtkhdf_frames{"particles_", ".hdf"};
 inline constexpr SteppedName vtu_frames{"particles_", ".pvtu"}, vtu_pieces{"particles_", "_#.vtu"};  ///< in vtu_folder
 inline constexpr const char* vtu_folder = "vtu/";
+/// Surfaces of obstacles, beside the frames: of those that move, and, without a step, of those that do not.
+inline constexpr SteppedName obstacle_frames{"obstacles_", ".vtp"};
+inline constexpr const char* still_obstacles = "obstacles.vtp";
 
 /// The lists of frames.
 inline constexpr const char *vtu_list = "particles.pvd", *vtkhdf_list = "particles.hdf.series";
+inline constexpr const char* obstacle_list = "obstacles.vtp.series";
 
 struct SteppedFile {
   std::int64_t step;

@@ -22,7 +22,7 @@ bool is_pvd(const std::string& path) { return path.ends_with(".pvd"); }
 std::int64_t step_of(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
   constexpr SteppedName single_file{"particles_", ".vtu"};
-  for (const SteppedName& kind : {vtu_frames, single_file, vtu_pieces, vtkhdf_frames}) {
+  for (const SteppedName& kind : {vtu_frames, single_file, vtu_pieces, vtkhdf_frames, obstacle_frames}) {
     if (const auto step = step_in_name(name, kind)) return *step;
   }
   return -1;
@@ -43,7 +43,12 @@ std::vector<FrameEntry> pvd_entries(const std::string& path, const std::string& 
     const double seconds = std::strtod(time.c_str(), &rest);
     if (file.empty() || time.empty() || *rest != '\0')
       throw InputError(path + ": damaged: " + it->str() + " has no time or no file; use another copy");
-    entries.push_back({step_of(file), seconds, file});
+    const std::string part = attribute(it->str(), "part");
+    if (part.empty() || part == "0" || entries.empty()) {
+      entries.push_back({step_of(file), seconds, file, {}});
+    } else {
+      entries.back().others.push_back(file);
+    }
   }
   return entries;
 }
@@ -61,7 +66,7 @@ std::vector<FrameEntry> read_series(const std::string& path) {
     std::vector<FrameEntry> entries;
     for (const auto& file : json.at("files")) {
       const std::string name = file.at("name");
-      entries.push_back({step_of(name), file.at("time").get<double>(), name});
+      entries.push_back({step_of(name), file.at("time").get<double>(), name, {}});
     }
     return entries;
   } catch (const Json::exception& error) {
@@ -76,7 +81,12 @@ std::string pvd_text(const std::vector<FrameEntry>& entries) {
       "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
       "  <Collection>\n";
   for (const FrameEntry& entry : entries) {
-    text += fmt::format("    <DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", entry.time, entry.path);
+    const auto add = [&](std::size_t part, const std::string& file) {
+      text +=
+          fmt::format("    <DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", entry.time, part, file);
+    };
+    add(0, entry.path);
+    for (std::size_t k = 0; k < entry.others.size(); ++k) add(k + 1, entry.others[k]);
   }
   return text + "  </Collection>\n</VTKFile>\n";
 }
@@ -108,8 +118,8 @@ FrameListFile::FrameListFile(const std::string& path, std::optional<std::int64_t
   write();
 }
 
-void FrameListFile::add(const Clock& clock, const std::string& frame_path) {
-  entries_.push_back({clock.step, clock.time(), frame_path});
+void FrameListFile::add(const Clock& clock, const std::string& frame_path, const std::vector<std::string>& others) {
+  entries_.push_back({clock.step, clock.time(), frame_path, others});
   write();
 }
 

@@ -14,9 +14,10 @@
 namespace trevi {
 
 struct FrameEntry {
-  std::int64_t step = 0;  ///< by the file's name; -1 when the name has none
-  double time = 0;        ///< s
-  std::string path;       ///< .pvtu, .vtu or .hdf
+  std::int64_t step = 0;            ///< by the file's name; -1 when the name has none
+  double time = 0;                  ///< s
+  std::string path;                 ///< .pvtu, .vtu or .hdf
+  std::vector<std::string> others;  ///< what else there is at that time: surfaces of obstacles, in a .pvd only
 };
 
 /// Entries in the order of the file. InputError when it is damaged.
@@ -27,8 +28,8 @@ class FrameListFile {
   /// The entries up to `restart_step` stay when it is given and the file exists; otherwise the list starts empty.
   FrameListFile(const std::string& path, std::optional<std::int64_t> restart_step);
 
-  /// Adds a frame and rewrites the file.
-  void add(const Clock& clock, const std::string& frame_path);
+  /// Adds a frame, with what else there is at its time, and rewrites the file.
+  void add(const Clock& clock, const std::string& frame_path, const std::vector<std::string>& others = {});
 
   std::int64_t last_step() const { return entries_.empty() ? -1 : entries_.back().step; }
 

@@ -25,6 +25,8 @@ void FrameWriter::open() {
   }
   list_.emplace(options_.directory + "/" + files_.list, options_.restart_step);
   last_step_ = list_->last_step();
+  const bool own_list = files_.list != vtu_list;
+  if (options_.obstacles) obstacles_.emplace(options_.obstacles, folder, own_list, options_.restart_step);
 }
 
 bool FrameWriter::wants_density() const {
@@ -40,7 +42,12 @@ void FrameWriter::observe(const Frame& frame) {
   const ScopedEvent timed(event_);
   const std::string name = files_.folder + name_of_step(files_.kinds.front(), frame.clock.step);
   write(frame, options_.directory + "/" + name);
-  on_root(comm_, [&] { list_->add(frame.clock, name); });
+  on_root(comm_, [&] {
+    std::vector<std::string> others;
+    if (obstacles_) others = obstacles_->write(frame.clock);
+    for (std::string& other : others) other = files_.folder + other;
+    list_->add(frame.clock, name, others);
+  });
   last_step_ = frame.clock.step;
 }
 

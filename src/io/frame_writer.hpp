@@ -3,6 +3,7 @@
 // written once. Collective: the constructor and observe().
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "io/fields.hpp"
 #include "io/files.hpp"
 #include "io/frame_list_file.hpp"
+#include "io/obstacle_frames.hpp"
 #include "parallel/log.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
@@ -22,6 +24,7 @@ struct FrameOptions {
   std::vector<std::string> fields;  ///< names of output_fields
   ColourScale colour;
   std::optional<std::int64_t> restart_step;  ///< entries past it leave the list, their files are renamed *.stale
+  std::shared_ptr<const ObstacleSurfaces> obstacles;  ///< null where the scene has none
 };
 
 /// Names of a format's files, relative to the directory of the output, and of the event that times them.
@@ -56,8 +59,9 @@ class FrameWriter : public Observer {
   FrameFiles files_;
   Event event_;
   std::vector<const OutputField*> fields_;
-  std::optional<FrameListFile> list_;  ///< rank 0 only
-  std::int64_t last_step_ = -1;        ///< of the last frame listed
+  std::optional<FrameListFile> list_;        ///< rank 0 only, as the next
+  std::optional<ObstacleFrames> obstacles_;  ///< where the scene has any
+  std::int64_t last_step_ = -1;              ///< of the last frame listed
 };
 
 }  // namespace trevi

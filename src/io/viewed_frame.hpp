@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "trevi/forcing.hpp"
+#include "trevi/obstacle.hpp"
 
 namespace trevi {
 
@@ -36,6 +38,7 @@ struct ViewedFrame {
   std::vector<FountainState> fountains;
   std::vector<std::int64_t> rank_counts;  ///< so many of the particles below are of rank 0, 1, ...
   std::vector<ViewedParticle> shown;
+  std::vector<std::shared_ptr<const TriangleMesh>> solids;  ///< surfaces of obstacles, in the world, towards the water
 };
 
 }  // namespace trevi

@@ -1,6 +1,9 @@
 #include "view/frame_reader.hpp"
 
+#include <filesystem>
+
 #include "io/colour.hpp"
+#include "io/files.hpp"
 #include "io/visible.hpp"
 #include "trevi/error.hpp"
 
@@ -37,6 +40,18 @@ RawFrame read_raw(const std::string& path) {
   return raw;
 }
 
+// Beside the frame, whatever the list of frames can name.
+std::vector<std::shared_ptr<const TriangleMesh>> FrameReader::solids_of(const FrameEntry& entry) const {
+  const std::filesystem::path folder = std::filesystem::path(entry.path).parent_path();
+  const std::string still = (folder / still_obstacles).string(),
+                    moving = (folder / name_of_step(obstacle_frames, entry.step)).string();
+  std::vector<std::shared_ptr<const TriangleMesh>> solids;
+  if (!still_ && std::filesystem::exists(still)) still_ = std::make_shared<TriangleMesh>(read_vtp_surface(still));
+  if (still_) solids.push_back(still_);
+  if (std::filesystem::exists(moving)) solids.push_back(std::make_shared<TriangleMesh>(read_vtp_surface(moving)));
+  return solids;
+}
+
 ViewedFrame FrameReader::read(const FrameEntry& entry) const {
   const RawFrame raw = read_raw(entry.path);
   VisibleCells cells({scene_.min, scene_.max}, 2 * scene_.spacing);
@@ -49,6 +64,7 @@ ViewedFrame FrameReader::read(const FrameEntry& entry) const {
   ViewedFrame frame;
   frame.step = entry.step;
   frame.time = entry.time;
+  frame.solids = solids_of(entry);
   frame.particles = static_cast<std::int64_t>(raw.position.size());
   frame.level = all_ ? 0 : thinning_level(visible, budget_);
   frame.shown.reserve(static_cast<std::size_t>(visible));

@@ -22,6 +22,8 @@ struct RawFrame {
 /// Both throw InputError for a file that is missing or damaged.
 RawFrame read_vtu_frame(const std::string& path);  ///< .pvtu with its pieces, or .vtu
 RawFrame read_hdf_frame(const std::string& path);
+/// A surface of obstacles; InputError, too.
+TriangleMesh read_vtp_surface(const std::string& path);
 
 class FrameReader {
  public:
@@ -30,9 +32,12 @@ class FrameReader {
   ViewedFrame read(const FrameEntry& entry) const;
 
  private:
+  std::vector<std::shared_ptr<const TriangleMesh>> solids_of(const FrameEntry& entry) const;
+
   ViewedScene scene_;
   std::int64_t budget_;
   bool all_;
+  mutable std::shared_ptr<const TriangleMesh> still_;  ///< obstacles that stay where they are, once they are read
 };
 
 /// All of a file without looking at what can be seen.

@@ -55,6 +55,7 @@ Painter::Painter(vtkRenderer* renderer) : renderer_(renderer) {
   add_points();
   add_spheres();
   add_fluid();
+  add_solids();
   set_style(Style::points);
 }
 
@@ -111,6 +112,37 @@ void Painter::add_fluid() {
   fluid_volume_->GetProperty()->SetAmbient(0.25);
   fluid_volume_->SetMapper(fluid_);
   renderer_->AddVolume(fluid_volume_);
+}
+
+// Only what looks at the camera: through the near walls of a vessel one sees the water.
+void Painter::add_solids() {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(solids_);
+  mapper->ScalarVisibilityOff();
+  solids_actor_->SetMapper(mapper);
+  solids_actor_->GetProperty()->SetColor(0.52, 0.50, 0.47);
+  solids_actor_->GetProperty()->SetAmbient(0.2);
+  solids_actor_->GetProperty()->SetInterpolationToFlat();
+  solids_actor_->GetProperty()->BackfaceCullingOn();
+  renderer_->AddActor(solids_actor_);
+}
+
+void Painter::show_solids() {
+  if (drawn_solids_ == frame_->solids) return;
+  drawn_solids_ = frame_->solids;
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> triangles;
+  for (const auto& mesh : drawn_solids_) {
+    const vtkIdType first = points->GetNumberOfPoints();
+    for (const Vec3& p : mesh->points) points->InsertNextPoint(p.data());
+    for (const auto& corners : mesh->triangles) {
+      triangles->InsertNextCell(3);
+      for (const std::int32_t corner : corners) triangles->InsertCellPoint(first + corner);
+    }
+  }
+  solids_->SetPoints(points);
+  solids_->SetPolys(triangles);
+  solids_->Modified();
 }
 
 void Painter::set_scene(const ViewedScene& scene, const CameraPose& pose) {
@@ -170,6 +202,7 @@ void Painter::size_points() {
 
 void Painter::show(std::shared_ptr<const ViewedFrame> frame) {
   frame_ = std::move(frame);
+  show_solids();
   vtkNew<vtkFloatArray> positions;
   positions->SetNumberOfComponents(3);
   positions->SetNumberOfTuples(static_cast<vtkIdType>(frame_->shown.size()));

@@ -1,6 +1,6 @@
-// Draws particles and their box into a VTK renderer: as points, as lit spheres, or as the surface of a fluid, found in
-// screen space (vtkOpenGLFluidMapper: particles' depths, smoothed by a narrow-range filter after van der Laan, Green,
-// Sainz, I3D 2009). Nothing is meshed; a new frame is an upload of positions and colours.
+// Draws particles, obstacles and their box into a VTK renderer: as points, as lit spheres, or as the surface of a
+// fluid, found in screen space (vtkOpenGLFluidMapper: particles' depths, smoothed by a narrow-range filter after van
+// der Laan, Green, Sainz, I3D 2009). Nothing is meshed; a new frame is an upload of positions and colours.
 #pragma once
 
 #include <vtkNew.h>
@@ -53,6 +53,8 @@ class Painter {
   void add_points();
   void add_spheres();
   void add_fluid();
+  void add_solids();
+  void show_solids();
   void draw_box(const ViewedScene& scene);
   void recolour();
 
@@ -61,12 +63,14 @@ class Painter {
   vtkNew<vtkPointGaussianMapper> points_;
   vtkNew<vtkOpenGLSphereMapper> spheres_;
   vtkNew<vtkOpenGLFluidMapper> fluid_;
-  vtkNew<vtkActor> points_actor_, spheres_actor_;
+  vtkNew<vtkPolyData> solids_;
+  vtkNew<vtkActor> points_actor_, spheres_actor_, solids_actor_;
   vtkNew<vtkVolume> fluid_volume_;
   std::vector<vtkSmartPointer<vtkProp>> box_;
   ViewedScene scene_;
   CameraPose pose_;
   std::shared_ptr<const ViewedFrame> frame_ = std::make_shared<ViewedFrame>();
+  std::vector<std::shared_ptr<const TriangleMesh>> drawn_solids_;
   ColourRange range_;
   std::vector<unsigned char> rgb_;
   Style style_ = Style::points;

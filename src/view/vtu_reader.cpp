@@ -1,11 +1,14 @@
-// VTU frames: the .pvtu names one piece a rank, each read by VTK.
+// VTU frames: the .pvtu names one piece a rank, each read by VTK. Surfaces of obstacles, .vtp, likewise.
 #include <fmt/format.h>
 #include <vtkCommand.h>
 #include <vtkDataArray.h>
+#include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <charconv>
@@ -54,10 +57,12 @@ void check_claims(const std::string& path) {
   }
 }
 
-vtkSmartPointer<vtkUnstructuredGrid> read_piece(const std::string& path) {
+/// By vtkXMLUnstructuredGridReader or vtkXMLPolyDataReader.
+template <class Reader>
+auto read_piece(const std::string& path) {
   if (!fs::exists(path)) throw InputError(path + ": is listed but not there; copy the directory whole");
   check_claims(path);
-  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  vtkNew<Reader> reader;
   vtkNew<VtkErrorText> errors;
   reader->AddObserver(vtkCommand::ErrorEvent, errors);
   reader->SetReaderErrorObserver(errors);
@@ -66,7 +71,7 @@ vtkSmartPointer<vtkUnstructuredGrid> read_piece(const std::string& path) {
   reader->Update();
   if (!errors->empty()) fail(path, errors->text());
   if (reader->GetOutput() == nullptr || reader->GetOutput()->GetPoints() == nullptr) fail(path, "no points in it");
-  return reader->GetOutput();
+  return vtkSmartPointer(reader->GetOutput());
 }
 
 /// Tuples of a field, appended; none when the piece has none, or one of another width.
@@ -122,12 +127,34 @@ RawFrame read_vtu_frame(const std::string& path) {
   RawFrame raw;
   for (const std::string& piece : pieces_of(path)) {
     try {
-      append_piece(raw, read_piece(piece));
+      append_piece(raw, read_piece<vtkXMLUnstructuredGridReader>(piece));
     } catch (const std::bad_alloc& error) {
       fail(piece, text_of(error));
     }
   }
   return raw;
+}
+
+TriangleMesh read_vtp_surface(const std::string& path) {
+  const vtkSmartPointer<vtkPolyData> surface = read_piece<vtkXMLPolyDataReader>(path);
+  TriangleMesh mesh;
+  std::array<double, 3> p{};
+  for (vtkIdType k = 0; k < surface->GetNumberOfPoints(); ++k) {
+    surface->GetPoint(k, p.data());
+    mesh.points.emplace_back(p[0], p[1], p[2]);
+  }
+  vtkNew<vtkIdList> corners;
+  for (vtkIdType k = 0; k < surface->GetNumberOfCells(); ++k) {
+    surface->GetCellPoints(k, corners);
+    std::array<std::int32_t, 3> triangle{};
+    for (int c = 0; c < 3; ++c) {
+      const vtkIdType point = corners->GetNumberOfIds() == 3 ? corners->GetId(c) : -1;
+      if (point < 0 || point >= surface->GetNumberOfPoints()) fail(path, "a cell that is no triangle of its points");
+      triangle[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(point);
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
 }
 
 }  // namespace trevi
