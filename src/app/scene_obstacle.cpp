@@ -1,5 +1,7 @@
 #include "app/scene_obstacle.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "app/scene_fountain.hpp"
@@ -50,6 +52,23 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
   section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
 }
 
+// Of a list of lists of four numbers; none for anything else.
+std::vector<ObstacleKnot> knots_of(const toml::node& node) {
+  std::vector<ObstacleKnot> knots;
+  const toml::array* rows = node.as_array();
+  if (rows == nullptr || rows->size() < 2) return {};
+  for (const toml::node& row : *rows) {
+    const toml::array* numbers = row.as_array();
+    if (numbers == nullptr || numbers->size() != 4) return {};
+    std::array<Real, 4> value{};
+    for (std::size_t k = 0; k < 4; ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
+    const bool finite = std::all_of(value.begin(), value.end(), [](Real one) { return std::isfinite(one); });
+    if (!finite || (!knots.empty() && value[0] <= knots.back().time)) return {};
+    knots.push_back({value[0], {value[1], value[2], value[3]}});
+  }
+  return knots;
+}
+
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
   constexpr Real fastest = 1e4;  // as for inlets
   section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, components(obstacle.velocity));
@@ -59,11 +78,18 @@ void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacl
                   components(obstacle.angular_velocity));
   section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest,
                 "must be at most 10000 rad/s about each axis; check the units");
-  if (section.text({"motion", "a CSV file of times and places, time,x,y,z in s and m, relative to the scene's folder"},
-                   obstacle.motion)) {
-    obstacle.motion = beside_scene(scene.path, obstacle.motion);
-    section.check("motion", !section.given("velocity"), "velocity is given, too; keep one of them");
+  const Key motion{"motion",
+                   "times and places, [[time, x, y, z], ...] in s and m with times increasing, or the name of a CSV "
+                   "file of them relative to the scene's folder"};
+  const toml::node* node = section.find(motion, "text or list");
+  if (node == nullptr) return;
+  if (const auto* path = node->as_string()) {
+    obstacle.motion = beside_scene(scene.path, path->get());
+  } else {
+    obstacle.knots = knots_of(*node);
+    if (obstacle.knots.empty()) return section.refuse(motion, "must be at least two times and places in order");
   }
+  section.check("motion", !section.given("velocity"), "velocity is given, too; keep one of them");
 }
 
 }  // namespace

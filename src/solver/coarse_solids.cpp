@@ -37,7 +37,7 @@ CoarseSolids::Nearest CoarseSolids::nearest_at(const Vec3& p) const {
   const Vec3 in_box = p.cwiseMax(box_.min + gap).cwiseMin(box_.max - gap);
   for (std::size_t k = 0; k < obstacles_.count(); ++k) {
     const Body& body = obstacles_.body(k);
-    const Real d = body.shape().distance(body.now().into_body(in_box));
+    const Real d = body.rough_distance(body.now().into_body(in_box));
     if (d < nearest.distance) nearest = {d, k};
   }
   return nearest;
@@ -49,6 +49,7 @@ bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to) const {
   for (std::size_t k = 0; k < obstacles_.count(); ++k) {
     const Body& body = obstacles_.body(k);
     const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
+    if (!body.may_cross(begin, end)) continue;
     const auto part = body.first_contact(begin, end);
     if (!part) continue;
     const Vec3 contact = begin + *part * (end - begin);

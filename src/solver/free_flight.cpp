@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 
 #include "base/threads.hpp"
+#include "fluid/obstacles/obstacles.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -20,6 +21,7 @@ FreeFlight<T>::FreeFlight(const DensitySolverContext& context, std::unique_ptr<D
     : comm_(context.comm),
       interior_{context.box.min.array() + wall_reach * context.model.h,
                 context.box.max.array() - wall_reach * context.model.h},
+      obstacles_(context.obstacles),
       solver_(std::move(solver)) {}
 
 template <class T>
@@ -34,7 +36,7 @@ typename FreeFlight<T>::Sums FreeFlight<T>::sums_of(DensityProblem<T>& problem) 
       const Vec3 &x = particles.position[i], &p = particles.predicted[i];
       sums.count += 1;
       const bool free = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
-      sums.near_walls += free ? 0 : 1;
+      sums.near_walls += free && (obstacles_ == nullptr || !obstacles_->is_near(p)) ? 0 : 1;
       sums.x += x;
       sums.moment += x.cross(p);
       sums.xx += x * x.transpose();

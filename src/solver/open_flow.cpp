@@ -24,6 +24,8 @@ class Nozzle : public Forcing {
   std::shared_ptr<Inlet> inlet_;
 };
 
+constexpr Real most_owed = 2;  // layers that an inlet still has to make, at most; the rest is forgotten
+
 // Those in a region, in ascending order.
 std::vector<LocalId> drained(const std::vector<DrainSettings>& regions, const std::vector<Vec3>& positions) {
   constexpr LocalId part_size = 8192;
@@ -105,9 +107,16 @@ void OpenFlow::run(std::size_t k, Water& water, Vote& change) {
   stream.way -= static_cast<Real>(due) * parts_.spacing;
   const GlobalId layers = std::min(due, within_box);
   const Real first = stream.way + static_cast<Real>(layers - 1) * parts_.spacing;
-  if (layers > 0 && !make({inlet, stream.speed, first, layers}, water, change)) {
-    stream.way = parts_.spacing;  // the next layer waits in the opening
-    return;
+  if (layers > 0) {
+    const std::optional<GlobalId> made = make({inlet, stream.speed, first, layers}, water, change);
+    if (!made) {
+      stream.way = parts_.spacing;  // the next layer waits in the opening
+      return;
+    }
+    // What was in the way is made up for by layers that come sooner: deep water gives way only when it is pressed.
+    const Real all = static_cast<Real>(layers * inlet.lattice().open_places());
+    const Real owed = parts_.spacing * static_cast<Real>(layers) * (1 - static_cast<Real>(*made) / all);
+    stream.way = std::min(stream.way + owed, most_owed * parts_.spacing);
   }
   stream.speed = inlet.speed(water.info);
   stream.way += inlet.way(water.info);
@@ -149,18 +158,20 @@ std::vector<char> OpenFlow::open_places(const Layers& layers, const Particles& p
   return open;
 }
 
-// Returns whether there was enough water for all of them.
-bool OpenFlow::make(const Layers& layers, Water& water, Vote& change) {
+// How many were made; nothing where there was not enough water for all of them.
+std::optional<GlobalId> OpenFlow::make(const Layers& layers, Water& water, Vote& change) {
   const InletLattice& lattice = layers.inlet.lattice();
   const std::vector<char> open = open_places(layers, water.particles);
+  GlobalId made = 0;
   for (GlobalId layer = 0; layer < layers.count; ++layer) {
     const auto begin = open.begin() + layer * lattice.places(), end = begin + lattice.places();
     const GlobalId wanted = std::count(begin, end, 1);
     if (layers.inlet.recycles()) {
-      if (wanted > state_.waiting) return false;
+      if (wanted > state_.waiting) return std::nullopt;
       state_.waiting -= wanted;
     }
     state_.inflow += wanted;
+    made += wanted;
     for (auto place = begin; place != end; ++place) {
       if (*place == 0) continue;
       const Vec3 position = lattice.position(place - begin, layers.ahead(layer, parts_.spacing));
@@ -169,7 +180,7 @@ bool OpenFlow::make(const Layers& layers, Water& water, Vote& change) {
       count(change, state_.next_id++, 1);
     }
   }
-  return true;
+  return made;
 }
 
 void OpenFlow::add(Water& water, const Vec3& position, const Vec3& velocity) const {

@@ -2,7 +2,7 @@
 // layers that are due. All ranks know what has been done so far (FlowState) and find the same layers from it: which
 // places are free is a small reduction over the ranks, and the ids are those that follow, so that no id and no place
 // depends on the ranks. A particle is made by the rank that owns its place. Places with water nearer than half a
-// spacing, and those outside of the box, are left out, and not made up for. Collective: begin() and exchange().
+// spacing are left out, and made up for by layers that come sooner. Collective: begin() and exchange().
 #pragma once
 
 #include <memory>
@@ -58,7 +58,7 @@ class OpenFlow {
   void drain(Particles& particles, Vote& change);
   void run(std::size_t k, Water& water, Vote& change);
   std::vector<char> open_places(const Layers& layers, const Particles& particles) const;
-  bool make(const Layers& layers, Water& water, Vote& change);
+  std::optional<GlobalId> make(const Layers& layers, Water& water, Vote& change);
   void add(Water& water, const Vec3& place, const Vec3& velocity) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;

@@ -32,6 +32,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
   std::optional<Fixed> fixed;
   if (!moves_) fixed = Fixed{now_, rules.box};
   map_ = std::make_unique<SolidMap>(*shape_, rules.kernel, h_, fixed);
+  if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
 }
 
 void Body::move(Real begin, Real end) {
@@ -58,6 +59,18 @@ bool Body::may_meet(const Vec3& from, Real length) const {
   const Vec3 off = (bounds.min - from).cwiseMax(from - bounds.max);
   if (!vessel_ && off.maxCoeff() > length + tolerance_) return false;
   return length >= h_ || map_->is_near(from);
+}
+
+bool Body::may_cross(const Vec3& from, const Vec3& to) const {
+  if (!rough_) return true;
+  const Real length = (to - from).norm();
+  for (Real s = 0; s < length;) {
+    const DistanceGrid::Rough here = rough_->at(from + (to - from) * (s / length));
+    const Real least = std::abs(here.distance) - here.error;
+    if (least <= tolerance_) return true;
+    s += least;
+  }
+  return false;
 }
 
 // Steps of the distance to the surface cannot pass it; the last one is halved until the place of contact is known.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "fluid/obstacles/distance_grid.hpp"
 #include "fluid/obstacles/solid_map.hpp"
 #include "fluid/walls.hpp"
 #include "trevi/settings.hpp"
@@ -42,6 +43,12 @@ class Body {
   bool may_meet(const Vec3& from, const Vec3& to) const;
   bool may_meet(const Vec3& from, Real length) const;
 
+  /// The signed distance of p in the frame of the body, for the coarse grid: near the surface to a twelfth of h where
+  /// exact ones take long (meshes), and further away enough to tell that it is.
+  Real rough_distance(const Vec3& p) const { return rough_ ? rough_->at(p).distance : shape_->distance(p); }
+  /// Whether the straight way in between may come to the surface; true where that is not known.
+  bool may_cross(const Vec3& from, const Vec3& to) const;
+
   /// How far along the way from `from` to `to`, from 0 to 1, the surface is met; no value where it is not.
   std::optional<Real> first_contact(const Vec3& from, const Vec3& to) const;
   /// p, or where it is pushed to if it is inside of the solid.
@@ -61,6 +68,7 @@ class Body {
   Pose before_, now_;
   Box near_box_;
   std::unique_ptr<SolidMap> map_;
+  std::unique_ptr<DistanceGrid> rough_;  // of a mesh
 };
 
 }  // namespace trevi
