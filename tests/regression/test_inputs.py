@@ -34,12 +34,13 @@ class Scenes(ProgramTest):
         scenes = sorted([*INPUTS.glob("*_small.toml"), *INPUTS.glob("tutorial/*.toml")])
         self.assertGreater(len(scenes), 11)
         for scene in scenes:
-            if "MUSIC" in WITHOUT and "\nmusic" in scene.read_text():
+            if "MUSIC" in WITHOUT and "\nmusic" in scene.read_text() or "VTK" in WITHOUT and ".ply" in scene.read_text():
                 continue
             with self.subTest(scene.name):
                 self.run_well(2, scene, "--output", scene.stem)
                 columns = study.columns_of(self.folder / scene.stem / "series.csv")
-                self.assertEqual(len(set(columns["particles"])), 1)
+                waiting = columns.get("waiting", [0] * len(columns["particles"]))
+                self.assertEqual(len({here + there for here, there in zip(columns["particles"], waiting)}), 1)
                 if "[[fountain]]" in scene.read_text():
                     self.check_fountain(columns, fastest_pump(scene.read_text()))
                 else:

@@ -7,6 +7,7 @@ runs this one.
 """
 
 import os
+import re
 import shutil
 import unittest
 
@@ -44,6 +45,34 @@ class Restart(unittest.TestCase):
         self.assertGreater(inflow[-1] - inflow[30], 50)
         self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
         self.assertGreater(max(waiting), 0)
+
+    def test_obstacles_beside_the_frames(self):
+        """The list names each frame with the surfaces of its time, and a restart leaves the same list and the same files."""
+        obstacles = """
+[[obstacle]]
+type = "torus"
+center = [0.8, 0.3, 0.9]
+radius = 0.2
+tube = 0.05
+motion = [[0, 0.8, 0.3, 0.9], [0.5, 0.8, 0.3, 0.6], [1, 0.8, 0.3, 0.9]]
+[[obstacle]]
+type = "sphere"
+center = [0.4, 0.3, 0.3]
+radius = 0.1
+"""
+        parted = self.same_bits(CUBE + obstacles)
+        straight = parted.parent / "straight"
+        steps = sorted(int(file.stem.split("_")[1]) for file in parted.glob("obstacles_*.vtp"))
+        self.assertEqual(steps, sorted(int(file.stem.split("_")[1]) for file in parted.glob("particles_*.hdf")))
+        self.assertEqual(len({file.read_bytes() for file in parted.glob("obstacles_*.vtp")}), len(steps), "it moves")
+        lists = ["obstacles.vtp.series", *(["particles.pvd"] if "[output.vtu]" in FRAMES else [])]
+        for name in [*lists, "obstacles.vtp", *(file.name for file in parted.glob("obstacles_*.vtp"))]:
+            self.assertEqual((parted / name).read_bytes(), (straight / name).read_bytes(), name)
+        if "[output.vtu]" in FRAMES:
+            listed = re.findall(r'part="(\d)" file="([^"]*)"', (parted / "particles.pvd").read_text())
+            self.assertEqual([part for part, _ in listed], ["0", "1", "2"] * len(steps))
+            for _, file in listed:
+                self.assertTrue((parted / file).exists(), file)
 
     def test_single_precision_with_substeps(self):
         self.same_bits(CUBE, "--set", "density.precision=single", "--set", "time.cfl=0.1")

@@ -51,14 +51,20 @@ bool Body::may_meet(const Vec3& from, const Vec3& to) const {
   if (!vessel_ &&
       ((low.array() > bounds.max.array() + tolerance_).any() || (high.array() < bounds.min.array() - tolerance_).any()))
     return false;
-  return way >= h_ || map_->is_near(to);  // blocks that are not near are 2 h from the surface
+  // Blocks that are not near are 2 h from the surface.
+  return (way >= h_ || map_->is_near(to)) && !is_beyond(from, way);
 }
 
 bool Body::may_meet(const Vec3& from, Real length) const {
   const Box bounds = shape_->bounds();
   const Vec3 off = (bounds.min - from).cwiseMax(from - bounds.max);
   if (!vessel_ && off.maxCoeff() > length + tolerance_) return false;
-  return length >= h_ || map_->is_near(from);
+  return (length >= h_ || map_->is_near(from)) && !is_beyond(from, length);
+}
+
+bool Body::is_beyond(const Vec3& p, Real way) const {
+  const DistanceGrid::Rough rough = rough_ ? rough_->at(p) : DistanceGrid::Rough{shape_->distance(p), 0};
+  return rough.distance - rough.error > way + 2 * tolerance_;
 }
 
 bool Body::may_cross(const Vec3& from, const Vec3& to) const {

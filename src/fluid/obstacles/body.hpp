@@ -61,6 +61,9 @@ class Body {
   Vec3 along(const Vec3& way, const Vec3& p) const;
 
  private:
+  // Whether p is in the open, and further than that from the surface.
+  bool is_beyond(const Vec3& p, Real way) const;
+
   std::unique_ptr<Shape> shape_;
   BodyMotion motion_;
   bool moves_, vessel_, whole_;

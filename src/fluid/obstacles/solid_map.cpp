@@ -56,7 +56,8 @@ SolidMap::SolidMap(const Shape& shape, const Kernel& kernel, Real h, const std::
       for (int x = -reach; x < reach; ++x) {
         const Real w = mean_over_cell(kernel, node_ / fine * Vec3(x, y, z), node_ / fine, h);
         if (w <= 0) continue;
-        weights_.push_back({((z + reach) * window + y + reach) * window + x + reach, w});
+        const int column = x + reach, row = (z + reach) * window + y + reach;
+        weights_.push_back({static_cast<std::size_t>(column % 2), row * (window / 2) + column / 2, w});
         sum += w;
       }
     }
@@ -136,7 +137,7 @@ const SolidMap::Nodes& SolidMap::nodes_at(const BlockPlace& place) const {
 }
 
 // The cells that the nodes of a block see; false where all of the blocks around are empty, or all full.
-bool SolidMap::gather(const BlockPlace& place, std::vector<float>& window_cells, Kind& kind) const {
+bool SolidMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind) const {
   std::array<const Cells*, 27> around;
   for (int k = 0; k < 27; ++k) {
     const BlockPlace there{place[0] + k % 3 - 1, place[1] + k / 3 % 3 - 1, place[2] + k / 9 - 1};
@@ -146,18 +147,18 @@ bool SolidMap::gather(const BlockPlace& place, std::vector<float>& window_cells,
   if (kind != Kind::cut && std::all_of(around.begin(), around.end(), [&](auto* one) { return one->kind == kind; }))
     return false;
   kind = Kind::cut;
-  window_cells.resize(window * window * window);
+  for (auto& half : window_cells) half.reserve(window * window * window / 2);
   constexpr int before = reach + fine;  // cells before the block's own that its first node sees
-  std::size_t to = 0;
   for (int z = 0; z < window; ++z) {
     for (int y = 0; y < window; ++y) {
       for (int x = 0; x < window; ++x) {
         const int fx = x - before + edge, fy = y - before + edge, fz = z - before + edge;
         const Cells& from = *around[static_cast<std::size_t>((fz / edge * 3 + fy / edge) * 3 + fx / edge)];
         const int cell = (fz % edge * edge + fy % edge) * edge + fx % edge;
-        window_cells[to++] = from.kind == Kind::cut    ? from.share[static_cast<std::size_t>(cell)]
-                             : from.kind == Kind::full ? 1.0F
-                                                       : 0.0F;
+        const float share = from.kind == Kind::cut    ? from.share[static_cast<std::size_t>(cell)]
+                            : from.kind == Kind::full ? 1.0F
+                                                      : 0.0F;
+        window_cells[static_cast<std::size_t>(x % 2)].push_back(static_cast<Real>(share));
       }
     }
   }
@@ -176,18 +177,21 @@ Real SolidMap::plane_distance(Real share, const Vec3& node) const {
 
 std::unique_ptr<SolidMap::Nodes> SolidMap::make_nodes(const BlockPlace& place) const {
   auto result = std::make_unique<Nodes>();
-  std::vector<float> cells;
+  Window cells;
   if (!gather(place, cells, result->kind)) return result;
   result->distance.reserve(nodes * nodes * nodes);
   const Vec3 corner = corner_of(place, block * node_);
   for (int z = 0; z < nodes; ++z) {
     for (int y = 0; y < nodes; ++y) {
-      for (int x = 0; x < nodes; ++x) {
-        const float* from = cells.data() + ((z * window + y) * window + x) * fine;
-        Real share = 0;
-        for (const Weight& one : weights_) share += one.weight * static_cast<Real>(from[one.offset]);
-        result->distance.push_back(plane_distance(share, corner + node_ * Vec3(x - 1, y - 1, z - 1)));
+      const std::ptrdiff_t row = (z * window + y) * fine * (window / 2);
+      std::array<Real, nodes> share{};  // of the nodes of a row at once, which takes vectors
+      for (const Weight& one : weights_) {
+        const Real* from = cells[one.odd].data() + row + one.offset;
+        for (std::size_t x = 0; x < nodes; ++x) share[x] += one.weight * from[x];
       }
+      for (int x = 0; x < nodes; ++x)
+        result->distance.push_back(
+            plane_distance(share[static_cast<std::size_t>(x)], corner + node_ * Vec3(x - 1, y - 1, z - 1)));
     }
   }
   return result;

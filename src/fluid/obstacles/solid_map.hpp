@@ -58,8 +58,11 @@ class SolidMap {
     Kind kind = Kind::empty;
     std::vector<Real> distance;
   };
+  // Cells of a window, those at even and at odd places along x apart, so that those of neighbour nodes are neighbours.
+  using Window = std::array<std::vector<Real>, 2>;
   struct Weight {
-    int offset;  // in the window
+    std::size_t odd;
+    std::ptrdiff_t offset;  // from the first cell that a node sees
     Real weight;
   };
   Real solid_distance(const Vec3& p) const;
@@ -69,7 +72,7 @@ class SolidMap {
   std::unique_ptr<Nodes> make_nodes(const BlockPlace& place) const;
   const Cells& cells_at(const BlockPlace& place) const;
   const Nodes& nodes_at(const BlockPlace& place) const;
-  bool gather(const BlockPlace& place, std::vector<float>& window_cells, Kind& kind) const;
+  bool gather(const BlockPlace& place, Window& cells, Kind& kind) const;
   Real plane_distance(Real share, const Vec3& node) const;
   BlockPlace block_of(const Vec3& p) const;
   bool covers(const BlockPlace& place) const;
