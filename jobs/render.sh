@@ -32,10 +32,12 @@ run_to_end() {
 
 gallery() {
   local runs="$1" results=postprocess/results scene small=(--size 800 600)
-  for scene in musical_fountain fountain fountain_shapes fountain_heights constant_fountain falling_cube; do
+  for scene in trevi_fountain musical_fountain fountain fountain_shapes fountain_heights constant_fountain falling_cube; do
     run_to_end "$runs/$scene" "$scene"
   done
   run_to_end "$runs/falling_cube_report" falling_cube --set 'density.preset="report"'
+  show render.py "$runs/trevi_fountain" --time 3.0 --radius 0.034 --elevation 24 --azimuth -72 \
+    --output $results/trevi_fountain.png --size 1080 760
   show render.py "$runs/musical_fountain" --time 2.6 --output $results/musical_fountain.png "${small[@]}"
   show render.py "$runs/fountain" --time 4.5 --output $results/fountain.png "${small[@]}"
   show render.py "$runs/fountain_shapes" --time 1.3 --elevation 18 --output $results/fountain_shapes.png "${small[@]}"
