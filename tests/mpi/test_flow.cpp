@@ -222,7 +222,7 @@ speed = 1.0
   // The water just behind the opening, which nobody pushes, is in the way.
   const std::unique_ptr<Solver> closed = solver_of(world, scene_with(full, {}));
   run(*closed, 0.5);
-  EXPECT_LE(closed->flow()->inflow, 16) << "of 80 that were asked for";
+  EXPECT_LE(closed->flow()->inflow, 40) << "of 80 that were asked for";
   // The left half of the box is empty: only there places are free at first.
   const Scene half = scene_with(full, {"particles.0.min=[0.6, 0, 0]"});
   const std::unique_ptr<Solver> open = solver_of(world, half);

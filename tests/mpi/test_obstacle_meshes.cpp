@@ -6,6 +6,7 @@
 
 #include "cloud.hpp"
 #include "fluid/obstacles/closed_mesh.hpp"
+#include "fluid/obstacles/distance_grid.hpp"
 #include "fluid/obstacles/mesh_shape.hpp"
 #include "fluid/obstacles/pose.hpp"
 #include "fluid/obstacles/tessellation.hpp"
@@ -55,6 +56,30 @@ TriangleMesh jug(Real wall) {
                         {0.5 - wall, -0.6 + wall},
                         {0, -0.6 + wall}},
                        0.002));
+}
+
+// A grid of distances is wrong by no more than it says, a sixth of h near the surface, and never doubts where inside is
+// when it is far.
+TEST(DistanceGrid, IsAsExactAsItSays) {
+  constexpr Real h = 0.1;
+  std::mt19937 generator(8);
+  std::uniform_real_distribution<Real> number(-1.6, 1.6);
+  for (const bool inside : {false, true}) {
+    const MeshShape shape(std::make_shared<TriangleMesh>(jug(0.1)), inside);
+    const DistanceGrid grid(shape, h);
+    for (int k = 0; k < 3000; ++k) {
+      const Real x = number(generator), y = number(generator);
+      const Vec3 p(x, y, number(generator));
+      const auto [rough, error] = grid.at(p);
+      const Real exact = shape.distance(p);
+      EXPECT_EQ(error == 0 && std::signbit(rough) != std::signbit(exact), false);
+      if (error == 0) {
+        EXPECT_LE(std::abs(rough), std::abs(exact) + 1e-12);
+      } else {
+        EXPECT_LE(std::abs(rough - exact), std::abs(exact) < h / 4 ? h / 6 : error);
+      }
+    }
+  }
 }
 
 TEST(Mesh, OfABoxHasTheDistanceOfTheBox) {

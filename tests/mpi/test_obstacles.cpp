@@ -7,7 +7,6 @@
 #include <numbers>
 #include <random>
 
-#include "fluid/obstacles/distance_grid.hpp"
 #include "fluid/obstacles/obstacles.hpp"
 
 namespace trevi {
@@ -180,29 +179,6 @@ std::vector<Solid> solids() {
           {"plate", box({2, 2, 0.25 * spacing}), {0.1, 0.2, h}, {0.1, 0.1, 0.126 * spacing}},
           {"thick plate", box({2, 2, spacing}), {0.1, 0.2, h}, {0.1, 0.1, 0.51 * spacing}},
           {"rim", box({2, 2, 0.5 * spacing}), {1 + h, 0.2, 0.5 * h}, {1, 0.1, 0}}};
-}
-
-// A grid of distances is wrong by no more than it says, a twelfth of h near the surface, and never doubts where inside
-// is when it is far.
-TEST(DistanceGrid, IsAsExactAsItSays) {
-  std::mt19937 generator(8);
-  for (const Solid& solid : solids()) {
-    const auto shape = make_shape(solid.settings);
-    const DistanceGrid grid(*shape, h);
-    const Box bounds = shape->bounds();
-    for (int k = 0; k < 4000; ++k) {
-      const Vec3 p = (bounds.max + Vec3::Constant(6 * h)).cwiseProduct(random_point(generator, 1));
-      const auto [rough, error] = grid.at(p);
-      const Real exact = shape->distance(p);
-      if (error > 0) {
-        EXPECT_LE(std::abs(rough - exact), error) << solid.name;
-        if (std::abs(exact) < h / 4) EXPECT_LE(std::abs(rough - exact), h / 6) << solid.name;
-      } else {
-        EXPECT_EQ(std::signbit(rough), std::signbit(exact)) << solid.name;
-        EXPECT_LE(std::abs(rough), std::abs(exact) + 1e-12) << solid.name;
-      }
-    }
-  }
 }
 
 // The share that the map stands for: within 2 % of the whole ball, for all of them.
