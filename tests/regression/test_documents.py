@@ -51,6 +51,11 @@ type = "cylinder"
 center = [0.2, 0.4, 0.3]
 radius = 0.1
 height = 0.4
+[[obstacle]]
+type = "sphere"
+center = [1.3, 0.4, 1.4]
+radius = 0.1
+velocity = [0.01, 0, 0]
 [output.series]
 """
 FILTERS = "[tensile]\n[vorticity]\n[viscosity]\n"
