@@ -323,7 +323,7 @@ class Files(Page):
 
     def test_obstacles(self):
         with open(self.output / "obstacles.csv") as file:
-            header = file.readline().strip().split(",")
+            header = [name for name in file.readline().strip().split(",") if not name.endswith("_1")]
         said = [name for name, in self.rows("obstacles.csv", "column")]
         self.assertEqual([name.replace("_K", "_0") for name in said], header)
 
