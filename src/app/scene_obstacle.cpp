@@ -52,6 +52,13 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
   section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
 }
 
+constexpr Real fastest = 1e4;  // m/s, as for inlets, and rad/s
+
+bool may_follow(const ObstacleKnot& last, const ObstacleKnot& next) {
+  return next.time > last.time &&
+         (next.center - last.center).cwiseAbs().maxCoeff() <= fastest * (next.time - last.time);
+}
+
 // Of a list of lists of four numbers; none for anything else.
 std::vector<ObstacleKnot> knots_of(const toml::node& node) {
   std::vector<ObstacleKnot> knots;
@@ -63,14 +70,14 @@ std::vector<ObstacleKnot> knots_of(const toml::node& node) {
     std::array<Real, 4> value{};
     for (std::size_t k = 0; k < 4; ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
     const bool finite = std::all_of(value.begin(), value.end(), [](Real one) { return std::isfinite(one); });
-    if (!finite || (!knots.empty() && value[0] <= knots.back().time)) return {};
-    knots.push_back({value[0], {value[1], value[2], value[3]}});
+    const Vec3 center(value[1], value[2], value[3]);
+    if (!finite || (!knots.empty() && !may_follow(knots.back(), {value[0], center}))) return {};
+    knots.push_back({value[0], center});
   }
   return knots;
 }
 
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
-  constexpr Real fastest = 1e4;  // as for inlets
   section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, components(obstacle.velocity));
   section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest,
                 "must be at most 10000 m/s on each axis; check the units");
@@ -87,7 +94,8 @@ void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacl
     obstacle.motion = beside_scene(scene.path, path->get());
   } else {
     obstacle.knots = knots_of(*node);
-    if (obstacle.knots.empty()) return section.refuse(motion, "must be at least two times and places in order");
+    if (obstacle.knots.empty())
+      return section.refuse(motion, "must be two times and places or more, in order, at most 10000 m/s apart");
   }
   section.check("motion", !section.given("velocity"), "velocity is given, too; keep one of them");
 }

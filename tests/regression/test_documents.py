@@ -47,10 +47,9 @@ end = 1.0
 [[fountain]]
 center = [1.2, 0.4]
 [[obstacle]]
-type = "cylinder"
+type = "box"
 center = [0.2, 0.4, 0.3]
-radius = 0.1
-height = 0.4
+size = [0.2, 0.2, 0.4]
 [[obstacle]]
 type = "sphere"
 center = [1.3, 0.4, 1.4]
@@ -316,9 +315,8 @@ class Files(Page):
         return column(self.page, heading, first, *more)
 
     def check_columns(self, file):
-        header = (self.output / file).read_text().split("\n")[0].split(",")
-        said = [name.replace("_K", "_0") for name, in self.rows(file, "column")]
-        self.assertEqual(said, [name for name in header if not name.endswith("_1")])
+        header = re.sub(",[^,]*_1(?=,)", "", (self.output / file).read_text().split("\n")[0]).split(",")
+        self.assertEqual([name.replace("_K", "_0") for name, in self.rows(file, "column")], header)
 
     def test_series(self):
         self.check_columns("series.csv")
