@@ -168,7 +168,8 @@ try_requeue() {
   wait_for 60 "steps of the second job" has_steps run $((turns + 20))
   scontrol update NodeName="$(hostname -s)" State=DOWN Reason="a trial"
   wait_for 60 "the job to be put back" is_in_state "$job" PENDING
-  scontrol update NodeName="$(hostname -s)" State=RESUME
+  # The node may have come back by itself (ReturnToService), and is then not to be resumed.
+  scontrol update NodeName="$(hostname -s)" State=RESUME 2>/dev/null || true
   echo "  after its node had failed, Slurm put it back into the queue"
   wait_for 400 "the end of the run" is_in_state "$job" COMPLETED
   echo "  done in $(grep -c '^trevi 1' "$work/run.log") jobs"
