@@ -56,7 +56,7 @@ end = 2
 [[obstacle]]
 type = "box"
 center = [2, 0.4, 1]
-size = [0.1, 0.8, 2]
+size = [0.1, 1.0, 2.2]
 [output.series]
 every = 0.1
 [output.checkpoint]
@@ -109,7 +109,7 @@ def write_jug(path):
 
 def shaken(vessel, outside, seconds):
     """The scene of a vessel, and what tells how far particles are out of it at a step."""
-    motion = ", ".join(str([step / FRAMES, *place(step)]) for step in range(seconds * FRAMES + 1))
+    motion = ",\n".join(str([step / FRAMES, *place(step)]) for step in range(seconds * FRAMES + 1))
     text = SCENE.format(end=seconds, vessel=f"{vessel}\ninside = true\nmotion = [{motion}]")
     return text, lambda p, step: outside(p - place(step))
 
