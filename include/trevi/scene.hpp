@@ -25,6 +25,7 @@ struct ParticleSource {
   enum class Type { block, file } type = Type::block;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m, block
   Vec3 velocity = Vec3::Zero();                 ///< m/s, block
+  Real vortex = 0;                              ///< m/s, block: of the vortex that is added
   std::string path;                             ///< file, resolved against the scene's folder
   int line = 0;                                 ///< of the table in the scene file, for later messages
   bool operator==(const ParticleSource&) const = default;

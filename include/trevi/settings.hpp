@@ -3,6 +3,7 @@
 // it. Where a value stays std::nullopt the feature is absent, and nothing is built for it.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -153,8 +154,9 @@ struct DrainSettings {
 enum class SlabCuts { balanced, equal };
 
 struct Settings {
-  Box domain;                ///< m
-  Derived<int> slab_axis{};  ///< 0 x, 1 y; default the longer one
+  Box domain;                      ///< m
+  std::array<bool, 3> periodic{};  ///< whether the box repeats along x, y, z, and has no walls there
+  Derived<int> slab_axis{};        ///< 0 x, 1 y; default the longer one
   SlabCuts slabs = SlabCuts::balanced;
   FluidSettings fluid;
   Real dt = 1.0 / 60;           ///< s

@@ -85,7 +85,7 @@ Real expected_speed(const Scene& scene) {
     top = std::max(top, inlet.center.z());
   }
   for (const ParticleSource& source : scene.particles) {
-    speed = std::max(speed, source.velocity.norm());
+    speed = std::max(speed, source.velocity.norm() + std::abs(source.vortex));
     top = std::max(top, source.max.z());
   }
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();

@@ -10,6 +10,7 @@
 #include "app/free_places.hpp"
 #include "app/lattice.hpp"
 #include "app/scene_place.hpp"
+#include "app/vortex.hpp"
 #include "base/memory.hpp"
 #include "domain/migrate.hpp"
 #include "parallel/collective.hpp"
@@ -47,10 +48,12 @@ struct Block {
 };
 
 void add_layer(Particles& particles, const Block& block, int axis, GlobalId layer, const FreePlaces& places) {
+  const ParticleSource& source = block.source;
   for_each_point(block.lattice, axis, layer, [&](GlobalId i, GlobalId j, GlobalId k) {
     const Vec3 point = block.lattice.point(i, j, k);
     if (!places.is_free(point)) return;
-    add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, block.source.velocity);
+    const Vec3 velocity = source.vortex == 0 ? source.velocity : Vec3(source.velocity + vortex_at(source, point));
+    add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, velocity);
   });
 }
 

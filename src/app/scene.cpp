@@ -10,6 +10,7 @@
 
 #include "app/obstacle_files.hpp"
 #include "app/scene_overrides.hpp"
+#include "app/scene_periodic.hpp"
 #include "app/scene_physics.hpp"
 #include "app/scene_reader.hpp"
 #include "base/simd.hpp"
@@ -209,6 +210,7 @@ Scene parse_scene(const std::string& path, const std::string& text, const std::v
 Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides) {
   Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
   read_obstacle_files(comm, scene);
+  check_no_images(scene);
   return scene;
 }
 

@@ -9,6 +9,7 @@
 #include "app/scene_fountain.hpp"
 #include "app/scene_inlet.hpp"
 #include "app/scene_obstacle.hpp"
+#include "app/scene_periodic.hpp"
 #include "fluid/kernels.hpp"
 #include "fluid/xsph_viscosity.hpp"
 
@@ -107,6 +108,7 @@ void PhysicsReader::read_domain() {
   if (domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
                           axis, {{"x", 0}, {"y", 1}}))
     scene_.slab_axis = axis;
+  read_periodic(domain_, scene_);
   domain_.choice<SlabCuts>(
       {"slabs", "each rank's share: the same work, followed as the water moves, or the same planes"}, scene_.slabs,
       {{"balanced", SlabCuts::balanced}, {"equal", SlabCuts::equal}});
@@ -180,6 +182,7 @@ void PhysicsReader::resolve(Section& viscosity) {
   static_cast<Settings&>(scene_) = resolved(scene_);
   check_cells();
   check_coordinates();
+  if (box_known()) check_periodic(domain_, scene_);
   check_viscosity(viscosity);
 }
 
@@ -210,6 +213,8 @@ void PhysicsReader::read_block(Section& section, ParticleSource& source) {
   section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, components(source.min));
   section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, components(source.max));
   section.numbers({"velocity", "the start velocity [x, y, z] in m/s"}, components(source.velocity));
+  section.number({"vortex", "the largest speed of a Taylor-Green vortex in x and y that is added, in m/s"},
+                 source.vortex);
   if (!section.fine("min") || !section.fine("max")) return;
   const Vec3 extent = source.max - source.min;
   section.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the block");

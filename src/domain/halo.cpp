@@ -15,9 +15,8 @@ int message_length(std::size_t bytes) {
 }
 }  // namespace
 
-Halo::Halo(MPI_Comm comm) : comm_(comm) {
-  const int rank = rank_of(comm);
-  neighbours_.from = {rank > 0 ? rank - 1 : MPI_PROC_NULL, rank + 1 < size_of(comm) ? rank + 1 : MPI_PROC_NULL};
+Halo::Halo(MPI_Comm comm, bool ring) : comm_(comm) {
+  neighbours_.from = slab_neighbours(comm, ring);
   neighbours_.to = {{{neighbours_.from[low], MPI_PROC_NULL}, {neighbours_.from[high], MPI_PROC_NULL}}};
 }
 

@@ -23,7 +23,8 @@ namespace trevi {
 
 class Halo {
  public:
-  explicit Halo(MPI_Comm comm);
+  /// `ring`: the first slab is next to the last. A rank may then be its own neighbour.
+  explicit Halo(MPI_Comm comm, bool ring = false);
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
@@ -33,7 +34,7 @@ class Halo {
   template <class T>
   void start(std::vector<T>& field) {
     static_assert(std::is_trivially_copyable_v<T>);
-    assert(field.size() == static_cast<std::size_t>(owned_.end_high));
+    assert(field.size() >= static_cast<std::size_t>(owned_.end_high));
     start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(T));
   }
   /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each.

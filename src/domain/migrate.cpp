@@ -8,6 +8,7 @@
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
+#include "domain/plane_peers.hpp"
 #include "particles/remove.hpp"
 #include "trevi/session.hpp"
 
@@ -26,6 +27,13 @@ struct Leaving {
   }
 };
 
+// Slabs from here to there, upwards; in a ring the shorter way round.
+int way_to(int owner, int rank, int ranks, bool ring) {
+  const int way = owner - rank;
+  if (!ring || 2 * std::abs(way) <= ranks) return way;
+  return way > 0 ? way - ranks : way + ranks;
+}
+
 Leaving leaving_particles(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
   const LocalId first = slabs.first_plane(rank), last = slabs.last_plane(rank);
   const Range all{0, static_cast<LocalId>(positions.size())};
@@ -36,8 +44,9 @@ Leaving leaving_particles(int rank, const std::vector<Vec3>& positions, const Ce
     for (LocalId i = part.begin; i < part.end; ++i) {
       const LocalId plane = grid.plane_of(positions[static_cast<std::size_t>(i)]);
       if (plane >= first && plane < last) continue;
-      leaving.to[plane < first ? 0 : 1].push_back(i);
-      leaving.farthest = std::max(leaving.farthest, std::abs(slabs.owner(plane) - rank));
+      const int way = way_to(slabs.owner(plane), rank, slabs.ranks(), grid.is_periodic(0));
+      leaving.to[way < 0 ? 0 : 1].push_back(i);
+      leaving.farthest = std::max(leaving.farthest, std::abs(way));
     }
   });
   Leaving result;
@@ -84,13 +93,12 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
 
 // Swaps buffers with the neighbour on each side; incoming[side] is what arrived from that side. Messages count
 // particles rather than bytes: a plane of a large box may hold 27 million of them, whose bytes do not fit into an int.
-std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<std::vector<std::byte>, 2>& outgoing,
+std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<int, 2>& peer,
+                                               const std::array<std::vector<std::byte>, 2>& outgoing,
                                                std::size_t particle_bytes) {
   MPI_Datatype particle;
   MPI_Type_contiguous(static_cast<int>(particle_bytes), MPI_BYTE, &particle);
   MPI_Type_commit(&particle);
-  const int rank = rank_of(comm), ranks = size_of(comm);
-  const std::array<int, 2> peer = {rank > 0 ? rank - 1 : MPI_PROC_NULL, rank + 1 < ranks ? rank + 1 : MPI_PROC_NULL};
   std::array<std::vector<std::byte>, 2> incoming;
   for (std::size_t side : {0U, 1U}) {  // everything moves to `side`, so it arrives from the other one
     const std::size_t from = 1 - side;
@@ -111,6 +119,7 @@ GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particle
                  const Slabs& slabs) {
   if (slabs.ranks() == 1) return 0;
   const int rank = rank_of(comm);
+  const std::array<int, 2> peers = slab_neighbours(comm, grid.is_periodic(0));
   Leaving leaving = leaving_particles(rank, particles.*position, grid, slabs);
   int rounds = 0;
   MPI_Allreduce(&leaving.farthest, &rounds, 1, MPI_INT, MPI_MAX, comm);
@@ -120,7 +129,7 @@ GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particle
     const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, leaving.to[0]),
                                                             pack(particles, leaving.to[1])};
     remove_leaving(particles, leaving);
-    for (const std::vector<std::byte>& buffer : exchange(comm, outgoing, bytes_per_particle(particles)))
+    for (const std::vector<std::byte>& buffer : exchange(comm, peers, outgoing, bytes_per_particle(particles)))
       append(particles, buffer);
     sent += static_cast<GlobalId>(leaving.to[0].size() + leaving.to[1].size());
   }

@@ -7,7 +7,7 @@ namespace trevi {
 
 template <class T>
 Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
-    : order_(grid), halo_(comm), encoding_(origin, h) {}
+    : order_(grid), halo_(comm, grid.is_periodic(0)), encoding_(origin, h) {}
 
 template <class T>
 void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Velocities velocities) {
@@ -21,7 +21,11 @@ void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Veloc
     resize_tightly(records_, static_cast<std::size_t>(order_.size()));
     constexpr LocalId part_size = 2048;
     for_each_part(all(), part_size, [&](Range part) { encode(particles.predicted, part); });
-    halo_.exchange(records_);
+    const CellGrid& grid = order_.grid();
+    first_ = grid.is_periodic(0) && planes.first == 0;
+    last_ = grid.is_periodic(0) && planes.last == grid.planes();
+    start_records();
+    finish_records();
   }
   const ScopedEvent timed(search_event_);
   list_.rebuild(order_, records_);
@@ -30,6 +34,36 @@ void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Veloc
 template <class T>
 void Neighbourhood<T>::encode(const std::vector<Vec3>& position, Range range) {
   for (LocalId i = range.begin; i < range.end; ++i) record(i) = encoding_(position[static_cast<std::size_t>(i)], T{0});
+}
+
+template <class T>
+void Neighbourhood<T>::finish_records() {
+  halo_.finish();
+  const CellGrid& grid = order_.grid();
+  const LocalId low = order_.low_ghosts(), high = low + order_.owned(), end = high + order_.high_ghosts();
+  if (first_) move_ghosts({0, low}, -1);
+  if (last_) move_ghosts({high, end}, 1);
+  const std::span<const CellOrder::Copy> copies = order_.copies();
+  constexpr LocalId part_size = 64;
+  for_each_part({0, static_cast<LocalId>(copies.size())}, part_size, [&](Range part) {
+    for (LocalId n = part.begin; n < part.end; ++n) {
+      const CellOrder::Copy& copy = copies[static_cast<std::size_t>(n)];
+      for (LocalId i = 0; i < copy.count; ++i) {
+        Packed<T>& record = records_[static_cast<std::size_t>(copy.to + i)];
+        record = records_[static_cast<std::size_t>(copy.from + i)];
+        for (const std::size_t a : {0U, 1U}) {
+          if (copy.turns[a] != 0)
+            move(record, grid.axis(a + 1), copy.turns[a] * grid.length(a + 1) * encoding_.per_metre());
+        }
+      }
+    }
+  });
+}
+
+template <class T>
+void Neighbourhood<T>::move_ghosts(Range range, Real turns) {
+  const Real units = turns * order_.grid().length(0) * encoding_.per_metre();
+  for_each_index(range, [this, units](std::size_t i) { move(records_[i], order_.grid().axis(0), units); });
 }
 
 template <class T>

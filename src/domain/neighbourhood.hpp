@@ -34,8 +34,20 @@ class Neighbourhood {
   const Encoding<T>& encoding() const { return encoding_; }
   const NeighbourList& list() const { return list_; }
   const CellOrder& order() const { return order_; }
+  /// For fields that have no positions, and for grids.
   Halo& halo() { return halo_; }
   const Halo& halo() const { return halo_; }
+
+  /// Sends the records of the boundary, and receives those of the ghosts; where the box is periodic, brings those from
+  /// beyond its end, and the copies, to the place where they are neighbours.
+  void start_records() { halo_.start(records_); }
+  void finish_records();
+  /// Exchanges another field of all particles, and copies it.
+  template <class Field>
+  void exchange(std::vector<Field>& field) {
+    halo_.exchange(field);
+    for (const CellOrder::Copy& copy : order_.copies()) std::copy_n(&field[copy.from], copy.count, &field[copy.to]);
+  }
 
   /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane;
   /// interior(): all others.
@@ -46,8 +58,11 @@ class Neighbourhood {
   std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes(); }
 
  private:
+  void move_ghosts(Range range, Real turns);
+
   CellOrder order_;
   Halo halo_;
+  bool first_ = false, last_ = false;  // whether the ghosts below, or above, come from beyond the end of the box
   Encoding<T> encoding_;
   std::vector<Packed<T>> records_;
   NeighbourList list_;

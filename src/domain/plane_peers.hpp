@@ -9,6 +9,7 @@
 #include <array>
 #include <span>
 
+#include "trevi/session.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
@@ -19,6 +20,12 @@ struct PlanePeers {
   // Who needs the own first and the own last plane: the next owner of planes, and one without planes before it.
   std::array<std::array<int, 2>, 2> to{from, from};
 };
+
+/// The ranks with the slabs below and above; in a ring the first is next to the last.
+inline std::array<int, 2> slab_neighbours(MPI_Comm comm, bool ring) {
+  const int rank = rank_of(comm), ranks = size_of(comm), end = ring ? 0 : MPI_PROC_NULL;
+  return {rank > 0 ? rank - 1 : ring ? ranks - 1 : end, rank + 1 < ranks ? rank + 1 : end};
+}
 
 /// The part of an exchange that goes to the low side.
 inline PlanePeers downwards(const PlanePeers& peers) {

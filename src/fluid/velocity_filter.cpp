@@ -13,7 +13,7 @@ const Vec4<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vect
     const Vec3& v = velocity[i];
     owned[i] = {static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), T{0}};
   });
-  near.halo().exchange(vectors_);
+  near.exchange(vectors_);
   return vectors_.data();
 }
 

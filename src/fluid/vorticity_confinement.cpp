@@ -42,7 +42,8 @@ template <class T>
 void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   const ScopedEvent timed(event_);
   compute_omega(near, particles.velocity);
-  near.halo().exchange(near.records());
+  near.start_records();
+  near.finish_records();
   const Pairs<T> pairs = pairs_of(near);
   const auto gradients = [&](Range part, Vec4<T>* out) { loops_.gradient(pairs, part, out); };
   for_each_sum<Vec4<T>>(near.all(), gradients, [&](Range here, const Vec4<T>* sum) {

@@ -2,6 +2,17 @@
 
 namespace trevi {
 
+Box box_of_walls(const Box& box, const std::array<bool, 3>& periodic) {
+  constexpr Real far = 1000;  // lengths of the box, which no particle crosses in a step
+  Box walls = box;
+  for (int a = 0; a < 3; ++a) {
+    if (!periodic[static_cast<std::size_t>(a)]) continue;
+    walls.min[a] -= far * (box.max[a] - box.min[a]);
+    walls.max[a] += far * (box.max[a] - box.min[a]);
+  }
+  return walls;
+}
+
 Walls::Walls(const Box& box, const WallSettings& settings, Real tolerance)
     : box_(box),
       restitution_(settings.restitution),

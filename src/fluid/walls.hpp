@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "domain/slabs.hpp"
 #include "trevi/box.hpp"
@@ -16,6 +17,9 @@ struct WallHit {
   int axis = -1;
   Real t = 0;
 };
+
+/// The box with its walls along periodic axes so far away that nothing gets there.
+Box box_of_walls(const Box& box, const std::array<bool, 3>& periodic);
 
 class Walls {
  public:

@@ -5,14 +5,16 @@
 
 namespace trevi {
 
-CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis)
+CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, const std::array<bool, 3>& periodic)
     : min_(min), axis_{slab_axis, 1 - slab_axis, 2} {
   assert(slab_axis == 0 || slab_axis == 1);
-  for (int k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 3; ++k) {
     const Real extent = max[axis_[k]] - min[axis_[k]];
     // A tolerance, so that a box of n h has n cells whatever its rounding.
     count_[k] = std::max(1, static_cast<LocalId>(std::min(std::floor(extent / h * (1 + 1e-12)), 2e9)));
     per_length_[k] = count_[k] / extent;
+    periodic_[k] = periodic[static_cast<std::size_t>(axis_[k])];
+    length_[k] = extent;
   }
   assert(static_cast<Real>(rows()) * columns() < 2e9);  // the reader of the scene has seen to it
 }

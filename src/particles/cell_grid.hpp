@@ -6,21 +6,36 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "trevi/types.hpp"
 
 namespace trevi {
 
+/// Whether a periodic axis may be so long: a whole number of cells that are h wide, so that it repeats exactly in the
+/// units of the records, and three at least, so that no cell is next to another on both sides.
+inline bool is_whole_period(Real length, Real h) {
+  const Real cells = std::round(length / h);
+  return cells >= 3 && std::abs(length / h - cells) <= 1e-9 * cells;
+}
+
 class CellGrid {
  public:
-  /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide in each axis.
-  CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis);
+  /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide in each axis; three times that along x, y, z that
+  /// are periodic.
+  CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, const std::array<bool, 3>& periodic = {});
 
   LocalId planes() const { return count_[0]; }
   LocalId rows() const { return count_[1]; }     ///< in a plane
   LocalId columns() const { return count_[2]; }  ///< in a row
   LocalId cells_per_plane() const { return count_[1] * count_[2]; }
   int slab_axis() const { return axis_[0]; }
+  /// By direction: 0 for planes, 1 for rows, 2 for columns. The first is then next to the last.
+  bool is_periodic(std::size_t direction) const { return periodic_[direction]; }
+  /// The coordinate along a direction: 0 for x.
+  int axis(std::size_t direction) const { return axis_[direction]; }
+  /// Extent of the box along a direction, m.
+  Real length(std::size_t direction) const { return length_[direction]; }
 
   LocalId plane_of(const Vec3& p) const { return index_along(0, p); }
   LocalId row_of(const Vec3& p) const { return index_along(1, p); }     ///< within its plane
@@ -38,6 +53,8 @@ class CellGrid {
   std::array<int, 3> axis_;  // grid direction -> coordinate
   std::array<LocalId, 3> count_;
   std::array<Real, 3> per_length_;  // cells per metre
+  std::array<Real, 3> length_{};
+  std::array<bool, 3> periodic_{};
 };
 
 }  // namespace trevi

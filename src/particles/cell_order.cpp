@@ -129,7 +129,36 @@ void CellOrder::add_ghosts(std::span<const LocalId> low_counts, std::span<const 
     const auto row = (static_cast<std::size_t>(k) - 1) * static_cast<std::size_t>(grid_.rows());
     add_plane({counts_.data() + at - cells(), cells()}, low_ghosts_ + row_start_[row], at);
   });
+  copied_ = 0;
   start_.back() = size();
+  if (grid_.is_periodic(1) || grid_.is_periodic(2)) add_copies();
+}
+
+void CellOrder::add_copies() {
+  copies_.clear();
+  const LocalId rows = grid_.rows(), columns = grid_.columns();
+  around_.assign((static_cast<std::size_t>(planes_) + 2) * static_cast<std::size_t>((rows + 2) * (columns + 2)), {});
+  for (LocalId k = 0; k < planes_ + 2; ++k) {
+    for (LocalId r = -1; r <= rows; ++r) {
+      for (LocalId c = -1; c <= columns; ++c) add_copy(k, r, c);
+    }
+  }
+}
+
+// Enters cell (k, r, c), which may be outside of the plane, into around_.
+void CellOrder::add_copy(LocalId k, LocalId r, LocalId c) {
+  const LocalId rows = grid_.rows(), columns = grid_.columns();
+  const int row_turn = r < 0 ? -1 : r == rows ? 1 : 0, column_turn = c < 0 ? -1 : c == columns ? 1 : 0;
+  if ((row_turn != 0 && !grid_.is_periodic(1)) || (column_turn != 0 && !grid_.is_periodic(2))) return;
+  const LocalId cell = (r - row_turn * rows) * columns + c - column_turn * columns;
+  Range range{start(k, cell), start(k, cell + 1)};
+  if (row_turn != 0 || column_turn != 0) {
+    const LocalId to = size();
+    if (range.size() > 0) copies_.push_back({range.begin, range.size(), to, {row_turn, column_turn}});
+    copied_ += range.size();
+    range = {to, size()};
+  }
+  around_[static_cast<std::size_t>((k * (rows + 2) + r + 1) * (columns + 2) + c + 1)] = range;
 }
 
 // The cells of a plane, the first of which is start_[at]; without counts there are no particles.
@@ -150,6 +179,7 @@ std::size_t CellOrder::bytes() const {
   std::size_t bytes =
       (counts_.capacity() + start_.capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
       sizeof(LocalId);
+  bytes += copies_.capacity() * sizeof(Copy) + around_.capacity() * sizeof(Range);
   std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;
 }

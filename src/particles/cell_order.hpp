@@ -4,6 +4,7 @@
 // owned, high ghosts. Not collective: the halo provides the cell counts of the ghost planes.
 #pragma once
 
+#include <array>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -43,7 +44,21 @@ class CellOrder {
   LocalId planes() const { return planes_; }  ///< owned ones
   LocalId owned() const { return owned_; }
   LocalId low_ghosts() const { return low_ghosts_; }
-  LocalId size() const { return low_ghosts_ + owned_ + high_ghosts_; }
+  LocalId high_ghosts() const { return high_ghosts_; }
+  LocalId size() const { return low_ghosts_ + owned_ + high_ghosts_ + copied_; }
+
+  /// Where rows or columns are periodic, particles at one side of a plane are there once more, at the other one: as
+  /// copies behind all others. `turns`: along rows and columns, in lengths of the box.
+  struct Copy {
+    LocalId from, count, to;
+    std::array<int, 2> turns;
+  };
+  std::span<const Copy> copies() const { return copies_; }
+  /// Particles of row r and column c of plane k, which may be one beyond the first or the last where they are periodic.
+  Range cell(LocalId k, LocalId r, LocalId c) const {
+    const auto at = static_cast<std::size_t>((k * (grid_.rows() + 2) + r + 1) * (grid_.columns() + 2) + c + 1);
+    return around_[at];
+  }
 
   /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned
   /// one.
@@ -60,11 +75,15 @@ class CellOrder {
   void sort_by_rows(const Particles& particles, LocalId first);
   void sort_row(const Particles& particles, LocalId row, RowScratch& scratch);
   void add_plane(std::span<const LocalId> counts, LocalId first, std::size_t at);
+  void add_copies();
+  void add_copy(LocalId k, LocalId r, LocalId c);
   template <class T>
   void apply(std::vector<T>& field, std::vector<T>& scratch) const;
 
   CellGrid grid_;
-  LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0;
+  LocalId planes_ = 0, owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0, copied_ = 0;
+  std::vector<Copy> copies_;
+  std::vector<Range> around_;       // cell(), with a ring around each plane; where rows or columns are periodic
   std::vector<LocalId> counts_;     // of each owned cell
   std::vector<LocalId> start_;      // first particle of each cell of planes_ + 2 planes, and the total
   std::vector<LocalId> row_start_;  // first particle of each row of cells of the owned planes, and the total

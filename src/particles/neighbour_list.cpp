@@ -206,9 +206,28 @@ std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array
   return found;
 }
 
+// The same where rows or columns are periodic: cell by cell, as those beyond the last are elsewhere.
+template <class Visit>
+void for_each_cell_around(const CellOrder& order, LocalId k, LocalId c, Visit&& visit) {
+  const CellGrid& grid = order.grid();
+  const LocalId row = c / grid.columns(), column = c % grid.columns();
+  const auto near = [&](std::size_t direction, LocalId at, LocalId count) {
+    const bool periodic = grid.is_periodic(direction);
+    return Range{periodic ? at - 1 : std::max(at - 1, 0), periodic ? at + 2 : std::min(at + 2, count)};
+  };
+  const Range rows = near(1, row, grid.rows()), columns = near(2, column, grid.columns());
+  for (LocalId plane = k - 1; plane <= k + 1; ++plane) {
+    for (LocalId r = rows.begin; r < rows.end; ++r) {
+      for (LocalId a = columns.begin; a < columns.end; ++a)
+        visit(order.cell(plane, r, a).begin, order.cell(plane, r, a).end);
+    }
+  }
+}
+
 // The rows of cells around cell c of plane k (0 is the low ghost plane), each a contiguous run of particles.
 template <class Visit>
 void for_each_row_around(const CellOrder& order, LocalId k, LocalId c, Visit&& visit) {
+  if (order.grid().is_periodic(1) || order.grid().is_periodic(2)) return for_each_cell_around(order, k, c, visit);
   const LocalId columns = order.grid().columns(), rows = order.grid().rows();
   const LocalId row = c / columns, column = c % columns;
   const LocalId first = std::max(column - 1, 0), last = std::min(column + 1, columns - 1);

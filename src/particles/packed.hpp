@@ -61,6 +61,15 @@ class Encoding {
   Real per_metre_;
 };
 
+/// Moves a record along one axis by so many of its units. Single precision wraps around, as its positions do.
+inline void move(Packed<float>& record, int axis, Real units) {
+  std::int32_t& x = axis == 0 ? record.x : axis == 1 ? record.y : record.z;
+  x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(std::llround(units)));
+}
+inline void move(Packed<double>& record, int axis, Real units) {
+  (axis == 0 ? record.x : axis == 1 ? record.y : record.z) += units;
+}
+
 /// Four values per particle for other quantities that are read of neighbours, such as velocities.
 template <class T>
 struct alignas(4 * sizeof(T)) Vec4 {

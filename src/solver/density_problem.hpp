@@ -104,9 +104,9 @@ template <class Work>
 void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(phase)]);
   for (const Range& part : near_.boundary()) work(part);
-  near_.halo().start(near_.records());
+  near_.start_records();
   work(near_.interior());
-  near_.halo().finish();
+  near_.finish_records();
 }
 
 template <class T>

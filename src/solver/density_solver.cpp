@@ -133,7 +133,9 @@ bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >
 template <class T>
 std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
                                                       const DensitySolverContext& context) {
-  if (settings.coarse_grid && context.gravity.isZero())
+  // Where the box repeats there is no angular momentum to keep.
+  const bool endless = context.grid.is_periodic(0) || context.grid.is_periodic(1) || context.grid.is_periodic(2);
+  if (settings.coarse_grid && context.gravity.isZero() && !endless)
     return std::make_unique<FreeFlight<T>>(context, make_fine<T>(settings, context));
   if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
   DensitySettings rest = settings;

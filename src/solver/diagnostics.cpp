@@ -18,13 +18,17 @@ struct DiagnosticsSum::Plane {
   Vec3 momentum = Vec3::Zero(), position = Vec3::Zero();
 };
 
-DiagnosticsSum::DiagnosticsSum(MPI_Comm comm, const Box& box, const DensityModel& model, int lattice_neighbours,
-                               const Vec3& gravity)
-    : comm_(comm), box_(box), model_(model), full_neighbourhood_(0.9 * lattice_neighbours), gravity_(gravity) {}
+DiagnosticsSum::DiagnosticsSum(MPI_Comm comm, const DensityModel& model, const Surroundings& around)
+    : comm_(comm),
+      box_(around.box),
+      walls_(around.walls),
+      model_(model),
+      full_neighbourhood_(0.9 * around.lattice_neighbours),
+      gravity_(around.gravity) {}
 
 bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
-  return neighbours >= full_neighbourhood_ && ((p - box_.min).array() > model_.h).all() &&
-         ((box_.max - p).array() > model_.h).all();
+  return neighbours >= full_neighbourhood_ && ((p - walls_.min).array() > model_.h).all() &&
+         ((walls_.max - p).array() > model_.h).all();
 }
 
 DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, Range range) const {

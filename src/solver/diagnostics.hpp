@@ -24,8 +24,14 @@ struct DiagnosticsInput {
 
 class DiagnosticsSum {
  public:
-  /// `lattice_neighbours`: number of neighbours of an interior point of the start lattice; `gravity` in m/s².
-  DiagnosticsSum(MPI_Comm comm, const Box& box, const DensityModel& model, int lattice_neighbours, const Vec3& gravity);
+  /// `walls`: where they are, which is far away along periodic axes; `lattice_neighbours`: number of neighbours of an
+  /// interior point of the start lattice; `gravity` in m/s².
+  struct Surroundings {
+    Box box, walls;
+    int lattice_neighbours;
+    Vec3 gravity;
+  };
+  DiagnosticsSum(MPI_Comm comm, const DensityModel& model, const Surroundings& around);
 
   /// All columns except iterations and wall_seconds.
   Diagnostics operator()(const DiagnosticsInput& input) const;
@@ -37,7 +43,7 @@ class DiagnosticsSum {
   void add_maxima(const DiagnosticsInput& input, Diagnostics& row) const;
 
   MPI_Comm comm_;
-  Box box_;
+  Box box_, walls_;
   DensityModel model_;
   Real full_neighbourhood_;
   Vec3 gravity_;

@@ -26,7 +26,8 @@ void check_unknowns(const Settings& settings, const std::vector<Real>& weights) 
 }  // namespace
 
 CellGrid cell_grid(const Settings& settings) {
-  return {settings.domain.min, settings.domain.max, settings.fluid.kernel_radius, settings.slab_axis};
+  return {settings.domain.min, settings.domain.max, settings.fluid.kernel_radius, settings.slab_axis,
+          settings.periodic};
 }
 
 std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles) {

@@ -10,9 +10,11 @@
 #include "fluid/gravity.hpp"
 #include "fluid/kernels.hpp"
 #include "fluid/obstacles/obstacle_motion.hpp"
+#include "fluid/obstacles/periods.hpp"
 #include "fluid/vorticity_confinement.hpp"
 #include "fluid/xsph_viscosity.hpp"
 #include "parallel/collective.hpp"
+#include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
 #include "solver/pbf_solver.hpp"
 #include "trevi/error.hpp"
@@ -49,8 +51,8 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
 
 std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
   if (settings.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity(settings.domain, kernels_of(settings.fluid).density, settings.fluid.spacing,
-                             settings.fluid.kernel_radius);
+  return AnalyticWallDensity(box_of_walls(settings.domain, settings.periodic), kernels_of(settings.fluid).density,
+                             settings.fluid.spacing, settings.fluid.kernel_radius);
 }
 
 void check_inside(MPI_Comm comm, const Settings& settings, const Particles& particles) {
@@ -68,6 +70,22 @@ void demand(bool holds, const char* rule) {
   if (!holds) throw InputError(std::string("settings of the solver: ") + rule);
 }
 
+void check_periodic(const Settings& all) {
+  const Vec3 extent = all.domain.max - all.domain.min, gravity = all.gravity.value_or(Vec3::Zero());
+  for (int a = 0; a < 3; ++a) {
+    const bool periodic = all.periodic[static_cast<std::size_t>(a)];
+    demand(!periodic || is_whole_period(extent[a], all.fluid.kernel_radius),
+           "a periodic axis must be a whole number of kernel_radius long, three at least");
+  }
+  demand(!all.periodic[2] || gravity.z() == 0, "z cannot be periodic with gravity along it");
+  demand(all.periodic == std::array<bool, 3>{} || !all.density.coarse_grid || !is_downward(gravity),
+         "the coarse grid has no periodic axes; with gravity that points down set density.coarse_grid to false");
+  for (const ObstacleSettings& obstacle : all.obstacles) {
+    const std::string wrong = why_not_periodic(obstacle, all);
+    demand(wrong.empty(), ("an obstacle " + wrong).c_str());
+  }
+}
+
 // What a scene's reader has checked before, with the line at fault; a program may hand over anything. Comparisons are
 // written so that a NaN fails. Lengths first: sums over the lattice would hardly end with an absurd radius.
 Settings checked_and_resolved(const Settings& settings) {
@@ -81,6 +99,7 @@ Settings checked_and_resolved(const Settings& settings) {
   const Real h = all.fluid.kernel_radius;
   demand(((all.domain.max - all.domain.min).array() >= h).all(),
          "the domain must be at least a kernel_radius wide in each axis");
+  check_periodic(all);
   demand(all.dt > 0, "dt must be positive");
   demand(all.density.iterations >= 1, "density.iterations must be at least 1");
   demand(all.density.method != Method::chebyshev || all.density.constraint == Constraint::inequality,
@@ -97,7 +116,9 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const DensityModel model = density_model(settings);
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
-  parts.walls = std::make_unique<Walls>(parts.box, settings.walls, 1e-6 * model.h);
+  const Box walls = box_of_walls(parts.box, settings.periodic);
+  parts.walls = std::make_unique<Walls>(walls, settings.walls, 1e-6 * model.h);
+  if (settings.periodic != std::array<bool, 3>{}) parts.wrap.emplace(parts.box, settings.periodic);
   if (!settings.obstacles.empty()) {
     parts.obstacles = std::make_shared<Obstacles>(settings, *parts.walls, make_wall_density(settings));
     parts.obstacles->move(parts.clock.time(), parts.clock.time());
@@ -110,8 +131,9 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.filters = make_filters<T>(settings, model);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
-  parts.diagnostics =
-      std::make_unique<DiagnosticsSum>(*parts.comm, parts.box, model, lattice_neighbours(spacing, model.h), gravity);
+  parts.diagnostics = std::make_unique<DiagnosticsSum>(
+      *parts.comm, model,
+      DiagnosticsSum::Surroundings{parts.box, walls, lattice_neighbours(spacing, model.h), gravity});
 }
 
 template <class T>

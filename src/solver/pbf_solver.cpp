@@ -27,6 +27,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
 
 template <class T>
 void PbfSolver<T>::start() {
+  wrap_positions();
   parts_.particles.predicted = parts_.particles.position;
   find_neighbours(Velocities::kept);
   problem_.start(parts_.particles, parts_.clock.dt);
@@ -109,6 +110,27 @@ void PbfSolver<T>::predict_each(const Predict& predict) {
     return !parts_.walls->inside(particles.predicted[i]);
   });
   if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);
+  wrap_predicted();
+}
+
+// With the place where the particle started, as velocities come from the way between.
+template <class T>
+void PbfSolver<T>::wrap_predicted() {
+  if (!parts_.wrap) return;
+  Particles& particles = parts_.particles;
+  for_each_index({0, particles.size()}, [&](std::size_t i) {
+    const Vec3 back = parts_.wrap->back(particles.predicted[i]);
+    particles.predicted[i] += back;
+    particles.position[i] += back;
+  });
+}
+
+template <class T>
+void PbfSolver<T>::wrap_positions() {
+  if (!parts_.wrap) return;
+  Particles& particles = parts_.particles;
+  for_each_index({0, particles.size()},
+                 [&](std::size_t i) { particles.position[i] += parts_.wrap->back(particles.position[i]); });
 }
 
 template <class T>
@@ -154,6 +176,7 @@ template <class T>
 void PbfSolver<T>::accept_positions() {
   Particles& particles = parts_.particles;
   for_each_index({0, particles.size()}, [&](std::size_t i) { particles.position[i] = particles.predicted[i]; });
+  wrap_positions();
 }
 
 template <class T>

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "domain/balance.hpp"
+#include "domain/wrap.hpp"
 #include "fluid/velocity_filter.hpp"
 #include "solver/guard.hpp"
 #include "solver/open_flow.hpp"
@@ -39,6 +41,7 @@ struct SolverParts {
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Walls> walls;
   std::shared_ptr<Obstacles> obstacles;  ///< null where there are none
+  std::optional<Wrap> wrap;  ///< where the box is periodic
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<OpenFlow> flow;  ///< may be null
@@ -84,6 +87,8 @@ class PbfSolver : public Solver {
   void update_velocities(Real dt);
   void apply_velocity_filters(Real dt);
   void vote_on_failures();
+  void wrap_predicted();
+  void wrap_positions();
   void accept_positions();
 
   SolverParts<T> parts_;

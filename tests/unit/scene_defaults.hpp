@@ -22,6 +22,7 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "fluid.gradient_kernel='spiky'",
           "particles.0.type='block'",
           "particles.0.velocity=[0, 0, 0]",
+          "particles.0.vortex=0",
           "time.cfl=2",
           "density.preset='default'",
           "density.method='chebyshev'",

@@ -78,7 +78,8 @@ std::string label_of(const std::string& assignment) {
 
 // A new key has a line in scene_defaults.hpp, or here.
 TEST(SceneDefaults, EveryKeyIsAmongThem) {
-  std::set<std::string> known = {"[density] tolerance",
+  std::set<std::string> known = {"[domain] periodic",
+                                 "[density] tolerance",
                                  "[viscosity] nu",
                                  "[[fountain]] music",
                                  "[[fountain]] track",

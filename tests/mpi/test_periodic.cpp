@@ -1,0 +1,208 @@
+// Periodic axes: neighbours across the ends of the box, the same flow wherever it is cut and on any ranks.
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "cloud.hpp"
+#include "domain/migrate.hpp"
+#include "domain/neighbourhood.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr Real h = 0.25;
+const Box box{Vec3(0.5, -1, 0.25), Vec3(2.25, 0.25, 1.25)};  // 7, 5 and 4 cells
+using Axes = std::array<bool, 3>;
+
+std::vector<Axes> all_axes() {
+  std::vector<Axes> axes;
+  for (unsigned n = 0; n < 8; ++n) axes.push_back({(n & 1U) != 0, (n & 2U) != 0, (n & 4U) != 0});
+  return axes;
+}
+
+Vec3 nearest_way(const Vec3& a, const Vec3& b, const Axes& periodic) {
+  Vec3 way = a - b;
+  for (int k = 0; k < 3; ++k) {
+    const Real length = box.max[k] - box.min[k];
+    if (periodic[static_cast<std::size_t>(k)]) way[k] -= length * std::round(way[k] / length);
+  }
+  return way;
+}
+
+template <class T>
+void expect_neighbours(const Cloud& cloud, const Axes& periodic, int slab_axis) {
+  const CellGrid grid(box.min, box.max, h, slab_axis, periodic);
+  const int ranks = std::min(size_of(world), static_cast<int>(grid.planes()));
+  ASSERT_EQ(ranks, size_of(world));
+  const Slabs slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), ranks);
+  const Cloud mine = slice_of(cloud, rank_of(world), ranks);
+  Particles particles;
+  particles.id = mine.id;
+  particles.position = particles.predicted = particles.velocity = mine.position;
+  migrate(world, particles, &Particles::predicted, grid, slabs);
+  Neighbourhood<T> near(world, grid, box.min, h);
+  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world))});
+  std::vector<GlobalId> id(static_cast<std::size_t>(near.order().size()));
+  std::copy(particles.id.begin(), particles.id.end(), id.begin() + near.order().low_ghosts());
+  near.exchange(id);
+  for (LocalId i = 0; i < near.order().owned(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    std::set<GlobalId> found, expected;
+    for (const LocalId j : near.list()[i]) {
+      EXPECT_TRUE(found.insert(id[static_cast<std::size_t>(j)]).second) << "a neighbour is there twice";
+    }
+    for (std::size_t j = 0; j < cloud.id.size(); ++j) {
+      const Real distance = nearest_way(particles.predicted[k], cloud.position[j], periodic).norm();
+      if (cloud.id[j] != particles.id[k] && distance < h) expected.insert(cloud.id[j]);
+    }
+    EXPECT_EQ(found, expected) << "of particle " << particles.id[k];
+  }
+}
+
+TEST(Periodic, NeighboursAreThoseOfTheNearestImages) {
+  const Cloud cloud = random_cloud(900, box, 1);
+  for (const Axes& periodic : all_axes()) {
+    for (const int slab_axis : {0, 1}) {
+      SCOPED_TRACE(fmt::format("periodic {} {} {}, slabs along {}", periodic[0], periodic[1], periodic[2], slab_axis));
+      expect_neighbours<double>(cloud, periodic, slab_axis);
+      expect_neighbours<float>(cloud, periodic, slab_axis);
+    }
+  }
+}
+
+const std::string endless = R"(
+[domain]
+min = [0.5, -1, 0.25]
+max = [2.25, 0.25, 1.25]
+periodic = ["x", "y", "z"]
+[fluid]
+spacing = 0.125
+[[particles]]
+min = [0.5, -1, 0.25]
+max = [2.25, 0.25, 1.25]
+[time]
+dt = 0.0166666667
+end = 1.0
+[tensile]
+[vorticity]
+epsilon = 0.01
+[viscosity]
+nu = 0.01
+)";
+
+void expect_same_bits(const Cloud& many, const Cloud& one) {
+  ASSERT_EQ(many.id, one.id);
+  EXPECT_EQ(std::memcmp(many.position.data(), one.position.data(), one.position.size() * sizeof(Vec3)), 0);
+  EXPECT_EQ(std::memcmp(many.velocity.data(), one.velocity.data(), one.velocity.size() * sizeof(Vec3)), 0);
+}
+
+Vec3 momentum_of(const Cloud& cloud) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& v : cloud.velocity) sum += v;
+  return sum;
+}
+
+TEST(Periodic, SameBitsOnAnyRanks) {
+  for (const char* axes : {"['x']", "['y']", "['z']", "['x', 'y']", "['x', 'y', 'z']"}) {
+    for (const char* more : {"density.precision='double'", "density.precision='single'", "domain.slab_axis='y'"}) {
+      SCOPED_TRACE(fmt::format("{} {}", axes, more));
+      const Scene scene = scene_with(endless, {fmt::format("domain.periodic={}", axes), more, "time.cfl=0"});
+      const Cloud cloud = random_cloud(900, box, 2);
+      const std::unique_ptr<Solver> many = solver_of(world, scene, cloud), one = solver_of(MPI_COMM_SELF, scene, cloud);
+      many->start();
+      one->start();
+      for (int k = 0; k < 8; ++k) {
+        many->step();
+        one->step();
+      }
+      expect_same_bits(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
+    }
+  }
+}
+
+// Nothing but pairs acts where there are no walls.
+TEST(Periodic, MomentumIsKept) {
+  const Scene scene = scene_with(endless, {"vorticity.epsilon=0"});
+  const Cloud cloud = random_cloud(1000, box, 1, 0.05);
+  const std::unique_ptr<Solver> solver = solver_of(world, scene, cloud);
+  for (int k = 0; k < 10; ++k) solver->step();
+  const Cloud end = gathered(world, solver->particles());
+  ASSERT_EQ(end.id.size(), cloud.id.size());
+  EXPECT_LT((momentum_of(end) - momentum_of(cloud)).norm(), 1e-9 * 1000);
+  for (const Vec3& p : end.position) EXPECT_TRUE(box.contains(p));
+}
+
+// A lattice that fills the box flows through it as if it had no ends.
+TEST(Periodic, ALatticeInFlightStaysOne) {
+  for (const char* precision : {"double", "single"}) {
+    const Scene scene = scene_with(
+        endless, {fmt::format("density.precision='{}'", precision), "particles.0.velocity=[1.7, -2.3, 0.9]"});
+    const std::unique_ptr<Solver> solver = make_solver(world, scene, initial_particles(world, scene));
+    const Cloud start = gathered(world, solver->particles());
+    for (int k = 0; k < 60; ++k) solver->step();
+    const Cloud end = gathered(world, solver->particles());
+    const Vec3 way = solver->clock().time() * Vec3(1.7, -2.3, 0.9);
+    Real faster = 0, farther = 0;
+    for (std::size_t i = 0; i < end.id.size(); ++i) {
+      faster = std::max(faster, (end.velocity[i] - Vec3(1.7, -2.3, 0.9)).norm());
+      farther = std::max(farther, nearest_way(end.position[i], start.position[i] + way, {true, true, true}).norm());
+    }
+    EXPECT_LT(faster, 1e-5) << precision;
+    EXPECT_LT(farther, 1e-5) << precision;
+  }
+}
+
+// To rounding: sums of positions and ways are rounded elsewhere.
+TEST(Periodic, ItDoesNotMatterWhichPlaneIsTheFirst) {
+  for (const char* precision : {"double", "single"}) {
+    const Scene scene = scene_with(endless, {fmt::format("density.precision='{}'", precision)});
+    Cloud cloud = random_cloud(800, box, 1, 0.04), moved;
+    const Vec3 length = box.max - box.min, shift(3 * h, 2 * h, h);
+    const auto wrapped = [&](Vec3 p) {
+      for (int a = 0; a < 3; ++a) p[a] = p[a] >= box.max[a] ? p[a] - length[a] : p[a];
+      return p;
+    };
+    for (std::size_t i = 0; i < cloud.id.size(); ++i) {
+      cloud.position[i] = (cloud.position[i] * 1048576).array().floor() / 1048576;
+      cloud.position[i] = cloud.position[i].cwiseMax(box.min);
+      moved.add(cloud.id[i], wrapped(cloud.position[i] + shift), cloud.velocity[i]);
+    }
+    const std::unique_ptr<Solver> here = solver_of(world, scene, cloud), there = solver_of(world, scene, moved);
+    for (int k = 0; k < 10; ++k) {
+      here->step();
+      there->step();
+    }
+    const Cloud a = gathered(world, here->particles()), b = gathered(world, there->particles());
+    std::size_t differ = 0;
+    Real farthest = 0;
+    for (std::size_t i = 0; i < a.id.size(); ++i) {
+      differ += a.velocity[i] == b.velocity[i] && wrapped(a.position[i] + shift) == b.position[i] ? 0 : 1;
+      farthest = std::max(farthest, nearest_way(a.position[i] + shift, b.position[i], {true, true, true}).norm());
+    }
+    EXPECT_LT(farthest, 1e-4 * h) << precision << ", " << differ << " of " << a.id.size() << " differ";
+  }
+}
+
+TEST(Periodic, SettingsThatCannotBeAreRefused) {
+  Settings settings = scene_with(endless, {});
+  const auto told = [&](auto&& change) {
+    Settings bad = settings;
+    change(bad);
+    try {
+      make_solver(world, bad, {});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(told([](Settings&) {}), "nothing");
+  EXPECT_NE(told([](Settings& s) { s.domain.max.x() += 0.1; }).find("whole number"), std::string::npos);
+  EXPECT_NE(told([](Settings& s) { s.domain.max.z() = 0.75; }).find("three at least"), std::string::npos);
+  EXPECT_NE(told([](Settings& s) { s.gravity = Vec3(0, 0, -1); }).find("z cannot be periodic"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace trevi::test
