@@ -186,6 +186,57 @@ TEST(Periodic, ItDoesNotMatterWhichPlaneIsTheFirst) {
   }
 }
 
+// Obstacles, an inlet, a drain and a fountain, and nothing comes into the obstacles.
+TEST(Periodic, WithObstaclesAndInletsTheBitsAreTheSame) {
+  const std::string more = R"(
+[[obstacle]]
+type = "cylinder"
+center = [1.375, -0.6, 0.5]
+axis = [1, 0, 0]
+radius = 0.15
+height = 3
+[[obstacle]]
+type = "sphere"
+center = [1.4, -0.1, 0.7]
+radius = 0.2
+angular_velocity = [0, 5, 0]
+[[inlet]]
+center = [1.2, 0.1, 0.5]
+direction = [1, -1, 0]
+radius = 0.1
+speed = 1
+recycle = true
+[[drain]]
+min = [0.5, -1, 0.25]
+max = [0.7, -0.7, 0.5]
+[[fountain]]
+center = [2.2, -0.5]
+diameter = 0.3
+height = 0.3
+speed = 2
+)";
+  const Scene scene = scene_with(endless + more, {"domain.periodic=['x']", "particles.0.velocity=[3, 0, 0]"});
+  const auto solver_on = [&](MPI_Comm comm) {
+    SolverExtras extras;
+    extras.forcings = make_fountains(comm, scene);
+    extras.flow = make_flow(comm, scene);
+    return make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
+  };
+  const std::unique_ptr<Solver> many = solver_on(world), one = solver_on(MPI_COMM_SELF);
+  for (const auto& solver : {many.get(), one.get()}) {
+    solver->start();
+    for (int k = 0; k < 30; ++k) solver->step();
+  }
+  const Cloud water = gathered(MPI_COMM_SELF, one->particles());
+  expect_same_bits(gathered(world, many->particles()), water);
+  EXPECT_GT(one->flow()->outflow, 0);
+  EXPECT_GT(one->flow()->inflow, 0);
+  for (const Vec3& p : water.position) {
+    EXPECT_GT((p - Vec3(1.4, -0.1, 0.7)).norm(), 0.2 * (1 - 1e-9));
+    EXPECT_GT(Vec3(0, p.y() + 0.6, p.z() - 0.5).norm(), 0.15 * (1 - 1e-9));
+  }
+}
+
 TEST(Periodic, SettingsThatCannotBeAreRefused) {
   Settings settings = scene_with(endless, {});
   const auto told = [&](auto&& change) {
@@ -202,6 +253,30 @@ TEST(Periodic, SettingsThatCannotBeAreRefused) {
   EXPECT_NE(told([](Settings& s) { s.domain.max.x() += 0.1; }).find("whole number"), std::string::npos);
   EXPECT_NE(told([](Settings& s) { s.domain.max.z() = 0.75; }).find("three at least"), std::string::npos);
   EXPECT_NE(told([](Settings& s) { s.gravity = Vec3(0, 0, -1); }).find("z cannot be periodic"), std::string::npos);
+  ObstacleSettings ball;
+  ball.center = Vec3(1.375, -0.375, 0.75);
+  ball.radius = 0.1;
+  const auto with = [&](const ObstacleSettings& obstacle) {
+    return told([&](Settings& s) {
+      s.periodic = {true, false, false};
+      s.obstacles = {obstacle};
+    });
+  };
+  EXPECT_EQ(with(ball), "nothing");
+  ball.velocity = Vec3(0, 0.1, 0);
+  EXPECT_NE(with(ball).find("goes places"), std::string::npos);
+  ball.velocity = Vec3::Zero();
+  ball.center.x() = 1.0;
+  EXPECT_NE(with(ball).find("no image"), std::string::npos);
+  ball.shape = ShapeKind::cylinder;
+  ball.axis = Vec3(1, 0, 0);
+  ball.center.x() = 1.375;
+  ball.height = 2.7;
+  EXPECT_NE(with(ball).find("no image"), std::string::npos);
+  ball.height = 2.8;
+  EXPECT_EQ(with(ball), "nothing");
+  ball.rotate.z() = 5;
+  EXPECT_NE(with(ball).find("no image"), std::string::npos);
 }
 
 }  // namespace
