@@ -164,7 +164,10 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
     return !o.velocity.isZero(0) || !o.angular_velocity.isZero(0) || !o.motion.empty();
   });
   if (stirred) return nullptr;
-  const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
+  const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
+  for (std::size_t a = 0; a < 3; ++a)  // water falls for ever along a periodic axis
+    if (scene.periodic[a] && gravity[static_cast<Eigen::Index>(a)] != 0) return nullptr;
+  const Real g = gravity.norm();
   return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
 }
 
