@@ -46,6 +46,7 @@ class ReferenceCoarse {
   /// Of particles that go from x to p in the time dt.
   std::vector<Vec3> displacements(const std::vector<Vec3>& x, const std::vector<Vec3>& p, Real dt) {
     gather(x, p);
+    find_reach();
     find_means();
     find_water();
     const Real time = dt * std::sqrt(gravity_ / h_);
@@ -62,6 +63,7 @@ class ReferenceCoarse {
     Vec3 place;    // p, in cells
     Vec3 surface;  // where it counts as volume, in cells
     Cell cell;     // of p
+    bool in_flight = false;
   };
   template <class T>
   using Faces = std::array<CellArray<T>, 3>;  // the lower one of a cell in each direction
@@ -101,11 +103,34 @@ class ReferenceCoarse {
     }
   }
 
+  // Heights, kept in the lowest cell of a column: one above the highest within one column.
+  CellArray<int> raised(const CellArray<int>& heights) const {
+    CellArray<int> result(count_, 0);
+    for_each_cell([&](const Cell& c) {
+      if (c.z() > 0) return;
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y) result[c] = std::max(result[c], heights[c + Cell(x, y, 0)] + 1);
+    });
+    return result;
+  }
+  // Water reaches up to the cell above the highest that particles fill to 0.4; what is more than a cell beyond flies.
+  void find_reach() {
+    const Real least = std::ceil(0.4 * size_.prod() / (s_ * s_ * s_));
+    CellArray<int> held(count_, 0), surface(count_, 0);
+    for (const Particle& i : particles_) ++held[i.cell];
+    for_each_cell([&](const Cell& c) {
+      if (held[c] >= least) surface[Cell(c.x(), c.y(), 0)] = c.z() + 1;
+    });
+    reach_.emplace(raised(surface));
+    const CellArray<int> near = raised(*reach_);
+    for (Particle& i : particles_) i.in_flight = i.cell.z() >= near[Cell(i.cell.x(), i.cell.y(), 0)];
+  }
+
   // Linear weights, and along their regression line from the mean place to the face.
   Real mean_at(int a, const Cell& face) const {
     Real w = 0, wx = 0, wxx = 0, wu = 0, wxu = 0;
     for (const Particle& i : particles_) {
-      if (i.cell != face && i.cell != face - unit(a)) continue;
+      if (i.in_flight || (i.cell != face && i.cell != face - unit(a))) continue;
       const Real x = i.place[a] - face[a], share = 1 - std::abs(x), u = i.way[a];
       w += share;
       wx += share * x;
@@ -128,6 +153,7 @@ class ReferenceCoarse {
   Real volume_in(const Cell& c) const {
     Real volume = 0;
     for (const Particle& i : particles_) {
+      if (i.in_flight) continue;
       Real part = 1;
       for (int a = 0; a < 3; ++a) {
         const Real half = s_ / (2 * size_[a]), middle = std::clamp(i.surface[a], half, count_[a] - half);
@@ -145,7 +171,8 @@ class ReferenceCoarse {
     for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
-      (*wet_)[c] = (*fill_)[c] >= 0.585 || submerged || (c.z() == 0 && (*fill_)[c] >= 0.2);
+      (*wet_)[c] = c.z() < (*reach_)[Cell(c.x(), c.y(), 0)] &&
+                   ((*fill_)[c] >= 0.585 || submerged || (c.z() == 0 && (*fill_)[c] >= 0.2));
     });
     // Water under the ceiling has no surface.
     for_each_cell([&](const Cell& c) {
@@ -330,6 +357,7 @@ class ReferenceCoarse {
   }
 
   Vec3 displacement(const Particle& i, Real noise_share) const {
+    if (i.in_flight) return Vec3::Zero();
     const Cell& c = i.cell;
     const bool follows = !wet(c) && c.z() > 0 && wet(c - unit(2));  // what little is above a top cell
     Vec3 u, off;
@@ -355,6 +383,7 @@ class ReferenceCoarse {
   std::optional<Faces<Real>> mean_;
   std::optional<CellArray<Real>> fill_, height_, phi_;
   std::optional<CellArray<char>> wet_;
+  std::optional<CellArray<int>> reach_;
   int depth_ = 0, levels_ = 1;
 };
 
