@@ -41,6 +41,7 @@ enum class Mass { calibrated, volume };
 enum class Method { jacobi, chebyshev, anderson };
 enum class Constraint { equality, inequality };
 enum class Precision { single, double_ };
+enum class VorticityForm { report, projected };
 enum class WallDensity { none, analytic };
 enum class Reflection { normal, report };
 enum class MusicKind { score, midi, sound, live };
@@ -167,6 +168,7 @@ struct Settings {
   std::vector<ObstacleSettings> obstacles;
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
+  VorticityForm vorticity_form = VorticityForm::report;
   std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
   /// Kinematic viscosity nu, m²/s, also by XSPH, so that at most one of the two may be given. The CFL rule splits steps
   /// longer than longest_viscous_step(); where cfl is 0 the scene reader refuses them.

@@ -38,6 +38,7 @@ BytesEach bytes_each(const Scene& scene) {
   double cell = 2 * 4;  // counts and starts
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
   if (scene.vorticity) owned += quad, ghost += quad;
+  if (scene.vorticity && scene.vorticity_form == VorticityForm::projected) owned += 24;  // velocities before it
   if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
     owned += quad, ghost += quad;  // velocities, which both use
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;

@@ -325,6 +325,9 @@ void PhysicsReader::read_vorticity() {
   Section vorticity = root_.child("vorticity");
   Real epsilon = scene_.vorticity.value_or(0.002);  // a table without its key means the value of the report
   vorticity.number({"epsilon", "the strength of the vorticity confinement"}, epsilon, at_least(0));
+  vorticity.choice<VorticityForm>({"form", "the report's, or projected to what keeps linear momentum"},
+                                  scene_.vorticity_form,
+                                  {{"report", VorticityForm::report}, {"projected", VorticityForm::projected}});
   if (vorticity.present()) scene_.vorticity = epsilon;
   vorticity.reject_unknown();
 }

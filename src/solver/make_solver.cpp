@@ -9,6 +9,7 @@
 #include "fluid/floor_friction.hpp"
 #include "fluid/gravity.hpp"
 #include "fluid/kernels.hpp"
+#include "fluid/momentum_keeper.hpp"
 #include "fluid/obstacles/obstacle_motion.hpp"
 #include "fluid/obstacles/periods.hpp"
 #include "fluid/vorticity_confinement.hpp"
@@ -36,11 +37,14 @@ std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
 }
 
 template <class T>
-std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& settings, const DensityModel& model) {
+std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(MPI_Comm comm, const Settings& settings,
+                                                             const DensityModel& model) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   const auto velocity = std::make_shared<VelocityField<T>>();
   if (settings.vorticity)
     filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
+  if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
+    filters.back() = std::make_unique<MomentumKeeper<T>>(comm, std::move(filters.back()));
   std::optional<XsphFactor> xsph;
   if (settings.viscosity) xsph = xsph_of_share(*settings.viscosity, model);
   if (settings.kinematic_viscosity)
@@ -128,7 +132,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), parts.obstacles);
   parts.density_solver = make_density_solver<T>(
       settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, parts.obstacles.get()});
-  parts.filters = make_filters<T>(settings, model);
+  parts.filters = make_filters<T>(*parts.comm, settings, model);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(

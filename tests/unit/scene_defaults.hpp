@@ -48,6 +48,7 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "tensile.n=4",
                                                               "tensile.dq=0.2",
                                                               "vorticity.epsilon=0.002",
+                                                              "vorticity.form='report'",
                                                               "viscosity.c=0.001",
                                                               "fountain.0.diameter=0.15",
                                                               "fountain.0.height=0.2",
