@@ -160,10 +160,8 @@ CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   if (!scene.output.series || !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty())
     return nullptr;
-  const bool stirred = std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const ObstacleSettings& o) {
-    return !o.velocity.isZero(0) || !o.angular_velocity.isZero(0) || !o.motion.empty();
-  });
-  if (stirred) return nullptr;
+  if (std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const auto& one) { return one.moves(); }))
+    return nullptr;
   const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
   for (std::size_t a = 0; a < 3; ++a)  // water falls for ever along a periodic axis
     if (scene.periodic[a] && gravity[static_cast<Eigen::Index>(a)] != 0) return nullptr;

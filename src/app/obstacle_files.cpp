@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "app/scene_obstacle.hpp"
 #include "app/scene_place.hpp"
 #include "base/hash.hpp"
 #include "fluid/obstacles/closed_mesh.hpp"
@@ -58,9 +59,8 @@ std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
         static_cast<std::size_t>(end) != line.size() || !knot.center.allFinite() || !std::isfinite(knot.time))
       refuse(path, number, "not four numbers");
     if (!knots.empty() && knot.time <= knots.back().time) refuse(path, number, "not later than the line before");
-    constexpr Real fastest = 1e4;  // m/s, as for [[obstacle]] velocity
     if (!knots.empty() &&
-        (knot.center - knots.back().center).cwiseAbs().maxCoeff() > fastest * (knot.time - knots.back().time))
+        (knot.center - knots.back().center).cwiseAbs().maxCoeff() > fastest_obstacle * (knot.time - knots.back().time))
       refuse(path, number, "further from the line before than 10000 m/s would take it");
     knots.push_back(knot);
   }

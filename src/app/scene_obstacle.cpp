@@ -52,11 +52,9 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
   section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
 }
 
-constexpr Real fastest = 1e4;  // m/s, as for inlets, and rad/s
-
 bool may_follow(const ObstacleKnot& last, const ObstacleKnot& next) {
   return next.time > last.time &&
-         (next.center - last.center).cwiseAbs().maxCoeff() <= fastest * (next.time - last.time);
+         (next.center - last.center).cwiseAbs().maxCoeff() <= fastest_obstacle * (next.time - last.time);
 }
 
 // Of a list of lists of four numbers; none for anything else.
@@ -79,11 +77,11 @@ std::vector<ObstacleKnot> knots_of(const toml::node& node) {
 
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
   section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, components(obstacle.velocity));
-  section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest,
+  section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
                 "must be at most 10000 m/s on each axis; check the units");
   section.numbers({"angular_velocity", "the angular velocity [x, y, z] about the centre in rad/s"},
                   components(obstacle.angular_velocity));
-  section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest,
+  section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
                 "must be at most 10000 rad/s about each axis; check the units");
   const Key motion{"motion",
                    "times and places, [[time, x, y, z], ...] in s and m with times increasing, or the name of a CSV "

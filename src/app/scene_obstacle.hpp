@@ -7,6 +7,9 @@
 
 namespace trevi {
 
+/// m/s along each axis, as for inlets, and rad/s about it.
+inline constexpr Real fastest_obstacle = 1e4;
+
 void read_obstacle(Section& section, Scene& scene);
 
 }  // namespace trevi

@@ -44,7 +44,11 @@ void Halo::rebuild(CellOrder& order) {
   send(order.last_plane_counts().data(), bytes, neighbours_.from[high], high);
   finish();
   order.add_ghosts(low_counts_, high_counts_);
-  owned_ = {order.start(1, 0), order.start(2, 0), order.start(order.planes(), 0), order.start(order.planes() + 1, 0),
+  owned_ = {order.start(1, 0),
+            order.start(2, 0),
+            order.start(order.planes(), 0),
+            order.start(order.planes() + 1, 0),
+            order.low_ghosts() + order.owned() + order.high_ghosts(),
             order.size()};
 }
 

@@ -34,7 +34,7 @@ class Halo {
   template <class T>
   void start(std::vector<T>& field) {
     static_assert(std::is_trivially_copyable_v<T>);
-    assert(field.size() >= static_cast<std::size_t>(owned_.end_high));
+    assert(field.size() == static_cast<std::size_t>(owned_.all));
     start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(T));
   }
   /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each.
@@ -63,7 +63,7 @@ class Halo {
  private:
   // Borders of the slices, as indices into an array with ghosts.
   struct Borders {
-    LocalId begin = 0, end_first_plane = 0, begin_last_plane = 0, end = 0, end_high = 0;
+    LocalId begin = 0, end_first_plane = 0, begin_last_plane = 0, end = 0, end_high = 0, all = 0;
   };
   void start_bytes(std::byte* field, std::size_t size);
   void start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const PlanePeers& peers);

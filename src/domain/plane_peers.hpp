@@ -23,8 +23,9 @@ struct PlanePeers {
 
 /// The ranks with the slabs below and above; in a ring the first is next to the last.
 inline std::array<int, 2> slab_neighbours(MPI_Comm comm, bool ring) {
-  const int rank = rank_of(comm), ranks = size_of(comm), end = ring ? 0 : MPI_PROC_NULL;
-  return {rank > 0 ? rank - 1 : ring ? ranks - 1 : end, rank + 1 < ranks ? rank + 1 : end};
+  const int rank = rank_of(comm), last = size_of(comm) - 1;
+  const int before_first = ring ? last : MPI_PROC_NULL, after_last = ring ? 0 : MPI_PROC_NULL;
+  return {rank > 0 ? rank - 1 : before_first, rank < last ? rank + 1 : after_last};
 }
 
 /// The part of an exchange that goes to the low side.

@@ -9,11 +9,18 @@ namespace trevi {
 template <class T>
 void MomentumKeeper<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   std::vector<Vec3>& velocity = particles.velocity;
-  resize_tightly(before_, velocity.size());
-  for_each_index(near.all(), [&](std::size_t i) { before_[i] = velocity[i]; });
+  keep(velocity);
   filter_->apply(near, particles, dt);
+  const ScopedEvent timed(event_);
   const Vec3 mean = mean_change(near.order(), velocity);
   for_each_index(near.all(), [&](std::size_t i) { velocity[i] -= mean; });
+}
+
+template <class T>
+void MomentumKeeper<T>::keep(const std::vector<Vec3>& velocity) {
+  const ScopedEvent timed(event_);
+  resize_tightly(before_, velocity.size());
+  for_each_index({0, static_cast<LocalId>(velocity.size())}, [&](std::size_t i) { before_[i] = velocity[i]; });
 }
 
 template <class T>

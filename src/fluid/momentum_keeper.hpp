@@ -14,8 +14,10 @@ class MomentumKeeper : public VelocityFilter<T> {
   std::size_t bytes() const override { return filter_->bytes() + before_.capacity() * sizeof(Vec3); }
 
  private:
+  void keep(const std::vector<Vec3>& velocity);
   Vec3 mean_change(const CellOrder& order, const std::vector<Vec3>& velocity) const;
 
+  Event event_{"Projection"};
   MPI_Comm comm_;
   std::unique_ptr<VelocityFilter<T>> filter_;
   std::vector<Vec3> before_;  // velocities, m/s

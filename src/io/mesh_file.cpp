@@ -100,12 +100,18 @@ void check_obj(const std::string& path) {
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such file; give the path of a mesh");
   const std::string ending = ending_of(path);
-  if (ending == ".stl") check_binary_stl(path);
-  if (ending == ".stl") return read_by<vtkSTLReader>(path);
-  if (ending == ".obj") check_obj(path);
-  if (ending == ".obj") return read_by<vtkOBJReader>(path);
-  if (ending == ".ply") check_ply(path);
-  if (ending == ".ply") return read_by<vtkPLYReader>(path);
+  if (ending == ".stl") {
+    check_binary_stl(path);
+    return read_by<vtkSTLReader>(path);
+  }
+  if (ending == ".obj") {
+    check_obj(path);
+    return read_by<vtkOBJReader>(path);
+  }
+  if (ending == ".ply") {
+    check_ply(path);
+    return read_by<vtkPLYReader>(path);
+  }
   throw InputError(path + ": unknown kind of mesh; give a file ending in .stl, .obj or .ply");
 }
 

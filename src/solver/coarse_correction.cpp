@@ -83,18 +83,17 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
   const LocalId rows = order.grid().rows(), all_columns = order.grid().columns();
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows;
-    for (LocalId c = 0; c < all_columns; ++c) {
+    const LocalId columns = water_.grid().columns(k, r);
+    for (LocalId c = 0; c < columns; ++c) {
       const LocalId cell = r * all_columns + c;
       const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
       if (begin == end) continue;
-      if (c < water_.grid().columns(k, r)) {
-        displace_cell(water_.frame(), motion, {begin, end, water_.grid().corner_of(motion.p[begin])},
-                      displacement_of(k, r, c), &out[begin]);
-      } else {
-        std::fill_n(&out[begin], end - begin, Vec4<T>{});
-      }
+      displace_cell(water_.frame(), motion, {begin, end, water_.grid().corner_of(motion.p[begin])},
+                    displacement_of(k, r, c), &out[begin]);
     }
+    const LocalId flying = order.start(k, r * all_columns + columns), end = order.start(k, (r + 1) * all_columns);
+    std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
   });
   if (obstacles_ != nullptr) tell_obstacles<T>(order, out);
 }

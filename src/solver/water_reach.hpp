@@ -29,6 +29,7 @@ class WaterReach {
   LocalId wet_columns(LocalId k, LocalId r) const { return wet_[index(k, r)]; }
   /// Cells to look at: all that are next to one that can be water. Not known of the ghost planes' rows in full.
   LocalId columns(LocalId k, LocalId r) const { return near_[index(k, r)]; }
+  std::size_t bytes() const { return (surface_.capacity() + wet_.capacity() + near_.capacity()) * sizeof(LocalId); }
 
  private:
   std::size_t index(LocalId k, LocalId r) const {

@@ -61,7 +61,7 @@ c = 0.001
 every_steps = 1
 """
 CUBE = BOX.format(low=0.2, high=1.4, height=0.6, top=1.4)
-FOUNTAIN = BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + """
+JET = """
 [[fountain]]
 center = [0.8, 0.3]
 diameter = 0.25
@@ -69,6 +69,7 @@ height = 0.2
 speed = 5.0
 jitter = 2.5
 """
+FOUNTAIN = BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + JET
 FLOW = BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + """
 [[inlet]]
 center = [0.4, 0.3, 1.2]

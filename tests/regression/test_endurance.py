@@ -12,19 +12,12 @@ import unittest
 from pathlib import Path
 
 import runs
-from runs import CHECKPOINTS, FLOW, FRAMES, Folder
+from runs import CHECKPOINTS, FLOW, FRAMES, JET, Folder
 
 RESTARTS, RANKS, SECONDS = (int(os.environ.get(f"TREVI_{name}", default))
                             for name, default in (("RESTARTS", 6), ("RANKS", 12), ("SECONDS", 300)))
 # All that has a state of its own: two inlets, one of which recycles, a drain, and a fountain's random numbers.
-RESTARTED = FLOW + """
-[[fountain]]
-center = [0.8, 0.3]
-diameter = 0.25
-height = 0.2
-speed = 5.0
-jitter = 2.5
-"""
+RESTARTED = FLOW + JET
 # A plane of cells for each rank.
 LONG = """
 [domain]

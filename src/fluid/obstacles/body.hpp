@@ -43,6 +43,8 @@ class Body {
   bool may_meet(const Vec3& from, const Vec3& to) const;
   bool may_meet(const Vec3& from, Real length) const;
 
+  std::size_t bytes() const { return map_->bytes() + (rough_ ? rough_->bytes() : 0); }
+
   /// The signed distance of p in the frame of the body, for the coarse grid: near the surface to a twelfth of h where
   /// exact ones take long (meshes), and further away enough to tell that it is.
   Real rough_distance(const Vec3& p) const { return rough_ ? rough_->at(p).distance : shape_->distance(p); }

@@ -78,7 +78,7 @@ void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
 
 std::size_t Obstacles::bytes() const {
   std::size_t bytes = 0;
-  for (const auto& body : bodies_) bytes += body->map().bytes();
+  for (const auto& body : bodies_) bytes += body->bytes();
   return bytes;
 }
 
