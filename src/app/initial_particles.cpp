@@ -80,8 +80,7 @@ void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, c
   });
 }
 
-void check_free(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, const std::string& source) {
-  const FreePlaces places(scene);
+void check_free(MPI_Comm comm, const FreePlaces& places, const ParticleRows& rows, const std::string& source) {
   all_or_none(comm, [&] {
     for (std::size_t i = 0; i < rows.position.size(); ++i) {
       const int k = places.solid_at(rows.position[i]);
@@ -93,28 +92,30 @@ void check_free(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, con
 }
 
 // Returns how many ids the rows take, from 0 to the largest.
-GlobalId append_file(MPI_Comm comm, const Scene& scene, const std::string& path, GlobalId first_id,
-                     Particles& particles) {
+GlobalId append_file(MPI_Comm comm, const Scene& scene, const ParticleSource& source, const FreePlaces& places,
+                     FileParticles& files) {
+  const std::string& path = source.path;
+  const GlobalId first_id = files.first_id.back();
   const ParticleRows rows = read_particle_file(comm, path);
   if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
   check_inside(comm, scene, rows, path);
-  check_free(comm, scene, rows, path);
-  append_rows(particles, rows, first_id);
+  check_free(comm, places, rows, path);
+  append_rows(files.particles, rows, first_id);
   GlobalId last = -1;
   for (const GlobalId id : rows.id) last = std::max(last, id);
   MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
   return last + 1;
 }
 
-FileParticles read_files(MPI_Comm comm, const Scene& scene) {
+FileParticles read_files(MPI_Comm comm, const Scene& scene, const FreePlaces& places) {
   FileParticles result;
   GlobalId next_id = 0;
   for (const ParticleSource& source : scene.particles) {
     result.first_id.push_back(next_id);
-    next_id += source.type == ParticleSource::Type::block
-                   ? Lattice(source, scene.fluid.spacing).size()
-                   : told_at(scene, source.line, "[[particles]] path",
-                             [&] { return append_file(comm, scene, source.path, next_id, result.particles); });
+    next_id += source.type == ParticleSource::Type::block ? Lattice(source, scene.fluid.spacing).size()
+                                                          : told_at(scene, source.line, "[[particles]] path", [&] {
+                                                              return append_file(comm, scene, source, places, result);
+                                                            });
     if (next_id > end_of_ids) {
       throw InputError(scene.path +
                        ": ids of all [[particles]] together pass 2^62; leave /particles/id out of the files "
@@ -154,9 +155,9 @@ std::vector<Real> free_weights(MPI_Comm comm, const Scene& scene, const CellGrid
 }
 
 // The same with particles from files, which may be on any rank.
-std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const Particles& files) {
+std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places,
+                                 const Particles& files) {
   std::vector<Real> weights = plane_weights(comm, grid, files);
-  const FreePlaces places(scene);
   const std::vector<Real> blocks = places.all() ? block_weights(scene, grid) : free_weights(comm, scene, grid, places);
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
   if (!scene.particles.empty() && std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
@@ -183,15 +184,17 @@ void add_hue(MPI_Comm comm, Particles& particles) {
 }  // namespace
 
 Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights) {
-  const FileParticles files = read_files(comm, scene);
-  weights = source_weights(comm, scene, grid, files.particles);
+  const FreePlaces places(scene);
+  const FileParticles files = read_files(comm, scene, places);
+  weights = source_weights(comm, scene, grid, places, files.particles);
   return first_slabs(scene, grid, weights, size_of(comm));
 }
 
 Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   const CellGrid grid = cell_grid(scene);
-  FileParticles files = read_files(comm, scene);
-  const std::vector<Real> weights = source_weights(comm, scene, grid, files.particles);
+  const FreePlaces places(scene);
+  FileParticles files = read_files(comm, scene, places);
+  const std::vector<Real> weights = source_weights(comm, scene, grid, places, files.particles);
   const Slabs slabs = first_slabs(scene, grid, weights, size_of(comm));
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
@@ -208,7 +211,6 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
   // run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
-  const FreePlaces places(scene);
   for (std::size_t s = 0; s < scene.particles.size(); ++s) {
     const ParticleSource& source = scene.particles[s];
     if (source.type != ParticleSource::Type::block) continue;

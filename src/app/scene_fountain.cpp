@@ -104,10 +104,7 @@ void read_music(Section& section, const Scene& scene, PumpSettings& fountain) {
 }  // namespace
 
 void read_jet(Section& section, const Scene& scene, PumpSettings& pump) {
-  if (section.numbers({"direction", "the direction of the jet [x, y, z], of any length"}, {pump.direction.data(), 3}) &&
-      section.check("direction", pump.direction.stableNorm() > 0, "must not be zero; give the way the jet goes")) {
-    pump.direction.stableNormalize();
-  }
+  section.direction({"direction", "the direction of the jet [x, y, z], of any length"}, pump.direction);
   const Interval speeds{.low = 0, .high = highest_speed};
   section.number({"speed", "the speed of the jet in m/s"}, pump.speed, speeds);
   section.number({"jitter", "the largest random addition to speed in m/s"}, pump.jitter, speeds);

@@ -11,16 +11,7 @@ namespace trevi {
 namespace {
 
 /// Of a layer; more is taken for a mistake.
-constexpr GlobalId most_places = 100'000'000;
-
-std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
-
-void read_axis(Section& section, Vec3& axis) {
-  const Key key{"axis", "the way a cylinder goes, or the normal [x, y, z] of a plane to the side it drains"};
-  if (section.numbers(key, components(axis)) &&
-      section.check("axis", axis.stableNorm() > 0, "must not be zero; give a direction of any length"))
-    axis.stableNormalize();
-}
+constexpr Real most_places = 100'000'000;
 
 void only_for(Section& section, const char* key, bool right, const char* words) {
   section.check(key, right || !section.given(key), std::string("is for ") + words + "; leave it out");
@@ -30,7 +21,7 @@ void read_opening(Section& section, InletSettings& inlet) {
   section.choice<InletShape>({"type", "the shape of the opening; default disc"}, inlet.shape,
                              {{"disc", InletShape::disc}, {"rectangle", InletShape::rectangle}});
   const bool disc = inlet.shape == InletShape::disc;
-  section.numbers({"center", "the middle [x, y, z] of the opening in metres", true}, components(inlet.center));
+  section.numbers({"center", "the middle [x, y, z] of the opening in metres", true}, inlet.center);
   section.number({"radius", "the radius of a disc in metres"}, inlet.radius, above(0));
   section.numbers({"size", "the level edge and the other edge [a, b] of a rectangle in metres"}, inlet.size);
   only_for(section, "radius", disc, "a disc; a rectangle has a size");
@@ -43,29 +34,40 @@ void read_opening(Section& section, InletSettings& inlet) {
                 "must be positive; give the edges [a, b] of the rectangle in metres");
 }
 
-// The flow counts the volume spacing³ of each particle.
-void read_flow_rate(Section& section, InletSettings& inlet, Real spacing) {
+// The flow counts the volume spacing³ of each particle. `lattice`: none where the opening is not known.
+void read_flow_rate(Section& section, InletSettings& inlet, const std::optional<InletLattice>& lattice, Real spacing) {
   Real flow = 0;
   if (!section.number({"flow", "the water that enters in m³/s, in place of speed"}, flow, at_least(0))) return;
   inlet.flow = flow;
-  const Real area = static_cast<Real>(InletLattice(inlet, spacing).open_places()) * spacing * spacing;
-  inlet.speed = flow / area;
   section.check("flow", !section.given("speed"), "speed is given, too; keep one of them");
+  if (!lattice) return;
+  inlet.speed = flow / (static_cast<Real>(lattice->open_places()) * spacing * spacing);
   section.check("flow", inlet.speed <= 1e4,
                 fmt::format("is {:.3g} m/s through this opening; lower it, or widen the opening", inlet.speed));
 }
 
+// None where the opening is not known, or has more places than can be meant.
+std::optional<InletLattice> lattice_of(Section& section, const Scene& scene, const InletSettings& inlet,
+                                       const KnownGood& known) {
+  const Real spacing = scene.fluid.spacing;
+  if (!known.spacing || !section.fine("radius") || !section.fine("size")) return std::nullopt;
+  const bool counts =
+      section.check("center", InletLattice::places_of(inlet, spacing) <= most_places,
+                    fmt::format("the opening has more than {:.0e} places; check the units", most_places));
+  return counts ? std::optional(InletLattice(inlet, spacing)) : std::nullopt;
+}
+
 void check_place(Section& section, const Scene& scene, const InletSettings& inlet) {
-  const InletLattice lattice(inlet, scene.fluid.spacing);
-  const Vec3 reach = lattice.reach(), low = inlet.center - reach, high = inlet.center + reach;
+  const Vec3 reach = InletLattice(inlet, scene.fluid.spacing).reach(), low = inlet.center - reach,
+             high = inlet.center + reach;
   section.check("center", scene.domain.contains(low) && scene.domain.contains(high),
                 fmt::format("the opening reaches from ({}, {}, {}) to ({}, {}, {}), out of the box; move it inside",
                             low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
 }
 
 void read_box(Section& section, DrainSettings& drain) {
-  section.numbers({"min", "the lower corner of a box [x, y, z] in metres"}, components(drain.min));
-  section.numbers({"max", "the upper corner of a box [x, y, z] in metres"}, components(drain.max));
+  section.numbers({"min", "the lower corner of a box [x, y, z] in metres"}, drain.min);
+  section.numbers({"max", "the upper corner of a box [x, y, z] in metres"}, drain.max);
   const bool box = drain.shape == DrainShape::box;
   for (const char* key : {"min", "max"}) {
     only_for(section, key, box, "type = \"box\"");
@@ -78,8 +80,9 @@ void read_box(Section& section, DrainSettings& drain) {
 void read_round_or_plane(Section& section, DrainSettings& drain) {
   const bool box = drain.shape == DrainShape::box, cylinder = drain.shape == DrainShape::cylinder;
   section.numbers({"center", "the middle of a cylinder's base, or a point of a plane, [x, y, z] in metres"},
-                  components(drain.center));
-  read_axis(section, drain.axis);
+                  drain.center);
+  section.direction({"axis", "the way a cylinder goes, or the normal [x, y, z] of a plane to the side it drains"},
+                    drain.axis);
   section.number({"radius", "the radius of a cylinder in metres"}, drain.radius, above(0));
   section.number({"height", "the height of a cylinder above its base in metres"}, drain.height, above(0));
   for (const char* key : {"center", "axis"})
@@ -101,18 +104,14 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   inlet.speed = 0;
   read_opening(section, inlet);
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
-  const bool sized = known.spacing && section.fine("radius") && section.fine("size");
-  const Real spacing = known.spacing ? scene.fluid.spacing : 1;
-  if (sized)
-    section.check("center", InletLattice(inlet, spacing).places() <= most_places,
-                  fmt::format("the opening is more than {} spacings; check the units", most_places));
-  read_flow_rate(section, inlet, sized && section.fine("center") ? spacing : 1);
+  const std::optional<InletLattice> lattice = lattice_of(section, scene, inlet, known);
+  read_flow_rate(section, inlet, lattice, scene.fluid.spacing);
   section.check("speed", section.given("speed") || section.given("flow") || section.given("speed_range"),
                 "missing; give speed (m/s) or flow (m³/s), or speed_range where there is music");
   read_jet(section, scene, inlet);
   read_times(section, inlet);
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
-  if (sized && known.box && section.fine("center") && section.fine("direction")) check_place(section, scene, inlet);
+  if (lattice && known.box && section.fine("center") && section.fine("direction")) check_place(section, scene, inlet);
   section.reject_unknown();
   scene.inlets.push_back(inlet);
 }

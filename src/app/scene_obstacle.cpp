@@ -9,15 +9,13 @@
 namespace trevi {
 namespace {
 
-std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
-
 // Only the keys of its shape are asked for; others are unknown.
 void read_lengths(Section& section, ObstacleSettings& obstacle) {
   const ShapeKind shape = obstacle.shape;
   const bool has_height = shape == ShapeKind::cylinder || shape == ShapeKind::capsule;
   if (shape == ShapeKind::mesh) return;
   if (shape == ShapeKind::box) {
-    section.numbers({"size", "the edges [x, y, z] of the box in metres", true}, components(obstacle.size));
+    section.numbers({"size", "the edges [x, y, z] of the box in metres", true}, obstacle.size);
     section.check("size", obstacle.size.minCoeff() > 0, "must be positive on every axis; give the edges of the box");
     return;
   }
@@ -34,8 +32,7 @@ void read_lengths(Section& section, ObstacleSettings& obstacle) {
     section.check("height", obstacle.height >= 2 * obstacle.radius,
                   "must be at least twice the radius, as it goes from end to end; take a sphere");
   if (shape == ShapeKind::sphere) return;
-  if (section.numbers({"axis", "the direction of the axis [x, y, z], of any length"}, components(obstacle.axis)))
-    section.check("axis", obstacle.axis.stableNorm() > 0, "must not be zero; give the way the axis points");
+  section.direction({"axis", "the direction of the axis [x, y, z], of any length"}, obstacle.axis);
 }
 
 void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
@@ -43,12 +40,11 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
     if (section.text({"path", "the mesh, an STL, OBJ or PLY file relative to the scene's folder", true}, obstacle.path))
       obstacle.path = beside_scene(scene.path, obstacle.path);
     section.number({"scale", "the length of a unit of the mesh in metres"}, obstacle.scale, above(0));
-    section.numbers({"translate", "the place [x, y, z] of the mesh's origin in metres"}, components(obstacle.center));
+    section.numbers({"translate", "the place [x, y, z] of the mesh's origin in metres"}, obstacle.center);
   } else {
-    section.numbers({"center", "the middle [x, y, z] in metres", true}, components(obstacle.center));
+    section.numbers({"center", "the middle [x, y, z] in metres", true}, obstacle.center);
   }
-  section.numbers({"rotate", "degrees [x, y, z] about the axes through the centre, x first"},
-                  components(obstacle.rotate));
+  section.numbers({"rotate", "degrees [x, y, z] about the axes through the centre, x first"}, obstacle.rotate);
   section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
 }
 
@@ -76,11 +72,11 @@ std::vector<ObstacleKnot> knots_of(const toml::node& node) {
 }
 
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
-  section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, components(obstacle.velocity));
+  section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, obstacle.velocity);
   section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
                 "must be at most 10000 m/s on each axis; check the units");
   section.numbers({"angular_velocity", "the angular velocity [x, y, z] about the centre in rad/s"},
-                  components(obstacle.angular_velocity));
+                  obstacle.angular_velocity);
   section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
                 "must be at most 10000 rad/s about each axis; check the units");
   const Key motion{"motion",

@@ -27,8 +27,6 @@ std::string rounded_down(Real positive) {
   return fmt::format("{:.3g}", std::floor(positive / unit) * unit);
 }
 
-std::span<Real> components(Vec3& vector) { return {vector.data(), 3}; }
-
 void read_derived(Section& section, const Key& key, Derived<Real>& target, const Interval& range) {
   Real value = 0;
   if (section.number(key, value, range)) target = value;
@@ -58,6 +56,8 @@ class PhysicsReader {
     for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
     for (Section& drain : root_.children("drain")) read_drain(drain, scene_);
     check_flow(root_, scene_);
+    density.check("method", scene_.density.method != Method::anderson || scene_.obstacles.empty(),
+                  "anderson mixes positions with no regard to obstacles; take \"chebyshev\" or \"jacobi\"");
     domain_.reject_unknown();
     fluid_.reject_unknown();
     density.reject_unknown();
@@ -99,8 +99,8 @@ void PhysicsReader::read_preset(Section& density) {
 }
 
 void PhysicsReader::read_domain() {
-  domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, components(scene_.domain.min));
-  domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, components(scene_.domain.max));
+  domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, scene_.domain.min);
+  domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, scene_.domain.max);
   const Vec3 extent = scene_.domain.max - scene_.domain.min;
   if (box_known())
     domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
@@ -210,9 +210,9 @@ void PhysicsReader::read_particle_source(Section& section) {
 }
 
 void PhysicsReader::read_block(Section& section, ParticleSource& source) {
-  section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, components(source.min));
-  section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, components(source.max));
-  section.numbers({"velocity", "the start velocity [x, y, z] in m/s"}, components(source.velocity));
+  section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, source.min);
+  section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, source.max);
+  section.numbers({"velocity", "the start velocity [x, y, z] in m/s"}, source.velocity);
   section.number({"vortex", "the largest speed of a Taylor-Green vortex in x and y that is added, in m/s"},
                  source.vortex);
   if (!section.fine("min") || !section.fine("max")) return;
@@ -315,7 +315,7 @@ void PhysicsReader::read_forces() {
   Section section = root_.child("gravity");
   if (section.present()) {
     Vec3 acceleration(0, 0, -9.8);
-    section.numbers({"acceleration", "the acceleration [x, y, z] in m/s²"}, components(acceleration));
+    section.numbers({"acceleration", "the acceleration [x, y, z] in m/s²"}, acceleration);
     scene_.gravity = acceleration;
   }
   section.reject_unknown();

@@ -250,6 +250,14 @@ bool Section::integer_between(const Key& key, std::int64_t& target, std::pair<st
   return true;
 }
 
+bool Section::direction(const Key& key, Vec3& target) {
+  Vec3 given;
+  if (!numbers(key, given)) return false;
+  const bool points = check(key.name, given.stableNorm() > 0, "must not be zero; give a direction of any length");
+  if (points) target = given.stableNormalized();
+  return points;
+}
+
 bool Section::flag(const Key& key, bool& target) {
   const toml::node* node = find(key, "true or false");
   if (!node) return false;

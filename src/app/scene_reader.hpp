@@ -79,6 +79,9 @@ class Section {
   /// These return whether the key was given and good; only then is the target written.
   bool number(const Key& key, Real& target, const Interval& range = {});
   bool numbers(const Key& key, std::span<Real> target);
+  bool numbers(const Key& key, Vec3& target) { return numbers(key, {target.data(), 3}); }
+  /// Of any length but zero; the target gets the length 1.
+  bool direction(const Key& key, Vec3& target);
   bool flag(const Key& key, bool& target);
   bool text(const Key& key, std::string& target);
   bool texts(const Key& key, std::vector<std::string>& target);

@@ -12,7 +12,13 @@ namespace {
 
 constexpr Real rounding = 1e-9;
 
-GlobalId whole(Real length, Real spacing) { return std::max<GlobalId>(1, std::llround(length / spacing)); }
+Real whole(Real length, Real spacing) { return std::max<Real>(1, std::round(length / spacing)); }
+
+// The edges of the rectangle around an opening, level edge first.
+std::array<Real, 2> edges_of(const InletSettings& settings) {
+  if (settings.shape == InletShape::rectangle) return {settings.size[0], settings.size[1]};
+  return {2 * settings.radius, 2 * settings.radius};
+}
 
 // The level direction across `d`, x where that is upright.
 Vec3 level_across(const Vec3& d) {
@@ -27,8 +33,14 @@ InletLattice::InletLattice(const InletSettings& settings, Real spacing)
       spacing_(spacing),
       level_(level_across(settings.direction)),
       across_(settings.direction.cross(level_)) {
-  const bool disc = settings.shape == InletShape::disc;
-  for (const int a : {0, 1}) count_[a] = whole(disc ? 2 * settings.radius : settings.size[a], spacing);
+  const std::array<Real, 2> edges = edges_of(settings);
+  for (const std::size_t a : {0U, 1U}) count_[a] = static_cast<GlobalId>(whole(edges[a], spacing));
+  for (GlobalId place = 0; place < places(); ++place) open_ += is_open(place) ? 1 : 0;
+}
+
+Real InletLattice::places_of(const InletSettings& settings, Real spacing) {
+  const std::array<Real, 2> edges = edges_of(settings);
+  return whole(edges[0], spacing) * whole(edges[1], spacing);
 }
 
 bool InletLattice::is_open(GlobalId place) const {
@@ -37,12 +49,6 @@ bool InletLattice::is_open(GlobalId place) const {
   const Real y = static_cast<Real>(place / count_[0]) - static_cast<Real>(count_[1] - 1) / 2;
   const Real r = settings_.radius / spacing_;
   return x * x + y * y <= r * r * (1 + rounding);
-}
-
-GlobalId InletLattice::open_places() const {
-  GlobalId open = 0;
-  for (GlobalId place = 0; place < places(); ++place) open += is_open(place) ? 1 : 0;
-  return open;
 }
 
 Vec3 InletLattice::position(GlobalId place, Real ahead) const {

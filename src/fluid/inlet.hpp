@@ -16,12 +16,15 @@ class InletLattice {
  public:
   InletLattice(const InletSettings& settings, Real spacing);
 
+  /// Places of the rectangle around an opening, before it is known whether they can be counted.
+  static Real places_of(const InletSettings& settings, Real spacing);
+
   /// Of the rectangle around the opening.
   GlobalId places() const { return count_[0] * count_[1]; }
   /// Whether a place is in the opening itself.
   bool is_open(GlobalId place) const;
   /// Number of open places: the particles of a layer.
-  GlobalId open_places() const;
+  GlobalId open_places() const { return open_; }
   /// `ahead`: distance from the opening along the direction, m.
   Vec3 position(GlobalId place, Real ahead) const;
   /// Farthest that the opening reaches from its centre along each coordinate, m.
@@ -44,6 +47,7 @@ class InletLattice {
 
   Vec3 level_, across_;  // directions of the columns of a row, and of the rows
   GlobalId count_[2];    // columns, rows
+  GlobalId open_ = 0;
 };
 
 /// Sets the velocity of the particles within one spacing ahead of its opening as a fountain does, so that water in the

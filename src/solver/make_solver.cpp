@@ -108,6 +108,8 @@ Settings checked_and_resolved(const Settings& settings) {
   demand(all.density.iterations >= 1, "density.iterations must be at least 1");
   demand(all.density.method != Method::chebyshev || all.density.constraint == Constraint::inequality,
          "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
+  demand(all.density.method != Method::anderson || all.obstacles.empty(),
+         "density.method anderson knows no obstacles; use chebyshev or jacobi");
   demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
   demand(!all.kinematic_viscosity || all.cfl > 0 ||
              all.dt <= longest_viscous_step(*all.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),

@@ -235,6 +235,12 @@ class BadInput(ProgramTest):
         self.assert_all_refused([(key, f"{ball}{key} = [0, 1e300, 0]\n", ["scene.toml"],
                                   [f"scene.toml:20: [[obstacle]] {key}: must be at most 10000"])
                                  for key in ("velocity", "angular_velocity")], rank_counts=(2,))
+        inlet = "[[inlet]]\ncenter = [0.65, 0.5, 0.3]\nradius = 0.15\nspeed = 1\n"
+        self.assert_all_refused([
+            ("an inlet in an obstacle", ball + inlet, ["scene.toml"],
+             ["scene.toml:20: [[inlet]] center: the opening is in obstacle 0 at (", "move it out of the obstacle"]),
+            ("anderson", ball + "[density]\nmethod = 'anderson'\n", ["scene.toml"],
+             ["scene.toml:21: [density] method: ", "no regard to obstacles"])], rank_counts=(1, 2))
 
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)
