@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# usage: jobs/bench.sh [--quick] [--repeats N]
+# usage: jobs/bench.sh [--quick] [--repeats N] [--csv FILE]
 #
 # Measures how fast Trevi is on this machine, and prints tables:
 #   pair loops    ns per pair of each loop and of the search, memory roofline beside (build/bench/.../bench_pairs)
@@ -12,6 +12,8 @@
 #   output        checkpoint and VTKHDF frame of 1 million particles against plain writes of the same bytes
 # Builds with benchmarks in build/bench; runs go to out/bench. Each run is done N times (default 3) and the fastest is
 # shown, as other work on the machine only ever slows one down. --quick leaves out pair loops, million and precision.
+# --csv writes steps and limit to FILE, too: postprocess/results/performance.csv is made by it, and the tests compare the
+# tables of performance.md with it.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -19,12 +21,15 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 parse_arguments() {
   quick=no
   repeats=3
+  csv=""
   while [[ $# -gt 0 ]]; do
     case "$1" in
       -h | --help) print_help && exit 0 ;;
       --quick) quick=yes && shift ;;
       --repeats) repeats="${2:?--repeats needs a number}" && shift 2 ;;
       --repeats=*) repeats="${1#*=}" && shift ;;
+      --csv) csv="$(realpath -m "${2:?--csv needs a file}")" && shift 2 ;;
+      --csv=*) csv="$(realpath -m "${1#*=}")" && shift ;;
       *) fail "unknown argument $1; see --help" 2 ;;
     esac
   done
@@ -127,6 +132,9 @@ pairs = 1e6 * (phase["Lambda"] + phase["Delta"]) / run["nanoseconds_per_pair"] /
 coarse = phase["CoarseGrid"]
 ms = {part: 1e-6 * pairs * ns * (1 if part == "search" else passes / 2) for part, ns in parts.items()}
 step, total = statistics.median(run["step_ms"]), sum(ms.values()) + coarse
+limit = {"step": step, "parts": total, **ms, "coarse": coarse, "step over parts": step / total,
+         "coarse percent": 100 * coarse / step}
+json.dump({"limit": limit, "ns per pair": parts}, open(f"out/bench/parts_{name}.json", "w"))
 print(f"\nLimit, {name}: step {step:.1f} ms, parts {total:.1f} ms (" +
       ", ".join(f"{part} {value:.1f}" for part, value in ms.items()) +
       f", coarse grid {coarse:.1f}), ratio {step / total:.2f}; coarse grid {100 * coarse / step:.1f} % of the step")
@@ -153,6 +161,28 @@ million() {
   done
   table "1 million particles at rest" million_np1 million_np2
   ratio million_np1 million_np2
+}
+
+# record FILE: what table() and limit() print, as case, quantity, value; the processor in each row.
+record() {
+  python3 - "$1" "$(lscpu | sed -n 's/^Model name: *//p')" <<'PYTHON'
+import csv, glob, json, statistics, sys
+rows = []
+for path in sorted(glob.glob("out/bench/*_np[12].json")):
+    run = json.load(open(path))
+    values = {"ms per step, median": statistics.median(run["step_ms"]), "ms per step, fastest": min(run["step_ms"]),
+              "simulated s per wall s": run["simulated_seconds"] / run["wall_seconds"],
+              "bytes per particle": run["bytes_per_particle"]}
+    rows += [(path.split("/")[-1][:-5], quantity, value) for quantity, value in values.items()]
+for path in sorted(glob.glob("out/bench/parts_*.json")):
+    name = path.split("parts_")[1][:-5]
+    for group, values in json.load(open(path)).items():
+        rows += [(f"{group}, {name}", quantity, value) for quantity, value in values.items()]
+with open(sys.argv[1], "w", newline="") as file:
+    out = csv.writer(file, lineterminator="\n")
+    out.writerow(["case", "quantity", "value", "processor"])
+    out.writerows([case, quantity, f"{value:.4g}", sys.argv[2]] for case, quantity, value in rows)
+PYTHON
 }
 
 # All frames of the falling cube. Differences grow after the impact in frame 50, whatever made them.
@@ -190,7 +220,7 @@ output() {
 }
 
 main() {
-  local quick repeats
+  local quick repeats csv
   parse_arguments "$@"
   cd "$trevi_root"
   trevi_packages+=(libbenchmark-dev)
@@ -203,6 +233,7 @@ main() {
   # What is measured is a core; ranks are not bound, so each would take all cores for its threads.
   export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
   build_benchmarks
+  rm -rf out/bench
   mkdir -p out/bench
   lscpu | grep -E '^(Model name|CPU\(s\)|CPU max MHz|L[123]d? cache)'
   [[ $quick == yes ]] || build/bench/tests/benchmarks/bench_pairs
@@ -214,6 +245,7 @@ main() {
     precision
   fi
   output
+  [[ -z $csv ]] || record "$csv"
 }
 
 main "$@"

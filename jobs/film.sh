@@ -2,8 +2,8 @@
 # usage: jobs/film.sh [RUNS]
 #
 # Films in 1080p of the three scenes with music: tutorial/5_music, tutorial/6_duet to the end of Ode to Joy, and
-# musical_fountain, the last two with its melody as sound. Runs that are not in RUNS/film_NAME yet (default out/) are made first;
-# the films are RUNS/NAME.mp4, 2 to 20 MB each. A quarter of an hour on two cores without a graphics card.
+# musical_fountain, the last two with its melody as sound. Runs that are not in RUNS/film_NAME yet (default out/) are made first, or
+# gone on with; the films are RUNS/NAME.mp4, 2 to 20 MB each. A quarter of an hour on two cores without a graphics card.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -12,9 +12,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 film() {
   local name
   name="$(basename "$2")"
-  if ! grep -qs '"exit_code": 0' "$1/film_$name/run.json"; then
-    jobs/run.sh "inputs/$2.toml" -- --output "$1/film_$name" --set time.end="$3"
-  fi
+  run_to_end "$1/film_$name" "$2" --set time.end="$3"
   jobs/render.sh render.py "$1/film_$name" --size 1920 1080 --crf 20 --output "$1/$name.mp4" "${@:4}"
 }
 

@@ -22,14 +22,6 @@ show() {
   xvfb-run -a /usr/bin/python3 "$trevi_root/postprocess/$script" "$@"
 }
 
-# run_to_end DIR SCENE ...: runs a scene into DIR, or goes on with what a stop or a crash left there.
-run_to_end() {
-  local output="$1" scene="$2" more=()
-  if grep -qs '"exit_code": 0' "$output/run.json"; then return; fi
-  [[ ! -e $output ]] || more=(--restart latest)
-  jobs/run.sh "inputs/$scene.toml" -- --output "$output" "${more[@]}" "${@:3}"
-}
-
 gallery() {
   local runs="$1" results=postprocess/results scene small=(--size 800 600)
   for scene in trevi_fountain musical_fountain fountain fountain_shapes fountain_heights constant_fountain falling_cube; do

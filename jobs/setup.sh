@@ -117,6 +117,14 @@ setup_program() {
   )
 }
 
+# run_to_end DIR SCENE ...: runs a scene of inputs/ into DIR, or goes on with what a stop or a crash left there.
+run_to_end() {
+  local output="$1" scene="$2" more=()
+  if grep -qs '"exit_code": 0' "$output/run.json"; then return; fi
+  [[ ! -e $output ]] || more=(--restart latest)
+  "$trevi_root/jobs/run.sh" "inputs/$scene.toml" -- --output "$output" "${more[@]}" "${@:3}"
+}
+
 setup_main() {
   case "${1:-release}" in
     -h | --help)

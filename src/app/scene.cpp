@@ -55,7 +55,7 @@ void read_wall_limit(Section& run, Scene& scene) {
 
 void read_instruction_set(Section& run, Scene& scene) {
   const Key key{"instruction_set",
-                "the instruction set of the pair loops as run.json names it, \"SSE4\", \"AVX2\" or \"AVX3\" for "
+                "the instruction set of all loops as run.json names it, \"SSE4\", \"AVX2\" or \"AVX3\" for "
                 "instance, or leave it out for the best"};
   std::string name;
   if (!run.text(key, name)) return;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 #include <random>
 #include <string>
@@ -137,6 +138,16 @@ std::vector<T> gathered(MPI_Comm comm, const std::vector<T>& mine) {
 inline Cloud gathered(MPI_Comm comm, const Particles& particles) {
   return sorted_by_id(
       {gathered(comm, particles.id), gathered(comm, particles.position), gathered(comm, particles.velocity)});
+}
+
+inline bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
+inline void expect_same_bits(const Cloud& many, const Cloud& one) {
+  EXPECT_EQ(many.id, one.id);
+  EXPECT_TRUE(same_bits(many.position, one.position));
+  EXPECT_TRUE(same_bits(many.velocity, one.velocity));
 }
 
 }  // namespace trevi::test

@@ -326,12 +326,6 @@ TEST(Flow, ALostParticleIsStillFound) {
   EXPECT_NE(message.find("step 21"), std::string::npos) << message;
 }
 
-void expect_same_bits(const Cloud& many, const Cloud& one) {
-  ASSERT_EQ(many.id, one.id);
-  EXPECT_EQ(std::memcmp(many.position.data(), one.position.data(), one.position.size() * sizeof(Vec3)), 0);
-  EXPECT_EQ(std::memcmp(many.velocity.data(), one.velocity.data(), one.velocity.size() * sizeof(Vec3)), 0);
-}
-
 TEST(Flow, SameBitsOnAnyRanks) {
   for (const char* key : {"density.precision='double'", "density.precision='single'", "domain.max=[1.6, 1.8, 1.6]",
                           "particles.0.max=[0.3, 0.8, 0.5]"}) {  // the last leaves ranks empty

@@ -93,12 +93,6 @@ epsilon = 0.01
 nu = 0.01
 )";
 
-void expect_same_bits(const Cloud& many, const Cloud& one) {
-  ASSERT_EQ(many.id, one.id);
-  EXPECT_EQ(std::memcmp(many.position.data(), one.position.data(), one.position.size() * sizeof(Vec3)), 0);
-  EXPECT_EQ(std::memcmp(many.velocity.data(), one.velocity.data(), one.velocity.size() * sizeof(Vec3)), 0);
-}
-
 Vec3 momentum_of(const Cloud& cloud) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& v : cloud.velocity) sum += v;

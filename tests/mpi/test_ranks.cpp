@@ -107,16 +107,6 @@ std::string comparable(const std::string& series) {
   return text;
 }
 
-bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
-}
-
-void expect_same(const Cloud& many, const Cloud& one) {
-  EXPECT_EQ(many.id, one.id);
-  EXPECT_TRUE(same_bits(many.position, one.position));
-  EXPECT_TRUE(same_bits(many.velocity, one.velocity));
-}
-
 class Ranks : public Output {
  protected:
   struct Run {
@@ -145,7 +135,7 @@ class Ranks : public Output {
     const Scene scene = scene_with(text, overrides);
     constexpr int steps = 20;
     const Run many = run(world, scene, steps), one = run(MPI_COMM_SELF, scene, steps);
-    expect_same(many.particles, one.particles);
+    expect_same_bits(many.particles, one.particles);
     EXPECT_EQ(many.series, one.series);
     EXPECT_EQ(std::count(one.series.begin(), one.series.end(), '\n'), steps + 1);
     GlobalId migrated = many.migrated;
@@ -229,7 +219,7 @@ TEST_F(Ranks, WildCloud) {
     for (int k = 0; k < 10; ++k) {
       many->step();
       one->step();
-      expect_same(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
+      expect_same_bits(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
     }
   }
 }
@@ -244,7 +234,7 @@ TEST_F(Ranks, AlmostAllRanksEmpty) {
   for (int k = 0; k < 5; ++k) {
     many->step();
     one->step();
-    expect_same(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
+    expect_same_bits(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
   }
 }
 

@@ -42,6 +42,8 @@ class Scenes(ProgramTest):
                 columns = study.columns_of(self.folder / scene.stem / "series.csv")
                 waiting = columns.get("waiting", [0] * len(columns["particles"]))
                 self.assertEqual(len({here + there for here, there in zip(columns["particles"], waiting)}), 1)
+                if "recycle = true" in scene.read_text():
+                    self.assertGreater(min(columns["inflow"][-1], columns["outflow"][-1]), 0)
                 if "[[fountain]]" in scene.read_text():
                     self.check_fountain(columns, fastest_pump(scene.read_text()))
                 else:

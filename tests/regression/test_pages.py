@@ -139,6 +139,28 @@ class Figures(unittest.TestCase):
                     self.assert_written(period, real[layers, ratio, amplitude]["period_ratio"])
                     self.assert_written(loss, 100 * float(real[layers, ratio, amplitude]["loss_per_half"]))
 
+    def test_water_in_short(self):
+        rows = rows_of("water.csv")
+        text = " ".join((RESULTS / "README.md").read_text().split())
+        passed, cases = re.search(r"(\d+) of (\d+) cases whose right answer", text).groups()
+        self.assertEqual((int(passed), int(cases)), (sum(row["verdict"] == "pass" for row in rows), len(rows)))
+        tanks = [row for row in rows if re.fullmatch(r"[124]0 layers, 4 m, A .*, 1/60 s", row["name"])]
+        said = re.search(r"swing in ([\d.]+) to ([\d.]+) of .* at h = 2 spacings \(([\d.]+) to ([\d.]+) at 2.5, "
+                         r"([\d.]+) to ([\d.]+) at 3;", text).groups()
+        for (low, high), ratio in zip(zip(said[::2], said[1::2]), ("2", "2.5", "3")):
+            periods = [float(row["period_ratio"]) for row in tanks if row["ratio"] == ratio]
+            self.assertEqual(len(periods), 9)
+            self.assert_written(low, min(periods))
+            self.assert_written(high, max(periods))
+        losses = [100 * float(row["loss_per_half"]) for row in tanks if row["ratio"] == "2"]
+        low, high = re.search(r"lose ([\d.]+) to ([\d.]+) %", text).groups()
+        self.assert_written(low, min(losses))
+        self.assert_written(high, max(losses))
+        pools = [float(row["kinetic_per_mass"]) for row in rows if row["group"] == "pools" and row["ratio"] == "2"]
+        low, high = re.search(r"stays where it is, at (\S+) to (\S+) m²/s²", text).groups()
+        self.assert_rounds_to(low, min(pools))
+        self.assert_rounds_to(high, max(pools))
+
     def test_scaling(self):
         real = {(row["study"], row["case"], row["ranks"], row["threads"]): row for row in rows_of("scaling.csv")}
         cases = {"strong, 96,000 in all": "96k", "strong, 1 million in all": "million", "weak, 96,000 a core": "96k",
