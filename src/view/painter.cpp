@@ -3,9 +3,9 @@
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
+#include <vtkCullerCollection.h>
 #include <vtkFloatArray.h>
 #include <vtkLight.h>
-#include <vtkOpenGLFluidMapper.h>
 #include <vtkOpenGLSphereMapper.h>
 #include <vtkOutlineSource.h>
 #include <vtkPlaneSource.h>
@@ -18,8 +18,6 @@
 #include <vtkRenderer.h>
 #include <vtkShaderProperty.h>
 #include <vtkUnsignedCharArray.h>
-#include <vtkVolume.h>
-#include <vtkVolumeProperty.h>
 
 #include <cmath>
 #include <numbers>
@@ -31,11 +29,7 @@ namespace {
 constexpr double least_point = 2, largest_point = 16;  // pixels
 constexpr double sphere_radius = 0.5;                  // in spacings: neighbours touch
 constexpr double fluid_radius = 0.75;                  // larger, so that the gaps close
-// The mapper adds the colours of all particles on a line of sight and shows 1 - sum^power * scale. With a
-// small power that depends little on how many particles there are; with fluid_overlap of them it is their colour.
-constexpr float fluid_power = 0.1F;
-constexpr double fluid_overlap = 8;
-constexpr double view_angle = 30;  // degrees, VTK's own
+constexpr double view_angle = 30;                      // degrees, VTK's own
 
 void set_floor(vtkPlaneSource* plane, const Vec3& min, const Vec3& max, double drop) {
   const double z = min.z() - drop;
@@ -50,6 +44,8 @@ Painter::Painter(vtkRenderer* renderer) : renderer_(renderer) {
   renderer_->SetBackground(0.05, 0.06, 0.09);
   renderer_->SetBackground2(0.20, 0.24, 0.31);
   renderer_->GradientBackgroundOn();
+  // They go by the bounds of cells, and spheres have one cell for all: seen from near, they would be left out.
+  renderer_->GetCullers()->RemoveAllItems();
   add_light({-0.5, 0.9, 1}, 0.85);
   add_light({0.6, -0.1, 1}, 0.3);
   add_points();
@@ -98,20 +94,10 @@ void Painter::add_spheres() {
 }
 
 void Painter::add_fluid() {
-  fluid_->SetInputData(particles_);
-  fluid_->SetDisplayMode(vtkOpenGLFluidMapper::FilteredOpaqueSurface);
-  fluid_->ScalarVisibilityOn();
-  fluid_->SetScalarModeToUsePointFieldData();
-  fluid_->SelectScalarArray("fluid");
-  fluid_->SetParticleColorPower(fluid_power);
-  fluid_->SetParticleColorScale(static_cast<float>(std::pow(fluid_overlap, -fluid_power)));
-  fluid_->SetSurfaceFilterMethod(vtkOpenGLFluidMapper::NarrowRange);
-  // Of the colours and the thickness; the default takes seconds a picture in software.
-  fluid_->SetThicknessAndVolumeColorFilterIterations(1);
-  fluid_->SetThicknessAndVolumeColorFilterRadius(4);
-  fluid_volume_->GetProperty()->SetAmbient(0.25);
-  fluid_volume_->SetMapper(fluid_);
-  renderer_->AddVolume(fluid_volume_);
+  fluid_->SetInputData(with_cell_);
+  fluid_actor_->SetMapper(fluid_);
+  fluid_actor_->GetProperty()->LightingOff();
+  renderer_->AddActor(fluid_actor_);
 }
 
 // Only what looks at the camera: through the near walls of a vessel one sees the water.
@@ -150,7 +136,8 @@ void Painter::set_scene(const ViewedScene& scene, const CameraPose& pose) {
   pose_ = pose;
   range_ = {1, scene.rest_density};
   spheres_->SetRadius(static_cast<float>(sphere_radius * scene.spacing));
-  fluid_->SetParticleRadius(static_cast<float>(fluid_radius * scene.spacing));
+  fluid_->SetRadius(static_cast<float>(fluid_radius * scene.spacing));
+  fluid_actor_->set_radius(fluid_radius * scene.spacing);
   draw_box(scene);
   reset_camera();
 }
@@ -226,14 +213,7 @@ void Painter::recolour() {
   colours->SetNumberOfTuples(static_cast<vtkIdType>(frame_->shown.size()));
   std::copy(rgb_.begin(), rgb_.end(), colours->GetPointer(0));
   particles_->GetPointData()->SetScalars(colours);
-  vtkNew<vtkFloatArray> inverted;
-  inverted->SetName("fluid");
-  inverted->SetNumberOfComponents(3);
-  inverted->SetNumberOfTuples(colours->GetNumberOfTuples());
-  std::transform(rgb_.begin(), rgb_.end(), inverted->GetPointer(0),
-                 [](unsigned char byte) { return std::pow(1 - static_cast<float>(byte) / 255, 1 / fluid_power); });
-  particles_->GetPointData()->AddArray(inverted);
-  // Both mappers look at the points' age only.
+  // The mappers look at the points' age only.
   if (particles_->GetPoints() != nullptr) particles_->GetPoints()->Modified();
   particles_->Modified();
   with_cell_->SetPoints(particles_->GetPoints());
@@ -245,7 +225,7 @@ void Painter::set_style(Style style) {
   style_ = style;
   points_actor_->SetVisibility(style == Style::points);
   spheres_actor_->SetVisibility(style == Style::spheres);
-  fluid_volume_->SetVisibility(style == Style::fluid);
+  fluid_actor_->SetVisibility(style == Style::fluid);
 }
 
 void Painter::set_colour(Colour colour) {

@@ -1,6 +1,5 @@
 // Draws particles, obstacles and their box into a VTK renderer: as points, as lit spheres, or as the surface of a
-// fluid, found in screen space (vtkOpenGLFluidMapper: particles' depths, smoothed by a narrow-range filter after van
-// der Laan, Green, Sainz, I3D 2009). Nothing is meshed; a new frame is an upload of positions and colours.
+// fluid, found in screen space (fluid_actor.hpp). Nothing is meshed; a new frame is an upload of positions and colours.
 #pragma once
 
 #include <vtkNew.h>
@@ -11,15 +10,14 @@
 #include <vector>
 
 #include "view/colours.hpp"
+#include "view/fluid_actor.hpp"
 
 class vtkActor;
-class vtkOpenGLFluidMapper;
 class vtkOpenGLSphereMapper;
 class vtkPointGaussianMapper;
 class vtkPolyData;
 class vtkProp;
 class vtkRenderer;
-class vtkVolume;
 
 namespace trevi {
 
@@ -61,11 +59,10 @@ class Painter {
   vtkRenderer* renderer_;
   vtkNew<vtkPolyData> particles_, with_cell_;
   vtkNew<vtkPointGaussianMapper> points_;
-  vtkNew<vtkOpenGLSphereMapper> spheres_;
-  vtkNew<vtkOpenGLFluidMapper> fluid_;
+  vtkNew<vtkOpenGLSphereMapper> spheres_, fluid_;
   vtkNew<vtkPolyData> solids_;
   vtkNew<vtkActor> points_actor_, spheres_actor_, solids_actor_;
-  vtkNew<vtkVolume> fluid_volume_;
+  vtkNew<FluidActor> fluid_actor_;
   std::vector<vtkSmartPointer<vtkProp>> box_;
   ViewedScene scene_;
   CameraPose pose_;

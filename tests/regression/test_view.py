@@ -203,6 +203,23 @@ class WithoutHands(ViewTest):
             pictures.append(self.folder.path("shot.png").read_bytes())
         self.assertEqual(pictures[0], pictures[1])
 
+    def shot(self, *arguments):
+        result = self.view(self.run_folder, "--screenshot", "shot.png", "--size", *SIZE, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return numpy.asarray(Image.open(self.folder.path("shot.png")))[:-60, :, :3].astype(int)  # without the status
+
+    def test_fluid_has_the_colours_of_its_particles(self):
+        """Where two colours meet in depth or side by side there is no dark seam."""
+        for colour in ("rank", "rainbow"):
+            seen = water(self.shot("--style", "spheres", "--colour", colour))
+            self.assertGreater(seen.sum(), 2000)
+            fluid = self.shot("--style", "fluid", "--colour", colour)
+            self.assertLess((seen & (fluid.max(axis=2) < 100)).sum(), 0.02 * seen.sum(), colour)
+
+    def test_from_near_too(self):
+        for style in ("points", "spheres", "fluid"):
+            self.assertGreater(water(self.shot("--style", style, "--camera", 30, 20, 4)).mean(), 0.2, style)
+
     def test_frames(self):
         result = self.view(self.run_folder, "--frames", "pictures", "--size", 160, 120)
         self.assertEqual(result.returncode, 0, result.stderr)
