@@ -9,7 +9,6 @@
 #include "fluid/inlet.hpp"
 #include "fluid/obstacles/periods.hpp"
 #include "particles/cell_grid.hpp"
-#include "solver/density_solver.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -58,10 +57,6 @@ void check_periodic(Section& domain, const Scene& scene) {
   domain.check("periodic", !scene.periodic[2] || gravity.z() == 0,
                "z cannot be periodic where gravity goes along it: the water would fall for ever; leave z out, or set "
                "[gravity] acceleration along x or y");
-  domain.check("periodic",
-               scene.periodic == std::array<bool, 3>{} || !scene.density.coarse_grid || !is_downward(gravity),
-               "the coarse grid, which gravity that points down asks for, has no periodic axes; set [density] "
-               "coarse_grid = false");
 }
 
 void check_no_images(const Scene& scene) {

@@ -15,8 +15,9 @@ bool takes_part(std::span<const LocalId> cuts, int rank, int level) {
 
 }  // namespace
 
-// Of two neighbours that own planes there is at most one between them that takes part without any.
-PlanePeers peers_on_level(std::span<const LocalId> cuts, int rank, int level) {
+// Of two neighbours that own planes there is at most one between them that takes part without any. In a ring the search
+// ends at this rank itself at the latest, or where it owns none at another one.
+PlanePeers peers_on_level(std::span<const LocalId> cuts, int rank, int level, bool ring) {
   PlanePeers peers;
   if (!takes_part(cuts, rank, level)) return peers;
   const int ranks = static_cast<int>(cuts.size()) - 1;
@@ -25,7 +26,8 @@ PlanePeers peers_on_level(std::span<const LocalId> cuts, int rank, int level) {
     const auto s = static_cast<std::size_t>(side);
     const int step = side == 0 ? -1 : 1;
     std::size_t found = 0;
-    for (int other = rank + step; other >= 0 && other < ranks; other += step) {
+    for (int next = rank + step; ring || (next >= 0 && next < ranks); next += step) {
+      const int other = (next + ranks) % ranks;
       if (owns && takes_part(cuts, other, level)) peers.to[s][found++] = other;
       if (!owns_planes(cuts, other, level)) continue;
       peers.from[s] = other;

@@ -41,7 +41,8 @@ inline LocalId first_on_level(LocalId plane, int level) {
   return static_cast<LocalId>((GlobalId{plane} + (GlobalId{1} << level) - 1) >> level);
 }
 
-/// `cuts`: the first plane of each rank on level 0, and one past the last of all.
-PlanePeers peers_on_level(std::span<const LocalId> cuts, int rank, int level);
+/// `cuts`: the first plane of each rank on level 0, and one past the last of all. In a ring the first plane is next to
+/// the last.
+PlanePeers peers_on_level(std::span<const LocalId> cuts, int rank, int level, bool ring);
 
 }  // namespace trevi

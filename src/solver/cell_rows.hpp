@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "base/threads.hpp"
 
@@ -9,6 +11,9 @@ namespace trevi {
 
 /// Rows that a thread works on at a time: some 4096 cells.
 inline LocalId rows_at_a_time(LocalId columns) { return std::max(4096 / (columns + 2), 1); }
+
+/// Whether a grid goes on at its other end beyond the last plane, and beyond the last row.
+using Repeats = std::array<bool, 2>;
 
 /// Planes of `rows` rows of `columns` cells.
 struct CellRows {
@@ -24,6 +29,17 @@ void for_each_row(const CellRows& cells, const Work& work) {
   for_each_part(all, rows_at_a_time(cells.columns), [&](Range part) {
     for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
   });
+}
+
+/// Where rows repeat, beyond those at the ends of each plane: copies of those at its other end. `field`: planes of
+/// `rows` rows of `columns` cells with a ring of one around each.
+template <class T>
+void repeat_rows(std::vector<T>& field, LocalId rows, LocalId columns) {
+  const auto row = static_cast<std::ptrdiff_t>(columns) + 2, plane = (static_cast<std::ptrdiff_t>(rows) + 2) * row;
+  for (auto first = field.begin(); first != field.end(); first += plane) {
+    std::copy_n(first + rows * row, row, first);
+    std::copy_n(first + row, row, first + (rows + std::ptrdiff_t{1}) * row);
+  }
 }
 
 }  // namespace trevi

@@ -25,7 +25,10 @@ constexpr Real fade_begins = -0.25, fade_length = 2;
 
 CoarseCorrection::CoarseCorrection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model,
                                    Obstacles* obstacles)
-    : model_(model), water_(comm, grid, box, model.spacing, obstacles), pressure_(comm), obstacles_(obstacles) {}
+    : model_(model),
+      water_(comm, grid, box, model.spacing, obstacles),
+      pressure_(comm, water_.grid().repeats()),
+      obstacles_(obstacles) {}
 
 // What takes the particles along with a wall, or with a solid.
 Real CoarseCorrection::through_closed(std::size_t a, std::size_t face) const {

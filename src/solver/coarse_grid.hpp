@@ -1,8 +1,9 @@
 // The cells of the coarse-grid correction: those of the neighbour search (cell_grid.hpp) in the planes that this rank
 // owns, up to a little above the highest cell that holds water. Directions are counted in the order in which cells are
 // stored: 0 along the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays
-// over cells have a ring of empty cells around each plane and a ghost plane on either side, so that every cell has six
-// neighbours. Face (a, at) is the lower face of the cell with index `at` in direction a. Not collective, except for the
+// over cells have a ring of cells around each plane and a ghost plane on either side, so that every cell has six
+// neighbours; the ring is empty, but where the box repeats along the rows it holds copies of those at the other end.
+// Face (a, at) is the lower face of the cell with index `at` in direction a. Not collective, except for the
 // constructor.
 #pragma once
 
@@ -24,8 +25,9 @@ class CoarseGrid {
   CoarseGrid(MPI_Comm comm, const CellGrid& grid, const Box& box)
       : axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
         count_{grid.planes(), grid.rows(), grid.columns()},
-        first_rank_(rank_of(comm) == 0),
-        last_rank_(rank_of(comm) + 1 == size_of(comm)) {
+        repeats_{grid.is_periodic(0), grid.is_periodic(1)},
+        wall_below_(rank_of(comm) == 0 && !repeats_[0]),
+        wall_above_(rank_of(comm) + 1 == size_of(comm) && !repeats_[0]) {
     for (std::size_t a = 0; a < 3; ++a) {
       const auto b = static_cast<std::size_t>(axis_[a]);
       const Real extent = box.max[axis_[a]] - box.min[axis_[a]];
@@ -67,8 +69,15 @@ class CoarseGrid {
   }
   /// Whether the lower face in direction a of cell (k, r, c) is in a wall; the cell may be one past the last.
   bool is_wall(std::size_t a, LocalId k, LocalId r, LocalId c) const {
-    if (a == 0) return (first_rank_ && k == 1) || (last_rank_ && k == planes_ + 1);
-    return a == 1 ? r == 0 || r == count_[1] : c == 0 || c == count_[2];
+    if (a == 0) return (wall_below_ && k == 1) || (wall_above_ && k == planes_ + 1);
+    return a == 1 ? !repeats_[1] && (r == 0 || r == count_[1]) : c == 0 || c == count_[2];
+  }
+  /// Whether the box is periodic along planes and rows.
+  const Repeats& repeats() const { return repeats_; }
+  /// Fills the ring of cells where rows repeat.
+  template <class T>
+  void repeat(std::vector<T>& field) const {
+    if (repeats_[1]) repeat_rows(field, rows(), columns_);
   }
 
   /// The coordinate along direction a: 0 for x.
@@ -97,7 +106,8 @@ class CoarseGrid {
 
   std::array<int, 3> axis_;
   std::array<LocalId, 3> count_;  // of the box
-  bool first_rank_, last_rank_;
+  Repeats repeats_;
+  bool wall_below_, wall_above_;
   Vec3 size_;
   std::array<Real, 3> origin_{}, per_length_{};
   LocalId planes_ = 0, columns_ = 0;

@@ -175,18 +175,57 @@ void CoarseLevel::find_residual() {
   });
 }
 
+void CoarseLevel::repeat(std::vector<Real>& field) const {
+  if (shape_.repeats[0] && shape_.is_whole()) {
+    const auto plane = static_cast<std::ptrdiff_t>(shape_.step(0));
+    std::copy_n(field.end() - 2 * plane, plane, field.begin());
+    std::copy_n(field.begin() + plane, plane, field.end() - plane);
+  }
+  if (shape_.repeats[1]) repeat_rows(field, shape_.rows, shape_.columns);
+}
+
+CoarseLevel::Children CoarseLevel::children_of(const LevelShape& coarse, LocalId k, LocalId r) const {
+  const LocalId plane = 2 * (k - 1 + coarse.first), row = 2 * r;
+  return {shape_.index(plane - shape_.first + 1, row, 0), row + 1 < shape_.rows ? 1.0 : 0.0,
+          plane + 1 < shape_.all_planes ? 1.0 : 0.0};
+}
+
+// The plane of `coarse` that holds plane k here, which may be a ghost plane of both.
+LocalId CoarseLevel::parent_of(const LevelShape& coarse, LocalId k) const {
+  const LocalId plane = k - 1 + shape_.first;
+  return (plane == shape_.all_planes ? coarse.all_planes + 1 : (plane + 2) / 2) - coarse.first;
+}
+
+LocalId LevelShape::way_below(std::size_t a, LocalId k) const {
+  const LocalId last = count(a) - 1;
+  return k == 0 || k == last ? width + last_width[a] : 2 * width;
+}
+
+// Of the sum of links across the lower face of plane or row k of `coarse`: a half, as the way is twice as long. Where
+// the level repeats, the last one may be narrow, and the way to its neighbours shorter; one that is alone has no
+// neighbour.
+Real CoarseLevel::share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
+  if (!coarse.repeats[a]) return 0.5;
+  if (coarse.count(a) == 1) return 0;
+  return static_cast<Real>(shape_.way_below(a, 2 * k)) / coarse.way_below(a, k);
+}
+
 void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
-    const std::size_t from = shape_.index(2 * (k - 1 + to.first) - shape_.first + 1, 2 * r, 0);
+    const auto [from, rows, also] = children_of(to, k, r);
     const std::size_t at = to.index(k, r, 0);
+    const Real over_planes = share_of_link(to, 0, k - 1 + to.first), over_rows = share_of_link(to, 1, r);
+    const auto sum = [&, rows = rows, also = also](const std::vector<Real>& x, std::size_t i) {
+      return (x[i] + rows * x[i + row]) + also * (x[i + plane] + rows * x[i + plane + row]);
+    };
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
       const std::size_t i = from + c;
-      coarse.link[0][at + c] = (link[0][i] + link[0][i + row]) / 2;
-      coarse.link[1][at + c] = (link[1][i] + link[1][i + plane]) / 2;
-      coarse.link[2][at + c] = (link[2][i] + link[2][i + row]) + (link[2][i + plane] + link[2][i + plane + row]);
-      coarse.sink[at + c] = (sink[i] + sink[i + row]) + (sink[i + plane] + sink[i + plane + row]);
+      coarse.link[0][at + c] = (link[0][i] + rows * link[0][i + row]) * over_planes;
+      coarse.link[1][at + c] = (link[1][i] + also * link[1][i + plane]) * over_rows;
+      coarse.link[2][at + c] = sum(link[2], i);
+      coarse.sink[at + c] = sum(sink, i);
     }
   });
 }
@@ -195,20 +234,21 @@ void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
-    const Real* from = next.data() + shape_.index(2 * (k - 1 + to.first) - shape_.first + 1, 2 * r, 0);
+    const auto [first, rows, also] = children_of(to, k, r);
+    const Real* from = next.data() + first;
     Real* y = coarse.rhs.data() + to.index(k, r, 0);
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c)
-      y[c] = (from[c] + from[c + row]) + (from[c + plane] + from[c + plane + row]);
+      y[c] = (from[c] + rows * from[c + row]) + also * (from[c + plane] + rows * from[c + plane + row]);
   });
 }
 
 void CoarseLevel::add_correction(const CoarseLevel& coarse) {
   const LevelShape& from = coarse.shape_;
   for_each_row(shape_.rows_of({0, shape_.planes + 2}), [&](LocalId k, LocalId r) {
-    const LocalId parent = (k + 1 + shape_.first) / 2 - from.first;
-    const std::size_t at = shape_.index(k, r, 0), above = from.index(parent, r / 2, 0);
+    const std::size_t at = shape_.index(k, r, 0), above = from.index(parent_of(from, k), r / 2, 0);
     for (std::size_t c = 0; c < used(k, r); ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
   });
+  repeat(phi);
 }
 
 std::size_t CoarseLevel::bytes() const {

@@ -7,8 +7,9 @@
 // its cells alike.
 //
 // A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and goes a share of the way:
-// pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of empty
-// cells around each plane and a ghost plane on either side. Not collective.
+// pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of cells
+// around each plane and a ghost plane on either side, empty but where the level repeats: there repeat() fills the ring,
+// and the ghost planes of a level of which all planes are here. Not collective.
 #pragma once
 
 #include <array>
@@ -23,6 +24,10 @@ namespace trevi {
 struct LevelShape {
   LocalId first = 0;  // the first own plane, counted from the start of the box
   LocalId planes = 0, rows = 0, columns = 0;
+  LocalId all_planes = 0;  // of the level, on all ranks
+  Repeats repeats{};
+  std::array<LocalId, 2> last_width{1, 1};  // of the last plane and the last row; of others it is `width`
+  LocalId width = 1;
 
   std::size_t step(std::size_t a) const {
     const std::size_t row = static_cast<std::size_t>(columns) + 2;
@@ -36,6 +41,10 @@ struct LevelShape {
   }
   CellRows rows_of(Range of) const { return {of, rows, columns}; }
   CellRows own_rows() const { return rows_of({1, planes + 1}); }
+  bool is_whole() const { return planes == all_planes; }
+  LocalId count(std::size_t a) const { return a == 0 ? all_planes : rows; }
+  /// Twice the way from the middle of plane or row k of all to that of the one before, in cells of the finest level.
+  LocalId way_below(std::size_t a, LocalId k) const;
   bool operator==(const LevelShape&) const = default;
 };
 
@@ -59,6 +68,9 @@ class CoarseLevel {
   /// rhs less what phi gives, of the own planes, in `next`.
   void find_residual();
 
+  /// Of a field whose own planes are new, and whose ghost planes have come if other ranks have them.
+  void repeat(std::vector<Real>& field) const;
+
   /// Links and sinks of the own planes [planes) of `coarse`; needs those of the plane above the own ones here.
   void coarsen(CoarseLevel& coarse, Range planes) const;
   /// rhs of the own planes [planes) of `coarse` from the residual in `next`, ghost planes included.
@@ -75,6 +87,15 @@ class CoarseLevel {
   std::vector<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
 
  private:
+  // The finer cells that a row of cells of a coarser level stands for: where the first of them is, and whether (1 or 0)
+  // there are others in the next row and in the next plane. What repeats beyond the last one is not counted twice.
+  struct Children {
+    std::size_t first;
+    Real rows, planes;
+  };
+  Children children_of(const LevelShape& coarse, LocalId k, LocalId r) const;
+  Real share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const;
+  LocalId parent_of(const LevelShape& coarse, LocalId k) const;
   // Cells of a column, from the floor up to the highest one of water.
   struct Column {
     std::size_t at, count;

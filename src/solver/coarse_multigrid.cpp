@@ -29,7 +29,7 @@ void CoarseMultigrid::resize(LocalId planes, LocalId rows, LocalId columns, int 
   const auto useful = 1 + std::bit_width(static_cast<unsigned>(std::max(depth, 1)));
   const auto possible = 1 + std::bit_width(static_cast<unsigned>(widest - 1));
   levels_.resize(static_cast<std::size_t>(std::min(useful, possible)));
-  levels_[0].cells.resize({cuts_[rank], planes, rows, columns});
+  levels_[0].cells.resize({cuts_[rank], planes, rows, columns, cuts_.back(), repeats_});
   for (std::size_t l = 0; l < levels_.size(); ++l) place_level(l);
 }
 
@@ -45,9 +45,14 @@ void CoarseMultigrid::place_level(std::size_t l) {
     const LevelShape& finer = levels_[l - 1].cells.shape();
     const LocalId rows = half(finer.rows);
     level.gathered = levels_[l - 1].gathered || GlobalId{all} * rows * finer.columns <= gathered_;
-    level.cells.resize({level.gathered ? 0 : first, level.gathered ? all : end - first, rows, finer.columns});
+    LevelShape shape{
+        level.gathered ? 0 : first, level.gathered ? all : end - first, rows, finer.columns, all, repeats_};
+    shape.width = LocalId{1} << number;
+    shape.last_width = {cuts_.back() - (all - 1) * shape.width,
+                        levels_[0].cells.shape().rows - (rows - 1) * shape.width};
+    level.cells.resize(shape);
   }
-  level.peers = level.gathered ? PlanePeers{} : peers_on_level(cuts_, rank_of(comm_), number);
+  level.peers = level.gathered ? PlanePeers{} : peers_on_level(cuts_, rank_of(comm_), number, repeats_[0]);
   const bool each = l > 0 && levels_[l - 1].gathered;
   level.made = each ? Range{1, all + 1} : level.gathered ? Range{first + 1, end + 1} : Range{1, end - first + 1};
 }
@@ -90,9 +95,11 @@ void CoarseMultigrid::join_levels(Halo& halo) {
     } else {
       complete(l, {&cells.sink}, halo);
     }
+    for (auto* field : {&cells.link[0], &cells.link[1]}) cells.repeat(*field);
     cells.factor();
     halo.start_planes(cells.per_pivot, cells.shape().step(0), levels_[l].peers);
     halo.finish();
+    cells.repeat(cells.per_pivot);
   }
 }
 
@@ -105,6 +112,7 @@ void CoarseMultigrid::complete(std::size_t l, std::initializer_list<std::vector<
 
 void CoarseMultigrid::solve(Halo& halo, int cycles) {
   join_levels(halo);
+  finest().repeat(finest().phi);
   for (int k = 0; k < cycles; ++k) cycle(halo);
 }
 
@@ -149,14 +157,18 @@ void CoarseMultigrid::sweep(Level& level, Halo& halo, Real share) const {
   }
   halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
   if (ahead) level.cells.sweep({2, planes}, share);
-  halo.finish();
-  level.cells.show_next();
+  show_next(level, halo);
 }
 
 void CoarseMultigrid::sweep_from_zero(Level& level, Halo& halo, Real share) const {
   level.cells.sweep_from_zero(share);
   halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
+  show_next(level, halo);
+}
+
+void CoarseMultigrid::show_next(Level& level, Halo& halo) const {
   halo.finish();
+  level.cells.repeat(level.cells.next);
   level.cells.show_next();
 }
 

@@ -20,11 +20,13 @@ namespace trevi {
 class CoarseMultigrid {
  public:
   /// A level of at most `gathered_cells` cells in all is gathered.
-  explicit CoarseMultigrid(MPI_Comm comm, GlobalId gathered_cells = 4096) : comm_(comm), gathered_(gathered_cells) {}
+  explicit CoarseMultigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = 4096)
+      : comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
   /// For own planes of `rows` x `columns` cells, all of them of every rank, with water `depth` cells deep.
   void resize(LocalId planes, LocalId rows, LocalId columns, int depth);
   /// Holds the equation and the start, phi with its ghost planes. Links are known in the plane above the own ones, too.
+  /// Where the box repeats, halo exchanges are those of a ring.
   CoarseLevel& finest() { return levels_.front().cells; }
   const CoarseLevel& finest() const { return levels_.front().cells; }
 
@@ -46,11 +48,13 @@ class CoarseMultigrid {
   void complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo);
   void gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields);
   void cycle(Halo& halo);
+  void show_next(Level& level, Halo& halo) const;
   void sweep(Level& level, Halo& halo, Real share) const;
   void sweep_from_zero(Level& level, Halo& halo, Real share) const;
   void sweep_coarsest(Halo& halo);
 
   MPI_Comm comm_;
+  Repeats repeats_;
   GlobalId gathered_;
   std::vector<LocalId> cuts_;  // first planes of all ranks on the finest level, and the number of planes
   std::vector<Level> levels_{1};

@@ -71,7 +71,7 @@ struct Lanes {
 // The part of each cube below the cell along a, in it and above it.
 HWY_INLINE V3 parts(const CellFrame& frame, const Particles8& particles, const ByAxis& corner, std::size_t a) {
   const Real half = frame.half[a], per_cube = 0.5 / half;
-  const V mid = clamp(particles.surface[a], half - corner[a], frame.farthest[a] - corner[a]);
+  const V mid = clamp(particles.surface[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
   const V below = clamp(hn::Mul(hn::Sub(set(half), mid), set(per_cube)), 0, 1);
   const V above = clamp(hn::Mul(hn::Add(mid, set(half - 1)), set(per_cube)), 0, 1);
   return {below, hn::Sub(hn::Sub(set(1), below), above), above};

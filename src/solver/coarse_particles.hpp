@@ -15,7 +15,8 @@ using ByAxis = std::array<Real, 3>;
 /// What in_cells() etc. of CoarseGrid are made of, and the cube of a particle.
 struct CellFrame {
   ByAxis origin, per_length;  ///< corner of the box, m; cells per metre
-  ByAxis half, farthest;      ///< half a cube's edge, and where its middle can be farthest from the corner, in cells
+  ByAxis half;                ///< of a cube's edge, in cells
+  ByAxis nearest, farthest;   ///< where a cube's middle can be between walls, in cells from the corner of the box
   Real per_full;              ///< volume of a particle, in cells
 };
 

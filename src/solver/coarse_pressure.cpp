@@ -18,6 +18,7 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
     multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
   });
   for_each_row(grid.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) { weigh_row(water, k, r); });
+  grid.repeat(multigrid_.finest().link[1]);
   for_each_row(grid.rows_of({1, planes + 1}), [&](LocalId k, LocalId r) { find_sources(water, return_share, k, r); });
   for_each_row(grid.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) { leave_water(water, k, r); });
   for_each_row(grid.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { start_at_rest(water, fall, k, r); });
@@ -26,9 +27,10 @@ void CoarsePressure::solve(const CoarseWater& water, Halo& halo, Real fall, Real
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
   });
+  grid.repeat(multigrid_.finest().phi);
 }
 
-// Row `rows` beyond the last one has no water; its lower faces are walls, and stay without weight.
+// Where rows do not repeat, the one beyond the last has no water; its lower faces are walls, and stay without weight.
 void CoarsePressure::weigh_row(const CoarseWater& water, LocalId k, LocalId r) {
   const CoarseGrid& grid = water.grid();
   auto& weight = multigrid_.finest().link;

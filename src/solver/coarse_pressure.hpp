@@ -18,7 +18,7 @@ namespace trevi {
 
 class CoarsePressure {
  public:
-  explicit CoarsePressure(MPI_Comm comm) : multigrid_(comm) {}
+  CoarsePressure(MPI_Comm comm, const Repeats& repeats) : multigrid_(comm, repeats) {}
 
   /// `fall`: how far gravity moves a particle down in the step, g dt², m. `return_share`: the share of a cell's
   /// deviation from its volume that this step undoes.

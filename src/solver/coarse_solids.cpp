@@ -132,12 +132,20 @@ CoarseSolids::Cell CoarseSolids::cell_at(LocalId k, LocalId r, LocalId c) const 
   return cell;
 }
 
+// The plane whose cells those of plane k are like: for a ghost plane beyond the end of a periodic box, that at its
+// other end.
+LocalId CoarseSolids::plane_of(const CoarseGrid& grid, LocalId k) const {
+  const LocalId all = grid.count(0);
+  return grid.repeats()[0] ? (k - 1 + first_ + all) % all - first_ + 1 : k;
+}
+
 void CoarseSolids::measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells) const {
   cells.assign(grid.cells(), Cell{});
   for_each_part((grid.planes() + 2) * grid.rows(), [&](LocalId row) {
     const LocalId k = row / grid.rows(), r = row % grid.rows();
-    for (LocalId c = 0; c < grid.columns(); ++c) cells[grid.index(k, r, c)] = cell_at(k, r, c);
+    for (LocalId c = 0; c < grid.columns(); ++c) cells[grid.index(k, r, c)] = cell_at(plane_of(grid, k), r, c);
   });
+  grid.repeat(cells);
   for_each_part({0, grid.planes() + 2}, 1, [&](Range plane) {
     const LocalId k = plane.begin;
     for (LocalId r = 0; r < grid.rows(); ++r) {
@@ -150,6 +158,7 @@ void CoarseSolids::measure_cells(const CoarseGrid& grid, std::vector<Cell>& cell
       }
     }
   });
+  grid.repeat(cells);
 }
 
 // Of the solid that is nearest to the middle of each face.
@@ -161,13 +170,15 @@ void CoarseSolids::measure_motion(const CoarseGrid& grid) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
         if (cells_[at].face[a] == 1) continue;
-        const Vec3 p = place(Vec3(k + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
+        const Vec3 p =
+            place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
         const Body& body = obstacles_.body(nearest_at(p).body);
         const Vec3 way = p - body.before().into_world(body.now().into_body(p));
         moved_[at][a] = static_cast<float>(way[axis_[a]]);
       }
     }
   });
+  grid.repeat(moved_);
 }
 
 void CoarseSolids::take_columns(const CoarseGrid& grid) {

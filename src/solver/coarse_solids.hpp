@@ -57,6 +57,7 @@ class CoarseSolids {
   Real face_at(std::size_t a, const Vec3& corner) const;
   Real surface_at(const Vec3& corner) const;
   bool is_passage(std::size_t a, const Vec3& on_face) const;
+  LocalId plane_of(const CoarseGrid& grid, LocalId k) const;
   void measure_motion(const CoarseGrid& grid);
   void take_columns(const CoarseGrid& grid);
 

@@ -67,7 +67,9 @@ CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Re
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid_.axis(a);
     frame_.half[b] = spacing / 2 * frame_.per_length[b];
-    frame_.farthest[b] = grid_.count(a) - frame_.half[b];
+    const bool endless = a < 2 && grid_.repeats()[a];
+    frame_.nearest[b] = endless ? -INFINITY : frame_.half[b];
+    frame_.farthest[b] = endless ? INFINITY : grid_.count(a) - frame_.half[b];
     frame_.per_full *= 2 * frame_.half[b];
   }
 }
@@ -77,6 +79,7 @@ void CoarseWater::measure(const CellOrder& order, Halo& halo, const Motion& moti
   resize(order.planes());
   PerThread<FaceSums> faces;
   for_each_part({1, grid_.planes() + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion, faces.mine()); });
+  grid_.repeat(displacement_[1]);
   halo.start_planes(sums_, grid_.step(0));
   halo.finish();
   for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
@@ -121,23 +124,17 @@ void CoarseWater::clear_row(LocalId k, LocalId r) {
 void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces) {
   faces.row.resize(grid_.step(0));
   faces.column.resize(grid_.step(0));
-  const LocalId rows = grid_.rows(), all_columns = order.grid().columns();
+  const LocalId rows = grid_.rows();
   const auto columns_of = [&](LocalId r) { return static_cast<std::size_t>(grid_.columns(k, std::min(r, rows - 1))); };
   for (LocalId r = 0; r <= rows; ++r) {
     const auto begin = static_cast<std::ptrdiff_t>(grid_.index(0, r, 0));
     std::fill_n(faces.row.begin() + begin, columns_of(r) + 1, Moments{});
     std::fill_n(faces.column.begin() + begin, columns_of(r) + 1, Moments{});
   }
-  for (LocalId r = 0; r < rows; ++r) {
-    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const LocalId cell = r * all_columns + c;
-      const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
-      const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
-      if (begin == end) continue;
-      const CellSums sums = sum_cell(frame_, motion, {begin, end, grid_.corner_of(motion.p[begin])});
-      add_cell({k, r, c}, static_cast<Real>(end - begin), sums, faces);
-    }
-  }
+  // Where rows repeat, the last one is also before the first, and the first beyond the last: each row is then added to
+  // in the same order.
+  const LocalId beyond = grid_.repeats()[1] ? 1 : 0;
+  for (LocalId r = -beyond; r < rows + beyond; ++r) sum_row(order, {k, r, 0}, motion, faces);
   for (LocalId r = 0; r <= rows; ++r) {
     const std::size_t in_plane = grid_.index(0, r, 0), at = grid_.index(k, r, 0);
     for (std::size_t c = 0; c <= columns_of(r); ++c) {
@@ -147,8 +144,23 @@ void CoarseWater::sum_plane(const CellOrder& order, LocalId k, const Motion& mot
   }
 }
 
+void CoarseWater::sum_row(const CellOrder& order, const Place& row, const Motion& motion, FaceSums& faces) {
+  const LocalId k = row.k, rows = grid_.rows(), r = (row.r + rows) % rows, all_columns = order.grid().columns();
+  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+    const LocalId cell = r * all_columns + c;
+    const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
+    const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
+    if (begin == end) continue;
+    const CellSums sums = sum_cell(frame_, motion, {begin, end, grid_.corner_of(motion.p[begin])});
+    add_cell({k, row.r, c}, static_cast<Real>(end - begin), sums, faces);
+  }
+}
+
 void CoarseWater::add_cell(const Place& place, Real count, const CellSums& sums, FaceSums& faces) {
   const auto [k, r, c] = place;
+  add_volume(place, sums);
+  if (r < 0) faces.row[grid_.index(0, 0, c)] += high(sums, 1);
+  if (r < 0 || r == grid_.rows()) return;
   const std::size_t in_plane = grid_.index(0, r, c), at = grid_.index(k, r, c);
   sums_[at].low += low(sums, count, 0);
   sums_[at].high += high(sums, 0);
@@ -156,6 +168,10 @@ void CoarseWater::add_cell(const Place& place, Real count, const CellSums& sums,
   faces.row[in_plane + grid_.step(1)] += high(sums, 1);
   faces.column[in_plane] += low(sums, count, 2);
   faces.column[in_plane + 1] += high(sums, 2);
+}
+
+void CoarseWater::add_volume(const Place& place, const CellSums& sums) {
+  const auto [k, r, c] = place;
   const bool along_x = grid_.axis(0) == 0;
   for (LocalId row = std::max(r - 1, 0); row <= std::min(r + 1, grid_.rows() - 1); ++row) {
     for (LocalId column = std::max(c - 1, 0); column <= std::min(c + 1, grid_.columns(k, row) - 1); ++column) {
@@ -187,6 +203,8 @@ void CoarseWater::find_surface(Halo& halo) {
     if (grid_.columns(k, r) == grid_.columns()) close_ceiling(k, r);
     find_tops(k, r);
   });
+  grid_.repeat(wet_);
+  grid_.repeat(height_);
 }
 
 bool CoarseWater::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {

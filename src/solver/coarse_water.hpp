@@ -87,11 +87,13 @@ class CoarseWater {
   Moments low(const CellSums& sums, Real count, std::size_t a) const;
   Moments high(const CellSums& sums, std::size_t a) const;
   void sum_plane(const CellOrder& order, LocalId k, const Motion& motion, FaceSums& faces);
-  // Cell (r, c) of plane k.
+  // Cell (r, c) of plane k; r may be one before the first or beyond the last row.
   struct Place {
     LocalId k, r, c;
   };
+  void sum_row(const CellOrder& order, const Place& row, const Motion& motion, FaceSums& faces);
   void add_cell(const Place& place, Real count, const CellSums& sums, FaceSums& faces);
+  void add_volume(const Place& place, const CellSums& sums);
   void finish_faces(LocalId k, LocalId r);
   void find_surface(Halo& halo);
   void find_tops(LocalId k, LocalId r);

@@ -32,6 +32,7 @@ void CoarseWater::find_surface_among_solids(Halo& halo) {
       wet_[at] = !is_solid(at) && is_full_enough(at, c, c == 0 || solids_->face(2, at) == 0) ? 1 : 0;
     }
   });
+  grid_.repeat(wet_);
   std::vector<char> joined = wet_;
   for_each_row(grid_.rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
@@ -50,6 +51,8 @@ void CoarseWater::find_surface_among_solids(Halo& halo) {
     close_ceiling(k, r);
     find_tops(k, r);
   });
+  grid_.repeat(wet_);
+  grid_.repeat(height_);
   level_small_cells(halo);
 }
 
@@ -66,6 +69,7 @@ void CoarseWater::level_small_cells(Halo& halo) {
   });
   halo.start_planes(level, grid_.step(0));
   halo.finish();
+  grid_.repeat(level);
   height_.swap(level);
 }
 

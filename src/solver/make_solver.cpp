@@ -82,8 +82,6 @@ void check_periodic(const Settings& all) {
            "a periodic axis must be a whole number of kernel_radius long, three at least");
   }
   demand(!all.periodic[2] || gravity.z() == 0, "z cannot be periodic with gravity along it");
-  demand(all.periodic == std::array<bool, 3>{} || !all.density.coarse_grid || !is_downward(gravity),
-         "the coarse grid has no periodic axes; with gravity that points down set density.coarse_grid to false");
   for (const ObstacleSettings& obstacle : all.obstacles) {
     const std::string wrong = why_not_periodic(obstacle, all);
     demand(wrong.empty(), ("an obstacle " + wrong).c_str());

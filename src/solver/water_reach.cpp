@@ -10,6 +10,7 @@ namespace trevi {
 void WaterReach::measure(const CellOrder& order, Halo& halo) {
   planes_ = order.planes();
   rows_ = order.grid().rows();
+  rows_repeat_ = order.grid().is_periodic(1);
   for (auto* of_rows : {&surface_, &wet_, &near_}) of_rows->assign(index(planes_ + 2, 0), 0);
   PerThread<int> depth;
   for_each_part(planes_ + 2, [&](LocalId k) { look_at_plane(order, k, depth.mine()); });
@@ -44,11 +45,12 @@ void WaterReach::look_at_plane(const CellOrder& order, LocalId k, int& depth) {
 void WaterReach::spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const {
   for_each_part(planes, 1, [&](Range plane) {
     const LocalId k = plane.begin;
+    const LocalId beyond = rows_repeat_ ? 1 : 0;
     for (LocalId r = 0; r < rows_; ++r) {
       LocalId highest = 0;
       for (LocalId i = std::max(k - 1, 0); i <= std::min(k + 1, planes_ + 1); ++i) {
-        for (LocalId j = std::max(r - 1, 0); j <= std::min(r + 1, rows_ - 1); ++j)
-          highest = std::max(highest, from[index(i, j)]);
+        for (LocalId j = std::max(r - 1, -beyond); j <= std::min(r + 1, rows_ - 1 + beyond); ++j)
+          highest = std::max(highest, from[index(i, (j + rows_) % rows_)]);
       }
       to[index(k, r)] = highest + 1;
     }

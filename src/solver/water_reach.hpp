@@ -41,6 +41,7 @@ class WaterReach {
   MPI_Comm comm_;
   Least least_;
   LocalId planes_ = 0, rows_ = 0, most_columns_ = 0;
+  bool rows_repeat_ = false;
   int depth_ = 0;
   std::vector<LocalId> surface_, wet_, near_;  // of each row, ghost planes included
 };

@@ -47,6 +47,23 @@ class Reference {
   std::size_t size() const { return cloud_.id.size(); }
   Real h() const { return s_.fluid.kernel_radius; }
   Real poly6(Real r) const { return reference_poly6(r, h()); }
+  /// From j to i, or to the image of i nearest to j.
+  Vec3 between(std::size_t i, std::size_t j) const {
+    Vec3 way = p_[i] - p_[j];
+    for (int a = 0; a < 3; ++a)
+      if (repeats(a)) way[a] -= length(a) * std::round(way[a] / length(a));
+    return way;
+  }
+  bool repeats(int a) const { return s_.periodic[static_cast<std::size_t>(a)]; }
+  Real length(int a) const { return s_.domain.max[a] - s_.domain.min[a]; }
+  /// Brings p* back into the box, and x along with it.
+  void wrap(std::size_t i) {
+    for (int a = 0; a < 3; ++a) {
+      const Real back = repeats(a) ? -length(a) * std::floor((p_[i][a] - s_.domain.min[a]) / length(a)) : 0;
+      p_[i][a] += back;
+      cloud_.position[i][a] += back;
+    }
+  }
   bool has_walls() const { return s_.walls.density == WallDensity::analytic; }
   /// The coarse grid serves where gravity is more downward than sideways.
   bool is_coarse() const {
@@ -80,7 +97,10 @@ class Reference {
   void substep(const StepInfo& info) {
     apply_forces(info);
     p_.resize(size());
-    for (std::size_t i = 0; i < size(); ++i) p_[i] = fly(cloud_.position[i], cloud_.velocity[i], dt_);
+    for (std::size_t i = 0; i < size(); ++i) {
+      p_[i] = fly(cloud_.position[i], cloud_.velocity[i], dt_);
+      wrap(i);
+    }
     find_neighbours();
     int sweeps = s_.density.iterations;
     if (is_coarse()) {
@@ -94,6 +114,7 @@ class Reference {
     if (s_.vorticity) confine_vorticity();
     if (s_.viscosity) smooth();
     cloud_.position = p_;
+    for (std::size_t i = 0; i < size(); ++i) wrap(i);
   }
 
   void apply_forces(const StepInfo& info) {
@@ -115,7 +136,7 @@ class Reference {
   std::pair<Real, int> exit_time(const Vec3& p, const Vec3& v, Real t) const {
     int axis = -1;
     for (int a = 0; a < 3; ++a) {
-      if (v[a] == 0) continue;
+      if (v[a] == 0 || repeats(a)) continue;
       const Real plane = v[a] > 0 ? s_.domain.max[a] : s_.domain.min[a];
       if ((plane - p[a]) / v[a] < t) {
         t = (plane - p[a]) / v[a];
@@ -142,7 +163,12 @@ class Reference {
 
   /// Algorithm 3, Δp part.
   Vec3 shifted(const Vec3& p, const Vec3& d) const {
-    if (s_.walls.reflection == Reflection::normal) return (p + d).cwiseMax(s_.domain.min).cwiseMin(s_.domain.max);
+    if (s_.walls.reflection == Reflection::normal) {
+      Vec3 at = p + d;
+      for (int a = 0; a < 3; ++a)
+        if (!repeats(a)) at[a] = std::clamp(at[a], s_.domain.min[a], s_.domain.max[a]);
+      return at;
+    }
     const auto [t1, axis] = exit_time(p, d, 1);
     Vec3 at = p + t1 * d;
     if (axis >= 0) at[axis] = d[axis] > 0 ? s_.domain.max[axis] - 1e-6 * h() : s_.domain.min[axis] + 1e-6 * h();
@@ -153,14 +179,14 @@ class Reference {
     near_.assign(size(), {});
     for (std::size_t i = 0; i < size(); ++i)
       for (std::size_t j = 0; j < size(); ++j)
-        if (j != i && (p_[i] - p_[j]).norm() < h()) near_[i].push_back(j);
+        if (j != i && between(i, j).norm() < h()) near_[i].push_back(j);
   }
 
   void find_densities() {
     rho_.assign(size(), 0);
     for (std::size_t i = 0; i < size(); ++i) {
       rho_[i] = mass_ * density_kernel_(0);
-      for (const std::size_t j : near_[i]) rho_[i] += mass_ * density_kernel_((p_[i] - p_[j]).norm());
+      for (const std::size_t j : near_[i]) rho_[i] += mass_ * density_kernel_(between(i, j).norm());
       if (has_walls()) rho_[i] += s_.fluid.rest_density * walls_.at(p_[i]).density;
     }
   }
@@ -172,7 +198,7 @@ class Reference {
     Vec3 own = has_walls() ? walls_.at(p_[i]).gradient : Vec3::Zero();
     Real sum = 0;
     for (const std::size_t j : near_[i]) {
-      const Vec3 gradient = mass_ / s_.fluid.rest_density * pull(p_[i] - p_[j]);
+      const Vec3 gradient = mass_ / s_.fluid.rest_density * pull(between(i, j));
       own += gradient;
       sum += gradient.squaredNorm();
     }
@@ -204,7 +230,7 @@ class Reference {
     for (std::size_t i = 0; i < size(); ++i) {
       Vec3 delta = Vec3::Zero();
       for (const std::size_t j : near_[i]) {
-        const Vec3 r = p_[i] - p_[j];
+        const Vec3 r = between(i, j);
         const Real s_corr =
             s_.tensile ? -k_ * std::pow(poly6(r.norm()) / poly6(s_.tensile->dq * h()), s_.tensile->n) : 0;
         delta += mass_ / s_.fluid.rest_density * (step_[i] + step_[j] + share * s_corr) * pull(r);
@@ -218,11 +244,11 @@ class Reference {
   void confine_vorticity() {
     Vectors omega(size(), Vec3::Zero()), v = cloud_.velocity;
     for (std::size_t i = 0; i < size(); ++i)
-      for (const std::size_t j : near_[i]) omega[i] += mass_ * (v[j] - v[i]).cross(-spiky(p_[i] - p_[j]));
+      for (const std::size_t j : near_[i]) omega[i] += mass_ * (v[j] - v[i]).cross(-spiky(between(i, j)));
     for (std::size_t i = 0; i < size(); ++i) {
       Vec3 eta = Vec3::Zero();
       for (const std::size_t j : near_[i])
-        eta += mass_ / s_.fluid.rest_density * (omega[j].norm() - omega[i].norm()) * spiky(p_[i] - p_[j]);
+        eta += mass_ / s_.fluid.rest_density * (omega[j].norm() - omega[i].norm()) * spiky(between(i, j));
       if (eta.norm() > 0) cloud_.velocity[i] += dt_ * *s_.vorticity * (eta / eta.norm()).cross(omega[i]);
     }
   }
@@ -231,7 +257,7 @@ class Reference {
     const Vectors v = cloud_.velocity;
     for (std::size_t i = 0; i < size(); ++i)
       for (const std::size_t j : near_[i])
-        cloud_.velocity[i] += *s_.viscosity * mass_ * (v[j] - v[i]) * poly6((p_[i] - p_[j]).norm());
+        cloud_.velocity[i] += *s_.viscosity * mass_ * (v[j] - v[i]) * poly6(between(i, j).norm());
   }
 
   Scene s_;

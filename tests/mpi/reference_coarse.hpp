@@ -10,28 +10,10 @@
 #include <optional>
 #include <vector>
 
+#include "reference_cells.hpp"
 #include "trevi/scene.hpp"
 
 namespace trevi::test {
-
-using Cell = Eigen::Vector3i;
-
-/// A value for each cell of the box and a ring of one around it.
-template <class T>
-class CellArray {
- public:
-  CellArray(const Cell& count, const T& value)
-      : size_(count + Cell::Constant(2)), values_(static_cast<std::size_t>(size_.prod()), value) {}
-  T& operator[](const Cell& c) { return values_[place(c)]; }
-  const T& operator[](const Cell& c) const { return values_[place(c)]; }
-
- private:
-  std::size_t place(const Cell& c) const {
-    return static_cast<std::size_t>(((c.x() + 1) * size_.y() + c.y() + 1) * size_.z() + c.z() + 1);
-  }
-  Cell size_;
-  std::vector<T> values_;
-};
 
 class ReferenceCoarse {
  public:
@@ -39,6 +21,7 @@ class ReferenceCoarse {
       : min_(scene.domain.min), s_(scene.fluid.spacing), h_(scene.fluid.kernel_radius) {
     const Vec3 extent = scene.domain.max - scene.domain.min;
     for (int a = 0; a < 3; ++a) count_[a] = std::max(1, static_cast<int>(std::floor(extent[a] / h_ * (1 + 1e-12))));
+    cells_ = {count_, scene.periodic};
     size_ = extent.cwiseQuotient(count_.cast<Real>());
     if (scene.gravity) gravity_ = -scene.gravity->z();
   }
@@ -80,14 +63,14 @@ class ReferenceCoarse {
     for (int a = 0; a < 3; ++a)
       for_each_cell([&](const Cell& c) {
         visit(a, c);
-        if (c[a] == count_[a] - 1) visit(a, Cell(c + unit(a)));
+        if (c[a] == count_[a] - 1 && !cells_.repeats(a)) visit(a, Cell(c + unit(a)));
       });
   }
   template <class T>
   Faces<T> faces(const T& value) const {
-    return {CellArray<T>(count_, value), CellArray<T>(count_, value), CellArray<T>(count_, value)};
+    return {CellArray<T>(cells_, value), CellArray<T>(cells_, value), CellArray<T>(cells_, value)};
   }
-  bool is_wall(int a, const Cell& c) const { return c[a] == 0 || c[a] == count_[a]; }
+  bool is_wall(int a, const Cell& c) const { return !cells_.repeats(a) && (c[a] == 0 || c[a] == count_[a]); }
 
   void gather(const std::vector<Vec3>& x, const std::vector<Vec3>& p) {
     particles_.clear();
@@ -105,7 +88,7 @@ class ReferenceCoarse {
 
   // Heights, kept in the lowest cell of a column: one above the highest within one column.
   CellArray<int> raised(const CellArray<int>& heights) const {
-    CellArray<int> result(count_, 0);
+    CellArray<int> result(cells_, 0);
     for_each_cell([&](const Cell& c) {
       if (c.z() > 0) return;
       for (int x = -1; x <= 1; ++x)
@@ -116,7 +99,7 @@ class ReferenceCoarse {
   // Water reaches up to the cell above the highest that particles fill to 0.4; what is more than a cell beyond flies.
   void find_reach() {
     const Real least = std::ceil(0.4 * size_.prod() / (s_ * s_ * s_));
-    CellArray<int> held(count_, 0), surface(count_, 0);
+    CellArray<int> held(cells_, 0), surface(cells_, 0);
     for (const Particle& i : particles_) ++held[i.cell];
     for_each_cell([&](const Cell& c) {
       if (held[c] >= least) surface[Cell(c.x(), c.y(), 0)] = c.z() + 1;
@@ -130,8 +113,8 @@ class ReferenceCoarse {
   Real mean_at(int a, const Cell& face) const {
     Real w = 0, wx = 0, wxx = 0, wu = 0, wxu = 0;
     for (const Particle& i : particles_) {
-      if (i.in_flight || (i.cell != face && i.cell != face - unit(a))) continue;
-      const Real x = i.place[a] - face[a], share = 1 - std::abs(x), u = i.way[a];
+      if (i.in_flight || (i.cell != face && i.cell != cells_.wrapped(face - unit(a)))) continue;
+      const Real x = cells_.way(a, i.place[a], face[a]), share = 1 - std::abs(x), u = i.way[a];
       w += share;
       wx += share * x;
       wxx += share * x * x;
@@ -156,8 +139,10 @@ class ReferenceCoarse {
       if (i.in_flight) continue;
       Real part = 1;
       for (int a = 0; a < 3; ++a) {
-        const Real half = s_ / (2 * size_[a]), middle = std::clamp(i.surface[a], half, count_[a] - half);
-        part *= std::max(0.0, std::min(middle + half, c[a] + 1.0) - std::max(middle - half, Real(c[a])));
+        const Real half = s_ / (2 * size_[a]);
+        const Real inside = cells_.repeats(a) ? i.surface[a] : std::clamp(i.surface[a], half, count_[a] - half);
+        const Real middle = cells_.way(a, inside, c[a] + 0.5) + 0.5;  // in cells from the corner of the cell
+        part *= std::max(0.0, std::min(middle + half, 1.0) - std::max(middle - half, 0.0));
       }
       volume += part;
     }
@@ -165,9 +150,9 @@ class ReferenceCoarse {
   }
 
   void find_water() {
-    fill_.emplace(count_, 0);
-    wet_.emplace(count_, 0);
-    height_.emplace(count_, 1);
+    fill_.emplace(cells_, 0);
+    wet_.emplace(cells_, 0);
+    height_.emplace(cells_, 1);
     for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
@@ -200,7 +185,7 @@ class ReferenceCoarse {
   // Cells above one another that hold a fifth of what fills them; fills are not known yet when the solver counts them.
   void find_depth() {
     const Real least = std::ceil(0.2 * size_.prod() / (s_ * s_ * s_));
-    CellArray<int> run(count_, 0), held(count_, 0);
+    CellArray<int> run(cells_, 0), held(cells_, 0);
     for (const Particle& i : particles_) ++held[i.cell];
     depth_ = 0;
     for_each_cell([&](const Cell& c) {
@@ -250,11 +235,12 @@ class ReferenceCoarse {
   struct Level {
     Eigen::MatrixXd matrix;
     std::vector<Cell> cells;  // that the rows stand for
+    int width = 1;            // of a column, in cells
   };
 
   Level finest() const {
     Level level;
-    CellArray<int> row(count_, -1);
+    CellArray<int> row(cells_, -1);
     for_each_cell([&](const Cell& c) {
       if (!wet(c)) return;
       row[c] = static_cast<int>(level.cells.size());
@@ -274,25 +260,44 @@ class ReferenceCoarse {
 
   static bool same_column(const Cell& a, const Cell& b) { return a.head<2>() == b.head<2>(); }
 
-  // Two by two columns become one. Links between columns count half; what holds phi at 0 stays.
-  static Level coarser(const Level& fine, Eigen::MatrixXd& join) {
-    Level coarse;
+  // Of a link to the column below along a: a half, but where a periodic axis has a narrow column at its end what the
+  // way between the middles becomes longer by.
+  Real share(const Level& fine, int a, const Cell& c) const {
+    if (!cells_.repeats(a)) return 0.5;
+    const auto way = [&](int width, int k) {
+      const int columns = (count_[a] + width - 1) / width, before = (k + columns - 1) % columns;
+      return Real(std::min(width, count_[a] - k * width) + std::min(width, count_[a] - before * width));
+    };
+    return way(fine.width, c[a]) / way(2 * fine.width, c[a] / 2);
+  }
+
+  // Two by two columns become one. Links between columns have their share; what holds phi at 0 stays.
+  Level coarser(const Level& fine, Eigen::MatrixXd& join) const {
+    Level coarse{{}, {}, 2 * fine.width};
     const auto rows = static_cast<Eigen::Index>(fine.cells.size());
-    join = Eigen::MatrixXd::Zero(rows, rows);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const Cell& c = fine.cells[static_cast<std::size_t>(i)];
+    std::vector<Eigen::Index> parents;
+    for (const Cell& c : fine.cells) {
       const Cell parent(c.x() / 2, c.y() / 2, c.z());
       const auto found = std::find(coarse.cells.begin(), coarse.cells.end(), parent);
-      join(found - coarse.cells.begin(), i) = 1;
+      parents.push_back(found - coarse.cells.begin());
       if (found == coarse.cells.end()) coarse.cells.push_back(parent);
     }
-    join.conservativeResize(static_cast<Eigen::Index>(coarse.cells.size()), rows);
-    coarse.matrix = join * fine.matrix * join.transpose();
-    for (Eigen::Index i = 0; i < coarse.matrix.rows(); ++i) {
-      for (Eigen::Index j = 0; j < coarse.matrix.rows(); ++j) {
-        if (same_column(coarse.cells[static_cast<std::size_t>(i)], coarse.cells[static_cast<std::size_t>(j)])) continue;
-        coarse.matrix(i, i) += coarse.matrix(i, j) / 2;
-        coarse.matrix(i, j) /= 2;
+    const auto size = static_cast<Eigen::Index>(coarse.cells.size());
+    join = Eigen::MatrixXd::Zero(size, rows);
+    coarse.matrix = Eigen::MatrixXd::Zero(size, size);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const Eigen::Index to = parents[static_cast<std::size_t>(i)];
+      join(to, i) = 1;
+      for (Eigen::Index j = 0; j < rows; ++j) {
+        const Eigen::Index from = parents[static_cast<std::size_t>(j)];
+        const Cell &here = fine.cells[static_cast<std::size_t>(i)], &there = fine.cells[static_cast<std::size_t>(j)];
+        const int a = here.x() != there.x() ? 0 : 1, way = here[a] - there[a];
+        Real part = 1;
+        if (fine.matrix(i, j) != 0 &&
+            !same_column(coarse.cells[static_cast<std::size_t>(to)], coarse.cells[static_cast<std::size_t>(from)]))
+          part = share(fine, a, way == 1 || way < -1 ? here : there);
+        coarse.matrix(to, from) += part * fine.matrix(i, j);
+        coarse.matrix(to, to) += (1 - part) * fine.matrix(i, j);
       }
     }
     return coarse;
@@ -326,7 +331,7 @@ class ReferenceCoarse {
   }
 
   void solve(Real fall, Real return_share) {
-    phi_.emplace(count_, 0);
+    phi_.emplace(cells_, 0);
     start_at_rest(fall);
     const Level level = finest();
     Eigen::VectorXd phi(level.matrix.rows()), right(level.matrix.rows());
@@ -378,6 +383,7 @@ class ReferenceCoarse {
   Vec3 min_;
   Real s_, h_, gravity_ = 0, noise_ = 0;
   Cell count_;
+  Cells cells_{};
   Vec3 size_;
   std::vector<Particle> particles_;
   std::optional<Faces<Real>> mean_;

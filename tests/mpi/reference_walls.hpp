@@ -52,6 +52,11 @@ class ReferenceWalls {
         max_(scene.domain.max),
         kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
         s_(scene.fluid.spacing) {
+    for (int a = 0; a < 3; ++a) {  // no walls where the box repeats
+      if (!scene.periodic[static_cast<std::size_t>(a)]) continue;
+      min_[a] -= 1000;
+      max_[a] += 1000;
+    }
     for (int k = 0; missing({k}).share > 0; ++k) layers_ = k + 1;
   }
 

@@ -17,6 +17,7 @@ struct Lake {
   LocalId planes, rows, columns;
   LocalId depth, roughness;
   Real holes;
+  Repeats repeats{};  // along planes and rows
 
   // A number in [0, 1) for each cell and purpose, whatever the rank.
   static Real chance(LocalId k, LocalId r, LocalId c, int purpose) {
@@ -28,13 +29,20 @@ struct Lake {
   bool is_inside(LocalId k, LocalId r, LocalId c) const {
     return k >= 0 && k < planes && r >= 0 && r < rows && c >= 0 && c < columns;
   }
+  void wrap(LocalId& k, LocalId& r) const {
+    if (repeats[0]) k = (k + planes) % planes;
+    if (repeats[1]) r = (r + rows) % rows;
+  }
   bool is_wet(LocalId k, LocalId r, LocalId c) const {
+    wrap(k, r);
     if (!is_inside(k, r, c)) return false;
     const Real top = depth - std::floor(static_cast<Real>(roughness) * (chance(k, r, 0, 1) + k / Real(planes)) / 2);
     return c < top && chance(k, r, c, 2) >= holes;
   }
   Real link(int a, LocalId k, LocalId r, LocalId c) const {
-    const LocalId below[] = {k - (a == 0), r - (a == 1), c - (a == 2)};
+    wrap(k, r);
+    LocalId below[] = {k - (a == 0), r - (a == 1), c - (a == 2)};
+    wrap(below[0], below[1]);
     if (!is_inside(k, r, c) || !is_inside(below[0], below[1], below[2])) return 0;
     const bool high = is_wet(k, r, c), low = is_wet(below[0], below[1], below[2]);
     if (high && low) return a == 2 ? 25 : 25 * (0.2 + chance(k, r, c, 3 + a));
@@ -44,7 +52,8 @@ struct Lake {
 
 void fill(CoarseLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId c) {
   const LevelShape& shape = cells.shape();
-  const LocalId plane = k - 1 + shape.first;
+  LocalId plane = k - 1 + shape.first;
+  lake.wrap(plane, r);
   const std::size_t at = shape.index(k, r, c);
   const bool wet = lake.is_wet(plane, r, c);
   cells.phi[at] = wet ? Lake::chance(plane, r, c, 7) - 0.5 : 0;
@@ -64,7 +73,7 @@ void fill(CoarseLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId c)
 /// A solver of a communicator, with its planes of the lake.
 struct Tank {
   Tank(MPI_Comm comm, const Lake& lake, LocalId own_planes, GlobalId gathered = 4096)
-      : halo(comm), multigrid(comm, gathered) {
+      : halo(comm, lake.repeats[0]), multigrid(comm, lake.repeats, gathered) {
     multigrid.resize(own_planes, lake.rows, lake.columns, lake.depth);
     for (LocalId k = 0; k <= own_planes + 1; ++k)
       for (LocalId r = 0; r < lake.rows; ++r)
@@ -109,6 +118,19 @@ TEST(Multigrid, ACycleLeavesAFifthOfAnErrorAtAnyDepth) {
   }
 }
 
+// With an even or an odd number of cells around, or so few that a cell is next to another on both sides.
+TEST(Multigrid, ACycleLeavesAQuarterOfAnErrorWhereTheBoxRepeats) {
+  for (const LocalId depth : {2, 8, 64}) {
+    for (const Repeats repeats : {Repeats{true, false}, Repeats{false, true}, Repeats{true, true}}) {
+      SCOPED_TRACE(depth);
+      EXPECT_LT(share_left({24, 20, depth + 2, depth, 0, 0, repeats}), 0.2);
+      EXPECT_LT(share_left({23, 13, depth + 2, depth, 0, 0, repeats}), 0.25);
+      EXPECT_LT(share_left({3, 5, depth + 2, depth, 0, 0, repeats}), 0.25);
+      EXPECT_LT(share_left({23, 21, depth + 2, depth, depth / 2 + 1, 0.2, repeats}), 0.4);
+    }
+  }
+}
+
 // Water up to the ceiling: nothing holds phi, and nothing grows.
 TEST(Multigrid, AFullBoxIsHarmless) {
   for (const LocalId planes : {1, 9}) {
@@ -143,10 +165,13 @@ TEST(Multigrid, SameBitsOnAnyRanksCutsAndThreads) {
   for (const LocalId planes : {5, 8, 23, 64}) {
     for (const int kind : {0, 1, 2}) {
       for (const GlobalId gathered : {0, 100, 4096}) {
-        SCOPED_TRACE(std::to_string(planes) + " planes, cuts " + std::to_string(kind) + ", " + std::to_string(gathered));
+        SCOPED_TRACE(std::to_string(planes) + " planes, cuts " + std::to_string(kind) + ", " +
+                     std::to_string(gathered));
         use_threads(1 + kind % 2 * 3 + (planes == 8 ? 1 : 0));
         expect_same_as_alone({planes, 7, 14, 11, 6, 0.1}, kind, gathered);
         expect_same_as_alone({planes, 1, 300, 290, 6, 0}, kind, gathered);
+        expect_same_as_alone({planes, 7, 14, 11, 6, 0.1, {true, true}}, kind, gathered);
+        expect_same_as_alone({planes, 4, 60, 50, 6, 0, {true, false}}, kind, gathered);
       }
     }
   }
