@@ -50,7 +50,7 @@ bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to) const {
     const Body& body = obstacles_.body(k);
     const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
     if (!body.may_cross(begin, end)) continue;
-    const auto part = body.first_contact(begin, end);
+    const auto part = body.first_contact({{begin, from}, {end, to}});
     if (!part) continue;
     const Vec3 contact = begin + *part * (end - begin);
     if (body.shape().distance(contact - size_.maxCoeff() * body.shape().normal(contact)) > 0) return true;

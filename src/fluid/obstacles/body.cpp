@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace trevi {
 
 namespace {
 
-// In units of h: how near a particle comes to a surface, and the shortest step along a path. A sheet that is thinner
-// than the step could be passed.
+// In units of h: how near a particle comes to a surface, and the step along a path that skims one. A sheet that is
+// thinner than the step could be passed.
 constexpr Real contact = 1e-6, least_step = 0.01;
+// And how far from a wall of the box a solid goes on to it; it does so for the density (solid_map.cpp).
+constexpr Real seam = 1.0 / 32;
 // Farthest that a share of density reaches, in units of h; see wall_density.hpp.
 constexpr Real density_reach = 1.25;
 
@@ -27,7 +30,9 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
       tolerance_(contact * rules.h),
       restitution_(obstacle.restitution.value_or(rules.walls.restitution)),
       friction_(obstacle.friction),
-      radius_(radius_of(shape_->bounds())) {
+      radius_(radius_of(shape_->bounds())),
+      seam_(seam * rules.h),
+      inner_{rules.open.min.array() + seam_, rules.open.max.array() - seam_} {
   move(0, 0);
   std::optional<Fixed> fixed;
   if (!moves_) fixed = Fixed{now_, rules.box};
@@ -45,11 +50,11 @@ void Body::move(Real begin, Real end) {
 }
 
 bool Body::may_meet(const Vec3& from, const Vec3& to) const {
-  const Real way = (to - from).norm();
+  const Real way = (to - from).norm(), margin = 2 * seam_;
   const Box bounds = shape_->bounds();
   const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
   if (!vessel_ &&
-      ((low.array() > bounds.max.array() + tolerance_).any() || (high.array() < bounds.min.array() - tolerance_).any()))
+      ((low.array() > bounds.max.array() + margin).any() || (high.array() < bounds.min.array() - margin).any()))
     return false;
   // Blocks that are not near are 2 h from the surface.
   return (way >= h_ || map_->is_near(to)) && !is_beyond(from, way);
@@ -58,13 +63,27 @@ bool Body::may_meet(const Vec3& from, const Vec3& to) const {
 bool Body::may_meet(const Vec3& from, Real length) const {
   const Box bounds = shape_->bounds();
   const Vec3 off = (bounds.min - from).cwiseMax(from - bounds.max);
-  if (!vessel_ && off.maxCoeff() > length + tolerance_) return false;
+  if (!vessel_ && off.maxCoeff() > length + 2 * seam_) return false;
   return (length >= h_ || map_->is_near(from)) && !is_beyond(from, length);
 }
 
 bool Body::is_beyond(const Vec3& p, Real way) const {
   const DistanceGrid::Rough rough = rough_ ? rough_->at(p) : DistanceGrid::Rough{shape_->distance(p), 0};
-  return rough.distance - rough.error > way + 2 * tolerance_;
+  return rough.distance - rough.error > way + 2 * seam_;  // in a corner of the box a seam is 1.7 as wide
+}
+
+Real Body::distance(const Spot& spot, Real reach) const {
+  const Real here = shape_->distance_within(spot.in_body, reach);
+  if (inner_.contains(spot.in_world)) return here;
+  const Vec3 in_seam = spot.in_world.cwiseMax(inner_.min).cwiseMin(inner_.max) - spot.in_world;
+  return std::min(here, shape_->distance_within(spot.in_body + now_.turn.transpose() * in_seam, reach));
+}
+
+Vec3 Body::normal(const Spot& spot) const {
+  if (inner_.contains(spot.in_world)) return shape_->normal(spot.in_body);
+  return slope_of(shape_->bounds(), [&](const Vec3& step) {
+    return distance({spot.in_body + step, spot.in_world + now_.turn * step}, std::numeric_limits<Real>::max());
+  });
 }
 
 bool Body::may_cross(const Vec3& from, const Vec3& to) const {
@@ -79,17 +98,28 @@ bool Body::may_cross(const Vec3& from, const Vec3& to) const {
   return false;
 }
 
-// Steps of the distance to the surface cannot pass it; the last one is halved until the place of contact is known.
-std::optional<Real> Body::first_contact(const Vec3& from, const Vec3& to) const {
-  const Real length = (to - from).norm(), least = least_step * h_;
+// The distance itself passes nothing. Nearer than a least step it is the way to the surface by the slope along the
+// path, and a little more, so that the next place is in the solid if the path meets it; one that skims it goes by least
+// steps.
+Real Body::step_from(const Way& way, Real s, Real d, Real threshold) const {
+  const Real least = least_step * h_, small = tolerance_ / 2;
+  if (d - tolerance_ >= least) return d - tolerance_;
+  const Real ahead = distance(way.at((s + small) / way.length()), 2 * least);
+  const Real to_surface = (d - threshold) * small / std::max(d - ahead, 1e-6 * small);
+  return std::min(to_surface + small, least);
+}
+
+// The last step is halved until the place of contact is known.
+std::optional<Real> Body::first_contact(const Way& way) const {
+  const Real length = way.length();
   if (length == 0) return std::nullopt;
-  const auto place = [&](Real s) { return Vec3(from + (to - from) * (s / length)); };
-  const auto distance = [&](Real s) { return shape_->distance_within(place(s), length - s + 2 * least); };
-  Real s = 0, d = distance(0);
+  const auto at = [&](Real s) { return distance(way.at(s / length), length - s + 0.02 * h_); };
+  Real s = 0, d = at(0);
+  const Real threshold = std::min(d, tolerance_);
   while (s < length && d < length - s + tolerance_) {
-    Real next = std::min(s + std::max(d - tolerance_, least), length);
-    const Real there = distance(next);
-    if (there >= tolerance_ || (s == 0 && d < tolerance_ && there >= d)) {
+    Real next = std::min(s + step_from(way, s, d, threshold), length);
+    const Real there = at(next);
+    if (there >= threshold) {
       s = next;
       d = there;
       continue;
@@ -97,31 +127,28 @@ std::optional<Real> Body::first_contact(const Vec3& from, const Vec3& to) const 
     constexpr int halvings = 24;
     for (int k = 0; k < halvings; ++k) {
       const Real middle = (s + next) / 2;
-      (distance(middle) >= tolerance_ ? s : next) = middle;
+      (at(middle) >= threshold ? s : next) = middle;
     }
     return s / length;
   }
   return std::nullopt;
 }
 
-Vec3 Body::outside(const Vec3& p) const {
-  Vec3 place = p;
+bool Body::is_clear(const Spot& spot) const { return distance(spot, h_) >= tolerance_ / 2; }
+
+Vec3 Body::way_out(const Spot& spot) const {
+  Vec3 out = Vec3::Zero();
   constexpr int most = 8;  // one will do where the nearest surface is a plane or a ball
   for (int k = 0; k < most; ++k) {
-    const Real d = shape_->distance_within(place, h_);
-    if (d >= 0) break;
-    place += (2 * tolerance_ - d) * shape_->normal(place);
+    const Spot there{spot.in_body + out, spot.in_world + now_.turn * out};
+    const Real d = distance(there, h_);
+    if (d >= tolerance_ / 2) break;
+    out += (2 * tolerance_ - d) * normal(there);
   }
-  return place;
+  return out;
 }
 
-Vec3 Body::along(const Vec3& way, const Vec3& p) const {
-  const Vec3 normal = shape_->normal(p);
-  return way - std::min(way.dot(normal), 0.0) * normal;
-}
-
-Vec3 Body::reflected(const Vec3& velocity, const Vec3& p) const {
-  const Vec3 normal = shape_->normal(p);
+Vec3 Body::reflected(const Vec3& velocity, const Vec3& normal) const {
   const Real into = std::min(velocity.dot(normal), 0.0);
   if (whole_) return restitution_ * (velocity - 2 * into * normal);
   const Vec3 along = velocity - into * normal;

@@ -13,7 +13,7 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing) {
-  const BodyRules rules{settings.domain, settings.walls, kernels_of(settings.fluid).density,
+  const BodyRules rules{settings.domain, walls_.box(), settings.walls, kernels_of(settings.fluid).density,
                         settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));

@@ -56,13 +56,16 @@ class Obstacles {
 
  private:
   struct Leg;
+  // From p, at the obstacles' places before or now.
+  Leg leg_from(const Vec3& p, bool before);
   Vec3 among(const Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   Toll toll_;
-  Real relaxation_;  // of shifts by the density solver
+  PerThread<std::vector<Way>> ways_;  // of the leg that a thread follows
+  Real relaxation_;                   // of shifts by the density solver
   Real water_mass_;
 };
 

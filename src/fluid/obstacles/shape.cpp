@@ -118,14 +118,8 @@ std::unique_ptr<Shape> make_solid(const ObstacleSettings& obstacle) {
 
 }  // namespace
 
-// Differences over a way on which curvature does not count; at an edge the mean of the faces.
 Vec3 Shape::normal(const Vec3& p) const {
-  const Box box = bounds();
-  const Real step = 1e-6 * (box.max - box.min).maxCoeff();
-  Vec3 slope;
-  for (int a = 0; a < 3; ++a) slope[a] = distance(p + step * Vec3::Unit(a)) - distance(p - step * Vec3::Unit(a));
-  const Real length = slope.norm();
-  return length > 0 ? Vec3(slope / length) : Vec3::UnitZ();
+  return slope_of(bounds(), [&](const Vec3& step) { return distance(p + step); });
 }
 
 std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle) {

@@ -10,6 +10,17 @@
 
 namespace trevi {
 
+/// Unit vector along which a distance of that step from a place grows, by differences over a way on which curvature
+/// does not count; at an edge the mean of the faces. `bounds` are those of the surface.
+template <class Distance>
+Vec3 slope_of(const Box& bounds, const Distance& distance) {
+  const Real step = 1e-6 * (bounds.max - bounds.min).maxCoeff();
+  Vec3 slope;
+  for (int a = 0; a < 3; ++a) slope[a] = distance(step * Vec3::Unit(a)) - distance(-step * Vec3::Unit(a));
+  const Real length = slope.norm();
+  return length > 0 ? Vec3(slope / length) : Vec3::UnitZ();
+}
+
 class Shape {
  public:
   virtual ~Shape() = default;
