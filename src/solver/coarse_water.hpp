@@ -104,7 +104,8 @@ class CoarseWater {
   void fill_open_parts();
   void level_small_cells(Halo& halo);
   bool is_small(std::size_t at) const;
-  std::size_t widest_neighbour(std::size_t at) const;
+  template <class Visit>
+  void for_widest(const Place& place, const Visit& visit) const;
 
   MPI_Comm comm_;
   Box box_;
