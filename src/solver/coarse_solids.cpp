@@ -114,6 +114,11 @@ CoarseSolids::Cell CoarseSolids::cell_at(LocalId k, LocalId r, LocalId c) const 
   const Vec3 corner(k, r, c);
   const Nearest far = nearest_at(middle(k, r, c));
   cell.nearest = static_cast<std::uint32_t>(far.body);
+  if (std::abs(far.distance) > 2 * size_.maxCoeff()) {  // no face of it comes within reach of is_passage()
+    cell.open = far.distance > 0 ? 1 : 0;
+    cell.face.fill(cell.open);
+    return cell;
+  }
   for (std::size_t a = 0; a < 3; ++a) cell.face[a] = static_cast<float>(face_at(a, corner));
   // Surfaces a little outside of the cell count where a face of it is closed.
   if (std::abs(far.distance) < 0.75 * size_.norm()) cell.surface = static_cast<float>(surface_at(corner));

@@ -236,9 +236,10 @@ void CoarseWater::find_tops(LocalId k, LocalId r) {
 }
 
 std::size_t CoarseWater::bytes() const {
-  std::size_t values = fill_.capacity() + height_.capacity();
+  std::size_t values = fill_.capacity() + height_.capacity() + level_.capacity();
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + wet_.capacity() + reach_.bytes() + sums_.capacity() * sizeof(PlaneSums);
+  return values * sizeof(Real) + wet_.capacity() + joined_.capacity() + reach_.bytes() +
+         sums_.capacity() * sizeof(PlaneSums);
 }
 
 }  // namespace trevi

@@ -116,6 +116,8 @@ class CoarseWater {
   std::vector<PlaneSums> sums_;
   std::vector<Real> fill_, height_;
   std::vector<char> wet_;
+  std::vector<Real> level_;   // of small cells that follow others: the next height_
+  std::vector<char> joined_;  // the next wet_
   std::array<std::vector<Real>, 3> displacement_;
 };
 

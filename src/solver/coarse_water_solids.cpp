@@ -36,17 +36,17 @@ void CoarseWater::find_surface_among_solids(Halo& halo) {
     }
   });
   grid_.repeat(wet_);
-  std::vector<char> joined = wet_;
+  joined_ = wet_;
   for_each_row(grid_.rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
       if (is_small(at) && !is_wet(at))
-        for_widest({k, r, c}, [&](std::size_t beside) { joined[at] = joined[at] != 0 || is_wet(beside) ? 1 : 0; });
+        for_widest({k, r, c}, [&](std::size_t beside) { joined_[at] = joined_[at] != 0 || is_wet(beside) ? 1 : 0; });
     }
   });
-  halo.start_planes(joined, grid_.step(0));
+  halo.start_planes(joined_, grid_.step(0));
   halo.finish();
-  wet_.swap(joined);
+  wet_.swap(joined_);
   for_each_row(grid_.rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 1; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
@@ -62,7 +62,7 @@ void CoarseWater::find_surface_among_solids(Halo& halo) {
 
 // The surface in a small cell is that beside it, the mean of both where two faces are equally wide.
 void CoarseWater::level_small_cells(Halo& halo) {
-  std::vector<Real> level = height_;
+  level_ = height_;
   for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(); ++c) {
       const std::size_t at = grid_.index(k, r, c);
@@ -73,13 +73,13 @@ void CoarseWater::level_small_cells(Halo& halo) {
         sum += is_top(beside) ? height_[beside] : 1;
         ++count;
       });
-      if (count > 0) level[at] = sum / count;
+      if (count > 0) level_[at] = sum / count;
     }
   });
-  halo.start_planes(level, grid_.step(0));
+  halo.start_planes(level_, grid_.step(0));
   halo.finish();
-  grid_.repeat(level);
-  height_.swap(level);
+  grid_.repeat(level_);
+  height_.swap(level_);
 }
 
 bool CoarseWater::is_small(std::size_t at) const { return solids_->open(at) > 0 && solids_->open(at) < small_cell; }

@@ -175,6 +175,7 @@ radius = 1
     inside.position.push_back(p);
     inside.velocity.push_back(Vec3::Zero());
   }
+  ASSERT_GT(sum_over_ranks(world, static_cast<std::int64_t>(inside.id.size())), 300) << "the jug holds water";
   const std::unique_ptr<Solver> solver = make_solver(world, scene, std::move(inside));
   solver->start();
   for (int k = 0; k < 20; ++k) {

@@ -105,7 +105,8 @@ Real Body::step_from(const Way& way, Real s, Real d, Real threshold) const {
   const Real least = least_step * h_, small = tolerance_ / 2;
   if (d - tolerance_ >= least) return d - tolerance_;
   const Real ahead = distance(way.at((s + small) / way.length()), 2 * least);
-  const Real to_surface = (d - threshold) * small / std::max(d - ahead, 1e-6 * small);
+  if (d - ahead < 1e-6 * small) return least;
+  const Real to_surface = (d - threshold) * small / (d - ahead);
   return std::min(to_surface + small, least);
 }
 
