@@ -196,6 +196,15 @@ class Figures(unittest.TestCase):
                 self.assert_written(before, was["volume_error_percent"])
                 self.assert_written(now, row["volume_error_percent"])
 
+    def test_leaks(self):
+        real = {row["vessel"]: row for row in rows_of("leaks.csv")}
+        told = table("obstacles.md", "| vessel | particles | lost |")
+        self.assertEqual([row[0] for row in told], list(real))
+        for name, particles, lost, outside, nearest in told:
+            row = real[name]
+            self.assertEqual([particles, lost, outside], [row["particles"], row["lost"], row["outside"]])
+            self.assertEqual(float(nearest), -float(row["farthest_m"]))
+
     def test_error_against_run_time(self):
         real = self.compressions()
         told = table("error_against_run_time.md", "| compression, seconds |")
