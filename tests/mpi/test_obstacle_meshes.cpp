@@ -11,6 +11,7 @@
 #include "fluid/obstacles/pose.hpp"
 #include "fluid/obstacles/tessellation.hpp"
 #include "output_fixture.hpp"
+#include "parallel/reductions.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
 
