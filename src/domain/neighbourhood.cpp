@@ -7,7 +7,11 @@ namespace trevi {
 
 template <class T>
 Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
-    : order_(grid), halo_(comm, grid.is_periodic(0)), encoding_(origin, h) {}
+    : order_(grid), halo_(comm, grid.is_periodic(0)), encoding_(origin, h) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (grid.is_periodic(a)) encoding_.count_cells(grid.axis(a), grid.length(a) / grid.count(a), grid.count(a));
+  }
+}
 
 template <class T>
 void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Velocities velocities) {
@@ -33,6 +37,11 @@ void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Veloc
 
 template <class T>
 void Neighbourhood<T>::encode(const std::vector<Vec3>& position, Range range) {
+  if (encoding_.counts_cells()) {
+    for (LocalId i = range.begin; i < range.end; ++i)
+      record(i) = encoding_.in_cells(position[static_cast<std::size_t>(i)], T{0});
+    return;
+  }
   for (LocalId i = range.begin; i < range.end; ++i) record(i) = encoding_(position[static_cast<std::size_t>(i)], T{0});
 }
 
@@ -53,7 +62,7 @@ void Neighbourhood<T>::finish_records() {
         record = records_[static_cast<std::size_t>(copy.from + i)];
         for (const std::size_t a : {0U, 1U}) {
           if (copy.turns[a] != 0)
-            move(record, grid.axis(a + 1), copy.turns[a] * grid.length(a + 1) * encoding_.per_metre());
+            move(record, grid.axis(a + 1), copy.turns[a] * grid.count(a + 1) * Packed<T>::units_per_h);
         }
       }
     }
@@ -62,7 +71,7 @@ void Neighbourhood<T>::finish_records() {
 
 template <class T>
 void Neighbourhood<T>::move_ghosts(Range range, Real turns) {
-  const Real units = turns * order_.grid().length(0) * encoding_.per_metre();
+  const Real units = turns * order_.grid().count(0) * Packed<T>::units_per_h;
   for_each_index(range, [this, units](std::size_t i) { move(records_[i], order_.grid().axis(0), units); });
 }
 

@@ -34,6 +34,10 @@ class CellGrid {
   bool is_periodic(std::size_t direction) const { return periodic_[direction]; }
   /// The coordinate along a direction: 0 for x.
   int axis(std::size_t direction) const { return axis_[direction]; }
+  /// Number of cells along a direction.
+  LocalId count(std::size_t direction) const { return count_[direction]; }
+  /// Cells per metre, as they are counted.
+  Real per_length(std::size_t direction) const { return per_length_[direction]; }
   /// Extent of the box along a direction, m.
   Real length(std::size_t direction) const { return length_[direction]; }
 

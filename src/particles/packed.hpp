@@ -8,6 +8,7 @@
 // precision keeps units of h.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -40,6 +41,15 @@ class Encoding {
  public:
   Encoding(const Vec3& origin, Real h) : origin_(origin), per_metre_(Packed<T>::units_per_h / h) {}
 
+  /// Makes `axis` one of `cells` cells of a width in metres of h but for rounding, on which no difference of records
+  /// depends.
+  void count_cells(int axis, Real width, Real cells) {
+    cells_[static_cast<std::size_t>(axis)] = {width, (1 + 0x1p-50) / width,
+                                              std::ldexp(1.5, 52 - (48 - std::ilogb(cells)))};
+    counts_cells_ = true;
+  }
+  bool counts_cells() const { return counts_cells_; }
+
   const Vec3& origin() const { return origin_; }
   Real per_metre() const { return per_metre_; }
 
@@ -47,8 +57,25 @@ class Encoding {
     const Vec3 u = (p - origin_) * per_metre_;
     return {coordinate(u.x()), coordinate(u.y()), coordinate(u.z()), w};
   }
+  /// The same where axes are counted in cells: the place within a cell is rounded before the cells are added, exactly.
+  Packed<T> in_cells(const Vec3& p, T w) const {
+    Vec3 u = (p - origin_) * per_metre_;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Cells& cells = cells_[a];
+      if (cells.width == 0) continue;
+      const auto b = static_cast<Eigen::Index>(a);
+      const Real way = p[b] - origin_[b], cell = std::floor(way * cells.per_metre);
+      const Real within = (way - cell * cells.width) / cells.width;
+      u[b] = (cell + ((within + cells.rounding) - cells.rounding)) * Packed<T>::units_per_h;
+    }
+    return {coordinate(u.x()), coordinate(u.y()), coordinate(u.z()), w};
+  }
 
  private:
+  struct Cells {
+    Real width = 0, per_metre = 0;
+    Real rounding = 0;  // adding and subtracting it leaves as many bits as there is room for beside the cells
+  };
   static typename Packed<T>::Coordinate coordinate(Real u) {
     if constexpr (std::is_same_v<T, float>) {
       return static_cast<std::int32_t>(static_cast<std::uint32_t>(std::lrint(u)));
@@ -59,6 +86,8 @@ class Encoding {
 
   Vec3 origin_;
   Real per_metre_;
+  std::array<Cells, 3> cells_{};
+  bool counts_cells_ = false;
 };
 
 /// Moves a record along one axis by so many of its units. Single precision wraps around, as its positions do.

@@ -92,7 +92,7 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
       const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
       if (begin == end) continue;
-      displace_cell(water_.frame(), motion, {begin, end, water_.grid().corner_of(motion.p[begin])},
+      displace_cell(water_.frame(), motion, {begin, end, water_.grid().place_of(motion.p[begin])},
                     displacement_of(k, r, c), &out[begin]);
     }
     const LocalId flying = order.start(k, r * all_columns + columns), end = order.start(k, (r + 1) * all_columns);

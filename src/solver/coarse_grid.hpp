@@ -15,6 +15,7 @@
 #include "domain/slabs.hpp"
 #include "particles/cell_grid.hpp"
 #include "solver/cell_rows.hpp"
+#include "solver/coarse_particles.hpp"
 #include "trevi/box.hpp"
 #include "trevi/session.hpp"
 
@@ -33,7 +34,7 @@ class CoarseGrid {
       const Real extent = box.max[axis_[a]] - box.min[axis_[a]];
       size_[static_cast<Eigen::Index>(a)] = extent / count_[a];
       origin_[b] = box.min[axis_[a]];
-      per_length_[b] = count_[a] / extent;  // the same factor as in CellGrid, so that rounding gives the same cell
+      per_length_[b] = grid.per_length(a);  // so that rounding gives the same cell
     }
   }
 
@@ -82,19 +83,20 @@ class CoarseGrid {
 
   /// The coordinate along direction a: 0 for x.
   std::size_t axis(std::size_t a) const { return static_cast<std::size_t>(axis_[a]); }
-  /// By coordinate: corner of the box, m, and cells per metre.
-  const std::array<Real, 3>& origin() const { return origin_; }
+  /// By coordinate: cells per metre.
   const std::array<Real, 3>& per_length() const { return per_length_; }
-  /// Lower corner of the cell of the box in which p is, by coordinate, in cells from the corner of the box; a particle
-  /// on an upper wall counts to the last cell.
-  std::array<Real, 3> corner_of(const Vec3& p) const {
-    std::array<Real, 3> corner{};
+  /// The cell of the box in which p is; a particle on an upper wall counts to the last cell. Its corner is counted from
+  /// that of the box, or, along periodic axes, where positions and this difference are exact, from itself.
+  CellPlace place_of(const Vec3& p) const {
+    CellPlace place{origin_, {}};
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = axis(a);
       const Real cell = (p[axis_[a]] - origin_[b]) * per_length_[b];
-      corner[b] = std::min(static_cast<LocalId>(cell), count_[a] - 1);
+      const Real corner = std::min(static_cast<LocalId>(cell), count_[a] - 1);
+      const bool counted = a == 2 || !repeats_[a];
+      (counted ? place.corner[b] : place.origin[b]) += counted ? corner : corner * size_[static_cast<Eigen::Index>(a)];
     }
-    return corner;
+    return place;
   }
   /// Cells of the box in direction a.
   LocalId count(std::size_t a) const { return count_[a]; }

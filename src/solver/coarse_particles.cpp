@@ -52,8 +52,8 @@ HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const C
   const V3 p = load(motion.p, i), x = load(motion.x, i);
   Particles8 particles{zeros(), zeros(), zeros(), zeros()};
   for (std::size_t a = 0; a < 3; ++a) {
-    const V in_cells = hn::Mul(hn::Sub(p[a], set(frame.origin[a])), set(frame.per_length[a]));
-    particles.here[a] = hn::Sub(in_cells, set(cell.corner[a]));
+    const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
+    particles.here[a] = hn::Sub(in_cells, set(cell.place.corner[a]));
     particles.way[a] = hn::Sub(p[a], x[a]);
     const V back = clamp(hn::Mul(particles.way[a], set(frame.per_length[a])), -most_way, most_way);
     particles.surface[a] = hn::Sub(particles.here[a], back);
@@ -99,8 +99,8 @@ HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, cons
       const V moment[6] = {f, f2, hn::Mul(f2, f), u, fu, hn::Mul(f, fu)};
       for (std::size_t m = 0; m < 6; ++m) add<first>(lanes, 3 * m + a, lane, moment[m]);
     }
-    V3 x = parts(frame, particles, cell.corner, 0);
-    const V3 y = parts(frame, particles, cell.corner, 1), z = parts(frame, particles, cell.corner, 2);
+    V3 x = parts(frame, particles, cell.place.corner, 0);
+    const V3 y = parts(frame, particles, cell.place.corner, 1), z = parts(frame, particles, cell.place.corner, 2);
     for (V& part : x) part = hn::IfThenElseZero(valid, hn::Mul(part, set(frame.per_full)));
     for (std::size_t b = 0; b < 9; ++b) {
       const V xy = hn::Mul(x[b / 3], y[b % 3]);
@@ -168,7 +168,7 @@ HWY_INLINE V3 displacements(const Particles8& particles, const CellParticles& ce
     off2 = hn::MulAdd(off[a], off[a], off2);
   }
   const V share = hn::Div(set(by.share), hn::MulAdd(off2, set(by.per_noise2), set(1)));
-  const V above = hn::Sub(particles.surface[2], set(by.surface - cell.corner[2]));
+  const V above = hn::Sub(particles.surface[2], set(by.surface - cell.place.corner[2]));
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
   for (std::size_t a = 0; a < 3; ++a) u[a] = hn::Mul(hn::MulAdd(share, off[a], u[a]), faded);
   return u;

@@ -14,10 +14,10 @@ using ByAxis = std::array<Real, 3>;
 
 /// What in_cells() etc. of CoarseGrid are made of, and the cube of a particle.
 struct CellFrame {
-  ByAxis origin, per_length;  ///< corner of the box, m; cells per metre
-  ByAxis half;                ///< of a cube's edge, in cells
-  ByAxis nearest, farthest;   ///< where a cube's middle can be between walls, in cells from the corner of the box
-  Real per_full;              ///< volume of a particle, in cells
+  ByAxis per_length;         ///< cells per metre
+  ByAxis half;               ///< of a cube's edge, in cells
+  ByAxis nearest, farthest;  ///< where a cube's middle can be between walls, in cells from the corner of the box
+  Real per_full;             ///< volume of a particle, in cells
 };
 
 /// The positions, m, between which the prediction moves the particles.
@@ -25,10 +25,15 @@ struct Motion {
   std::span<const Vec3> x, p;
 };
 
-/// The particles [begin, end) of the cell with its lower corner at `corner`, in cells from the corner of the box.
+/// Where a cell is: its lower corner lies `corner` cells from `origin`, m.
+struct CellPlace {
+  ByAxis origin, corner;
+};
+
+/// The particles [begin, end) of a cell.
 struct CellParticles {
   std::size_t begin, end;
-  ByAxis corner;
+  CellPlace place;
 };
 
 /// Sums over the particles of a cell of powers of their fraction f, which is 0 at the lower face and 1 at the upper

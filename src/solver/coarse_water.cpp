@@ -61,7 +61,6 @@ CoarseWater::CoarseWater(MPI_Comm comm, const CellGrid& grid, const Box& box, Re
       grid_(comm, grid, box),
       reach_(comm, least_particles(grid_, spacing, obstacles != nullptr)) {
   if (obstacles != nullptr) solids_.emplace(*obstacles);
-  frame_.origin = grid_.origin();
   frame_.per_length = grid_.per_length();
   frame_.per_full = 1;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -151,7 +150,7 @@ void CoarseWater::sum_row(const CellOrder& order, const Place& row, const Motion
     const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
     const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
     if (begin == end) continue;
-    const CellSums sums = sum_cell(frame_, motion, {begin, end, grid_.corner_of(motion.p[begin])});
+    const CellSums sums = sum_cell(frame_, motion, {begin, end, grid_.place_of(motion.p[begin])});
     add_cell({k, row.r, c}, static_cast<Real>(end - begin), sums, faces);
   }
 }

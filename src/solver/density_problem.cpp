@@ -31,8 +31,8 @@ Vec3 direction_of(GlobalId a, GlobalId b) {
 
 template <class T>
 DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
-                                  const Walls& walls, Obstacles* obstacles)
-    : comm_(comm), near_(near), constraint_(constraint), walls_(walls), obstacles_(obstacles) {}
+                                  const Surroundings& around)
+    : comm_(comm), near_(near), constraint_(constraint), around_(around) {}
 
 template <class T>
 void DensityProblem<T>::start(Particles& particles, Real dt) {
@@ -75,18 +75,31 @@ void DensityProblem<T>::compute_delta() {
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
-  if (obstacles_ != nullptr) {
+  if (around_.wrap != nullptr) return collide_in_periods(part, relaxation);
+  if (around_.obstacles != nullptr) {
     const std::vector<Vec3>& p = particles_->predicted;
-    set_positions(
-        part, [&](LocalId i) { return obstacles_->collide(p[static_cast<std::size_t>(i)], relaxation * delta(i)); });
+    set_positions(part, [&](LocalId i) {
+      return around_.obstacles->collide(p[static_cast<std::size_t>(i)], relaxation * delta(i));
+    });
     return;
   }
   constexpr LocalId part_size = 512;
-  const Shift<T> shift{walls_, near_.encoding(), relaxation};
+  const Shift<T> shift{around_.walls, near_.encoding(), relaxation};
   for_each_part(part, part_size, [&](Range few) {
     const auto first = static_cast<std::size_t>(few.begin);
     move_particles<T>(shift, {&delta_[first], static_cast<std::size_t>(few.size())}, &particles_->predicted[first],
                       &near_.record(few.begin));
+  });
+}
+
+template <class T>
+void DensityProblem<T>::collide_in_periods(Range part, Real relaxation) {
+  const Wrap& wrap = *around_.wrap;
+  set_positions(part, [&](LocalId i) {
+    const Vec3& p = particles_->predicted[static_cast<std::size_t>(i)];
+    const Vec3 shift = relaxation * delta(i);
+    if (around_.obstacles != nullptr) return wrap.moved_to(p, around_.obstacles->collide(p, shift));
+    return wrap.moved(p, around_.walls.collide(wrap.without_place(p), shift));
   });
 }
 

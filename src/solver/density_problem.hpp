@@ -9,6 +9,7 @@
 
 #include "base/threads.hpp"
 #include "domain/neighbourhood.hpp"
+#include "domain/wrap.hpp"
 #include "fluid/density.hpp"
 #include "fluid/walls.hpp"
 #include "solver/coarse_correction.hpp"
@@ -26,9 +27,14 @@ struct Compression {
 template <class T>
 class DensityProblem {
  public:
-  /// `obstacles` may be null.
-  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, const Walls& walls,
-                 Obstacles* obstacles = nullptr);
+  /// What shifts meet; there may be no obstacles and no periodic axes.
+  struct Surroundings {
+    const Walls& walls;
+    Obstacles* obstacles;
+    const Wrap* wrap;
+  };
+  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
+                 const Surroundings& around);
 
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
@@ -63,11 +69,11 @@ class DensityProblem {
 
   const CellOrder& order() const { return near_.order(); }
   /// Null where there are none.
-  const Obstacles* obstacles() const { return obstacles_; }
+  const Obstacles* obstacles() const { return around_.obstacles; }
   /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
-  std::vector<Taken> taken() const { return obstacles_->toll().total(comm_); }
+  std::vector<Taken> taken() const { return around_.obstacles->toll().total(comm_); }
   const DensityModel& model() const { return constraint_.model(); }
-  const Walls& walls() const { return walls_; }
+  const Walls& walls() const { return around_.walls; }
   Particles& particles() { return *particles_; }
   std::span<const Real> density() const { return rho_; }
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
@@ -80,6 +86,7 @@ class DensityProblem {
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
   using UseLambda = std::function<void(Range here, const T* multipliers)>;
+  void collide_in_periods(Range part, Real relaxation);
   void find_lambda(Range part, const UseLambda& use);
   void set_multipliers(Range part);
   void count_pass(Range part, double flops_per_pair);
@@ -87,8 +94,7 @@ class DensityProblem {
   MPI_Comm comm_;
   Neighbourhood<T>& near_;
   const DensityConstraint<T>& constraint_;
-  const Walls& walls_;
-  Obstacles* obstacles_;
+  Surroundings around_;
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;

@@ -108,6 +108,7 @@ Settings checked_and_resolved(const Settings& settings) {
          "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
   demand(all.density.method != Method::anderson || all.obstacles.empty(),
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
+  all.domain = Wrap::fitted(all.domain, all.periodic, h);
   demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
   demand(!all.kinematic_viscosity || all.cfl > 0 ||
              all.dt <= longest_viscous_step(*all.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),

@@ -21,7 +21,8 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
-      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.walls, parts_.obstacles.get()),
+      problem_(*parts_.comm, near_, *parts_.constraint,
+               {*parts_.walls, parts_.obstacles.get(), parts_.wrap ? &*parts_.wrap : nullptr}),
       reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow()}, std::move(parts_.observers),
                 *parts_.diagnostics) {}
 
@@ -93,10 +94,29 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
 template <class T>
 void PbfSolver<T>::predict_positions(Real dt) {
   const ScopedEvent timed(predict_event_);
-  if (parts_.obstacles) {
+  if (parts_.wrap) {
+    predict_in_periods(dt);
+  } else if (parts_.obstacles) {
     predict_each([&, dt](const Vec3& p, const Vec3& v) { return parts_.obstacles->predict(p, v, dt); });
   } else {
     predict_each([&, dt](const Vec3& p, const Vec3& v) { return parts_.walls->predict(p, v, dt); });
+  }
+}
+
+// New particles may be between the multiples of the quantum.
+template <class T>
+void PbfSolver<T>::predict_in_periods(Real dt) {
+  const Wrap& wrap = *parts_.wrap;
+  Particles& particles = parts_.particles;
+  for_each_index({0, particles.size()},
+                 [&](std::size_t i) { particles.position[i] = wrap.rounded(particles.position[i]); });
+  if (parts_.obstacles) {
+    predict_each(
+        [&, dt](const Vec3& p, const Vec3& v) { return wrap.moved_to(p, parts_.obstacles->predict(p, v, dt)); });
+  } else {
+    predict_each([&, dt](const Vec3& p, const Vec3& v) {
+      return wrap.moved(p, parts_.walls->predict(wrap.without_place(p), v, dt));
+    });
   }
 }
 
@@ -129,8 +149,11 @@ template <class T>
 void PbfSolver<T>::wrap_positions() {
   if (!parts_.wrap) return;
   Particles& particles = parts_.particles;
-  for_each_index({0, particles.size()},
-                 [&](std::size_t i) { particles.position[i] += parts_.wrap->back(particles.position[i]); });
+  for_each_index({0, particles.size()}, [&](std::size_t i) {
+    Vec3& p = particles.position[i];
+    p = parts_.wrap->rounded(p);
+    p += parts_.wrap->back(p);
+  });
 }
 
 template <class T>

@@ -41,7 +41,7 @@ struct SolverParts {
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Walls> walls;
   std::shared_ptr<Obstacles> obstacles;  ///< null where there are none
-  std::optional<Wrap> wrap;  ///< where the box is periodic
+  std::optional<Wrap> wrap;              ///< where the box is periodic
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<OpenFlow> flow;  ///< may be null
@@ -80,6 +80,7 @@ class PbfSolver : public Solver {
   // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);
   void predict_positions(Real dt);
+  void predict_in_periods(Real dt);
   template <class Predict>
   void predict_each(const Predict& predict);
   void migrate_particles(std::vector<Vec3> Particles::*position);
