@@ -46,6 +46,36 @@ class Restart(unittest.TestCase):
         self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
         self.assertGreater(max(waiting), 0)
 
+    def test_periodic_tank(self):
+        """Deep water around a ring in both directions, with an inlet and a drain in it."""
+        tank = """
+[domain]
+min = [0, 0, 0]
+max = [1.6, 1.4, 1.4]
+periodic = ["x", "y"]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [1.6, 1.4, 0.6]
+[[inlet]]
+center = [0.8, 0.7, 1.0]
+direction = [0.2, 0, -1]
+radius = 0.1
+speed = 2
+[[drain]]
+min = [1.0, 0.4, 0]
+max = [1.3, 0.9, 0.15]
+[time]
+dt = 0.016666666666666667
+end = 1.0
+[gravity]
+[output.series]
+every_steps = 1
+"""
+        parted = self.same_bits(tank)
+        self.assertGreater(runs.column(parted, "outflow")[-1], 50)
+
     def test_obstacles_beside_the_frames(self):
         """The list names each frame with the surfaces of its time, and a restart leaves the same list and the same files."""
         obstacles = """
