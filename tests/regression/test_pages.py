@@ -5,6 +5,7 @@ understood in dry form, and figures in tables are those of the csv files that th
 import csv
 import re
 import shlex
+import statistics
 import subprocess
 import unittest
 from pathlib import Path
@@ -195,6 +196,21 @@ class Figures(unittest.TestCase):
                                  [row["particles"], row["open_edges"], was["pieces"], row["pieces"]])
                 self.assert_written(before, was["volume_error_percent"])
                 self.assert_written(now, row["volume_error_percent"])
+
+    def test_rest_in_vessels(self):
+        real = {}
+        for row in rows_of("vessels.csv"):
+            real.setdefault(row["vessel"], {}).setdefault(row["depth"], []).append(row)
+        told = table("obstacles.md", "| vessel | deep: mean |")
+        self.assertEqual([row[0] for row in told], list(real))
+        for name, *cells in told:
+            for depth, (mean, median, largest, off) in (("deep", cells[:4]), ("shallow", cells[4:])):
+                with self.subTest(vessel=name, depth=depth):
+                    energies = [float(row["kinetic_energy"]) for row in real[name][depth]]
+                    for said, value in ((mean, statistics.mean(energies)), (median, statistics.median(energies)),
+                                        (largest, max(energies))):
+                        self.assert_rounds_to(said, value)
+                    self.assert_written(off, max(float(row["off_spacings"]) for row in real[name][depth]))
 
     def test_leaks(self):
         real = {row["vessel"]: row for row in rows_of("leaks.csv")}

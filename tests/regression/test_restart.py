@@ -76,6 +76,39 @@ every_steps = 1
         parted = self.same_bits(tank)
         self.assertGreater(runs.column(parted, "outflow")[-1], 50)
 
+    def test_tank_that_overflows(self):
+        parted = self.same_bits("""
+[domain]
+min = [0, 0, 0]
+max = [1.2, 0.6, 1.2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [0.8, 0.6, 0.6]
+[time]
+dt = 0.016666666666666667
+end = 1.0
+[gravity]
+[[obstacle]]
+type = "box"
+center = [0.85, 0.3, 0.25]
+size = [0.1, 0.6, 0.5]
+[[inlet]]
+center = [0.3, 0.3, 1.0]
+direction = [0, 0, -1]
+radius = 0.15
+flow = 0.2
+[[drain]]
+min = [1.0, 0, 0]
+max = [1.2, 0.6, 1.2]
+[output.series]
+every_steps = 1
+""")
+        inflow, outflow, there = (runs.column(parted, name) for name in ("inflow", "outflow", "particles"))
+        self.assertGreater(outflow[-1] - outflow[30], 20)
+        self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
+
     def test_obstacles_beside_the_frames(self):
         """The list names each frame with the surfaces of its time, and a restart leaves the same list and the same files."""
         obstacles = """

@@ -55,6 +55,12 @@ class Body {
 
   /// Whether p may have a share of density or a collision within reach, by the bounds alone.
   bool may_reach(const Vec3& p) const { return vessel_ || near_box_.contains(p); }
+  /// Whether a straight way in the world, the obstacle where it is now, stays on one side of all that it may reach.
+  bool is_passed_by(const Vec3& from, const Vec3& to) const {
+    const auto low = from.cwiseMax(to).array() < near_box_.min.array();
+    const auto high = from.cwiseMin(to).array() > near_box_.max.array();
+    return !vessel_ && (low.any() || high.any());
+  }
   bool is_near(const Vec3& p) const { return may_reach(p) && map_->is_near(now_.into_body(p)); }
   /// Whether a straight path, in the frame of the body, may meet the surface; and whether any path of that length may.
   bool may_meet(const Vec3& from, const Vec3& to) const;

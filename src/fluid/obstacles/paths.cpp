@@ -74,6 +74,7 @@ Vec3 Obstacles::predict(const Vec3& p, const Vec3& v, Real dt) {
   const bool bounces = !walls_.inside(straight);
   bool met = false;
   for (const auto& body : bodies_) {
+    if (!bounces && !body->moves() && body->is_passed_by(p, straight)) continue;
     const Vec3 from = body->before().into_body(p), to = body->now().into_body(straight);
     met =
         met || (bounces ? body->may_meet(from, (straight - p).norm() + (to - from).norm()) : body->may_meet(from, to));
@@ -146,7 +147,9 @@ Vec3 Obstacles::collide(const Vec3& p, const Vec3& shift) {
   if (!target.allFinite()) return target;
   if (target != p + shift) take(box_taker(), target - (p + shift), target);
   bool met = false;
-  for (const auto& body : bodies_) met = met || body->may_meet(body->now().into_body(p), body->now().into_body(target));
+  for (const auto& body : bodies_)
+    met = met ||
+          (!body->is_passed_by(p, target) && body->may_meet(body->now().into_body(p), body->now().into_body(target)));
   if (!met) return target;
   Leg leg = leg_from(p, false);
   leg.aim(target);
