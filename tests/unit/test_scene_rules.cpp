@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{appended, "[run]\nthreads = 1025", "13: [run] threads", "must be at most 1024; leave it out"},
         BadScene{appended, "[run]\nthreads = 1.5", "13: [run] threads", "must be a whole number"},
         BadScene{appended, "[run]\ninstruction_set = 'AVX9'", "13: [run] instruction_set",
-                 "), got \"AVX9\"; give the instruction set of the pair loops as run.json names it"},
+                 "), got \"AVX9\"; give the instruction set of all loops as run.json names it"},
         BadScene{appended, "[run]\ninstruction_set = 2", "13: [run] instruction_set", "must be text"},
         BadScene{appended, "[tensle]\nk = 1", "12: [tensle]", "unknown table; did you mean tensile?"},
         BadScene{appended, "[[gravity]]", "12: [gravity]", "must be a table"},
