@@ -52,6 +52,7 @@ struct Frame {
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
   std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
+  std::span<const Real> pressures{};         ///< Pa, of each gauge of pressure in the mean over the step; with forces
 };
 
 class Observer {

@@ -150,6 +150,19 @@ struct DrainSettings {
   bool operator==(const DrainSettings&) const = default;
 };
 
+enum class GaugeKind { height, pressure };
+
+/// A place where the water is measured. It changes nothing.
+struct GaugeSettings {
+  GaugeKind kind = GaugeKind::height;
+  Vec3 center = Vec3::Zero();   ///< m; height: the foot of the column; pressure: on a wall or an obstacle
+  Vec3 normal = Vec3::UnitZ();  ///< pressure: out of the solid; normalised
+  Real radius = 0;              ///< m, of the disc around the centre over which the mean is taken
+  int line = 0;                 ///< of the table in the scene file, for later messages
+
+  bool operator==(const GaugeSettings&) const = default;
+};
+
 /// How planes are shared among ranks: by work, as evenly as whole planes allow, throughout the run; or the same number
 /// of planes each.
 enum class SlabCuts { balanced, equal };
@@ -166,6 +179,7 @@ struct Settings {
   DensitySettings density;
   WallSettings walls;
   std::vector<ObstacleSettings> obstacles;
+  std::vector<GaugeSettings> gauges;  ///< those of pressure need an obstacle
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   VorticityForm vorticity_form = VorticityForm::report;

@@ -11,6 +11,7 @@
 #include "app/scene_place.hpp"
 #include "fluid/density.hpp"
 #include "fluid/fountain.hpp"
+#include "io/gauge_series.hpp"
 #include "io/obstacle_series.hpp"
 #include "io/output_directory.hpp"
 #include "io/series.hpp"
@@ -97,6 +98,11 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
     observers.push_back(std::make_unique<ObstacleSeries>(
         comm, ObstacleSeriesOptions{options.directory, *output.series, static_cast<int>(scene.obstacles.size()),
                                     restart_step}));
+  }
+  if (output.series && !scene.gauges.empty()) {
+    observers.push_back(
+        std::make_unique<GaugeSeries>(comm, GaugeSeriesOptions{options.directory, *output.series, scene.gauges,
+                                                               scene.domain, scene.fluid.spacing, restart_step}));
   }
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,

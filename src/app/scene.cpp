@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "app/obstacle_files.hpp"
+#include "app/scene_gauge.hpp"
 #include "app/scene_overrides.hpp"
 #include "app/scene_periodic.hpp"
 #include "app/scene_physics.hpp"
@@ -181,6 +182,7 @@ void read_tables(const toml::table& document, Findings& findings, Scene& scene) 
   const bool has_colour = colour.present();
   read_colour(std::move(colour), scene);
   read_output(root.child("output"), scene, has_colour);
+  check_gauges(root, scene);
   read_random(root.child("random"), scene);
   read_run(root.child("run"), scene);
   root.reject_unknown();
@@ -211,6 +213,7 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
   Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
   read_obstacle_files(comm, scene);
   check_no_images(scene);
+  check_gauge_places(scene);
   return scene;
 }
 
@@ -220,6 +223,7 @@ std::string scene_reference() {
   const std::string every_table =
       "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
       "obstacle = [{type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh'}]\n"
+      "gauge = [{type = 'pressure'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";
   Findings findings("reference");

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/scene_fountain.hpp"
+#include "app/scene_gauge.hpp"
 #include "app/scene_inlet.hpp"
 #include "app/scene_obstacle.hpp"
 #include "app/scene_periodic.hpp"
@@ -58,6 +59,7 @@ class PhysicsReader {
     check_flow(root_, scene_);
     density.check("method", scene_.density.method != Method::anderson || scene_.obstacles.empty(),
                   "anderson mixes positions with no regard to obstacles; take \"chebyshev\" or \"jacobi\"");
+    for (Section& gauge : root_.children("gauge")) read_gauge(gauge, scene_, box_known());
     domain_.reject_unknown();
     fluid_.reject_unknown();
     density.reject_unknown();

@@ -110,12 +110,13 @@ void CoarseCorrection::tell_obstacles(const CellOrder& order, std::span<const Ve
       Vec3 sum = Vec3::Zero();
       for (LocalId i = order.start(plane.begin, cell); i < order.start(plane.begin, cell + 1); ++i)
         sum += vector_of(out[static_cast<std::size_t>(i - order.low_ghosts())]);
-      obstacles_->take(obstacles_->box_taker(), sum, Vec3::Zero());
+      obstacles_->take_of_grid(obstacles_->box_taker(), sum, Vec3::Zero());
     }
     for (LocalId r = 0; r < water_.grid().rows(); ++r) {
       for (LocalId c = 0; c < water_.grid().columns(); ++c) tell_of_cell(plane.begin, r, c);
     }
   });
+  tell_gauges();
 }
 
 // The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
@@ -135,8 +136,46 @@ void CoarseCorrection::tell_of_cell(LocalId k, LocalId r, LocalId c) {
   }
   if (shift.isZero()) return;
   const std::size_t nearest = solids.nearest(at);
-  obstacles_->take(nearest, shift, solids.middle(k, r, c));
-  obstacles_->take(obstacles_->box_taker(), -shift, Vec3::Zero());
+  obstacles_->take_of_grid(nearest, shift, solids.middle(k, r, c));
+  obstacles_->take_of_grid(obstacles_->box_taker(), -shift, Vec3::Zero());
+}
+
+// In the cell before the face, half a cell off it.
+void CoarseCorrection::tell_gauges() {
+  const CoarseGrid& grid = water_.grid();
+  PressureGauges& gauges = obstacles_->gauges();
+  for (std::size_t g = 0; g < gauges.count(); ++g) {
+    const GaugeSettings& gauge = gauges.gauge(g);
+    const Vec3 before = (gauge.center + 0.5 * grid.size().minCoeff() * gauge.normal)
+                            .cwiseMax(water_.box().min)
+                            .cwiseMin(water_.box().max);
+    const auto cells_to = [&](const Vec3& p, std::size_t a) {  // from the start of the box in direction a
+      const auto b = static_cast<Eigen::Index>(grid.axis(a));
+      return (p[b] - water_.box().min[b]) * grid.per_length()[grid.axis(a)];
+    };
+    const auto cell = [&](std::size_t a) {
+      return std::min(static_cast<LocalId>(cells_to(before, a)), grid.count(a) - 1);
+    };
+    const LocalId k = cell(0) - water_.solids()->first_plane() + 1;
+    if (k >= 1 && k <= grid.planes()) gauges.add_phi(g, phi_at(k, cell(1), cells_to(gauge.center, 2)));
+  }
+}
+
+// Linear between the middles of the cells of water below and above that height, which is in cells from the floor; where
+// there is but one of them, hydrostatic from its middle.
+Real CoarseCorrection::phi_at(LocalId k, LocalId r, Real height) const {
+  const CoarseGrid& grid = water_.grid();
+  const Real from_middle = height - 0.5;
+  const auto below = static_cast<LocalId>(std::floor(from_middle));
+  Real sum = 0, weight = 0;
+  for (LocalId c = std::max(below, 0); c <= below + 1 && c < grid.columns(k, r); ++c) {
+    const std::size_t at = grid.index(k, r, c);
+    if (!water_.is_wet(at) || water_.is_solid(at)) continue;
+    const Real part = 1 - std::abs(from_middle - c);
+    sum += part * (pressure_.phi(at) - fall_ * grid.size()[2] * (c - from_middle));
+    weight += part;
+  }
+  return weight > 0 ? std::min(sum / weight, 0.0) : 0;
 }
 
 template void CoarseCorrection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);

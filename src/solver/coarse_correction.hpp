@@ -44,6 +44,8 @@ class CoarseCorrection {
   template <class T>
   void tell_obstacles(const CellOrder& order, std::span<const Vec4<T>> out);
   void tell_of_cell(LocalId k, LocalId r, LocalId c);
+  void tell_gauges();
+  Real phi_at(LocalId k, LocalId r, Real height) const;
 
   Event event_{"CoarseGrid"};
   Model model_;

@@ -30,6 +30,8 @@ class CoarseSolids {
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
+  /// Of the box, the number of the first plane that this rank owns.
+  LocalId first_plane() const { return first_; }
   /// The middle of a cell, m.
   Vec3 middle(LocalId k, LocalId r, LocalId c) const;
 

@@ -35,6 +35,7 @@ class CoarseWater {
   void measure(const CellOrder& order, Halo& halo, const Motion& motion);
 
   const CoarseGrid& grid() const { return grid_; }
+  const Box& box() const { return box_; }
   /// Null where there are no obstacles.
   const CoarseSolids* solids() const { return solids_ ? &*solids_ : nullptr; }
   /// Share of face (a, at) that no solid closes.

@@ -72,6 +72,8 @@ class DensityProblem {
   const Obstacles* obstacles() const { return around_.obstacles; }
   /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
   std::vector<Taken> taken() const { return around_.obstacles->toll().total(comm_); }
+  /// What pressed on the gauges of pressure in this step, m² (PressureGauges); as taken().
+  std::vector<Real> pressed() const { return around_.obstacles->gauges().total(comm_); }
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return around_.walls; }
   Particles& particles() { return *particles_; }

@@ -102,6 +102,10 @@ Settings checked_and_resolved(const Settings& settings) {
   demand(((all.domain.max - all.domain.min).array() >= h).all(),
          "the domain must be at least a kernel_radius wide in each axis");
   check_periodic(all);
+  for (const GaugeSettings& gauge : all.gauges) {
+    demand(gauge.radius > 0 && gauge.normal.allFinite(), "a gauge must have a radius and a normal");
+    demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
+  }
   demand(all.dt > 0, "dt must be positive");
   demand(all.density.iterations >= 1, "density.iterations must be at least 1");
   demand(all.density.method != Method::chebyshev || all.density.constraint == Constraint::inequality,

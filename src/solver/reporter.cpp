@@ -44,6 +44,7 @@ void Reporter<T>::observe() {
   if (wanted(&Observer::wants_forces, seen.clock.step)) {
     find_forces();
     seen.forces = forces_;
+    seen.pressures = pressures_;
   }
   Diagnostics row;
   if (diagnose) {
@@ -73,6 +74,8 @@ void Reporter<T>::find_forces() {
   const Real per = obstacles->water_mass() * clock.substeps / (clock.dt * clock.dt);
   forces_.clear();
   for (const Taken& taken : state_.problem.taken()) forces_.push_back({-per * taken.shift, -per * taken.moment});
+  pressures_ = state_.problem.pressed();
+  for (Real& one : pressures_) one *= state_.problem.model().rest_density * clock.substeps / (clock.dt * clock.dt);
 }
 
 template <class T>

@@ -63,6 +63,7 @@ class Reporter {
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
   std::vector<BodyForce> forces_;               // to this, too
+  std::vector<Real> pressures_;                 // and to this
   Event diagnostics_event_{"Diagnostics"};
 };
 

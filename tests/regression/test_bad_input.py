@@ -242,6 +242,15 @@ class BadInput(ProgramTest):
             ("anderson", ball + "[density]\nmethod = 'anderson'\n", ["scene.toml"],
              ["scene.toml:21: [density] method: ", "no regard to obstacles"])], rank_counts=(1, 2))
 
+    def test_gauges(self):
+        """Whether a gauge of pressure is on a surface is known once the obstacles' files are read."""
+        text = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"
+                "[[gauge]]\ntype = 'pressure'\ncenter = {}\nnormal = {}\nradius = 0.1\n")
+        self.assert_all_refused([(center + normal, text.format(center, normal), ["scene.toml"],
+                                  ["scene.toml:20: [[gauge]] center: ", "is not on a wall or an obstacle"])
+                                 for center, normal in (("[0.5, 0.5, 0.7]", "[0, 0, 1]"), ("[0.5, 0.5, 0.3]", "[0, 0, 1]"),
+                                                        ("[0.5, 0.5, 0.5]", "[0, 0, -1]"))], rank_counts=(1, 2))
+
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)
         outside, broken = inside.copy(), inside.copy()

@@ -122,12 +122,23 @@ motion = [[0, 0.8, 0.3, 0.9], [0.5, 0.8, 0.3, 0.6], [1, 0.9, 0.3, 0.9]]
 type = "sphere"
 center = [0.4, 0.3, 0.3]
 radius = 0.1
+[[gauge]]
+type = "height"
+center = [0.7, 0.3, 0.05]
+[[gauge]]
+type = "pressure"
+center = [0.4, 0.3, 0.4]
+normal = [0, 0, 1]
+radius = 0.1
 """
         parted = self.same_bits(CUBE + obstacles)
         straight = parted.parent / "straight"
         steps = sorted(int(file.stem.split("_")[1]) for file in parted.glob("obstacles_*.vtp"))
         self.assertEqual(steps, sorted(int(file.stem.split("_")[1]) for file in parted.glob("particles_*.hdf")))
         self.assertEqual(len({file.read_bytes() for file in parted.glob("obstacles_*.vtp")}), len(steps), "it moves")
+        for name in ("obstacles.csv", "gauges.csv"):
+            self.assertEqual((parted / name).read_bytes(), (straight / name).read_bytes(), name)
+            self.assertEqual(len((parted / name).read_text().splitlines()), 62, name)
         lists = ["obstacles.vtp.series", *(["particles.pvd"] if "[output.vtu]" in FRAMES else [])]
         for name in [*lists, "obstacles.vtp", *(file.name for file in parted.glob("obstacles_*.vtp"))]:
             self.assertEqual((parted / name).read_bytes(), (straight / name).read_bytes(), name)

@@ -203,6 +203,32 @@ INSTANTIATE_TEST_SUITE_P(
                              "12: [[drain]] height", "missing"},
                     BadScene{appended, "[[drain]]\ntype = 'ball'", "13: [[drain]] type", "\"box\" or \"cylinder\""}));
 
+// Line 12 is the first of what is appended.
+const char* const good_ball = "[[obstacle]]\ntype = 'sphere'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\n";
+
+INSTANTIATE_TEST_SUITE_P(
+    Gauge, BadSceneTest,
+    testing::Values(
+        BadScene{appended, "[[gauge]]\ncenter = [1, 0.5, 0]\n[output.series]", "12: [[gauge]] type", "missing"},
+        BadScene{appended, "[[gauge]]\ntype = 'depth'\n[output.series]", "13: [[gauge]] type", "\"pressure\""},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\n[output.series]", "12: [[gauge]] center", "missing"},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [9, 0.5, 0]\n[output.series]", "14: [[gauge]] center",
+                 "outside the box"},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nradius = 0\n[output.series]",
+                 "15: [[gauge]] radius", "must be positive"},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nnormal = [0, 0, 1]\n[output.series]",
+                 "15: [[gauge]] normal", "known"},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]", "12: gauge", "add [output.series]"},
+        BadScene{appended, "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\nnormal = [1, 0, 0]\n[output.series]",
+                 "12: gauge", "needs an [[obstacle]]"},
+        BadScene{appended,
+                 std::string(good_ball) + "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\n[output.series]",
+                 "16: [[gauge]] normal", "missing"},
+        BadScene{appended,
+                 std::string(good_ball) +
+                     "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\nnormal = [0, 0, 0]\n[output.series]",
+                 "19: [[gauge]] normal", "must not be zero"}));
+
 INSTANTIATE_TEST_SUITE_P(
     Fountain, BadSceneTest,
     testing::Values(BadScene{appended, "[[fountain]]", "12: [[fountain]] center", "missing"},

@@ -1,5 +1,5 @@
-// Moves the obstacles at the start of each substep, and begins their toll anew with each step. No particle is changed:
-// obstacles act on water where it meets them. Not collective.
+// Moves the obstacles at the start of each substep, and begins toll and gauges anew with each step. No particle is
+// changed: obstacles act on water where it meets them. Not collective.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,10 @@ namespace trevi {
 class ObstacleMotion : public Forcing {
  public:
   explicit ObstacleMotion(std::shared_ptr<Obstacles> obstacles) : obstacles_(std::move(obstacles)) {}
-  void prepare(const StepInfo&) override { obstacles_->toll().clear(); }
+  void prepare(const StepInfo&) override {
+    obstacles_->toll().clear();
+    obstacles_->gauges().clear();
+  }
   void apply(Particles&, const StepInfo& info) override { obstacles_->move(info.time, info.time + info.dt); }
   Real fastest(const TimeSpan& span) const override { return obstacles_->fastest(span.begin, span.end); }
 

@@ -17,6 +17,10 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
                         settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));
+  gauges_.emplace(settings, [&](const Vec3& p) {
+    return std::any_of(bodies_.begin(), bodies_.end(),
+                       [&](const auto& body) { return body->shape().distance(body->now().into_body(p)) < 0; });
+  });
 }
 
 void Obstacles::move(Real begin, Real end) {
@@ -73,6 +77,11 @@ void Obstacles::take_gradient(const BoundaryShare& box, const Vec3& p, Real fact
 }
 
 void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
+  take_of_grid(taker, shift, p);
+  gauges_->add(shift, p);
+}
+
+void Obstacles::take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p) {
   toll_.add(taker, shift, taker < bodies_.size() ? Vec3(p - bodies_[taker]->now().center) : p);
 }
 

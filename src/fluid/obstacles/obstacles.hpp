@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fluid/obstacles/body.hpp"
+#include "fluid/obstacles/gauges.hpp"
 #include "fluid/obstacles/toll.hpp"
 #include "fluid/wall_density.hpp"
 #include "fluid/walls.hpp"
@@ -45,8 +46,12 @@ class Obstacles {
   /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
   Toll& toll() { return toll_; }
   std::size_t box_taker() const { return bodies_.size(); }
-  /// Tells the toll of a shift that a taker gave to a particle at p.
+  /// The pressure on walls and obstacles, begun anew with the toll.
+  PressureGauges& gauges() { return *gauges_; }
+  /// Tells the toll, and the gauges, of a shift that a taker gave to a particle at p.
   void take(std::size_t taker, const Vec3& shift, const Vec3& p);
+  /// Tells the toll alone: of the coarse grid, whose gauges have a rule of their own.
+  void take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p);
 
   /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
   /// particles is calibrated to their kernel.
@@ -64,8 +69,9 @@ class Obstacles {
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   Toll toll_;
-  PerThread<std::vector<Way>> ways_;  // of the leg that a thread follows
-  Real relaxation_;                   // of shifts by the density solver
+  PerThread<std::vector<Way>> ways_;      // of the leg that a thread follows
+  std::optional<PressureGauges> gauges_;  // made when all bodies are there
+  Real relaxation_;                       // of shifts by the density solver
   Real water_mass_;
 };
 

@@ -1,0 +1,56 @@
+// Gauges of the water. A gauge takes the mean over a disc, with a weight that falls to 0 at its edge, so that no
+// particle enters or leaves it with a jump. Only what is open to the water counts as the disc: of a gauge at the foot
+// of a wall the half above the floor. The pressure on a wall or an obstacle is what these take of the water's momentum
+// there, a time and an area (see Toll): the multipliers of the density constraint, collisions, and the pressure of the
+// coarse grid. Sums are integers, so that no order of the particles, and no number of ranks or threads, is seen in
+// them. add() may be called in loops that threads share. Collective: total().
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "base/threads.hpp"
+#include "trevi/session.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// At a distance from the axis of the gauge, 1/m²; its integral over the disc is 1.
+Real gauge_weight(Real distance2, Real radius);
+
+/// Whether a place is in an obstacle.
+using IsSolid = std::function<bool(const Vec3&)>;
+
+/// The weight, at most 1, of the part of the disc that counts. Height: what is in the box. Pressure: what has open
+/// space a quarter of a spacing before it, and a wall or an obstacle as far behind it, so that surfaces may be curved.
+Real gauge_share(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid);
+
+class PressureGauges {
+ public:
+  /// Those of pressure of the scene.
+  PressureGauges(const Settings& settings, const IsSolid& is_solid);
+
+  /// A wall or an obstacle shifts a particle at p.
+  void add(const Vec3& shift, const Vec3& p) {
+    for (std::size_t k = 0; k < gauges_.size(); ++k) add_to(k, shift, p);
+  }
+  /// A pressure as the coarse grid counts it, m²: over the density, times the time of the substep squared.
+  void add_phi(std::size_t gauge, Real phi);
+
+  std::size_t count() const { return gauges_.size(); }
+  const GaugeSettings& gauge(std::size_t k) const { return gauges_[k]; }
+
+  /// In the order of the gauges, since clear(), m² as add_phi() has them.
+  std::vector<Real> total(MPI_Comm comm);
+  void clear();
+
+ private:
+  void add_to(std::size_t k, const Vec3& shift, const Vec3& p);
+
+  std::vector<GaugeSettings> gauges_;
+  std::vector<Real> volume_;  // of a particle, m³, over the share of the disc
+  Real spacing_, h_, unit_;   // m, m, m²
+  PerThread<std::vector<std::int64_t>> sums_;
+};
+
+}  // namespace trevi

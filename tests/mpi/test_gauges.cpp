@@ -1,0 +1,186 @@
+// Gauges of height and pressure: still water shows its depth and rho g d, all bits are the same on any ranks, and a
+// gauge changes nothing of the run.
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "cloud.hpp"
+#include "fluid/obstacles/gauges.hpp"
+#include "io/gauge_series.hpp"
+#include "output_fixture.hpp"
+#include "trevi/scene.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi::test {
+namespace {
+
+// Water 1.2 m deep, with a box on the floor whose front is at x = 1.
+const std::string pool = R"(
+[domain]
+min = [0, 0, 0]
+max = [2, 1.2, 1.8]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [2, 1.2, 1.2]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+[output.series]
+[[obstacle]]
+type = "box"
+center = [1.25, 0.6, 0.3]
+size = [0.5, 0.6, 0.6]
+)";
+
+struct GaugePlace {
+  GaugeKind kind;
+  Vec3 center, normal;
+};
+
+std::string tables_of(const std::vector<GaugePlace>& places) {
+  std::ostringstream text;
+  for (const auto& [kind, center, normal] : places) {
+    text << "[[gauge]]\ntype = '" << (kind == GaugeKind::height ? "height" : "pressure") << "'\ncenter = ["
+         << center.x() << ", " << center.y() << ", " << center.z() << "]\n";
+    if (kind == GaugeKind::pressure)
+      text << "normal = [" << normal.x() << ", " << normal.y() << ", " << normal.z() << "]\n";
+  }
+  return text.str();
+}
+
+const std::vector<GaugePlace> places = {
+    {GaugeKind::height, {0.5, 0.6, 0}, {}},               // in the open
+    {GaugeKind::height, {0, 0, 0}, {}},                   // in the corner
+    {GaugeKind::height, {1.25, 0.6, 0.6}, {}},            // above the box
+    {GaugeKind::pressure, {1, 0.6, 0.3}, {-1, 0, 0}},     // on its front
+    {GaugeKind::pressure, {1.25, 0.6, 0.6}, {0, 0, 1}},   // on its top
+    {GaugeKind::pressure, {1.5, 0.62, 0.05}, {2, 0, 0}},  // at the foot of its back
+    {GaugeKind::pressure, {0, 0.6, 0.7}, {1, 0, 0}},      // on a wall
+    {GaugeKind::pressure, {0.5, 0.6, 0}, {0, 0, 1}},      // on the floor
+};
+
+using Rows = std::vector<std::vector<Real>>;
+
+/// Of gauges.csv, without its header.
+Rows rows_of(const std::string& folder) {
+  std::istringstream file(text_of(folder + "/gauges.csv"));
+  std::string line;
+  std::getline(file, line);
+  Rows rows;
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(std::stod(cell));
+  }
+  return rows;
+}
+
+struct GaugeRun {
+  Scene scene;
+  std::unique_ptr<Solver> solver;
+};
+
+GaugeRun run(MPI_Comm comm, const std::string& text, const std::string& folder, int steps) {
+  GaugeRun made{parse_scene("test.toml", text, {}), nullptr};
+  SolverExtras extras;
+  if (!made.scene.gauges.empty())
+    extras.observers.push_back(std::make_unique<GaugeSeries>(
+        comm,
+        GaugeSeriesOptions{
+            folder, *made.scene.output.series, made.scene.gauges, made.scene.domain, made.scene.fluid.spacing, {}}));
+  made.solver = make_solver(comm, made.scene, initial_particles(comm, made.scene), std::move(extras));
+  made.solver->start();
+  for (int k = 0; k < steps; ++k) made.solver->step();
+  return made;
+}
+
+class Gauges : public Output {};
+
+TEST_F(Gauges, WeightHasTheIntegralOne) {
+  constexpr int n = 400;
+  constexpr Real radius = 0.3;
+  Real sum = 0;
+  for (int k = 0; k < n * n; ++k) {
+    const Real x = (2 * (k % n + 0.5) / n - 1) * radius, y = (2 * (k / n + 0.5) / n - 1) * radius;
+    sum += gauge_weight(x * x + y * y, radius) * (2 * radius / n) * (2 * radius / n);
+  }
+  EXPECT_NEAR(sum, 1, 1e-4);
+  EXPECT_EQ(gauge_weight(radius * radius, radius), 0);
+}
+
+// A disc whose lower half is behind the floor, one with a wall behind all of it, and one in the midst of the water.
+TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
+  const Box box{Vec3::Zero(), Vec3::Ones()};
+  const auto nowhere = [](const Vec3&) { return false; };
+  GaugeSettings gauge{GaugeKind::pressure, {0, 0.5, 0}, {1, 0, 0}, 0.1, 0};
+  EXPECT_NEAR(gauge_share(gauge, 0.1, box, nowhere), 0.5, 0.01);
+  gauge.center.z() = 0.5;
+  EXPECT_EQ(gauge_share(gauge, 0.1, box, nowhere), 1);
+  gauge.center.x() = 0.5;
+  EXPECT_EQ(gauge_share(gauge, 0.1, box, nowhere), 0);
+  EXPECT_EQ(gauge_share(gauge, 0.1, box, [](const Vec3& p) { return p.x() < 0.5; }), 1);
+}
+
+// Depths are exact but for the particles that the disc happens to hold; pressures in the mean over steps at rest.
+TEST_F(Gauges, StillWaterShowsItsDepthAndItsPressure) {
+  const GaugeRun still = run(world, pool + tables_of(places), folder(), 60);
+  if (rank_of(world) != 0) return;
+  const Rows rows = rows_of(folder());
+  ASSERT_EQ(rows.size(), 61u);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto& [kind, center, normal] = places[k];
+    const Real depth = 1.2 - center.z();
+    if (kind == GaugeKind::height) {
+      EXPECT_NEAR(rows.back()[k + 2], depth, 0.05 * depth) << k;
+      continue;
+    }
+    EXPECT_EQ(rows.front()[k + 2], 0);
+    Real mean = 0;
+    for (std::size_t n = 21; n < rows.size(); ++n) mean += rows[n][k + 2] / 40;
+    std::printf("pressure over rho g d: %.4f\n", mean / (1000 * 9.8 * depth));
+    EXPECT_NEAR(mean / (1000 * 9.8 * depth), 1, 0.05) << k;
+  }
+}
+
+// Heights at the start against the sum over the lattice.
+TEST_F(Gauges, HeightIsTheVolumeAboveTheFoot) {
+  const GaugeRun start = run(world, pool + tables_of(places), folder(), 0);
+  const Cloud all = gathered(world, start.solver->particles());
+  if (rank_of(world) != 0) return;
+  const std::vector<Real> row = rows_of(folder()).front();
+  const Vec3 center = places[0].center;
+  Real sum = 0;
+  for (const Vec3& p : all.position)
+    sum += 1e-3 * gauge_weight(std::pow(p.x() - center.x(), 2) + std::pow(p.y() - center.y(), 2), 0.2);
+  EXPECT_NEAR(row[2], sum, 1e-8);
+}
+
+TEST_F(Gauges, SameBitsOnAnyRanksAndThreads) {
+  const std::string falling = pool + "[[particles]]\nmin = [0.2, 0.2, 1.3]\nmax = [0.8, 1, 1.7]\n" + tables_of(places);
+  const std::string alone = path("alone_" + std::to_string(rank_of(world)));
+  fs::create_directories(alone);
+  run(MPI_COMM_SELF, falling, alone, 8);
+  const std::string expected = text_of(alone + "/gauges.csv");
+  for (const std::string& text : on_threads(folder() + "/gauges.csv", [&] { run(world, falling, folder(), 8); }))
+    EXPECT_EQ(text, expected);
+}
+
+TEST_F(Gauges, AGaugeChangesNothing) {
+  const GaugeRun with = run(world, pool + tables_of(places), folder(), 10), without = run(world, pool, folder(), 10);
+  const Cloud a = gathered(world, with.solver->particles()), b = gathered(world, without.solver->particles());
+  EXPECT_EQ(a.position, b.position);
+  EXPECT_EQ(a.velocity, b.velocity);
+}
+
+TEST_F(Gauges, PressureNeedsAnObstacle) {
+  Scene scene = parse_scene("test.toml", pool + tables_of(places), {});
+  scene.obstacles.clear();
+  const auto made = [&] { make_solver(world, scene, initial_particles(world, scene), {}); };
+  EXPECT_NE(input_error_of(made).find("a gauge of pressure needs an obstacle"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace trevi::test
