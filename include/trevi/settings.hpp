@@ -187,6 +187,7 @@ struct Settings {
   /// Kinematic viscosity nu, m²/s, also by XSPH, so that at most one of the two may be given. The CFL rule splits steps
   /// longer than longest_viscous_step(); where cfl is 0 the scene reader refuses them.
   std::optional<Real> kinematic_viscosity;
+  bool no_slip = false;  ///< walls and obstacles hold the water that touches them; with a kinematic viscosity
 
   bool operator==(const Settings&) const = default;
 };

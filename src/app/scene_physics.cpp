@@ -342,6 +342,8 @@ void PhysicsReader::read_viscosity(Section& section) {
                  at_least(0));
   section.check("nu", !section.given("c") || !section.given("nu"),
                 "c is given, too; keep nu (m²/s, the same for any dt and spacing) or c (a share per step), not both");
+  section.flag({"no_slip", "whether walls and obstacles hold the water that touches them; with nu"}, scene_.no_slip);
+  section.check("no_slip", !scene_.no_slip || section.given("nu"), "is for a viscosity in m²/s; give nu, too");
   if (section.given("nu")) {
     scene_.viscosity.reset();  // that of the preset
     scene_.kinematic_viscosity = nu;

@@ -10,6 +10,7 @@
 #include "fluid/gravity.hpp"
 #include "fluid/kernels.hpp"
 #include "fluid/momentum_keeper.hpp"
+#include "fluid/no_slip.hpp"
 #include "fluid/obstacles/obstacle_motion.hpp"
 #include "fluid/obstacles/periods.hpp"
 #include "fluid/vorticity_confinement.hpp"
@@ -37,19 +38,22 @@ std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
 }
 
 template <class T>
-std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(MPI_Comm comm, const Settings& settings,
-                                                             const DensityModel& model) {
+std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& settings, const DensityModel& model,
+                                                             const SolverParts<T>& parts) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   const auto velocity = std::make_shared<VelocityField<T>>();
   if (settings.vorticity)
     filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
-    filters.back() = std::make_unique<MomentumKeeper<T>>(comm, std::move(filters.back()));
+    filters.back() = std::make_unique<MomentumKeeper<T>>(*parts.comm, std::move(filters.back()));
   std::optional<XsphFactor> xsph;
   if (settings.viscosity) xsph = xsph_of_share(*settings.viscosity, model);
   if (settings.kinematic_viscosity)
     xsph = xsph_of_viscosity(*settings.kinematic_viscosity, settings.fluid.spacing, model.h);
   if (xsph) filters.push_back(std::make_unique<XsphViscosity<T>>(*xsph, model.h, velocity));
+  if (settings.no_slip)
+    filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, parts.walls->box(),
+                                                  parts.obstacles));
   return filters;
 }
 
@@ -114,6 +118,7 @@ Settings checked_and_resolved(const Settings& settings) {
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
   all.domain = Wrap::fitted(all.domain, all.periodic, h);
   demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
+  demand(!all.no_slip || all.kinematic_viscosity, "no_slip needs a kinematic_viscosity");
   demand(!all.kinematic_viscosity || all.cfl > 0 ||
              all.dt <= longest_viscous_step(*all.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),
          "kinematic_viscosity is too much for dt; lower one of them, or give a cfl, which splits steps");
@@ -137,7 +142,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), parts.obstacles);
   parts.density_solver = make_density_solver<T>(
       settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, parts.obstacles.get()});
-  parts.filters = make_filters<T>(*parts.comm, settings, model);
+  parts.filters = make_filters<T>(settings, model, parts);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(

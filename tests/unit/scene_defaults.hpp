@@ -50,6 +50,7 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "vorticity.epsilon=0.002",
                                                               "vorticity.form='report'",
                                                               "viscosity.c=0.001",
+                                                              "viscosity.no_slip=false",
                                                               "fountain.0.diameter=0.15",
                                                               "fountain.0.height=0.2",
                                                               "fountain.0.direction=[0, 0, 1]",

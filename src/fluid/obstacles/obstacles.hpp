@@ -32,6 +32,18 @@ class Obstacles {
   /// solver goes that way.
   void take_gradient(const BoundaryShare& box, const Vec3& p, Real factor);
 
+  /// Obstacles that have a share of density at p: visit(taker, the distance of the plane that is worth it, m, the way
+  /// that the surface there has gone in the substep, m).
+  template <class Visit>
+  void for_each_near(const Vec3& p, Visit&& visit) const {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const Body& body = *bodies_[k];
+      if (!body.is_near(p)) continue;
+      const Vec3 there = body.now().into_body(p);
+      visit(k, body.map().at(there).distance, Vec3(p - body.before().into_world(there)));
+    }
+  }
+
   /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt);
   /// Shift by the density solve, at the obstacles' places now: along what it meets.
