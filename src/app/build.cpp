@@ -40,11 +40,11 @@ ColourScale colour_scale(const Scene& scene, GlobalId particles) {
 }
 
 // A run that is asked to stop leaves a checkpoint, whether the scene has a table for them or not.
-CheckpointOptions checkpoint_options(MPI_Comm comm, const Scene& scene, const std::string& directory,
+CheckpointOptions checkpoint_options(const Scene& scene, const BuildOptions& build,
                                      std::optional<std::int64_t> restart_step) {
   CheckpointOptions options;
-  options.directory = directory;
-  options.info = checkpoint_info(comm, scene);
+  options.directory = build.directory;
+  options.info = build.info;
   options.restart_step = restart_step;
   options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
   if (scene.output.checkpoint) {
@@ -112,8 +112,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
     observers.push_back(make_vtkhdf_writer(comm, {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
                                                   colour_scale(scene, particles), restart_step, surfaces}));
   }
-  observers.push_back(
-      std::make_unique<CheckpointWriter>(comm, checkpoint_options(comm, scene, options.directory, restart_step)));
+  observers.push_back(std::make_unique<CheckpointWriter>(comm, checkpoint_options(scene, options, restart_step)));
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));

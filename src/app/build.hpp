@@ -28,9 +28,10 @@ struct BuildOptions {
   bool viewed = false;                      ///< a viewer may watch the run
   std::shared_ptr<ViewerLink> viewer;       ///< to which rank 0 has this link
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
+  CheckpointInfo info;                      ///< for checkpoints; of no use without a directory
 };
 
-/// What a checkpoint tells of the run.
+/// What a checkpoint tells of the run. To be called once, at its start: the files that it looks into may be gone later.
 CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene);
 
 /// For the series of a scene without fountains, inlets, drains and obstacles that move; null for others.

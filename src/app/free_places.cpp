@@ -9,11 +9,11 @@
 
 namespace trevi {
 
-FreePlaces::FreePlaces(const Scene& scene) {
+FreePlaces::FreePlaces(const Scene& scene, Real time) {
   constexpr Real rounding = 1e-6;  // a lattice that fits just beside a solid stays whole
   gap_ = (0.5 - rounding) * scene.fluid.spacing;
   for (const ObstacleSettings& obstacle : scene.obstacles)
-    solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(0)});
+    solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time)});
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {
@@ -21,9 +21,9 @@ bool FreePlaces::is_free(const Vec3& p) const {
                      [&](const Solid& solid) { return solid.shape->distance(solid.pose.into_body(p)) >= gap_; });
 }
 
-int FreePlaces::solid_at(const Vec3& p) const {
+int FreePlaces::solid_at(const Vec3& p, Real depth) const {
   for (std::size_t k = 0; k < solids_.size(); ++k)
-    if (solids_[k].shape->distance(solids_[k].pose.into_body(p)) < 0) return static_cast<int>(k);
+    if (solids_[k].shape->distance(solids_[k].pose.into_body(p)) < -depth) return static_cast<int>(k);
   return -1;
 }
 

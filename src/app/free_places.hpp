@@ -1,5 +1,5 @@
-// Where water can be at the start: not in an obstacle, nor nearer to one than half a spacing, as at the walls of the
-// box. Not collective.
+// Where water can be at the start, or when a run goes on: not in an obstacle, nor nearer to one than half a spacing, as
+// at the walls of the box. Not collective.
 #pragma once
 
 #include <memory>
@@ -14,12 +14,12 @@ namespace trevi {
 
 class FreePlaces {
  public:
-  /// Meshes have been read.
-  explicit FreePlaces(const Scene& scene);
+  /// Meshes have been read. The obstacles are where they are at that time, s.
+  explicit FreePlaces(const Scene& scene, Real time = 0);
   bool all() const { return solids_.empty(); }
   bool is_free(const Vec3& p) const;
-  /// Whether p is in an obstacle; its number, or −1.
-  int solid_at(const Vec3& p) const;
+  /// Whether p is in an obstacle, and deeper than so many m; its number, or −1.
+  int solid_at(const Vec3& p, Real depth = 0) const;
   /// Free points of a layer of a lattice across an axis.
   GlobalId count(const Lattice& lattice, int axis, GlobalId layer) const;
 

@@ -90,23 +90,14 @@ void read_obstacle_files(MPI_Comm comm, Scene& scene) {
 std::vector<std::int64_t> obstacle_checksums(const Scene& scene) {
   std::vector<std::int64_t> sums;
   for (const ObstacleSettings& obstacle : scene.obstacles) {
-    std::uint64_t sum = 0;
+    std::uint64_t mesh = 0;
     if (obstacle.mesh)
-      sum = mix(static_cast<std::uint64_t>(checksum_of(obstacle.mesh->points))) ^
-            static_cast<std::uint64_t>(checksum_of(obstacle.mesh->triangles));
-    if (!obstacle.knots.empty()) sum ^= mix(static_cast<std::uint64_t>(checksum_of(obstacle.knots)) + 1);
-    sums.push_back(static_cast<std::int64_t>(sum));
+      mesh = mix(static_cast<std::uint64_t>(checksum_of(obstacle.mesh->points))) ^
+             static_cast<std::uint64_t>(checksum_of(obstacle.mesh->triangles));
+    sums.push_back(static_cast<std::int64_t>(mesh));
+    sums.push_back(obstacle.motion.empty() ? 0 : checksum_of(obstacle.knots));
   }
   return sums;
-}
-
-void check_obstacle_files(const CheckpointInfo& info, const std::string& checkpoint_path, const Scene& scene) {
-  const std::vector<std::int64_t> now = obstacle_checksums(scene);
-  for (std::size_t k = 0; k < std::min(now.size(), info.obstacles.size()); ++k) {
-    if (now[k] == info.obstacles[k]) continue;
-    throw InputError(
-        fmt::format("{}: made with another mesh or motion of obstacle {}; put the file back", checkpoint_path, k));
-  }
 }
 
 }  // namespace trevi

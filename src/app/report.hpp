@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/launch.hpp"
+#include "io/checkpoint.hpp"
 #include "io/energy_rise.hpp"
 #include "io/output_lock.hpp"
 #include "trevi/error.hpp"
@@ -21,6 +22,7 @@ struct RunContext {
   const EnergyRise* energy = nullptr;  ///< null without a series, or where something pumps
   Launch launch = {};
   const OutputLock* lock = nullptr;  ///< on the directory
+  CheckpointInfo info = {};          ///< for the state of a run whose directory is lost
 };
 
 struct Outcome {

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "app/build.hpp"
 #include "io/checkpoint.hpp"
 #include "io/files.hpp"
 #include "io/output_directory.hpp"
@@ -27,17 +26,16 @@ std::string free_name(MPI_Comm comm, const fs::path& wanted) {
   return first_text(comm, name);
 }
 
-void write_state(MPI_Comm comm, const Scene& scene, const Solver& solver, const std::string& directory) {
+void write_state(MPI_Comm comm, const CheckpointInfo& info, const Solver& solver, const std::string& directory) {
   const std::vector<FountainState> fountains = solver.fountains();
   const Clock clock = solver.clock();
   const Frame frame{clock, solver.particles(), {}, nullptr, fountains, solver.flow()};
-  write_checkpoint(comm, directory + "/" + name_of_step(checkpoint_files, clock.step), checkpoint_info(comm, scene),
-                   frame);
+  write_checkpoint(comm, directory + "/" + name_of_step(checkpoint_files, clock.step), info, frame);
 }
 
 }  // namespace
 
-std::optional<std::string> rescue_state(const Session& session, const Scene& scene, const Solver& solver,
+std::optional<std::string> rescue_state(const Session& session, const CheckpointInfo& info, const Solver& solver,
                                         const std::string& lost) {
   const MPI_Comm comm = session.comm();
   std::error_code ignored;
@@ -48,7 +46,7 @@ std::optional<std::string> rescue_state(const Session& session, const Scene& sce
     const std::string directory = free_name(comm, place);
     try {
       make_output_directory(comm, directory);
-      write_state(comm, scene, solver, directory);
+      write_state(comm, info, solver, directory);
       return directory;
     } catch (const Error&) {  // on all ranks alike; the next place may do
       if (session.rank() == 0) fs::remove(directory, ignored);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "trevi/scene.hpp"
+#include "io/checkpoint.hpp"
 #include "trevi/session.hpp"
 #include "trevi/solver.hpp"
 
@@ -13,7 +13,7 @@ namespace trevi {
 
 /// Writes a checkpoint into a new folder: beside `lost`, in the working directory or among the temporary files,
 /// whichever takes it first. Its name; nothing when none does.
-std::optional<std::string> rescue_state(const Session& session, const Scene& scene, const Solver& solver,
+std::optional<std::string> rescue_state(const Session& session, const CheckpointInfo& info, const Solver& solver,
                                         const std::string& lost);
 
 }  // namespace trevi

@@ -1,12 +1,16 @@
 #include "app/restart.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <string_view>
 
-#include "app/obstacle_files.hpp"
+#include "app/free_places.hpp"
 #include "app/scene_changes.hpp"
+#include "base/damaged_file.hpp"
 #include "io/output_directory.hpp"
+#include "parallel/collective.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -24,24 +28,40 @@ std::string quoted_for_shell(std::string_view word) {
   return quoted + "'";
 }
 
-/// From the newest of a folder's checkpoints that is good. A requeued job has nobody who could name an older one when
-/// the disk has spoilt the last.
+/// From the newest of a folder's checkpoints that is not damaged. A requeued job has nobody who could name an older one
+/// when the disk has spoilt the last. What keeps a good one from being read (permissions, memory, its version) is told.
 Restart from_newest_good(MPI_Comm comm, const std::string& directory) {
   std::string spoilt;
   for (const std::string& file : newest_checkpoints(comm, directory)) {
     try {
       return {file, read_checkpoint(comm, file), spoilt};
-    } catch (const InputError& error) {  // on all ranks alike
+    } catch (const DamagedFile& error) {  // on all ranks alike
       spoilt += std::string("\n  passed over, and set aside as .stale: ") + error.what();
     }
   }
   throw InputError(directory + ": holds no good checkpoint; name another with --restart FILE" + spoilt);
 }
 
+// Water of the checkpoint may not end up in the stone of obstacles that are no longer as they were. What is hardly in
+// it is put outside by the first step.
+void check_water(MPI_Comm comm, const Scene& scene, const Restart& restart) {
+  const FreePlaces places(scene, restart.state->time);
+  const ParticleRows& rows = restart.state->rows;
+  all_or_none(comm, [&] {
+    for (std::size_t i = 0; i < rows.position.size(); ++i) {
+      const int k = places.solid_at(rows.position[i], scene.fluid.spacing / 2);
+      if (k < 0) continue;
+      throw InputError(
+          fmt::format("{}: /particles/position: row {} would be in obstacle {}, which has changed; move the obstacle",
+                      restart.file, rows.first + static_cast<GlobalId>(i), k));
+    }
+  });
+}
+
 }  // namespace
 
-std::optional<Restart> find_restart(const Session& session, const Scene& scene, const std::string& wanted,
-                                    const std::string& directory) {
+std::optional<Restart> find_restart(const Session& session, const Scene& scene, const CheckpointInfo& now,
+                                    const std::string& wanted, const std::string& directory) {
   if (wanted.empty()) return std::nullopt;
   const MPI_Comm comm = session.comm();
   if (wanted == "latest" && is_before_first_checkpoint(comm, directory)) {
@@ -51,9 +71,9 @@ std::optional<Restart> find_restart(const Session& session, const Scene& scene, 
   Restart restart =
       wanted == "latest" ? from_newest_good(comm, directory) : Restart{wanted, read_checkpoint(comm, wanted), ""};
   restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step) + restart.message;
-  const std::vector<std::string> changes =
-      scene_changes(restart.state->info, restart.file, scene, music_checksums(comm, scene));
-  check_obstacle_files(restart.state->info, restart.file, scene);
+  const std::vector<std::string> changes = scene_changes(restart.state->info, restart.file, scene, now);
+  const auto of_obstacle = [](const std::string& change) { return change.starts_with("obstacle."); };
+  if (std::any_of(changes.begin(), changes.end(), of_obstacle)) check_water(comm, scene, restart);
   for (const std::string& change : changes) restart.message += "\n  changed since: " + change;
   return restart;
 }

@@ -18,9 +18,10 @@ struct Restart {
   std::string message;                   ///< what is about to happen, for the user
 };
 
-/// `wanted` is the argument of --restart: a file, "latest" (of `directory`), or empty for no restart.
-std::optional<Restart> find_restart(const Session& session, const Scene& scene, const std::string& wanted,
-                                    const std::string& directory);
+/// `wanted` is the argument of --restart: a file, "latest" (of `directory`), or empty for no restart. `now` is what
+/// checkpoints of this run will tell of it.
+std::optional<Restart> find_restart(const Session& session, const Scene& scene, const CheckpointInfo& now,
+                                    const std::string& wanted, const std::string& directory);
 
 /// The command line of this run with --restart latest, ready to be pasted into a shell.
 std::string restart_command(const Session& session, int argc, const char* const* argv);

@@ -74,7 +74,7 @@ Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
 std::string folder_for_traces(const Session& session, const RunContext& context, const Solver& solver,
                               std::string& told) {
   if (context.lock == nullptr || !context.lock->lost()) return context.directory;
-  const auto rescued = rescue_state(session, context.scene, solver, context.directory);
+  const auto rescued = rescue_state(session, context.info, solver, context.directory);
   told = rescued
              ? fmt::format(
                    "\nthe folder {} is gone; the state of step {} is in {}; go on with --output {} --restart "
@@ -172,7 +172,8 @@ ExitCode run_scene(const Session& session, const Scene& scene, const Launch& lau
   options.last_step = line.steps.value_or(scene.steps());
   OutputLock lock(session.comm(), options.directory);
   options.lock = &lock;
-  std::optional<Restart> restart = find_restart(session, scene, line.restart, options.directory);
+  options.info = checkpoint_info(session.comm(), scene);
+  std::optional<Restart> restart = find_restart(session, scene, options.info, line.restart, options.directory);
   const bool goes_on = restart && restart->state;
   check_output_directory(session.comm(), options.directory, restart ? std::optional(restart->file) : std::nullopt);
   if (restart && !has_steps_left(*restart, scene, line)) {
@@ -188,7 +189,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const Launch& lau
   options.requests = requests_of(watch, options.viewer);
   const std::shared_ptr<EnergyRise> energy = options.energy = make_energy_rise(scene);
   const RunContext context{scene, options.directory, goes_on ? options.restart->step : 0, goes_on, energy.get(), launch,
-                           &lock};
+                           &lock, options.info};
   const std::int64_t last_step = options.last_step;
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   announce(session, context, *solver, restart ? restart->message : "");

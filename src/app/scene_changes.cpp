@@ -116,10 +116,51 @@ std::string why_never(const std::string& path, std::pair<bool, bool> by_volume) 
   return {};
 }
 
+/// A file that the scene names, by the first of these keys; the others say how it is read.
+struct NamedFile {
+  std::string name;
+  std::vector<std::string> keys;
+};
+
+std::vector<NamedFile> music_files(const Scene& scene) {
+  std::vector<NamedFile> files;
+  const auto add = [&](const PumpSettings& pump, const char* table, std::size_t k) {
+    files.push_back({pump.music ? pump.music->source : "", {fmt::format("{}.{}.music", table, k)}});
+  };
+  for (std::size_t k = 0; k < scene.fountains.size(); ++k) add(scene.fountains[k], "fountain", k);
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) add(scene.inlets[k], "inlet", k);
+  return files;
+}
+
+std::vector<NamedFile> obstacle_files(const Scene& scene) {
+  std::vector<NamedFile> files;
+  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+    const std::string table = fmt::format("obstacle.{}.", k);
+    files.push_back({scene.obstacles[k].path, {table + "path", table + "scale"}});
+    files.push_back({scene.obstacles[k].motion, {table + "motion"}});
+  }
+  return files;
+}
+
 /// Sorts the changes into those that are fine and those that are not.
 class Comparison {
  public:
-  Comparison(const Values& then, const Values& now) : by_volume_(has_mass_of_volume(then), has_mass_of_volume(now)) {}
+  Comparison(const Values& then, const Values& now)
+      : then_(then), now_(now), by_volume_(has_mass_of_volume(then), has_mass_of_volume(now)) {}
+
+  /// Files that hold something else than they did, where no key says that they may.
+  void add_files(const std::vector<NamedFile>& files, const std::vector<std::int64_t>& then,
+                 const std::vector<std::int64_t>& now) {
+    for (std::size_t k = 0; k < std::min({files.size(), then.size(), now.size()}); ++k) {
+      const std::vector<std::string>& keys = files[k].keys;
+      const bool same_keys = std::all_of(keys.begin(), keys.end(), [&](const auto& key) { return is_as_before(key); });
+      if (then[k] == now[k] || !same_keys) continue;
+      refused.push_back(
+          fmt::format("{}: {}: not what the run has had so far; put the file back, or say --set {} with a new name",
+                      files[k].name, keys.front(), keys.front()));
+    }
+  }
+
   void add(const std::string& path, const Value* then, const Value* now) {
     const std::string change =
         fmt::format("{}: {} -> {}", path, then ? then->text : "(absent)", now ? now->text : "(absent)");
@@ -137,6 +178,14 @@ class Comparison {
   std::vector<std::string> allowed, refused;
 
  private:
+  bool is_as_before(const std::string& path) const {
+    const auto then = then_.find(path), now = now_.find(path);
+    if (then == then_.end() || now == now_.end()) return then == then_.end() && now == now_.end();
+    return then->second.text == now->second.text;
+  }
+
+  const Values& then_;
+  const Values& now_;
   std::pair<bool, bool> by_volume_;
 };
 
@@ -155,33 +204,20 @@ std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene) {
 }
 
 std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,
-                                       const Scene& scene, const std::vector<std::int64_t>& music) {
-  const Values then = values_of({checkpoint_path, info.scene_text, info.scene_overrides});
-  const Values now = values_of({scene.path, scene.text, scene.overrides});
-  Comparison comparison(then, now);
-  for (const auto& [path, value] : now) {
-    const auto old = then.find(path);
-    if (old == then.end()) comparison.add(path, nullptr, &value);
-    if (old != then.end() && old->second.text != value.text) comparison.add(path, &old->second, &value);
+                                       const Scene& scene, const CheckpointInfo& now) {
+  const Values before = values_of({checkpoint_path, info.scene_text, info.scene_overrides});
+  const Values after = values_of({scene.path, scene.text, scene.overrides});
+  Comparison comparison(before, after);
+  for (const auto& [path, value] : after) {
+    const auto old = before.find(path);
+    if (old == before.end()) comparison.add(path, nullptr, &value);
+    if (old != before.end() && old->second.text != value.text) comparison.add(path, &old->second, &value);
   }
-  for (const auto& [path, value] : then) {
-    if (!now.contains(path)) comparison.add(path, &value, nullptr);
+  for (const auto& [path, value] : before) {
+    if (!after.contains(path)) comparison.add(path, &value, nullptr);
   }
-  for (std::size_t k = 0; k < std::min(music.size(), info.music.size()); ++k) {
-    const std::size_t fountains = scene.fountains.size();
-    const bool inlet = k >= fountains;
-    const PumpSettings& pump =
-        inlet ? static_cast<const PumpSettings&>(scene.inlets[k - fountains]) : scene.fountains[k];
-    const std::string path = fmt::format("{}.{}.music", inlet ? "inlet" : "fountain", inlet ? k - fountains : k);
-    const auto old = then.find(path), name = now.find(path);
-    const bool same_name = old != then.end() && name != now.end() && old->second.text == name->second.text;
-    if (same_name && music[k] != info.music[k]) {
-      comparison.refused.push_back(
-          fmt::format("{}: {}: not what the run has played so far; put the file back, or say --set {} "
-                      "with a new name",
-                      pump.music->source, path, path));
-    }
-  }
+  comparison.add_files(music_files(scene), info.music, now.music);
+  comparison.add_files(obstacle_files(scene), info.obstacle_files, now.obstacle_files);
   if (comparison.refused.empty()) return comparison.allowed;
   std::string all = checkpoint_path + ": made with another scene; a restart may not change the physics:";
   for (const std::string& change : comparison.refused) all += "\n  " + change;

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/damaged_file.hpp"
 #include "base/hash.hpp"
 #include "base/threads.hpp"
 #include "io/fields.hpp"
@@ -51,7 +52,7 @@ std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& fi
   FlowState flow{counts[0], counts[1], counts[2], counts[3], {}};
   const bool finite = std::all_of(streams.begin(), streams.end(), [](Real x) { return x >= 0 && std::isfinite(x); });
   if (*std::min_element(counts.begin(), counts.end()) < 0 || !finite || rows % 2 != 0)
-    throw InputError(path + ": /flow, /streams: cannot be what inlets and drains have done; use another checkpoint");
+    throw DamagedFile(path + ": /flow, /streams: cannot be what inlets and drains have done; use another checkpoint");
   for (std::size_t k = 0; k < streams.size(); k += 2) flow.streams.push_back({streams[k], streams[k + 1]});
   return flow;
 }
@@ -83,7 +84,7 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   file.attribute("scene_overrides", info.scene_overrides);
   file.attribute("scene_checksum", checksum(info.scene_text));
   if (!info.music.empty()) write_on_root(comm, file, "/music", info.music);
-  if (!info.obstacles.empty()) write_on_root(comm, file, "/obstacles", info.obstacles);
+  if (!info.obstacle_files.empty()) write_on_root(comm, file, "/obstacle_files", info.obstacle_files);
   write_flow(comm, file, frame.flow);
 }
 
@@ -134,7 +135,7 @@ bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
 }
 
 [[noreturn]] void fail_damaged(const std::string& path, const std::string& what) {
-  throw InputError(
+  throw DamagedFile(
       fmt::format("{}: {}: not what its checksum says; the file is damaged, use another copy or an older "
                   "checkpoint",
                   path, what));
@@ -162,7 +163,7 @@ void check_column(const Source& source, const std::string& name, const std::vect
 ParticleRows read_checked_rows(const Source& source) {
   for (const char* name : {"/particles/id", "/particles/velocity"}) {  // which a particle file may lack
     if (source.file.has(name)) continue;
-    throw InputError(
+    throw DamagedFile(
         fmt::format("{}: {}: missing; a restart needs a whole checkpoint, use another file", source.path, name));
   }
   ParticleRows rows = read_particle_rows(source.file, source.slice);
@@ -173,7 +174,7 @@ ParticleRows read_checked_rows(const Source& source) {
 
 void check_header(const std::string& path, const CheckpointState& state) {
   const auto refuse = [&](const char* name, const auto& value) {
-    throw InputError(fmt::format("{}: attribute {}: cannot be {}; use another checkpoint", path, name, value));
+    throw DamagedFile(fmt::format("{}: attribute {}: cannot be {}; use another checkpoint", path, name, value));
   };
   if (state.step < 0) refuse("step", state.step);
   if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
@@ -201,7 +202,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.info.scene_text = file.text("/scene");
   state.info.scene_overrides = file.integer_attribute("scene_overrides");
   state.info.music = read_checksums(file, "/music");
-  state.info.obstacles = read_checksums(file, "/obstacles");
+  state.info.obstacle_files = read_checksums(file, "/obstacle_files");
   state.flow = read_flow(path, file);
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
@@ -267,8 +268,10 @@ bool CheckpointWriter::due(const Clock& clock) const {
 
 void CheckpointWriter::write(const Frame& frame) {
   const ScopedEvent timed(event_);
-  // A restart relies on the rows of series.csv up to its checkpoint, so they are on the disk before it is.
-  on_root(comm_, [&] { sync_if_there(options_.directory + "/series.csv"); });
+  // A restart relies on the rows of these up to its checkpoint, so they are on the disk before it is.
+  on_root(comm_, [&] {
+    for (const char* table : {"/series.csv", "/obstacles.csv"}) sync_if_there(options_.directory + table);
+  });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);
   last_step_ = frame.clock.step;
   on_root(comm_, [&] { remove_old(); });

@@ -1,9 +1,9 @@
 // Checkpoints: DIR/checkpoint_<step>.h5 holds all that a restart needs, rows sorted by id, the same on any rank count.
 // /particles/ id and the saved fields of fields.hpp (position, velocity, perhaps hue), /checksums/ of the same names
-// (one for each 1024 rows), /scene (text), /music, /flow and /streams (of inlets and drains), and at the root format,
-// step, time, dt, substeps, seed, program_version, scene_overrides, fountain_note, fountain_speed. Random numbers and
-// fountains are functions of (seed, id, step), so these are their state. Written under a temporary name, synced,
-// renamed; only then are older ones removed, down to `keep`. Collective: all but the struct definitions.
+// (one for each 1024 rows), /scene (text), /music, /obstacle_files, /flow and /streams (of inlets and drains), and at
+// the root format, step, time, dt, substeps, seed, program_version, scene_overrides, fountain_note, fountain_speed.
+// Random numbers and fountains are functions of (seed, id, step), so these are their state. Written under a temporary
+// name, synced, renamed; only then are older ones removed, down to `keep`. Collective: all but the struct definitions.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,10 @@ namespace trevi {
 struct CheckpointInfo {
   std::string scene_text, program_version;
   std::int64_t seed = 1;
-  std::int64_t scene_overrides = 0;       ///< so many lines "# --set table.key=value" at the end of the text
-  std::vector<std::int64_t> music{};      ///< checksum of each fountain's file, 0 without one; empty: not known
-  std::vector<std::int64_t> obstacles{};  ///< of the mesh and the motion of each obstacle, 0 without
+  std::int64_t scene_overrides = 0;  ///< so many lines "# --set table.key=value" at the end of the text
+  /// Checksums of the file of each fountain and inlet, and of those of the mesh and of the motion of each obstacle in
+  /// turn; 0 without one. Empty: not known.
+  std::vector<std::int64_t> music{}, obstacle_files{};
 };
 
 /// RunError on all ranks alike; a file of that name is then still the old one.
@@ -39,7 +40,8 @@ struct CheckpointState {
   std::optional<FlowState> flow;  ///< with inlets or drains only
 };
 
-/// InputError on all ranks alike when the file is missing, foreign, cut short, damaged or incomplete.
+/// InputError on all ranks alike when the file is missing, foreign or larger than the memory; DamagedFile when it is cut
+/// short, damaged or incomplete.
 CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path);
 
 /// The checkpoints of a folder, that of the highest step first, for --restart latest. InputError when there is none.

@@ -1,5 +1,6 @@
 #include "io/hdf5_reader.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/damaged_file.hpp"
 #include "base/memory.hpp"
 #include "trevi/error.hpp"
 
@@ -15,13 +17,21 @@ namespace trevi {
 
 namespace {
 
+/// That nothing but its content can keep the file from being read. Without waiting, as a pipe would make us.
+void check_access(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  if (descriptor < 0) throw InputError(fmt::format("{}: cannot read: {}; check the path", path, std::strerror(errno)));
+  ::close(descriptor);
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": is no file of data; check the path");
+}
+
 Hdf5Handle open_file(const std::string& path) {
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // A file that is only read needs no lock, and some cluster file systems have none to give.
   H5Pset_file_locking(access.id(), false, true);
   Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (file.valid()) return file;
-  throw InputError(
+  throw DamagedFile(
       fmt::format("{}: damaged or cut short ({}); use another copy or an older checkpoint", path, hdf5_reason()));
 }
 
@@ -72,16 +82,14 @@ bool is_fixed_string(const Hdf5Handle& type) {
 
 Hdf5Reader::Hdf5Reader(const std::string& path, int readers) : path_(path), readers_(readers) {
   silence_hdf5();
-  if (::access(path.c_str(), R_OK) != 0) {
-    throw InputError(fmt::format("{}: cannot read: {}; check the path", path, std::strerror(errno)));
-  }
-  if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError(path + ": not an HDF5 file; check the path");
+  check_access(path);
+  if (H5Fis_hdf5(path.c_str()) <= 0) throw DamagedFile(path + ": not an HDF5 file; check the path");
   file_ = open_file(path);
   file_size_ = static_cast<std::int64_t>(std::filesystem::file_size(path));
 }
 
 void Hdf5Reader::fail(const std::string& object, const std::string& problem) const {
-  throw InputError(fmt::format("{}: {}: {}", path_, object, problem));
+  throw DamagedFile(fmt::format("{}: {}: {}", path_, object, problem));
 }
 
 bool Hdf5Reader::has(const std::string& name) const {

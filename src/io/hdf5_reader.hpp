@@ -1,6 +1,7 @@
 // Reads tables of particles from an HDF5 file; every rank opens the file for itself and reads its own slice.
 // Rank-local on purpose: a checksum error in one rank's slice must not leave the others inside a collective read.
-// Every failure is an InputError that names file, object, what is wrong and what to do.
+// Every failure is an InputError that names file, object, what is wrong and what to do: a DamagedFile where that lies
+// in the file, and not in the path, in permissions or in the memory of this machine.
 #pragma once
 
 #include <string>

@@ -68,11 +68,20 @@ void check_binary_stl(const std::string& path) {
 
 // Lines "element vertex 8" and "element face 12" of the head; each takes some bytes below it.
 void check_ply(const std::string& path) {
-  constexpr int longest_head = 100;
+  constexpr std::size_t longest_head = 100'000;
   const std::uintmax_t size = std::filesystem::file_size(path);
   std::ifstream file(path, std::ios::binary);
-  std::string line, word, name;
-  for (int k = 0; k < longest_head && std::getline(file, line) && line.rfind("end_header", 0) != 0; ++k) {
+  std::string head(longest_head, '\0'), line, word, name;
+  file.read(head.data(), static_cast<std::streamsize>(longest_head));
+  head.resize(std::min(static_cast<std::size_t>(file.gcount()), head.find("end_header")));
+  const auto has = [&](const char* words) { return head.find(words) != std::string::npos; };
+  if (!head.starts_with("ply") || head.size() == static_cast<std::size_t>(file.gcount()) || !has("element vertex") ||
+      !has("element face"))
+    throw InputError(path +
+                     ": cannot be read as a mesh: it does not begin as a PLY file of vertices and faces does; "
+                     "save it again");
+  std::istringstream lines(head);
+  while (std::getline(lines, line)) {
     std::istringstream words(line);
     std::int64_t count = 0;
     if (!(words >> word >> name) || word != "element") continue;

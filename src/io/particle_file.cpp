@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/damaged_file.hpp"
 #include "io/fields.hpp"
 #include "io/id_order.hpp"
 #include "parallel/collective.hpp"
@@ -19,14 +20,14 @@ namespace {
 void check_finite(const std::vector<Vec3>& field, GlobalId first_row, const std::string& object) {
   const auto bad = std::find_if(field.begin(), field.end(), [](const Vec3& row) { return !row.allFinite(); });
   if (bad == field.end()) return;
-  throw InputError(fmt::format("{}: row {} is not finite ({}, {}, {}); remove or repair the particle", object,
-                               first_row + (bad - field.begin()), (*bad)[0], (*bad)[1], (*bad)[2]));
+  throw DamagedFile(fmt::format("{}: row {} is not finite ({}, {}, {}); remove or repair the particle", object,
+                                first_row + (bad - field.begin()), (*bad)[0], (*bad)[1], (*bad)[2]));
 }
 
 void check_ids(const std::vector<GlobalId>& ids, GlobalId first_row, const std::string& object) {
   const auto bad = std::find_if(ids.begin(), ids.end(), [](GlobalId id) { return id < 0 || id >= end_of_ids; });
   if (bad == ids.end()) return;
-  throw InputError(
+  throw DamagedFile(
       fmt::format("{}: row {} is {}, where ids are from 0 and below 2^62; change it, or leave ids out to "
                   "number the rows",
                   object, first_row + (bad - ids.begin()), *bad));
@@ -72,7 +73,7 @@ void check_particle_rows(MPI_Comm comm, const ParticleRows& rows, const std::str
   all_or_none(comm, [&] {
     const auto twice = std::adjacent_find(order.ids().begin(), order.ids().end());
     if (twice == order.ids().end()) return;
-    throw InputError(fmt::format(
+    throw DamagedFile(fmt::format(
         "{}: /particles/id: {} occurs more than once; make ids unique, or leave them out to number the rows", path,
         *twice));
   });

@@ -3,6 +3,7 @@
 #include <exception>
 #include <string>
 
+#include "base/damaged_file.hpp"
 #include "base/memory.hpp"
 #include "trevi/error.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 struct Failure {
   bool happened = false;
   ExitCode code = ExitCode::run_failed;
+  bool damaged = false;  ///< DamagedFile
   std::string message;
 };
 
@@ -21,9 +23,9 @@ Failure attempt(const std::function<void()>& work) {
     work();
     return {};
   } catch (const Error& error) {
-    return {true, error.code(), error.what()};
+    return {true, error.code(), dynamic_cast<const DamagedFile*>(&error) != nullptr, error.what()};
   } catch (const std::exception& error) {
-    return {true, ExitCode::run_failed, text_of(error)};
+    return {true, ExitCode::run_failed, false, text_of(error)};
   }
 }
 
@@ -48,10 +50,11 @@ void all_or_none(MPI_Comm comm, const std::function<void()>& work) {
   const Failure mine = attempt(work);
   const int size = size_of(comm), culprit = lowest_rank(comm, mine.happened);
   if (culprit == size) return;
-  int code = static_cast<int>(mine.code);
-  MPI_Bcast(&code, 1, MPI_INT, culprit, comm);
+  int kind[2] = {static_cast<int>(mine.code), mine.damaged ? 1 : 0};
+  MPI_Bcast(kind, 2, MPI_INT, culprit, comm);
   const std::string message = broadcast(comm, mine.message, culprit);
-  if (code == static_cast<int>(ExitCode::bad_input)) throw InputError(message);
+  if (kind[1] != 0) throw DamagedFile(message);
+  if (kind[0] == static_cast<int>(ExitCode::bad_input)) throw InputError(message);
   throw RunError(size == 1 ? message : "rank " + std::to_string(culprit) + ": " + message, Reach::all_ranks);
 }
 

@@ -1,6 +1,6 @@
 // Makes a failure on one rank known to all, as a rank that throws alone leaves the others waiting for ever. `work` must
 // not communicate, or only in a way that every rank completes whatever happens on another. Collective: every function
-// here. The error of the lowest failing rank is thrown on all ranks, as InputError or RunError like the original.
+// here. The error of the lowest failing rank is thrown on all ranks, as InputError, DamagedFile or RunError like the original.
 #pragma once
 
 #include <functional>

@@ -2,11 +2,12 @@
 //   rename:3   the third rename fails, so fsync, write, pwrite; TREVI_FAULT_ERRNO is the error (5, EIO, by default)
 //   full:3     the third write and all later ones find no space left
 //   slow:20    each write and fsync takes 20 ms
-//   kill:100   the rank TREVI_FAULT_RANK is killed at its hundredth call of MPI, which is told; calls:0 tells their
+//   kill:100   the rank TREVI_FAULT_RANK is killed at its hundredth call of MPI; calls:0 tells their
 //              number at the end
 //   clock:100  the clock of the day, not the monotonic one, jumps by a day, forwards and backwards in turn, at each
 //              hundredth reading
-// Calls on files count below TREVI_FAULT_FOLDER and where the path has TREVI_FAULT_FILE in it.
+// Calls on files count below TREVI_FAULT_FOLDER and where the path has TREVI_FAULT_FILE in it. The first time that a
+// process is struck is told: "fault: full strikes trevi at /a/path"; a test that sees no such line has tested nothing.
 #define OMPI_SKIP_MPICXX  // objects of the C++ bindings would have to be found when the shim is loaded
 #define MPICH_SKIP_MPICXX
 #include <dlfcn.h>
@@ -24,6 +25,7 @@
 #include <ctime>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace {
 
@@ -59,9 +61,17 @@ bool chosen(const std::string& path) {
   return !fault().folder.empty() && path.starts_with(fault().folder) && path.find(fault().file) != std::string::npos;
 }
 
+void tell(const std::string& where) {
+  static bool told = false;
+  if (!std::exchange(told, true))
+    ::dprintf(STDERR_FILENO, "fault: %s strikes %s at %s\n", fault().call.c_str(), program_invocation_short_name,
+              where.c_str());
+}
+
 bool fails(std::string_view call, const std::string& path) {
   static long count = 0;
   if (fault().call != call || !chosen(path) || ++count != fault().number) return false;
+  tell(path);
   errno = fault().error;
   return true;
 }
@@ -72,11 +82,20 @@ std::string path_of(int descriptor) {
   return ::readlink(link.c_str(), name.data(), name.size() - 1) > 0 ? name.data() : "";
 }
 
+void be_slow(int descriptor) {
+  if (fault().call != "slow") return;
+  const std::string path = path_of(descriptor);
+  if (!chosen(path)) return;
+  tell(path);
+  ::usleep(static_cast<useconds_t>(1000 * fault().number));
+}
+
 /// Whether a write fails; `call` is how the fault names it.
 bool write_fails(std::string_view call, int descriptor) {
   static long count = 0;
-  if (fault().call == "slow" && chosen(path_of(descriptor))) ::usleep(static_cast<useconds_t>(1000 * fault().number));
+  be_slow(descriptor);
   if (fault().call == "full" && chosen(path_of(descriptor)) && ++count >= fault().number) {
+    tell(path_of(descriptor));
     errno = ENOSPC;
     return true;
   }
@@ -93,14 +112,16 @@ long calls_of_mpi = 0;
 void count_mpi(const char* name) {
   ++calls_of_mpi;
   if (fault().call != "kill" || !fault().this_rank || calls_of_mpi != fault().number) return;
-  std::fprintf(stderr, "killed at call %ld of MPI, %s\n", calls_of_mpi, name);
+  tell(name);
   ::raise(SIGKILL);
 }
 
 /// Seconds by which the clock of the day is wrong now.
 long jumped() {
   static long readings = 0;
-  return fault().call == "clock" && (++readings / fault().number) % 2 == 1 ? 86400 : 0;
+  if (fault().call != "clock" || (++readings / fault().number) % 2 == 0) return 0;
+  tell("a reading of the clock");
+  return 86400;
 }
 
 }  // namespace
@@ -110,7 +131,7 @@ extern "C" int rename(const char* from, const char* to) noexcept {
 }
 
 extern "C" int fsync(int descriptor) {
-  if (fault().call == "slow" && chosen(path_of(descriptor))) ::usleep(static_cast<useconds_t>(1000 * fault().number));
+  be_slow(descriptor);
   return fails("fsync", path_of(descriptor)) ? -1 : next<int(int)>("fsync")(descriptor);
 }
 

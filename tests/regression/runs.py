@@ -253,7 +253,7 @@ def differences(one, other):
     # Scenes may differ in what a restart may change.
     found += [name for name in sorted(names - {"scene_checksum", "scene_overrides"}) if first.get(name) != second.get(name)]
     found += ["series.csv"] if rows(one) != rows(other) else []
-    for name in ("particles.pvd", "particles.hdf.series"):
+    for name in ("obstacles.csv", "particles.pvd", "particles.hdf.series", "obstacles.vtp.series"):
         texts = [path.read_text() if path.exists() else "" for path in (Path(one) / name, Path(other) / name)]
         found += [name] if texts[0] != texts[1] else []
     return found

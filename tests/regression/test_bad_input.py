@@ -213,6 +213,8 @@ class BadInput(ProgramTest):
             case("less.ply", ply(-8, 3), ['its "element vertex -8"']),
             case("far.ply", ply(8, 77), ["names a corner that is not there"]),
             case("text.ply", b"hello\n", ["cannot be read as a mesh"]),
+            case("empty.ply", b"", ["cannot be read as a mesh: it does not begin as a PLY file"]),
+            case("headless.ply", b"ply\nformat ascii 1.0\nend_header\n", ["does not begin as a PLY file"]),
             case("open.obj", obj(corners)[:-8], ["not closed: 3 open edges"]),
             case("empty.obj", b"", ["holds no triangles"])], rank_counts=(2,))
         (self.folder / "whole.stl").write_bytes(stl(12))
@@ -231,6 +233,10 @@ class BadInput(ProgramTest):
             ("far", b"0,0.5,0.5,0.3\n0.01,1e300,0.5,0.3\n", ["2: further from the line before than 10000 m/s"]),
             ("alone", b"0,0.5,0.5,0.3\n", ["fewer than two times and places"]))], rank_counts=(2,))
 
+        rod = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'cylinder'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.1\nheight = 0.2\n"
+        self.assert_all_refused([(f"axis {axis}", f"{rod}axis = [0, {axis}, {axis}]\n", ["scene.toml"],
+                                  ["scene.toml:21: [[obstacle]] axis: must not be zero, nor endless"])
+                                 for axis in ("0", "1e-200", "1e308")], rank_counts=(1,))
         ball = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"
         self.assert_all_refused([(key, f"{ball}{key} = [0, 1e300, 0]\n", ["scene.toml"],
                                   [f"scene.toml:20: [[obstacle]] {key}: must be at most 10000"])

@@ -9,8 +9,10 @@ runs this one.
 import os
 import re
 import shutil
+import subprocess
 import unittest
 
+import h5py
 import runs
 from runs import CHECKPOINTS, CUBE, FLOW, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
 
@@ -230,6 +232,43 @@ radius = 0.1
         self.assertEqual(told.count("not an HDF5 file"), 3)
 
 
+    def test_only_damage_is_passed_over(self):
+        """What keeps a good checkpoint from being read is told, and nothing is set aside."""
+        folder = Folder()
+        self.addCleanup(folder.cleanup)
+        scene, output = folder.scene(CUBE + CHECKPOINTS.format(10, 3)), folder.path("out")
+        runs.run_well(1, scene, output, "--steps", 30)
+        newest = output / "checkpoint_000030.h5"
+        good = newest.read_bytes()
+
+        def refuse(words, limit="unlimited"):
+            before = sorted(output.iterdir())
+            code, told = runs.finish(subprocess.Popen(
+                ["bash", "-c", f'ulimit -v {limit}; exec "$@"', "limited",
+                 *runs.command(1, scene, output, "--steps", 40, "--restart", "latest")],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=runs.environment()))
+            self.assertEqual(code, 2, told)
+            self.assertRegex(told, f"checkpoint_000030.h5: {words}")
+            self.assertEqual(sorted(output.iterdir()), before)
+        newest.unlink()
+        newest.symlink_to(newest.name)  # permissions do not hold for root
+        refuse("cannot read: Too many levels of symbolic links")
+        newest.unlink()
+        os.mkfifo(newest)
+        refuse("is no file of data")
+        newest.unlink()
+        newest.write_bytes(good)
+        with h5py.File(newest, "r+") as file:
+            file.attrs["format"] = 2
+        refuse("written by another version of trevi")
+        with h5py.File(newest, "r+") as file:
+            file.attrs["format"] = 1
+            del file["particles/position"]
+            rows = file.create_dataset("particles/position", (400_000_000, 3), float, chunks=(500_000, 3))
+            rows[:500_000] = 0.5
+        refuse("/particles/position: 400000000 rows need 9.6 GB, and .* are free here", 8_000_000)
+
+
 class SceneChanges(unittest.TestCase):
     def setUp(self):
         self.folder = Folder()
@@ -275,9 +314,62 @@ class SceneChanges(unittest.TestCase):
         self.folder.scene(SCORE.replace("E4", "F4"), "score.txt")
         code, told = runs.run(2, scene, output, "--restart", "latest", "--steps", 12)
         self.assertEqual(code, 2, told)
-        self.assertIn("score.txt: fountain.0.music: not what the run has played so far", told)
+        self.assertIn("score.txt: fountain.0.music: not what the run has had so far", told)
         os.rename(self.folder.path("score.txt"), self.folder.path("new.txt"))
         runs.run_well(1, scene, output, "--restart", "latest", "--steps", 12, "--set", "fountain.0.music=new.txt")
+
+    def test_obstacles(self):
+        """Their keys go by the rules of all keys, their files by that of music; water does not end up in stone."""
+        mesh = "[[obstacle]]\ntype = 'mesh'\npath = 'ball.obj'\n" if "VTK" not in runs.WITHOUT else ""
+        ball = "[[obstacle]]\ntype = 'sphere'\ncenter = [1.5, 0.5, 1.5]\nradius = 0.05\nmotion = 'way.csv'\n"
+        text = self.text + ball + mesh
+        way, corners = self.folder.path("way.csv"), self.folder.path("ball.obj")
+        way.write_text("0, 1.5, 0.5, 1.5\n2, 1.5, 0.5, 1.4\n")
+
+        def tetrahedron(size):
+            points = ((0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size))
+            corners.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points)
+                               + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        tetrahedron(0.05)
+        output = self.folder.path("obstacles")
+        runs.run_well(2, self.folder.scene(text), output, "--steps", 10)
+
+        def restart(*settings):
+            more = [word for setting in settings for word in ("--set", setting)]
+            folder = self.folder.path("again")
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(output, folder)
+            return runs.run(2, self.folder.scene(text), folder, "--restart", "latest", "--steps", 12, *more)
+
+        def refuse(words, *settings):
+            code, told = restart(*settings)
+            self.assertEqual(code, 2, told)
+            self.assertIn(words, told)
+
+        def allow(words, *settings):
+            code, told = restart(*settings)
+            self.assertEqual(code, 0, told)
+            self.assertIn(words, told)
+        allow("")
+        allow("obstacle.0.radius: 0.05 -> 0.06", "obstacle.0.radius=0.06")
+        allow("obstacle.0.motion: 'way.csv' -> [[0, 1.5, 0.5, 1.5], [1, 1.5, 0.5, 1.4]]",
+              "obstacle.0.motion=[[0, 1.5, 0.5, 1.5], [1, 1.5, 0.5, 1.4]]")
+        refuse("would be in obstacle 0, which has changed", "obstacle.0.radius=0.15",
+               "obstacle.0.motion=[[0, 0.8, 0.3, 0.8], [1, 0.8, 0.3, 0.7]]")
+        refuse("its columns are not those of this scene", "obstacle.2.type=sphere", "obstacle.2.center=[1.5, 0.1, 1.5]",
+               "obstacle.2.radius=0.05")
+        shutil.copyfile(way, self.folder.path("other.csv"))
+        with way.open("a") as file:
+            file.write("3, 1.5, 0.5, 1.3\n")
+        refuse("way.csv: obstacle.0.motion: not what the run has had so far; put the file back")
+        allow("obstacle.0.motion: 'way.csv' -> 'other.csv'", "obstacle.0.motion=other.csv")
+        shutil.copyfile(self.folder.path("other.csv"), way)
+        if mesh:
+            allow("obstacle.1.scale: (absent) -> 1.5", "obstacle.1.scale=1.5")
+            tetrahedron(0.04)
+            refuse("ball.obj: obstacle.1.path: not what the run has had so far; put the file back")
+            shutil.copyfile(corners, self.folder.path("small.obj"))
+            allow("obstacle.1.path: 'ball.obj' -> 'small.obj'", "obstacle.1.path=small.obj")
 
     def test_particles_never(self):
         code, told = self.restart(self.text, "--set", "particles.0.velocity=[1,0,0]")

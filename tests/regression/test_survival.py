@@ -20,7 +20,7 @@ import unittest
 
 import h5py
 import runs
-from runs import CHECKPOINTS, CUBE, FOUNTAIN, FRAMES, Folder
+from runs import CHECKPOINTS, CUBE, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
 
 
 def reason(output):
@@ -286,6 +286,22 @@ class Failures(unittest.TestCase):
             self.assertEqual(runs.particles(runs.last_checkpoint(straight))["particles/position"],
                              runs.particles(runs.last_checkpoint(rescued))["particles/position"])
             runs.run_well(2, scene, rescued, "--steps", step + 2, "--restart", "latest")
+
+    @unittest.skipIf("MUSIC" in runs.WITHOUT, "this build plays no music")
+    def test_a_folder_and_the_music_are_removed_under_a_run(self):
+        """What a checkpoint tells of the run was read at its start."""
+        scene, score = self.folder.scene(FOUNTAIN + MUSIC), self.folder.scene(SCORE, "score.txt")
+        output, rescued = self.folder.path("gone"), self.folder.path("gone.rescued")
+        process = runs.start(2, scene, output, "--steps", ENDLESS)
+        runs.wait_for_row(output, 10, process)
+        score.unlink()
+        output.rename(self.folder.path("away"))
+        shutil.rmtree(self.folder.path("away"))
+        code, told = runs.finish(process)
+        self.assertEqual(code, 3, told)
+        self.assertIn(f"--output {rescued} --restart latest", told)
+        self.folder.scene(SCORE, "score.txt")
+        runs.run_well(1, scene, rescued, "--steps", int(runs.last_checkpoint(rescued).stem[-6:]) + 2, "--restart", "latest")
 
     def test_another_run_is_not_overwritten(self):
         scene, output = self.folder.scene(CUBE), self.folder.path("out")
