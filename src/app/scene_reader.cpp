@@ -253,8 +253,9 @@ bool Section::integer_between(const Key& key, std::int64_t& target, std::pair<st
 bool Section::direction(const Key& key, Vec3& target) {
   Vec3 given;
   if (!numbers(key, given)) return false;
-  const bool points = check(key.name, given.stableNorm() > 0, "must not be zero; give a direction of any length");
-  if (points) target = given.stableNormalized();
+  const Vec3 unit = given.stableNormalized();  // zero, too, where the length is more than a number can be
+  const bool points = check(key.name, unit.squaredNorm() > 0.5, "must not be zero; give a direction of any length");
+  if (points) target = unit;
   return points;
 }
 
