@@ -255,7 +255,7 @@ radius = 0.1
         refuse("cannot read: Too many levels of symbolic links")
         newest.unlink()
         os.mkfifo(newest)
-        refuse("is no file of data")
+        refuse("not an HDF5 file, nor any other with data")
         newest.unlink()
         newest.write_bytes(good)
         with h5py.File(newest, "r+") as file:
