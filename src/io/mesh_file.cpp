@@ -20,7 +20,9 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <system_error>
 
+#include "base/memory.hpp"
 #include "io/vtk_error_text.hpp"
 #include "trevi/error.hpp"
 
@@ -107,7 +109,12 @@ void check_obj(const std::string& path) {
 }
 
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such file; give the path of a mesh");
+  std::error_code ignored;  // of links in a circle, for instance
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw InputError(path + ": no such file; give the path of a mesh");
+  constexpr double bytes_per_byte = 4;  // of VTK and of ours
+  require_memory(bytes_per_byte * static_cast<double>(std::filesystem::file_size(path)),
+                 path + ": triangles of so large a file", "make it coarser");
   const std::string ending = ending_of(path);
   if (ending == ".stl") {
     check_binary_stl(path);
