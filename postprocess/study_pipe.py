@@ -55,12 +55,16 @@ def rings(across):
     return np.concatenate(points)
 
 
+def write_rings(across, path):
+    with h5py.File(path, "w") as stream:
+        stream["particles/position"] = rings(across).astype(np.float32)
+
+
 def measure(trevi, flow, across):
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / "scene.toml"
         scene.write_text(scene_of(flow, across), encoding="utf-8")
-        with h5py.File(Path(folder) / "rings.h5", "w") as stream:
-            stream["particles/position"] = rings(across)
+        write_rings(across, Path(folder) / "rings.h5")
         code, message = launch(trevi, scene, Path(folder) / "run", [], time_limit=36000)
         if code != 0:
             raise SystemExit(message)
@@ -79,7 +83,11 @@ def measure(trevi, flow, across):
 def main():
     parser = parser_of(__doc__, "CSV")
     parser.add_argument("--finest", type=int, default=40, help="particles across of the finest runs")
+    parser.add_argument("--rings", type=int, metavar="N", help="only write the rings of a pipe N across, as HDF5, to the output")
     arguments = parser.parse_args()
+    if arguments.rings:
+        write_rings(arguments.rings, arguments.output)
+        return
     rows = []
     for across in (10, 20, 40, 80):
         for flow in ("plates", "pipe") if across <= arguments.finest else ():
