@@ -244,8 +244,8 @@ main() {
     million
     precision
   fi
-  output
   [[ -z $csv ]] || record "$csv"
+  output
 }
 
 main "$@"

@@ -187,6 +187,51 @@ class Figures(unittest.TestCase):
                 self.assert_written(str(int(messages) / int(steps)), real[case, ranks]["messages_per_step"])
                 self.assert_written(str(int(sent) // int(steps)), real[case, ranks]["bytes_per_step"])
 
+    def performance(self):
+        """{(case, quantity): value}, of one processor."""
+        rows = rows_of("performance.csv")
+        self.assertEqual(len({row["processor"] for row in rows}), 1)
+        return {(row["case"], row["quantity"]): float(row["value"]) for row in rows}
+
+    def test_limit(self):
+        real = self.performance()
+        told = table("performance.md", "| | step, ms | parts, ms |")
+        self.assertEqual([row[0] for row in told], ["AVX-512", "AVX2", "SSE4"])
+        columns = ["step", "parts", "search", "density_spiky", "delta_spiky", "coarse", "step over parts", "coarse percent"]
+        for name, *cells in told:
+            for column, cell in zip(columns, cells, strict=True):
+                with self.subTest(name=name, column=column):
+                    self.assert_written(cell, real["limit, " + name.replace("AVX-512", "AVX3"), column])
+
+    def test_steps(self):
+        real = self.performance()
+        cases = {"96,000 at rest": "rest", "vorticity and XSPH": "filters", "falling cube": "cube"}
+        columns = ["ms per step, median", "ms per step, fastest", "simulated s per wall s"]
+        told = table("performance.md", "| ms per step | median of five steps |")
+        self.assertEqual(len(told), 6)
+        for name, *cells in told:
+            run = f"{next(cases[case] for case in cases if name.startswith(case))}_np{name.split()[-2]}"
+            for column, cell in zip(columns, cells):
+                with self.subTest(name=name, column=column):
+                    self.assert_written(cell, real[run, column])
+
+    def test_speed_in_short(self):
+        real = self.performance()
+        pair, times = re.search(r"([\d.]+) ns per pair on one core; 96,000 particles in ([\d.]+) times real time on two",
+                                (ROOT / "README.md").read_text()).groups()
+        self.assert_written(pair, real["ns per pair, AVX3", "density_spiky"])
+        self.assert_written(times, real["rest_np2", "simulated s per wall s"])
+        told = dict(table("README.md", "| | Trevi |"))
+        passes = told["lambda / delta, ns per pair, one core"].split(";")[0].split(" / ")
+        self.assert_written(passes[0], real["ns per pair, AVX3", "density_spiky"])
+        self.assert_written(passes[1], real["ns per pair, AVX3", "delta_spiky"])
+        steps = re.findall(r"[\d.]+", told["whole step, 96,000 at rest, one rank"])
+        self.assert_written(steps[0], real["rest_np1", "ms per step, median"])
+        self.assert_written(steps[1], real["filters_np1", "ms per step, median"])
+        real_time = re.findall(r"[\d.]+", told["real time, 96,000, dt = 1/30 s, 2 ranks"])
+        self.assert_written(real_time[0], real["rest_np2", "simulated s per wall s"])
+        self.assert_written(real_time[1], real["filters_np2", "simulated s per wall s"])
+
     def test_surfaces(self):
         real = {(row["case"], row["method"]): row for row in rows_of("surface.csv")}
         for case, particles, before, now, edges, pieces_before, pieces in table("surface.md", "| case | particles |"):
