@@ -12,6 +12,8 @@
 #include "app/scene_place.hpp"
 #include "base/hash.hpp"
 #include "fluid/obstacles/closed_mesh.hpp"
+#include "fluid/obstacles/shape.hpp"
+#include "fluid/obstacles/solid_map.hpp"
 #include "io/mesh_file.hpp"
 #include "parallel/collective.hpp"
 
@@ -62,6 +64,7 @@ std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
     if (!knots.empty() &&
         (knot.center - knots.back().center).cwiseAbs().maxCoeff() > fastest_obstacle * (knot.time - knots.back().time))
       refuse(path, number, "further from the line before than 10000 m/s would take it");
+    if (!is_place(knot.center)) refuse(path, number, "further than a million km from the origin");
     knots.push_back(knot);
   }
   if (knots.size() < 2) refuse(path, 1, "fewer than two times and places");
@@ -71,6 +74,16 @@ std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
 template <class T>
 std::int64_t checksum_of(const std::vector<T>& rows) {
   return checksum({reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(T)});
+}
+
+void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
+  constexpr Real most_bytes = 1e9;
+  const Box bounds = make_shape(obstacle)->bounds();
+  if (SolidMap::least_bytes(bounds, scene.fluid.kernel_radius) <= most_bytes) return;
+  throw InputError(
+      fmt::format("it is {:.3g} m long, and its map would not fit in memory; it need not go on far beyond the box, so "
+                  "make it smaller",
+                  (bounds.max - bounds.min).maxCoeff()));
 }
 
 }  // namespace
@@ -84,6 +97,7 @@ void read_obstacle_files(MPI_Comm comm, Scene& scene) {
       obstacle.knots =
           told_at(scene, obstacle.line, "[[obstacle]] motion", [&] { return read_knots(comm, obstacle.motion); });
     }
+    told_at(scene, obstacle.line, "[[obstacle]]", [&] { check_size(scene, obstacle); });
   }
 }
 

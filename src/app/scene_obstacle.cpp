@@ -63,9 +63,10 @@ std::vector<ObstacleKnot> knots_of(const toml::node& node) {
     if (numbers == nullptr || numbers->size() != 4) return {};
     std::array<Real, 4> value{};
     for (std::size_t k = 0; k < 4; ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
-    const bool finite = std::all_of(value.begin(), value.end(), [](Real one) { return std::isfinite(one); });
     const Vec3 center(value[1], value[2], value[3]);
-    if (!finite || (!knots.empty() && !may_follow(knots.back(), {value[0], center}))) return {};
+    if (!std::isfinite(value[0]) || !is_place(center) ||
+        (!knots.empty() && !may_follow(knots.back(), {value[0], center})))
+      return {};
     knots.push_back({value[0], center});
   }
   return knots;

@@ -10,6 +10,9 @@ namespace trevi {
 /// m/s along each axis, as for inlets, and rad/s about it.
 inline constexpr Real fastest_obstacle = 1e4;
 
+/// Whether an obstacle may be there: not farther from the origin than a million km, along any axis.
+inline bool is_place(const Vec3& center) { return (center.array().abs() <= 1e9).all(); }
+
 void read_obstacle(Section& section, Scene& scene);
 
 }  // namespace trevi

@@ -252,6 +252,13 @@ class BadInput(ProgramTest):
         self.assert_all_refused([(key, f"{ball}{key} = [0, 1e300, 0]\n", ["scene.toml"],
                                   [f"scene.toml:20: [[obstacle]] {key}: must be at most 10000"])
                                  for key in ("velocity", "angular_velocity")], rank_counts=(2,))
+        self.assert_all_refused([
+            ("far away", f"{ball}motion = [[0, 1e300, 0, 0], [1, 1e300, 0, 0]]\n", ["scene.toml"],
+             ["scene.toml:20: [[obstacle]] motion: must be two times and places"]),
+            ("large", ball.replace("\nradius = 0.2", "\nradius = 1e5"), ["scene.toml"],
+             ["scene.toml:16: [[obstacle]]: it is 2e+05 m long", "make it smaller"]),
+            ("larger", ball.replace("\nradius = 0.2", "\nradius = 1e300"), ["scene.toml"],
+             ["scene.toml:16: [[obstacle]]: it is 2e+300 m long", "make it smaller"])], rank_counts=(1, 2))
         inlet = "[[inlet]]\ncenter = [0.65, 0.5, 0.3]\nradius = 0.15\nspeed = 1\n"
         self.assert_all_refused([
             ("an inlet in an obstacle", ball + inlet, ["scene.toml"],

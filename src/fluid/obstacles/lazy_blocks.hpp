@@ -48,8 +48,10 @@ class LazyBlocks {
 
   std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed) + top_.size() * sizeof(top_[0]); }
 
- private:
+  /// Blocks in a brick in each direction; a brick that is not there takes a pointer.
   static constexpr std::int32_t edge = 8;
+
+ private:
   struct Brick {
     std::array<std::atomic<Block*>, edge * edge * edge> block{};
     ~Brick() {

@@ -38,6 +38,11 @@ struct Spline {
 
 }  // namespace
 
+Real SolidMap::least_bytes(const Box& bounds, Real h) {
+  const Real brick = LazyBlocks<Nodes>::edge * block * h / (static_cast<Real>(reach) / fine);
+  return 2 * sizeof(void*) * ((bounds.max - bounds.min).array() / brick + 1).prod();
+}
+
 // The outermost blocks are as far from the surface as one has to see.
 SolidMap::SolidMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed)
     : shape_(shape),

@@ -38,6 +38,8 @@ class SolidMap {
   /// Whether the surface may be within h of p.
   bool is_near(const Vec3& p) const;
   PlaneLike at(const Vec3& p) const;
+  /// Bytes that the map of a shape takes before anyone has come near to it.
+  static Real least_bytes(const Box& bounds, Real h);
   std::size_t bytes() const { return cells_.bytes() + nodes_.bytes(); }
 
  private:
