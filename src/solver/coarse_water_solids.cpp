@@ -88,7 +88,7 @@ bool CoarseWater::is_small(std::size_t at) const { return solids_->open(at) > 0 
 template <class Visit>
 void CoarseWater::for_widest(const Place& place, const Visit& visit) const {
   constexpr Real equal = 0.999;
-  const auto [k, r, c] = place;
+  const LocalId k = place.k, r = place.r, c = place.c;
   const std::size_t at = grid_.index(k, r, c);
   const auto widths = [&](std::size_t a) {
     const bool low = !grid_.is_wall(a, k, r, c), high = !grid_.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2));
