@@ -2,9 +2,9 @@
 # usage: jobs/fuzz.sh [SECONDS]
 #
 # Feeds the readers of scenes, HDF5 files, viewer messages and music with random changes of the files in
-# tests/regression/corpus, SECONDS each (default 60), under the address and undefined-behaviour sanitizers. Needs clang with libFuzzer (apt: clang). Exits 1
-# when a reader crashes or hangs, or the scene reader leaks; the input that did it is then in build/fuzz/findings. What
-# it learns stays in build/fuzz/corpus for the next time.
+# tests/regression/corpus, SECONDS each (default 60), under the address and undefined-behaviour sanitizers. Needs clang
+# with libFuzzer (apt: clang). Exits 1 when a reader crashes or hangs, or the scene reader leaks; the input that did it is
+# then in build/fuzz/findings. What it learns stays in build/fuzz/corpus for the next time.
 set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"

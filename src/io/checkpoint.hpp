@@ -40,8 +40,8 @@ struct CheckpointState {
   std::optional<FlowState> flow;  ///< with inlets or drains only
 };
 
-/// InputError on all ranks alike when the file is missing, foreign or larger than the memory; DamagedFile when it is cut
-/// short, damaged or incomplete.
+/// InputError on all ranks alike when the file is missing, foreign or larger than the memory; DamagedFile when it is
+/// cut short, damaged or incomplete.
 CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path);
 
 /// The checkpoints of a folder, that of the highest step first, for --restart latest. InputError when there is none.

@@ -22,7 +22,8 @@ void check_access(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
   if (descriptor < 0) throw InputError(fmt::format("{}: cannot read: {}; check the path", path, std::strerror(errno)));
   ::close(descriptor);
-  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": not an HDF5 file, nor any other with data; check the path");
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError(path + ": not an HDF5 file, nor any other with data; check the path");
 }
 
 Hdf5Handle open_file(const std::string& path) {

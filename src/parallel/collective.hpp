@@ -1,6 +1,7 @@
 // Makes a failure on one rank known to all, as a rank that throws alone leaves the others waiting for ever. `work` must
 // not communicate, or only in a way that every rank completes whatever happens on another. Collective: every function
-// here. The error of the lowest failing rank is thrown on all ranks, as InputError, DamagedFile or RunError like the original.
+// here. The error of the lowest failing rank is thrown on all ranks, as the InputError, DamagedFile or RunError that it
+// was.
 #pragma once
 
 #include <functional>

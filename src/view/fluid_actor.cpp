@@ -20,7 +20,7 @@ namespace trevi {
 
 namespace {
 
-// Between the taps, as a share of the diameter of three spheres, a pixel at least; an even number of passes.
+// Between the taps, as a share of three radii of a sphere, a pixel at least; an even number of passes.
 constexpr float gaps[] = {0.32F, 0.16F, 0.08F, 0};
 
 // Depths of the projection to distances.

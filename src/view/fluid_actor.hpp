@@ -22,10 +22,8 @@ class FluidActor : public vtkOpenGLActor {
   static FluidActor* New();
   vtkTypeMacro(FluidActor, vtkOpenGLActor)
 
-      /// Of a sphere, in the units of the scene.
-      void set_radius(double radius) {
-    radius_ = radius;
-  }
+  /// Of a sphere, in the units of the scene.
+  void set_radius(double radius) { radius_ = radius; }
 
   void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
