@@ -35,12 +35,13 @@ void NoSlip<T>::for_each_wall(const Vec3& p, Visit&& visit) const {
 }
 
 template <class T>
-Vec3 NoSlip<T>::held(const Vec3& p, const Vec3& v, Real dt) {
+Vec3 NoSlip<T>::held(const Vec3& p, const Vec3& v, Real dt) const {
   Real shares = 1;
   Vec3 sum = v;
   for_each_wall(p, [&](std::size_t, Real distance, const Vec3& way) {
-    shares += rate(distance) * dt;
-    sum += rate(distance) * way;
+    const Real pull = rate(distance);
+    shares += pull * dt;
+    sum += pull * way;
   });
   return sum / shares;
 }

@@ -4,11 +4,10 @@
 //   dv/dt = (nu/M) n (v_wall − v) ∫_d^h A(z) z/d dz = (nu/M) n h³ W6(0) (π/40) (v_wall − v) (1 − u²)⁵/u,  u = d/h,
 // n being particles a volume, M as in xsph_viscosity.hpp, and A(z) = W6(0) h² (π/4) (1 − z²/h²)⁴ what Poly6 is on a
 // plane z away.
-// Taken implicitly, so that no distance and no step is too short. Not collective but for its bytes.
+// Taken implicitly, so that no distance and no step is too short. Not collective.
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "fluid/obstacles/obstacles.hpp"
 #include "fluid/velocity_filter.hpp"
@@ -25,7 +24,7 @@ class NoSlip : public VelocityFilter<T> {
 
  private:
   Real rate(Real distance) const;
-  Vec3 held(const Vec3& p, const Vec3& v, Real dt);
+  Vec3 held(const Vec3& p, const Vec3& v, Real dt) const;
   void tell(const Vec3& p, const Vec3& v, Real dt);
   template <class Visit>
   void for_each_wall(const Vec3& p, Visit&& visit) const;

@@ -214,16 +214,16 @@ void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
-    const auto [from, rows, also] = children_of(to, k, r);
+    const Children of = children_of(to, k, r);
     const std::size_t at = to.index(k, r, 0);
     const Real over_planes = share_of_link(to, 0, k - 1 + to.first), over_rows = share_of_link(to, 1, r);
-    const auto sum = [&, rows = rows, also = also](const std::vector<Real>& x, std::size_t i) {
-      return (x[i] + rows * x[i + row]) + also * (x[i + plane] + rows * x[i + plane + row]);
+    const auto sum = [&](const std::vector<Real>& x, std::size_t i) {
+      return (x[i] + of.rows * x[i + row]) + of.planes * (x[i + plane] + of.rows * x[i + plane + row]);
     };
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
-      const std::size_t i = from + c;
-      coarse.link[0][at + c] = (link[0][i] + rows * link[0][i + row]) * over_planes;
-      coarse.link[1][at + c] = (link[1][i] + also * link[1][i + plane]) * over_rows;
+      const std::size_t i = of.first + c;
+      coarse.link[0][at + c] = (link[0][i] + of.rows * link[0][i + row]) * over_planes;
+      coarse.link[1][at + c] = (link[1][i] + of.planes * link[1][i + plane]) * over_rows;
       coarse.link[2][at + c] = sum(link[2], i);
       coarse.sink[at + c] = sum(sink, i);
     }
@@ -234,11 +234,11 @@ void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
-    const auto [first, rows, also] = children_of(to, k, r);
-    const Real* from = next.data() + first;
+    const Children of = children_of(to, k, r);
+    const Real* from = next.data() + of.first;
     Real* y = coarse.rhs.data() + to.index(k, r, 0);
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c)
-      y[c] = (from[c] + rows * from[c + row]) + also * (from[c + plane] + rows * from[c + plane + row]);
+      y[c] = (from[c] + of.rows * from[c + row]) + of.planes * (from[c + plane] + of.rows * from[c + plane + row]);
   });
 }
 
