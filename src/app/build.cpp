@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/free_places.hpp"
 #include "app/initial_particles.hpp"
 #include "app/obstacle_files.hpp"
 #include "app/scene_changes.hpp"
@@ -143,7 +142,6 @@ std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene&
 std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
                                     std::shared_ptr<LiveSound>& live) {
   if (scene.inlets.empty() && scene.drains.empty()) return nullptr;
-  check_openings(scene);
   OpenFlow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing};
   auto index = static_cast<int>(scene.fountains.size());
   for (const InletSettings& inlet : scene.inlets) {

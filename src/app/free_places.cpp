@@ -1,11 +1,6 @@
 #include "app/free_places.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-
-#include "app/scene_place.hpp"
-#include "fluid/inlet.hpp"
 
 namespace trevi {
 
@@ -32,23 +27,6 @@ GlobalId FreePlaces::count(const Lattice& lattice, int axis, GlobalId layer) con
   for_each_point(lattice, axis, layer,
                  [&](GlobalId i, GlobalId j, GlobalId k) { free += is_free(lattice.point(i, j, k)) ? 1 : 0; });
   return free;
-}
-
-void check_openings(const Scene& scene) {
-  const FreePlaces places(scene);
-  for (const InletSettings& inlet : scene.inlets) {
-    const InletLattice lattice(inlet, scene.fluid.spacing);
-    for (GlobalId place = 0; place < lattice.places(); ++place) {
-      const Vec3 p = lattice.position(place, 0);
-      if (!lattice.is_open(place) || places.solid_at(p) < 0) continue;
-      told_at(scene, inlet.line, "[[inlet]] center", [&] {
-        throw InputError(
-            fmt::format("the opening is in obstacle {} at ({:.6g}, {:.6g}, {:.6g}); move it out of the obstacle, or "
-                        "make it smaller",
-                        places.solid_at(p), p.x(), p.y(), p.z()));
-      });
-    }
-  }
 }
 
 }  // namespace trevi

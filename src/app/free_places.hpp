@@ -32,10 +32,6 @@ class FreePlaces {
   Real gap_;  // m
 };
 
-/// InputError names an inlet whose opening is in an obstacle at the start, where its water would be
-/// made in the solid. Not collective.
-void check_openings(const Scene& scene);
-
 /// Calls visit(i, j, k) for the points of a layer of a lattice across an axis, x fastest.
 template <class Visit>
 void for_each_point(const Lattice& lattice, int axis, GlobalId layer, const Visit& visit) {

@@ -10,6 +10,7 @@
 
 #include "app/obstacle_files.hpp"
 #include "app/scene_gauge.hpp"
+#include "app/scene_inlet.hpp"
 #include "app/scene_overrides.hpp"
 #include "app/scene_periodic.hpp"
 #include "app/scene_physics.hpp"
@@ -213,7 +214,9 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
   Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
   read_obstacle_files(comm, scene);
   check_no_images(scene);
-  check_gauge_places(scene);
+  const FreePlaces places(scene);
+  check_openings(scene, places);
+  check_gauge_places(scene, places);
   return scene;
 }
 

@@ -1,6 +1,7 @@
 // The table [[gauge]] of a scene.
 #pragma once
 
+#include "app/free_places.hpp"
 #include "app/scene_reader.hpp"
 #include "trevi/scene.hpp"
 
@@ -13,6 +14,6 @@ void read_gauge(Section& gauge, Scene& scene, bool box_known);
 void check_gauges(Section& root, const Scene& scene);
 
 /// That gauges of pressure are on a wall or an obstacle; once the obstacles' files are read.
-void check_gauge_places(const Scene& scene);
+void check_gauge_places(const Scene& scene, const FreePlaces& places);
 
 }  // namespace trevi

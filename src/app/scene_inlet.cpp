@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/scene_fountain.hpp"
+#include "app/scene_place.hpp"
 #include "fluid/inlet.hpp"
 
 namespace trevi {
@@ -133,6 +134,24 @@ void check_flow(Section& root, const Scene& scene) {
       std::any_of(scene.inlets.begin(), scene.inlets.end(), [](const InletSettings& inlet) { return inlet.recycle; });
   root.check("inlet", !recycles || !scene.drains.empty(),
              "with recycle it gives back what drains take, and there is none; add [[drain]]");
+}
+
+void check_openings(const Scene& scene, const FreePlaces& places) {
+  if (places.all()) return;
+  for (const InletSettings& inlet : scene.inlets) {
+    const InletLattice lattice(inlet, scene.fluid.spacing);
+    for (GlobalId place = 0; place < lattice.places(); ++place) {
+      const Vec3 p = lattice.position(place, 0);
+      const int solid = lattice.is_open(place) ? places.solid_at(p) : -1;
+      if (solid < 0) continue;
+      told_at(scene, inlet.line, "[[inlet]] center", [&] {
+        throw InputError(
+            fmt::format("the opening is in obstacle {} at ({:.6g}, {:.6g}, {:.6g}); move it out of the obstacle, or "
+                        "make it smaller",
+                        solid, p.x(), p.y(), p.z()));
+      });
+    }
+  }
 }
 
 }  // namespace trevi

@@ -1,6 +1,7 @@
 // The tables [[inlet]] and [[drain]] of a scene.
 #pragma once
 
+#include "app/free_places.hpp"
 #include "app/scene_reader.hpp"
 #include "trevi/scene.hpp"
 
@@ -17,5 +18,9 @@ void read_drain(Section& section, Scene& scene);
 
 /// Rules between the tables, once all are read.
 void check_flow(Section& root, const Scene& scene);
+
+/// That no opening is in an obstacle at the start, where its water would be made in the solid; once the obstacles'
+/// files are read.
+void check_openings(const Scene& scene, const FreePlaces& places);
 
 }  // namespace trevi

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <functional>
 
 #include "fluid/obstacles/gauges.hpp"
 #include "io/kept_rows.hpp"
@@ -43,11 +41,8 @@ GaugeSeries::GaugeSeries(MPI_Comm comm, GaugeSeriesOptions options)
 }
 
 void GaugeSeries::open() {
-  const std::string path = options_.directory + "/gauges.csv", header = header_for(options_.gauges);
-  KeptRows kept{header + "\n", -1, {}};
-  if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
-  replace_file(path, kept.text);
-  last_step_ = kept.last_step;
+  const std::string path = options_.directory + "/gauges.csv";
+  last_step_ = begin_table(path, header_for(options_.gauges), options_.restart_step).last_step;
   file_.emplace(path);
 }
 
@@ -71,13 +66,9 @@ std::vector<Real> GaugeSeries::heights(const Particles& particles) {
       }
     }
   });
-  std::vector<std::int64_t> all(gauges.size(), 0);
-  sums_.for_each(
-      [&](const auto& sums) { std::transform(all.begin(), all.end(), sums.begin(), all.begin(), std::plus()); });
-  all = sum_over_ranks(comm_, all);
-  std::vector<Real> heights(all.size());
-  std::transform(all.begin(), all.end(), heights.begin(),
-                 [&](std::int64_t sum) { return static_cast<Real>(sum) * unit; });
+  std::vector<Real> heights;
+  for (const std::int64_t sum : sum_over_threads_and_ranks(comm_, sums_))
+    heights.push_back(static_cast<Real>(sum) * unit);
   return heights;
 }
 

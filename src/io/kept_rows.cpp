@@ -1,6 +1,7 @@
 #include "io/kept_rows.hpp"
 
 #include <charconv>
+#include <filesystem>
 #include <sstream>
 
 #include "io/files.hpp"
@@ -24,6 +25,14 @@ KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::strin
     kept.last_step = step;
     kept.last_row = line;
   }
+  return kept;
+}
+
+KeptRows begin_table(const std::string& path, const std::string& header,
+                     const std::optional<std::int64_t>& restart_step) {
+  KeptRows kept{header + "\n", -1, {}};
+  if (restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *restart_step, header);
+  replace_file(path, kept.text);
   return kept;
 }
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "io/kept_rows.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -30,11 +28,8 @@ ObstacleSeries::ObstacleSeries(MPI_Comm comm, ObstacleSeriesOptions options)
 }
 
 void ObstacleSeries::open() {
-  const std::string path = options_.directory + "/obstacles.csv", header = header_for(options_.obstacles);
-  KeptRows kept{header + "\n", -1, {}};
-  if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
-  replace_file(path, kept.text);
-  last_step_ = kept.last_step;
+  const std::string path = options_.directory + "/obstacles.csv";
+  last_step_ = begin_table(path, header_for(options_.obstacles), options_.restart_step).last_step;
   file_.emplace(path);
 }
 

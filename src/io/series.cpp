@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <sstream>
 #include <utility>
 
@@ -89,9 +88,7 @@ SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), 
 void SeriesWriter::open() {
   const std::string path = options_.directory + "/series.csv";
   const std::string header = series_header(options_.fountains, options_.flow);
-  KeptRows kept{header + "\n", -1, {}};
-  if (options_.restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *options_.restart_step, header);
-  replace_file(path, kept.text);
+  const KeptRows kept = begin_table(path, header, options_.restart_step);
   last_step_ = kept.last_step;
   if (!kept.last_row.empty()) wall_seconds_before_ = column_of(kept.last_row, "wall_seconds");
   if (options_.energy) recall(kept.text);

@@ -1,6 +1,9 @@
 #include "parallel/reductions.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <numeric>
+#include <utility>
 
 #include "trevi/session.hpp"
 
@@ -23,6 +26,15 @@ GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value) { return all_reduce(comm,
 std::vector<GlobalId> sum_over_ranks(MPI_Comm comm, std::vector<GlobalId> values) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm);
   return values;
+}
+
+std::vector<GlobalId> sum_over_threads_and_ranks(MPI_Comm comm, PerThread<std::vector<GlobalId>>& rows) {
+  std::vector<GlobalId> sums;
+  rows.for_each([&](const std::vector<GlobalId>& row) {
+    sums.resize(row.size());
+    std::transform(row.begin(), row.end(), sums.begin(), sums.begin(), std::plus());
+  });
+  return sum_over_ranks(comm, std::move(sums));
 }
 
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
@@ -17,6 +18,8 @@ Real max_over_ranks(MPI_Comm comm, Real value);
 Real min_over_ranks(MPI_Comm comm, Real value);
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value);
 std::vector<GlobalId> sum_over_ranks(MPI_Comm comm, std::vector<GlobalId> values);
+/// Of the rows that the threads of each rank have, all of the same length.
+std::vector<GlobalId> sum_over_threads_and_ranks(MPI_Comm comm, PerThread<std::vector<GlobalId>>& rows);
 /// Sum over the ranks below this one: the index of this rank's first row where ranks write rows in rank order.
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value);
 

@@ -217,6 +217,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "outside the box"},
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nradius = 0\n[output.series]",
                  "15: [[gauge]] radius", "must be positive"},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nradius = 100\n[output.series]",
+                 "15: [[gauge]] radius", "is more than the box is long"},
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nnormal = [0, 0, 1]\n[output.series]",
                  "15: [[gauge]] normal", "known"},
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]", "12: gauge", "add [output.series]"},

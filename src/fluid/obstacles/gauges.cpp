@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <numbers>
 
 #include "parallel/reductions.hpp"
 
@@ -28,30 +28,55 @@ Plane across(const Vec3& normal) {
 // How far a curved surface may be off the disc that stands for it.
 constexpr Real bulge = 0.25;  // spacings
 
+// A rectangle around some of the disc, in radii from its centre.
+struct Part {
+  Real low[2], high[2];
+};
+constexpr Part whole{{-1, -1}, {1, 1}};
+
+// The weight of what counts in that part, but for a factor.
+template <class Counts>
+Real weight_in(const Part& part, const Counts& counts) {
+  constexpr int samples = 64;  // across
+  const Real width = (part.high[0] - part.low[0]) / samples, length = (part.high[1] - part.low[1]) / samples;
+  Real sum = 0;
+  for (int k = 0; k < samples * samples; ++k) {
+    const Real a = part.low[0] + (k % samples + 0.5) * width, b = part.low[1] + (k / samples + 0.5) * length;
+    const Real weight = 1 - (a * a + b * b);
+    if (weight > 0 && counts(a, b)) sum += weight;
+  }
+  return sum * width * length;
+}
+
+constexpr auto everywhere = [](Real, Real) { return true; };
+
+// Samples lie in the box alone, as that may be much narrower than the disc.
+Real level_share(const GaugeSettings& gauge, const Box& box) {
+  Part part = whole;
+  for (int a = 0; a < 2; ++a) {
+    part.low[a] = std::max(-1.0, (box.min[a] - gauge.center[a]) / gauge.radius);
+    part.high[a] = std::min(1.0, (box.max[a] - gauge.center[a]) / gauge.radius);
+  }
+  return weight_in(part, everywhere) / weight_in(whole, everywhere);
+}
+
 }  // namespace
 
 Real gauge_weight(Real distance2, Real radius) {
-  constexpr Real pi = 3.14159265358979323846;
   const Real area = radius * radius;
-  return distance2 < area ? 2 / (pi * area) * (1 - distance2 / area) : 0;
+  return distance2 < area ? 2 / (std::numbers::pi * area) * (1 - distance2 / area) : 0;
 }
 
 Real gauge_share(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid) {
-  constexpr int samples = 64;  // across
-  const bool pressure = gauge.kind == GaugeKind::pressure;
+  if (gauge.kind == GaugeKind::height) return level_share(gauge, box);
   const Plane plane = across(gauge.normal);
   const Vec3 off = bulge * spacing * gauge.normal;
   const auto open = [&](const Vec3& p) { return box.contains(p) && !is_solid(p); };
-  Real all = 0, counted = 0;
-  for (int k = 0; k < samples * samples; ++k) {
-    const Real a = 2 * (k % samples + 0.5) / samples - 1, b = 2 * (k / samples + 0.5) / samples - 1;
-    const Real weight = gauge_weight((a * a + b * b) * gauge.radius * gauge.radius, gauge.radius);
-    if (weight == 0) continue;
-    all += weight;
+  const auto counts = [&](Real a, Real b) {
     const Vec3 p = gauge.center + gauge.radius * (a * plane.u + b * plane.v);
-    if (pressure ? open(p + off) && !open(p - off) : box.contains(p)) counted += weight;
-  }
-  return counted / all;
+    return open(p + off) && !open(p - off);
+  };
+  return weight_in(whole, counts) / weight_in(whole, everywhere);
 }
 
 PressureGauges::PressureGauges(const Settings& settings, const IsSolid& is_solid)
@@ -84,13 +109,9 @@ void PressureGauges::add_phi(std::size_t gauge, Real phi) { sums_.mine()[gauge] 
 
 std::vector<Real> PressureGauges::total(MPI_Comm comm) {
   if (gauges_.empty()) return {};
-  std::vector<std::int64_t> all(gauges_.size(), 0);
-  sums_.for_each(
-      [&](const auto& sums) { std::transform(all.begin(), all.end(), sums.begin(), all.begin(), std::plus()); });
-  all = sum_over_ranks(comm, all);
-  std::vector<Real> pressed(all.size());
-  std::transform(all.begin(), all.end(), pressed.begin(),
-                 [&](std::int64_t sum) { return static_cast<Real>(sum) * unit_; });
+  std::vector<Real> pressed;
+  for (const std::int64_t sum : sum_over_threads_and_ranks(comm, sums_))
+    pressed.push_back(static_cast<Real>(sum) * unit_);
   return pressed;
 }
 

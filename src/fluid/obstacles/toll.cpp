@@ -1,8 +1,6 @@
 #include "fluid/obstacles/toll.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "parallel/reductions.hpp"
 
@@ -32,10 +30,7 @@ void Toll::add(std::size_t taker, const Vec3& shift, const Vec3& arm) {
 }
 
 std::vector<Taken> Toll::total(MPI_Comm comm) {
-  std::vector<std::int64_t> all(columns_, 0);
-  sums_.for_each(
-      [&](const auto& sums) { std::transform(all.begin(), all.end(), sums.begin(), all.begin(), std::plus()); });
-  all = sum_over_ranks(comm, all);
+  const std::vector<std::int64_t> all = sum_over_threads_and_ranks(comm, sums_);
   std::vector<Taken> taken(columns_ / numbers);
   for (std::size_t k = 0; k < taken.size(); ++k) {
     for (std::size_t a = 0; a < 3; ++a) {
