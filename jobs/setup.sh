@@ -125,6 +125,21 @@ run_to_end() {
   "$trevi_root/jobs/run.sh" "inputs/$scene.toml" -- --output "$output" "${more[@]}" "${@:3}"
 }
 
+# study SCRIPT RESULTS ...: postprocess/study_SCRIPT.py, whose rows go to postprocess/results/RESULTS.csv; more arguments are
+# its own.
+study() {
+  case "${3:-}" in -h | --help) print_help && exit 0 ;; esac
+  trevi_packages+=(python3-h5py)
+  setup_program trevi
+  "$trevi_root/postprocess/study_$1.py" "$trevi_root/postprocess/results/$2.csv" "${@:3}"
+}
+
+# draw SCRIPT RESULTS: their drawing, by a script of postprocess/.
+draw() {
+  local results="$trevi_root/postprocess/results/$2"
+  "$trevi_root/postprocess/$1" "$results.csv" "$results.png"
+}
+
 setup_main() {
   case "${1:-release}" in
     -h | --help)

@@ -7,13 +7,5 @@ set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-main() {
-  case "${1:-}" in -h | --help) print_help && exit 0 ;; esac
-  trevi_packages+=(python3-h5py)
-  setup_program trevi
-  local results="$trevi_root/postprocess/results/error_against_run_time"
-  "$trevi_root/postprocess/study_error.py" "$results.csv" "$@"
-  "$trevi_root/postprocess/work_precision.py" "$results.csv" "$results.png"
-}
-
-main "$@"
+study error error_against_run_time "$@"
+draw work_precision.py error_against_run_time

@@ -7,11 +7,4 @@ set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-main() {
-  case "${1:-}" in -h | --help) print_help && exit 0 ;; esac
-  trevi_packages+=(python3-h5py)
-  setup_program trevi
-  "$trevi_root/postprocess/study_leaks.py" "$trevi_root/postprocess/results/leaks.csv" "$@"
-}
-
-main "$@"
+study leaks leaks "$@"

@@ -8,13 +8,5 @@ set -euo pipefail
 # shellcheck source=jobs/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-main() {
-  case "${1:-}" in -h | --help) print_help && exit 0 ;; esac
-  trevi_packages+=(python3-h5py)
-  setup_program trevi
-  local results="$trevi_root/postprocess/results/stability"
-  "$trevi_root/postprocess/study_stability.py" "$results.csv" "$@"
-  "$trevi_root/postprocess/stability_matrix.py" "$results.csv" "$results.png"
-}
-
-main "$@"
+study stability stability "$@"
+draw stability_matrix.py stability

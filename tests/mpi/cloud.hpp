@@ -3,6 +3,7 @@
 // Collective: solver_of, gathered.
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,6 +86,14 @@ reflection = "normal"
 [random]
 seed = 9
 )";
+
+/// Obstacles: a cylinder along x, 0.3 m wide, and a ball that turns.
+inline std::string rod_and_ball(const std::string& rod, Real length, const std::string& ball, Real radius) {
+  return fmt::format(
+      "[[obstacle]]\ntype = 'cylinder'\ncenter = [{}]\naxis = [1, 0, 0]\nradius = 0.15\nheight = {}\n"
+      "[[obstacle]]\ntype = 'sphere'\ncenter = [{}]\nradius = {}\nangular_velocity = [0, 5, 0]\n",
+      rod, length, ball, radius);
+}
 
 inline Scene scene_with(const std::string& text, const std::vector<std::string>& overrides) {
   return parse_scene("cloud.toml", text, overrides);

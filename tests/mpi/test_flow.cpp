@@ -345,30 +345,7 @@ TEST(Flow, SameBitsOnAnyRanks) {
 // Behind a weir, an obstacle from wall to wall: the tank fills to its edge, and then stays: as much runs over as comes.
 TEST(Flow, TankFillsToItsWeirAndStays) {
   constexpr Real weir = 0.5, area = 0.8 * 0.6, flow = 0.06, volume = spacing * spacing * spacing;
-  const Scene scene = scene_with(R"(
-[domain]
-min = [0, 0, 0]
-max = [1.2, 0.6, 1.2]
-[fluid]
-spacing = 0.1
-[time]
-dt = 0.0166666667
-end = 20
-[gravity]
-[[obstacle]]
-type = "box"
-center = [0.85, 0.3, 0.25]
-size = [0.1, 0.6, 0.5]
-[[inlet]]
-center = [0.3, 0.3, 1.0]
-direction = [0, 0, -1]
-radius = 0.15
-flow = 0.06
-[[drain]]
-min = [1.0, 0, 0]
-max = [1.2, 0.6, 1.2]
-)",
-                                 {});
+  const Scene scene = read_scene(world, TREVI_INPUTS "/../tests/mpi/weir.toml");
   std::vector<std::unique_ptr<Observer>> observers;
   observers.push_back(std::make_unique<Budget>());
   const std::unique_ptr<Solver> solver = solver_of(world, scene, std::move(observers));

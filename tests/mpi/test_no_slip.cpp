@@ -5,43 +5,14 @@
 
 #include "cloud.hpp"
 #include "fluid/density.hpp"
+#include "kept_run.hpp"
 #include "output_fixture.hpp"
-#include "trevi/scene.hpp"
-#include "trevi/solver.hpp"
 
 namespace trevi::test {
 namespace {
 
-/// Keeps what the solver reports of each step.
-struct Keeper : Observer {
-  std::vector<Diagnostics>& rows;
-  std::vector<std::vector<BodyForce>>& forces;
-  bool wants;
-  Keeper(std::vector<Diagnostics>& r, std::vector<std::vector<BodyForce>>& f, bool w) : rows(r), forces(f), wants(w) {}
-  bool due(const Clock&) const override { return true; }
-  bool wants_diagnostics() const override { return true; }
-  bool wants_forces() const override { return wants; }
-  void observe(const Frame& frame) override {
-    rows.push_back(*frame.diagnostics);
-    forces.emplace_back(frame.forces.begin(), frame.forces.end());
-  }
-};
-
-struct Flow {
-  Scene scene;
-  std::vector<Diagnostics> rows;
-  std::vector<std::vector<BodyForce>> forces;
-  std::unique_ptr<Solver> solver;
-
-  Flow(MPI_Comm comm, const std::string& text) : scene(parse_scene("test.toml", text, {})) {
-    SolverExtras extras;
-    extras.observers.push_back(std::make_unique<Keeper>(rows, forces, !scene.obstacles.empty()));
-    solver = make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
-    solver->start();
-  }
-  void steps(int count) {
-    for (int k = 0; k < count; ++k) solver->step();
-  }
+struct Flow : KeptRun {
+  Flow(MPI_Comm comm, const std::string& text) : KeptRun(comm, parse_scene("test.toml", text, {})) {}
 };
 
 // 20 across, pulled along x, which repeats.
@@ -105,10 +76,7 @@ TEST(NoSlip, SameBitsOnAnyRanks) {
     Flow together(world, text), alone(MPI_COMM_SELF, text);
     together.steps(8);
     alone.steps(8);
-    const Cloud a = gathered(world, together.solver->particles()),
-                b = gathered(MPI_COMM_SELF, alone.solver->particles());
-    EXPECT_EQ(a.position, b.position);
-    EXPECT_EQ(a.velocity, b.velocity);
+    expect_same_bits(gathered(world, together.solver->particles()), gathered(MPI_COMM_SELF, alone.solver->particles()));
     for (std::size_t k = 0; k < together.forces.back().size(); ++k)
       EXPECT_EQ(together.forces.back()[k].force, alone.forces.back()[k].force);
   }

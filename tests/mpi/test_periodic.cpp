@@ -203,18 +203,7 @@ TEST(Periodic, ItDoesNotMatterWhichPlaneIsTheFirst) {
 
 // Obstacles, an inlet, a drain and a fountain, and nothing comes into the obstacles.
 TEST(Periodic, WithObstaclesAndInletsTheBitsAreTheSame) {
-  const std::string more = R"(
-[[obstacle]]
-type = "cylinder"
-center = [1.375, -0.6, 0.5]
-axis = [1, 0, 0]
-radius = 0.15
-height = 3
-[[obstacle]]
-type = "sphere"
-center = [1.4, -0.1, 0.7]
-radius = 0.2
-angular_velocity = [0, 5, 0]
+  const std::string more = rod_and_ball("1.375, -0.6, 0.5", 3, "1.4, -0.1, 0.7", 0.2) + R"(
 [[inlet]]
 center = [1.2, 0.1, 0.5]
 direction = [1, -1, 0]

@@ -6,44 +6,21 @@
 #include "cloud.hpp"
 #include "fluid/density.hpp"
 #include "fluid/obstacles/body.hpp"
+#include "kept_run.hpp"
 #include "output_fixture.hpp"
-#include "trevi/scene.hpp"
-#include "trevi/solver.hpp"
 
 namespace trevi::test {
 namespace {
 
-/// Keeps what the solver reports of each step.
-struct Keeper : Observer {
-  std::vector<Diagnostics>& rows;
-  std::vector<std::vector<BodyForce>>& forces;
-  Keeper(std::vector<Diagnostics>& r, std::vector<std::vector<BodyForce>>& f) : rows(r), forces(f) {}
-  bool due(const Clock&) const override { return true; }
-  bool wants_diagnostics() const override { return true; }
-  bool wants_forces() const override { return true; }
-  void observe(const Frame& frame) override {
-    rows.push_back(*frame.diagnostics);
-    forces.emplace_back(frame.forces.begin(), frame.forces.end());
-  }
-};
+Scene scene_of(const std::string& text, const std::vector<ObstacleKnot>& knots) {
+  Scene scene = parse_scene("test.toml", text, {});
+  if (!knots.empty()) scene.obstacles.front().knots = knots;
+  return scene;
+}
 
-struct VesselRun {
-  Scene scene;
-  std::vector<Diagnostics> rows;
-  std::vector<std::vector<BodyForce>> forces;
-  std::unique_ptr<Solver> solver;
-
+struct VesselRun : KeptRun {
   VesselRun(MPI_Comm comm, const std::string& text, const std::vector<ObstacleKnot>& knots = {})
-      : scene(parse_scene("test.toml", text, {})) {
-    if (!knots.empty()) scene.obstacles.front().knots = knots;
-    SolverExtras extras;
-    extras.observers.push_back(std::make_unique<Keeper>(rows, forces));
-    solver = make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
-    solver->start();
-  }
-  void steps(int count) {
-    for (int k = 0; k < count; ++k) solver->step();
-  }
+      : KeptRun(comm, scene_of(text, knots)) {}
   /// The least distance of a particle of this rank to a surface, negative in a solid.
   Real nearest() const {
     Real least = 1e300;

@@ -14,7 +14,12 @@ import unittest
 
 import h5py
 import runs
-from runs import CHECKPOINTS, CUBE, FLOW, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
+from runs import BOX, CHECKPOINTS, CUBE, FLOW, FOUNTAIN, FRAMES, MUSIC, SCORE, Folder
+
+
+def set_to(settings):
+    """Arguments of the program."""
+    return [word for setting in settings for word in ("--set", setting)]
 
 
 class Restart(unittest.TestCase):
@@ -50,16 +55,7 @@ class Restart(unittest.TestCase):
 
     def test_periodic_tank(self):
         """Deep water around a ring in both directions, with an inlet and a drain in it."""
-        tank = """
-[domain]
-min = [0, 0, 0]
-max = [1.6, 1.4, 1.4]
-periodic = ["x", "y"]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 1.4, 0.6]
+        tank = BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + """
 [[inlet]]
 center = [0.8, 0.7, 1.0]
 direction = [0.2, 0, -1]
@@ -68,45 +64,14 @@ speed = 2
 [[drain]]
 min = [1.0, 0.4, 0]
 max = [1.3, 0.9, 0.15]
-[time]
-dt = 0.016666666666666667
-end = 1.0
-[gravity]
-[output.series]
-every_steps = 1
 """
-        parted = self.same_bits(tank)
+        wider = ("domain.periodic=['x', 'y']", "domain.max=[1.6, 1.4, 1.4]", "particles.0.max=[1.6, 1.4, 0.6]")
+        parted = self.same_bits(tank, *set_to(wider))
         self.assertGreater(runs.column(parted, "outflow")[-1], 50)
 
     def test_tank_that_overflows(self):
-        parted = self.same_bits("""
-[domain]
-min = [0, 0, 0]
-max = [1.2, 0.6, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [0.8, 0.6, 0.6]
-[time]
-dt = 0.016666666666666667
-end = 1.0
-[gravity]
-[[obstacle]]
-type = "box"
-center = [0.85, 0.3, 0.25]
-size = [0.1, 0.6, 0.5]
-[[inlet]]
-center = [0.3, 0.3, 1.0]
-direction = [0, 0, -1]
-radius = 0.15
-flow = 0.2
-[[drain]]
-min = [1.0, 0, 0]
-max = [1.2, 0.6, 1.2]
-[output.series]
-every_steps = 1
-""")
+        full = ("particles.0.min=[0, 0, 0]", "particles.0.max=[0.8, 0.6, 0.6]", "inlet.0.flow=0.2")
+        parted = self.same_bits((runs.ROOT / "tests/mpi/weir.toml").read_text(), *set_to(full))
         inflow, outflow, there = (runs.column(parted, name) for name in ("inflow", "outflow", "particles"))
         self.assertGreater(outflow[-1] - outflow[30], 20)
         self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
@@ -329,11 +294,10 @@ class SceneChanges(unittest.TestCase):
         output = self.folder.path("obstacles")
         runs.run_well(2, self.folder.scene(text), output, "--steps", 10)
         def restart(*settings):
-            more = [word for setting in settings for word in ("--set", setting)]
             folder = self.folder.path("again")
             shutil.rmtree(folder, ignore_errors=True)
             shutil.copytree(output, folder)
-            return runs.run(2, self.folder.scene(text), folder, "--restart", "latest", "--steps", 12, *more)
+            return runs.run(2, self.folder.scene(text), folder, "--restart", "latest", "--steps", 12, *set_to(settings))
         def answers(words, settings, expected):
             code, told = restart(*settings)
             self.assertEqual(code, expected, told)
