@@ -38,10 +38,10 @@ SHIM
 # tidy FILE...: the sources among the files; headers are checked through the sources that include them.
 tidy() {
   local shim sources
-  cmake --preset release >/dev/null || return 1
+  cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null || return 1
   shim="$(source_location_shim)"
   mapfile -t sources < <(printf '%s\n' "$@" | grep '\.cpp$' | while read -r file; do
-    if grep -q "\"file\": \".*/$file\"" build/release/compile_commands.json; then
+    if grep -q "\"file\": \".*/$file\"" build/tidy/compile_commands.json; then
       echo "$file"
     else
       echo "not built by preset release, so not checked by clang-tidy: $file" >&2
@@ -49,7 +49,7 @@ tidy() {
   done)
   [[ ${#sources[@]} -gt 0 ]] || return 0
   printf '%s\0' "${sources[@]}" |
-    xargs -0 -n 1 -P "$(build_jobs)" clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option \
+    xargs -0 -n 1 -P "$(build_jobs)" clang-tidy --quiet -p build/tidy --extra-arg=-Wno-unknown-warning-option \
       --extra-arg=-Wno-ignored-optimization-argument --extra-arg=-include --extra-arg="$shim" \
       2> >(grep -v 'warnings\? generated\|warnings\? and [0-9]* errors\? generated' >&2)
 }

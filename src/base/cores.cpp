@@ -13,7 +13,7 @@ namespace trevi {
 
 namespace {
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr int most_processors = 1 << 16;
 
 // Processors that this thread may run on; none where the kernel does not tell.
@@ -36,7 +36,7 @@ std::vector<int> affinity() {
 double limit_of(const std::string& file) {
   double quota = 0, period = 0;
   std::ifstream in(file);
-  return in >> quota >> period && quota > 0 && period > 0 ? quota / period : unlimited;
+  return in >> quota >> period && quota > 0 && period > 0 ? quota / period : no_limit;
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ double allowed_processors() {
   for (std::string line; std::getline(groups, line);) {
     if (line.starts_with("0::")) return group_limit("/sys/fs/cgroup", line.substr(3));
   }
-  return unlimited;
+  return no_limit;
 }
 
 int threads_for_share(std::span<const int> users_of_cores, double allowed, int processes) {

@@ -30,7 +30,7 @@ std::string read_holder(int descriptor) {
   return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "another host";
 }
 
-bool lock(int descriptor, const std::string& directory) {
+bool lock_file(int descriptor, const std::string& directory) {
   struct flock whole = {};
   whole.l_type = F_WRLCK;
   if (::fcntl(descriptor, F_SETLK, &whole) == 0) return true;
@@ -65,7 +65,7 @@ void OutputLock::take() {
     while (descriptor_ < 0) {
       const int file = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
       if (file < 0) return;  // no folder yet, or one that cannot be written into, which is told where it must be
-      const bool locked = lock(file, directory_);
+      const bool locked = lock_file(file, directory_);
       struct stat status = {};
       const bool removed =
           locked && ::fstat(file, &status) == 0 && status.st_nlink == 0;  // by a run that ended just now

@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-constexpr int look_interval = 50;  // ms between rank 0's looks at signals while the run is held
+constexpr int signal_interval = 50;  // ms between rank 0's looks at signals while the run is held
 constexpr auto test_interval = std::chrono::milliseconds(2);  // between the other ranks' looks for orders
 
 // Blocking collectives spin, which a held run must not do for hours.
@@ -86,7 +86,7 @@ LiveView::Orders LiveView::agree(std::int64_t step, bool held) {
 
 LiveView::Orders LiveView::decide_when_held(std::int64_t step) {
   for (;;) {
-    options_.link->wait(look_interval);
+    options_.link->wait(signal_interval);
     const Orders orders = decide(step);
     if (orders.hold == 0 || orders.frame != 0) return orders;
   }
