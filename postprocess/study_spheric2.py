@@ -4,7 +4,7 @@
 What the gauges of the scene show, in means over 0.02 s, goes to a CSV file, and beside it a picture with the points of the
 experiment. Its heights and pressures are those that MARIN measured (Kleefsman et al. 2005, J. Comput. Phys. 206, 363-393), as
 SPHERIC and ERCOFTAC give them away for their test case 2 (Issa & Violeau 2006, test_case_2_exp_data.xls); a few rows of it.
-A folder of a run that is there already can be given in the place of a spacing.
+SPACING=FOLDER takes a run that is there already.
 """
 
 import sys
@@ -44,11 +44,9 @@ MEASURED_PRESSURES = {
 }
 
 
-def gauges_of(trevi, case):
-    """Columns of gauges.csv: of a folder, or of a run at that spacing."""
-    if Path(case).is_dir():
-        return columns_of(Path(case) / "gauges.csv")
-    spacing = float(case)
+def gauges_of(trevi, name):
+    """Columns of gauges.csv of a run at that spacing."""
+    spacing = float(name)
     settings = [f"fluid.spacing={spacing!r}", f"time.dt={DT * spacing!r}", "output.vtu.every=10"]
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "run"
@@ -121,7 +119,7 @@ def main():
     runs = {}
     for case in arguments.cases:
         name, _, folder = case.partition("=")
-        runs[name] = gauges_of(arguments.trevi, folder or name)
+        runs[name] = columns_of(Path(folder) / "gauges.csv") if folder else gauges_of(arguments.trevi, name)
         tell(name, runs[name])
         sys.stdout.flush()
     rows = []

@@ -130,7 +130,8 @@ class Thrower {
   std::mt19937 generator_;
 };
 
-// A piston and a bowl of 10 m/s and 20 g: a piston that fits the box sweeps it, a ball that is closed goes to and fro.
+// To and fro ten times a second, at up to 7 m/s: a piston that fits the box sweeps it, a ball takes along what it
+// holds.
 TEST(Leaks, NobodyPassesWhatMoves) {
   constexpr int particles = 60, steps = 60;
   constexpr Real dt = 1.0 / 60;
@@ -138,7 +139,6 @@ TEST(Leaks, NobodyPassesWhatMoves) {
                    ball = round(ShapeKind::sphere, {0.5, 0.4, 0.6}, 0.35);
   for (int k = 0; k <= 80; ++k) {
     const Real t = k / 80.0;
-    // About 10 m/s and 20 g in the mean, to and fro ten times a second.
     const Real phase = t * 10 - std::floor(t * 10), swing = 0.25 * (1 - 16 * phase * phase * (1 - phase) * (1 - phase));
     piston.knots.push_back({t, Vec3(0.8 + swing, 0.4, 0.6)});
     ball.knots.push_back({t, Vec3(0.8 + swing, 0.4, 0.6)});
