@@ -93,16 +93,10 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
     observers.push_back(std::make_unique<SeriesWriter>(
         comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy, flow}));
   }
-  if (output.series && !scene.obstacles.empty()) {
-    observers.push_back(std::make_unique<ObstacleSeries>(
-        comm, ObstacleSeriesOptions{options.directory, *output.series, static_cast<int>(scene.obstacles.size()),
-                                    restart_step}));
-  }
-  if (output.series && !scene.gauges.empty()) {
-    observers.push_back(
-        std::make_unique<GaugeSeries>(comm, GaugeSeriesOptions{options.directory, *output.series, scene.gauges,
-                                                               scene.domain, scene.fluid.spacing, restart_step}));
-  }
+  const TableOptions table{options.directory, output.series.value_or(Schedule{}), restart_step};
+  if (output.series && !scene.obstacles.empty())
+    observers.push_back(std::make_unique<ObstacleSeries>(comm, table, scene.obstacles.size()));
+  if (output.series && !scene.gauges.empty()) observers.push_back(std::make_unique<GaugeSeries>(comm, table, scene));
   if (output.vtu) {
     observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
                                                colour_scale(scene, particles), restart_step, surfaces}));

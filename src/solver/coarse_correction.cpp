@@ -149,15 +149,9 @@ void CoarseCorrection::tell_gauges() {
     const Vec3 before = (gauge.center + 0.5 * grid.size().minCoeff() * gauge.normal)
                             .cwiseMax(water_.box().min)
                             .cwiseMin(water_.box().max);
-    const auto cells_to = [&](const Vec3& p, std::size_t a) {  // from the start of the box in direction a
-      const auto b = static_cast<Eigen::Index>(grid.axis(a));
-      return (p[b] - water_.box().min[b]) * grid.per_length()[grid.axis(a)];
-    };
-    const auto cell = [&](std::size_t a) {
-      return std::min(static_cast<LocalId>(cells_to(before, a)), grid.count(a) - 1);
-    };
-    const LocalId k = cell(0) - water_.solids()->first_plane() + 1;
-    if (k >= 1 && k <= grid.planes()) gauges.add_phi(g, phi_at(k, cell(1), cells_to(gauge.center, 2)));
+    const LocalId k = grid.cell_of(before, 0) - water_.solids()->first_plane() + 1;
+    if (k >= 1 && k <= grid.planes())
+      gauges.add_phi(g, phi_at(k, grid.cell_of(before, 1), grid.cells_to(gauge.center, 2)));
   }
 }
 

@@ -85,14 +85,19 @@ class CoarseGrid {
   std::size_t axis(std::size_t a) const { return static_cast<std::size_t>(axis_[a]); }
   /// By coordinate: cells per metre.
   const std::array<Real, 3>& per_length() const { return per_length_; }
-  /// The cell of the box in which p is; a particle on an upper wall counts to the last cell. Its corner is counted from
-  /// that of the box, or, along periodic axes, where positions and this difference are exact, from itself.
+  /// The way of p from the corner of the box along direction a, in cells.
+  Real cells_to(const Vec3& p, std::size_t a) const { return (p[axis_[a]] - origin_[axis(a)]) * per_length_[axis(a)]; }
+  /// The number along direction a of the cell of the box in which p is; a particle on an upper wall counts to the last.
+  LocalId cell_of(const Vec3& p, std::size_t a) const {
+    return std::min(static_cast<LocalId>(cells_to(p, a)), count_[a] - 1);
+  }
+  /// The cell in which p is. Its corner is counted from that of the box, or, along periodic axes, where positions and
+  /// this difference are exact, from itself.
   CellPlace place_of(const Vec3& p) const {
     CellPlace place{origin_, {}};
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = axis(a);
-      const Real cell = (p[axis_[a]] - origin_[b]) * per_length_[b];
-      const Real corner = std::min(static_cast<LocalId>(cell), count_[a] - 1);
+      const Real corner = cell_of(p, a);
       const bool counted = a == 2 || !repeats_[a];
       (counted ? place.corner[b] : place.origin[b]) += counted ? corner : corner * size_[static_cast<Eigen::Index>(a)];
     }

@@ -1,7 +1,7 @@
 // The surface of the water among obstacles: the same rules as without (coarse_water.cpp), for the open part of each
 // cell. A solid cell counts as wet where the cell below it is: water under it has no surface. A cell that a solid cuts
 // counts as one on the floor: its water lies on a slope. As others such cells were dry at the rim of the water, where
-// no pressure held what fell there, and shallow water in a ball never came to rest (2e-2 m²/s², 2e-4 so). What a cell
+// no pressure held what fell there, and shallow water in a ball never came to rest (2e-2 m²/s², 1e-4 so). What a cell
 // holds of which little is open says hardly anything, so it follows the cell beyond its widest face.
 #include "solver/coarse_water.hpp"
 

@@ -88,10 +88,8 @@ GaugeRun run(MPI_Comm comm, const std::string& text, const std::string& folder, 
   GaugeRun made{parse_scene("test.toml", text, {}), nullptr};
   SolverExtras extras;
   if (!made.scene.gauges.empty())
-    extras.observers.push_back(std::make_unique<GaugeSeries>(
-        comm,
-        GaugeSeriesOptions{
-            folder, *made.scene.output.series, made.scene.gauges, made.scene.domain, made.scene.fluid.spacing, {}}));
+    extras.observers.push_back(
+        std::make_unique<GaugeSeries>(comm, TableOptions{folder, *made.scene.output.series, {}}, made.scene));
   made.solver = make_solver(comm, made.scene, initial_particles(comm, made.scene), std::move(extras));
   made.solver->start();
   for (int k = 0; k < steps; ++k) made.solver->step();
