@@ -53,6 +53,7 @@ struct Frame {
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
   std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
   std::span<const Real> pressures{};         ///< Pa, of each gauge of pressure in the mean over the step; with forces
+  std::array<LocalId, 3> first_cell{};       ///< Solver::first_cell()
 };
 
 class Observer {

@@ -3,8 +3,10 @@
 // slab.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "trevi/clock.hpp"
@@ -60,6 +62,8 @@ class Solver {
   virtual Counters counters() const = 0;
   /// What the fountains do at the clock's time, in the order of the forcings.
   virtual std::vector<FountainState> fountains() const = 0;
+  /// Of the box along x, y, z: from which cell on cells are counted where it is periodic; 0 elsewhere.
+  virtual std::array<LocalId, 3> first_cell() const = 0;
   /// What inlets and drains have done so far; null without any.
   virtual const FlowState* flow() const = 0;
 };
@@ -74,6 +78,9 @@ struct SolverExtras {
   std::function<RequestCounts()> requests;           ///< of this rank, from outside; may be empty
   std::int64_t step = 0;                             ///< steps done before, for a restart
   int substeps = 1;                                  ///< of the last of them
+  /// Of the solver before, for a restart; by default that of the particle with the least id, 0 where there are
+  /// obstacles, inlets or drains.
+  std::optional<std::array<LocalId, 3>> first_cell{};
 };
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be

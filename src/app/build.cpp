@@ -187,6 +187,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     flow = options.restart->flow;
     extras.step = options.restart->step;
     extras.substeps = options.restart->substeps;
+    extras.first_cell = options.restart->first_cell;
   }
   extras.requests = options.requests;
   std::shared_ptr<LiveSound> live;

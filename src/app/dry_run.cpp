@@ -154,7 +154,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
   make_flow(session.comm(), scene);
   const DensityModel model = density_model(scene);
-  const CellGrid grid = cell_grid(scene);
+  const CellGrid grid = cell_grid(scene, scene.domain);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
   MeasuredSpeed speed = measured_speed(scene);

@@ -191,7 +191,7 @@ Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std
 }
 
 Particles initial_particles(MPI_Comm comm, const Scene& scene) {
-  const CellGrid grid = cell_grid(scene);
+  const CellGrid grid = cell_grid(scene, scene.domain);
   const FreePlaces places(scene);
   FileParticles files = read_files(comm, scene, places);
   const std::vector<Real> weights = source_weights(comm, scene, grid, places, files.particles);

@@ -29,7 +29,7 @@ std::string free_name(MPI_Comm comm, const fs::path& wanted) {
 void write_state(MPI_Comm comm, const CheckpointInfo& info, const Solver& solver, const std::string& directory) {
   const std::vector<FountainState> fountains = solver.fountains();
   const Clock clock = solver.clock();
-  const Frame frame{clock, solver.particles(), {}, nullptr, fountains, solver.flow()};
+  const Frame frame{clock, solver.particles(), {}, nullptr, fountains, solver.flow(), {}, {}, solver.first_cell()};
   write_checkpoint(comm, directory + "/" + name_of_step(checkpoint_files, clock.step), info, frame);
 }
 

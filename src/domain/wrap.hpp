@@ -1,6 +1,8 @@
 // Positions in a box that is periodic along some axes. There they are multiples of a power of two, the quantum, and so
-// are the box and the width of its cells: sums and differences of positions are exact, and a flow that starts some
-// planes further on is the same to the bit. The quantum is some 1e-14 of the box. Not collective.
+// are the box and the width of its cells: sums and differences of positions are exact. Cells are counted from the one
+// in which the particle of the least id was at the start, so that a flow that starts some planes further on is the same
+// to the bit, whatever goes by their order. Within a step positions are in the box's length that begins there, between
+// steps in the box. The quantum is some 1e-14 of the box. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +28,20 @@ class Wrap {
     return fitted;
   }
 
-  /// `box` as fitted() has made it.
-  Wrap(const Box& box, const std::array<bool, 3>& periodic) : min_(box.min) {
+  /// So many cells of `box`, as fitted() has made it, further on.
+  static Box turned(const Box& box, Real h, const std::array<LocalId, 3>& cells) {
+    Box turned = box;
+    for (int a = 0; a < 3; ++a) {
+      const Real length = box.max[a] - box.min[a], cell = cells[static_cast<std::size_t>(a)];
+      if (cell == 0) continue;
+      turned.min[a] += cell * (length / std::round(length / h));
+      turned.max[a] = turned.min[a] + length;
+    }
+    return turned;
+  }
+
+  /// `box` as fitted() has made it; `first`: where cells begin to be counted, as of turned().
+  Wrap(const Box& box, const std::array<bool, 3>& periodic, const Vec3& first) : min_(box.min), first_(first) {
     for (int a = 0; a < 3; ++a) {
       if (!periodic[static_cast<std::size_t>(a)]) continue;
       length_[a] = box.max[a] - box.min[a];
@@ -36,13 +50,9 @@ class Wrap {
     }
   }
   /// What brings p back into the box: whole lengths of it, along the periodic axes.
-  Vec3 back(const Vec3& p) const {
-    Vec3 way = Vec3::Zero();
-    for (int a = 0; a < 3; ++a) {
-      if (length_[a] > 0) way[a] = -std::floor((p[a] - min_[a]) / length_[a]) * length_[a];
-    }
-    return way;
-  }
+  Vec3 back(const Vec3& p) const { return into(min_, p); }
+  /// What brings p into the box's length that begins at the first cell.
+  Vec3 in_order(const Vec3& p) const { return into(first_, p); }
   /// The nearest multiples of the quantum along the periodic axes; v along others.
   Vec3 rounded(const Vec3& v) const { return Vec3(v + rounding_) - rounding_; }
   /// p without its coordinates along the periodic axes: ways are worked out from there.
@@ -60,10 +70,17 @@ class Wrap {
     return std::ldexp(1.0, std::ilogb(largest / 1.9) + 2 - 46);
   }
   Vec3 place(const Vec3& p) const { return p.cwiseProduct(endless_); }
+  Vec3 into(const Vec3& min, const Vec3& p) const {
+    Vec3 way = Vec3::Zero();
+    for (int a = 0; a < 3; ++a) {
+      if (length_[a] > 0) way[a] = -std::floor((p[a] - min[a]) / length_[a]) * length_[a];
+    }
+    return way;
+  }
 
-  Vec3 min_, length_ = Vec3::Zero();  // length 0: not periodic
-  Vec3 endless_ = Vec3::Zero();       // 1 along periodic axes
-  Vec3 rounding_ = Vec3::Zero();      // adding and subtracting it rounds to the quantum
+  Vec3 min_, first_, length_ = Vec3::Zero();  // length 0: not periodic
+  Vec3 endless_ = Vec3::Zero();               // 1 along periodic axes
+  Vec3 rounding_ = Vec3::Zero();              // adding and subtracting it rounds to the quantum
 };
 
 }  // namespace trevi

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -63,6 +64,18 @@ std::vector<std::int64_t> read_checksums(const Hdf5Reader& file, const std::stri
   return file.read<std::int64_t>(name, {0, count, count});
 }
 
+std::array<LocalId, 3> read_first_cell(const std::string& path, const Hdf5Reader& file) {
+  std::array<LocalId, 3> cell{};
+  if (!file.has("/first_cell")) return cell;
+  const auto written = file.read<std::int64_t>("/first_cell", {0, 3, 3});
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (written[a] < 0 || written[a] > std::numeric_limits<LocalId>::max())
+      throw DamagedFile(fmt::format("{}: /first_cell: cannot be {}; use another checkpoint", path, written[a]));
+    cell[a] = static_cast<LocalId>(written[a]);
+  }
+  return cell;
+}
+
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
@@ -86,6 +99,10 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   if (!info.music.empty()) write_on_root(comm, file, "/music", info.music);
   if (!info.obstacle_files.empty()) write_on_root(comm, file, "/obstacle_files", info.obstacle_files);
   write_flow(comm, file, frame.flow);
+  if (frame.first_cell != std::array<LocalId, 3>{}) {
+    write_on_root(comm, file, "/first_cell",
+                  std::vector<std::int64_t>(frame.first_cell.begin(), frame.first_cell.end()));
+  }
 }
 
 // Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
@@ -204,6 +221,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.info.music = read_checksums(file, "/music");
   state.info.obstacle_files = read_checksums(file, "/obstacle_files");
   state.flow = read_flow(path, file);
+  state.first_cell = read_first_cell(path, file);
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);

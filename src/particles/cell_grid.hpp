@@ -22,7 +22,7 @@ inline bool is_whole_period(Real length, Real h) {
 class CellGrid {
  public:
   /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide in each axis; three times that along x, y, z that
-  /// are periodic.
+  /// are periodic. There a place up to a box's length below `min` is in the cell that repeats it.
   CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, const std::array<bool, 3>& periodic = {});
 
   LocalId planes() const { return count_[0]; }
@@ -49,7 +49,8 @@ class CellGrid {
 
  private:
   LocalId index_along(int k, const Vec3& p) const {
-    const Real cell = (p[axis_[k]] - min_[axis_[k]]) * per_length_[k];
+    const Real way = p[axis_[k]] - min_[axis_[k]];
+    const Real cell = (way < 0 ? way + period_[k] : way) * per_length_[k];
     return std::clamp(static_cast<LocalId>(std::clamp(cell, 0.0, 2147483000.0)), 0, count_[k] - 1);
   }
 
@@ -58,6 +59,7 @@ class CellGrid {
   std::array<LocalId, 3> count_;
   std::array<Real, 3> per_length_;  // cells per metre
   std::array<Real, 3> length_{};
+  std::array<Real, 3> period_{};  // of periodic directions their length; 0 of others
   std::array<bool, 3> periodic_{};
 };
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <petscsys.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "particles/packed.hpp"
@@ -25,9 +27,27 @@ void check_unknowns(const Settings& settings, const std::vector<Real>& weights) 
 
 }  // namespace
 
-CellGrid cell_grid(const Settings& settings) {
-  return {settings.domain.min, settings.domain.max, settings.fluid.kernel_radius, settings.slab_axis,
-          settings.periodic};
+CellGrid cell_grid(const Settings& settings, const Box& box) {
+  return {box.min, box.max, settings.fluid.kernel_radius, settings.slab_axis, settings.periodic};
+}
+
+std::array<LocalId, 3> first_cell(MPI_Comm comm, const Settings& settings, const Particles& particles) {
+  std::array<LocalId, 3> cell{};
+  if (settings.periodic == std::array<bool, 3>{}) return cell;
+  const auto least = std::min_element(particles.id.begin(), particles.id.end());
+  const GlobalId none = std::numeric_limits<GlobalId>::max(), mine = least == particles.id.end() ? none : *least;
+  GlobalId first = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, comm);
+  if (mine == first && mine != none) {
+    const CellGrid grid = cell_grid(settings, settings.domain);
+    const Vec3& p = particles.position[static_cast<std::size_t>(least - particles.id.begin())];
+    const std::array<LocalId, 3> at{grid.plane_of(p), grid.row_of(p), grid.column_of(p)};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (grid.is_periodic(a)) cell[static_cast<std::size_t>(grid.axis(a))] = at[a];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, cell.data(), 3, MPI_INT32_T, MPI_SUM, comm);
+  return cell;
 }
 
 std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles) {

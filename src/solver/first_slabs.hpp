@@ -1,5 +1,8 @@
-// How the planes are shared at the start of a run: by the number of particles in each. Collective: plane_weights.
+// How cells are counted and the planes shared at the start of a run: by the number of particles in each. Collective:
+// first_cell, plane_weights.
 #pragma once
+
+#include <array>
 
 #include "domain/slabs.hpp"
 #include "particles/cell_grid.hpp"
@@ -10,7 +13,11 @@
 namespace trevi {
 
 /// The grid of cells, each at least h wide, over the box. `settings` are those of resolved().
-CellGrid cell_grid(const Settings& settings);
+CellGrid cell_grid(const Settings& settings, const Box& box);
+
+/// Along periodic axes the cell of the box in which the particle of the least id is: counted from there, a flow that
+/// starts some cells further on is the same. By coordinate; 0 along other axes.
+std::array<LocalId, 3> first_cell(MPI_Comm comm, const Settings& settings, const Particles& particles);
 
 /// Number of particles in each plane, over all ranks.
 std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles);

@@ -130,9 +130,9 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const DensityModel model = density_model(settings);
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
-  const Box walls = box_of_walls(parts.box, settings.periodic);
+  const Box walls = box_of_walls(settings.domain, settings.periodic);
   parts.walls = std::make_unique<Walls>(walls, settings.walls, 1e-6 * model.h);
-  if (settings.periodic != std::array<bool, 3>{}) parts.wrap.emplace(parts.box, settings.periodic);
+  if (settings.periodic != std::array<bool, 3>{}) parts.wrap.emplace(settings.domain, settings.periodic, parts.box.min);
   if (!settings.obstacles.empty()) {
     parts.obstacles = std::make_shared<Obstacles>(settings, *parts.walls, make_wall_density(settings));
     parts.obstacles->move(parts.clock.time(), parts.clock.time());
@@ -147,17 +147,21 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       *parts.comm, model,
-      DiagnosticsSum::Surroundings{parts.box, walls, lattice_neighbours(spacing, model.h), gravity});
+      DiagnosticsSum::Surroundings{settings.domain, walls, lattice_neighbours(spacing, model.h), gravity});
 }
 
 template <class T>
 std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
   SolverParts<T> parts;
   parts.comm = std::make_unique<OwnCommunicator>(comm);
-  parts.box = settings.domain;
-  parts.grid = std::make_unique<CellGrid>(cell_grid(settings));
   parts.particles = std::move(particles);
   check_inside(*parts.comm, settings, parts.particles);
+  const bool anywhere = settings.obstacles.empty() && !extras.flow;
+  if (extras.first_cell || anywhere)
+    parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
+  parts.box = Wrap::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
+  demand((parts.box.min.array() < settings.domain.max.array()).all(), "the first cell must be in the box");
+  parts.grid = std::make_unique<CellGrid>(cell_grid(settings, parts.box));
   parts.particles.predicted = parts.particles.position;
   parts.slabs = std::make_unique<Slabs>(
       first_slabs(settings, *parts.grid, plane_weights(*parts.comm, *parts.grid, parts.particles), size_of(comm)));

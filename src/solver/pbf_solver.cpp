@@ -23,14 +23,16 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint,
                {*parts_.walls, parts_.obstacles.get(), parts_.wrap ? &*parts_.wrap : nullptr}),
-      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow()}, std::move(parts_.observers),
-                *parts_.diagnostics) {}
+      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(), parts_.first_cell},
+                std::move(parts_.observers), *parts_.diagnostics) {}
 
 template <class T>
 void PbfSolver<T>::start() {
   wrap_positions();
   parts_.particles.predicted = parts_.particles.position;
+  wrap_predicted();
   find_neighbours(Velocities::kept);
+  wrap_positions();
   problem_.start(parts_.particles, parts_.clock.dt);
   guard_.agree(parts_.particles, 0);
   reporter_.observe();
@@ -139,7 +141,7 @@ void PbfSolver<T>::wrap_predicted() {
   if (!parts_.wrap) return;
   Particles& particles = parts_.particles;
   for_each_index({0, particles.size()}, [&](std::size_t i) {
-    const Vec3 back = parts_.wrap->back(particles.predicted[i]);
+    const Vec3 back = parts_.wrap->in_order(particles.predicted[i]);
     particles.predicted[i] += back;
     particles.position[i] += back;
   });

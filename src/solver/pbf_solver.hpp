@@ -35,7 +35,8 @@ class OwnCommunicator {
 template <class T>
 struct SolverParts {
   std::unique_ptr<OwnCommunicator> comm;
-  Box box;
+  Box box;  ///< along periodic axes from the first cell on
+  std::array<LocalId, 3> first_cell{};
   std::unique_ptr<CellGrid> grid;
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
@@ -71,6 +72,7 @@ class PbfSolver : public Solver {
   void change_particles(const std::function<void(Particles&)>& change) override;
   Counters counters() const override;
   std::vector<FountainState> fountains() const override { return reporter_.fountains(); }
+  std::array<LocalId, 3> first_cell() const override { return parts_.first_cell; }
   const FlowState* flow() const override { return parts_.flow ? &parts_.flow->state() : nullptr; }
 
  private:

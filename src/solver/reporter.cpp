@@ -62,7 +62,7 @@ void Reporter<T>::observe() {
 template <class T>
 Frame Reporter<T>::frame() {
   fountain_states_ = fountains();
-  return {state_.clock, state_.particles, {}, nullptr, fountain_states_, state_.flow};
+  return {state_.clock, state_.particles, {}, nullptr, fountain_states_, state_.flow, {}, {}, state_.first_cell};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.

@@ -22,6 +22,7 @@ struct ReportedState {
   DensityProblem<T>& problem;
   const std::vector<std::unique_ptr<Forcing>>& forcings;
   const FlowState* flow;  ///< null without inlets and drains
+  std::array<LocalId, 3> first_cell;
 };
 
 template <class T>

@@ -69,6 +69,15 @@ max = [1.3, 0.9, 0.15]
         parted = self.same_bits(tank, *set_to(wider))
         self.assertGreater(runs.column(parted, "outflow")[-1], 50)
 
+    def test_cells_are_counted_from_where_they_were(self):
+        """The particle of the least id starts in the third cell along x, and is elsewhere when the run goes on."""
+        ring = BOX.format(low=0.4, high=1.3, height=0.0, top=0.8)
+        parted = self.same_bits(ring, *set_to(("domain.periodic=['x', 'y']", "domain.max=[1.6, 0.6, 1.4]")))
+        for path in parted.glob("checkpoint_*.h5"):
+            with h5py.File(path) as file:
+                self.assertEqual(list(file["first_cell"]), [2, 0, 0])
+                self.assertNotEqual(int(file["particles/position"][0][0] / 0.2), 2)
+
     def test_tank_that_overflows(self):
         full = ("particles.0.min=[0, 0, 0]", "particles.0.max=[0.8, 0.6, 0.6]", "inlet.0.flow=0.2")
         parted = self.same_bits((runs.ROOT / "tests/mpi/weir.toml").read_text(), *set_to(full))
