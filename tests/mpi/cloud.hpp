@@ -111,13 +111,13 @@ inline Cloud slice_of(const Cloud& all, int rank, int size) {
 }
 
 /// A solver of the scene whose particles are those of the cloud.
-inline std::unique_ptr<Solver> solver_of(MPI_Comm comm, const Scene& scene, const Cloud& all) {
+inline std::unique_ptr<Solver> solver_of(MPI_Comm comm, const Scene& scene, const Cloud& all,
+                                         SolverExtras extras = {}) {
   Cloud mine = slice_of(all, rank_of(comm), size_of(comm));
   Particles particles;
   particles.id = std::move(mine.id);
   particles.position = std::move(mine.position);
   particles.velocity = std::move(mine.velocity);
-  SolverExtras extras;
   extras.forcings = make_fountains(comm, scene);
   return make_solver(comm, scene, std::move(particles), std::move(extras));
 }
