@@ -29,43 +29,72 @@ void prefetch(std::span<const V> field, Range here) {
     __builtin_prefetch(at);
 }
 
-// visit(i, share) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
+namespace {
+
+// What gives a particle a share of its density; kept beside the gradient of that, for tell_obstacles().
+enum Boundary { none, box_alone, obstacle };
+template <class T>
+Boundary boundary_of(const Vec4<T>& wall) {
+  return static_cast<Boundary>(static_cast<int>(wall.w));
+}
+
+Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cwiseMin(b.max)}; }
+
+}  // namespace
+
+// visit(i, boundary) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
 template <class T>
 template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
   if (!walls_) return;
-  if (obstacles_) return for_each_near_obstacle(range, p, visit);
   const auto first = static_cast<std::size_t>(range.begin);
+  const std::span<const Vec3> here = p.subspan(first, static_cast<std::size_t>(range.size()));
+  const Box& interior = walls_->interior();
   std::array<LocalId, sums_chunk> near;
-  const std::size_t count =
-      find_outside(walls_->interior(), p.subspan(first, static_cast<std::size_t>(range.size())), near.data());
+  if (!obstacles_) {
+    const std::size_t count = find_outside(interior, here, near.data());
+    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), box_alone);
+    return;
+  }
+  const Box open = obstacles_->open_box(here);
+  const std::size_t count = find_outside(common(open, interior), here, near.data());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = first + static_cast<std::size_t>(near[k]);
-    visit(i, walls_->at(p[i]));
+    if (open.contains(p[i]) || !obstacles_->is_near(p[i])) {
+      if (!interior.contains(p[i])) visit(i, box_alone);
+    } else {
+      visit(i, obstacle);
+    }
   }
 }
 
 template <class T>
-template <class Visit>
-void DensityConstraint<T>::for_each_near_obstacle(Range range, std::span<const Vec3> p, const Visit& visit) const {
+BoundaryShare DensityConstraint<T>::share_at(const Vec3& p, bool at_obstacle) const {
+  const BoundaryShare box = walls_->at(p);
+  return at_obstacle ? obstacles_->with(box, p) : box;
+}
+
+// By what lambdas() wrote there: the gradient where it is the box's own.
+template <class T>
+void DensityConstraint<T>::tell_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
+                                          std::span<const Vec4<T>> wall) const {
+  std::array<std::size_t, sums_chunk> near;
+  std::array<Push, sums_chunk> by_box;
+  std::size_t count = 0, pushes = 0;
   for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
-    const bool at_wall = !walls_->interior().contains(p[i]), at_obstacle = obstacles_->is_near(p[i]);
-    if (!at_wall && !at_obstacle) continue;
-    const BoundaryShare box = at_wall ? walls_->at(p[i]) : BoundaryShare{};
-    visit(i, at_obstacle ? obstacles_->with(box, p[i]) : box);
+    near[count] = i;  // without a branch
+    count += boundary_of(wall[i]) != none ? 1 : 0;
   }
-}
-
-template <class T>
-void DensityConstraint<T>::tell_obstacles(const Pairs<T>& pairs, Range range, std::span<const Vec3> p) const {
-  if (!walls_ || !obstacles_) return;
-  const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
-  for_each_index(range, [&](std::size_t i) {
-    const bool at_wall = !walls_->interior().contains(p[i]), at_obstacle = obstacles_->is_near(p[i]);
-    if (!at_wall && !at_obstacle) return;
-    const BoundaryShare box = at_wall ? walls_->at(p[i]) : BoundaryShare{};
-    obstacles_->take_gradient(box, p[i], static_cast<Real>(records[i].w));
-  });
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = near[k];
+    const auto factor = static_cast<Real>(records[i].w);
+    if (boundary_of(wall[i]) == obstacle) {
+      obstacles_->take_gradient(walls_->at(p[i]), p[i], factor);
+    } else if (factor != 0) {
+      by_box[pushes++] = {factor * vector_of(wall[i]), p[i]};
+    }
+  }
+  obstacles_->take_of_box({by_box.data(), pushes});
 }
 
 template <class T>
@@ -92,8 +121,9 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
   for_each_sum<T>(range, loop, [&](Range here, const T* sum) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
       rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
-    for_each_near_wall(
-        here, p, [&](std::size_t i, const BoundaryShare& share) { rho[i] += model_.rest_density * share.density; });
+    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
+      rho[i] += model_.rest_density * share_at(p[i], boundary == obstacle).density;
+    });
   });
 }
 
@@ -113,20 +143,22 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     std::array<T, sums_chunk> multiplier;
     find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
     std::fill_n(&out.wall[first], count, Vec4<T>{});
-    for_each_near_wall(here, p, [&](std::size_t i, const BoundaryShare& share) {
+    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
       const std::size_t k = i - first;
+      const BoundaryShare share = share_at(p[i], boundary == obstacle);
       out.rho[i] += model_.rest_density * share.density;
       const Vec3 gradient = share.gradient - slope * vector_of(sums[k]);
       multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
       out.wall[i] = {static_cast<T>(share.gradient.x()), static_cast<T>(share.gradient.y()),
-                     static_cast<T>(share.gradient.z()), 0};
+                     static_cast<T>(share.gradient.z()), static_cast<T>(boundary)};
     });
     out.use(here, multiplier.data());
   });
 }
 
 template <class T>
-void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const {
+void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                  std::span<Vec4<T>> delta) const {
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   const auto factor = static_cast<T>(-gradient_factor_);
   const auto loop = [&](Range here, Vec4<T>* sums) {
@@ -134,6 +166,7 @@ void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<
     delta_loop_(pairs, here, sums);
   };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
+    if (obstacles_ && walls_) tell_obstacles(here, records, p, delta);
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
       const T multiplier = records[i].w;
       Vec4<T>& out = delta[i];

@@ -60,17 +60,15 @@ class DensityConstraint {
   /// whole of these.
   struct Lambdas {
     std::span<Real> rho;      ///< rho_i, kg/m³
-    std::span<Vec4<T>> wall;  ///< gradient of the walls' share, 1/m, for deltas()
+    std::span<Vec4<T>> wall;  ///< gradient of the walls' share, 1/m, and what it is from, for deltas()
     std::function<void(Range here, const T* multipliers)> use;
   };
   /// Finds rho_i and lambda_i for the range; p is an array of all owned particles.
   void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Lambdas& out) const;
 
-  /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions.
-  void deltas(const Pairs<T>& pairs, Range range, std::span<Vec4<T>> delta) const;
-
-  /// Tells the obstacles' toll what the walls and they have in these deltas; p are the positions of lambdas().
-  void tell_obstacles(const Pairs<T>& pairs, Range range, std::span<const Vec3> p) const;
+  /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions, and tells
+  /// the obstacles' toll what the walls and they have in it.
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
@@ -78,8 +76,9 @@ class DensityConstraint {
  private:
   template <class Visit>
   void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
-  template <class Visit>
-  void for_each_near_obstacle(Range range, std::span<const Vec3> p, const Visit& visit) const;
+  BoundaryShare share_at(const Vec3& p, bool at_obstacle) const;
+  void tell_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
+                      std::span<const Vec4<T>> wall) const;
 
   DensityModel model_;
   Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours

@@ -137,7 +137,7 @@ HWY_INLINE void store_records(const Encoding<T>& encoding, const WideVec3& p, Pa
   }
 }
 
-// For most vectors all targets are inside of the walls.
+// For most vectors all ways are inside of the box.
 template <class T>
 HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* p, Packed<T>* records) {
   const Wide d;
@@ -147,22 +147,21 @@ HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* 
   const WideVec3 from = load(p);
   const WideVec3 to = {hn::Add(from.x, hn::Mul(factor, widened<T>(x))), hn::Add(from.y, hn::Mul(factor, widened<T>(y))),
                        hn::Add(from.z, hn::Mul(factor, widened<T>(z)))};
-  if (!all_inside(shift.walls.box(), to)) return false;
+  if (!all_inside(shift.open, to) || (!shift.from_inside && !all_inside(shift.open, from))) return false;
   hn::StoreInterleaved3(to.x, to.y, to.z, d, p->data());
   store_records(shift.encoding, to, records);
   return true;
 }
 
 template <class T>
-void move_particles_of(const Shift<T>& shift, std::span<const Vec4<T>> delta, Vec3* p, Packed<T>* records) {
-  const std::size_t lanes = hn::Lanes(Wide()), count = delta.size();
+std::size_t move_particles_of(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left) {
+  const std::size_t lanes = hn::Lanes(Wide()), count = moved.p.size();
+  std::size_t stay = 0;
   for (std::size_t k = 0; k < count; k += lanes) {
-    if (k + lanes <= count && moved_inside(shift, &delta[k], p + k, records + k)) continue;
-    for (std::size_t i = k; i < std::min(k + lanes, count); ++i) {
-      p[i] = shift.walls.collide(p[i], shift.factor * vector_of(delta[i]));
-      records[i] = shift.encoding(p[i], T{0});
-    }
+    if (k + lanes <= count && moved_inside(shift, delta + k, &moved.p[k], moved.records + k)) continue;
+    for (std::size_t i = k; i < std::min(k + lanes, count); ++i) left[stay++] = static_cast<LocalId>(i);
   }
+  return stay;
 }
 
 // Highway's dispatch takes no templates.
@@ -172,11 +171,12 @@ void multipliers_single(const MultiplierLaw& law, const DensitySums<float>& in, 
 void multipliers_double(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda) {
   find_multipliers_of(law, in, rho, lambda);
 }
-void move_single(const Shift<float>& shift, std::span<const Vec4<float>> delta, Vec3* p, Packed<float>* records) {
-  move_particles_of(shift, delta, p, records);
+std::size_t move_single(const Shift<float>& shift, const Vec4<float>* delta, const Moved<float>& moved, LocalId* left) {
+  return move_particles_of(shift, delta, moved, left);
 }
-void move_double(const Shift<double>& shift, std::span<const Vec4<double>> delta, Vec3* p, Packed<double>* records) {
-  move_particles_of(shift, delta, p, records);
+std::size_t move_double(const Shift<double>& shift, const Vec4<double>* delta, const Moved<double>& moved,
+                        LocalId* left) {
+  return move_particles_of(shift, delta, moved, left);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -206,12 +206,14 @@ std::size_t find_outside(const Box& box, std::span<const Vec3> p, LocalId* found
 }
 
 template <>
-void move_particles(const Shift<float>& shift, std::span<const Vec4<float>> delta, Vec3* p, Packed<float>* records) {
-  HWY_DYNAMIC_DISPATCH(move_single)(shift, delta, p, records);
+std::size_t move_particles(const Shift<float>& shift, const Vec4<float>* delta, const Moved<float>& moved,
+                           LocalId* left) {
+  return HWY_DYNAMIC_DISPATCH(move_single)(shift, delta, moved, left);
 }
 template <>
-void move_particles(const Shift<double>& shift, std::span<const Vec4<double>> delta, Vec3* p, Packed<double>* records) {
-  HWY_DYNAMIC_DISPATCH(move_double)(shift, delta, p, records);
+std::size_t move_particles(const Shift<double>& shift, const Vec4<double>* delta, const Moved<double>& moved,
+                           LocalId* left) {
+  return HWY_DYNAMIC_DISPATCH(move_double)(shift, delta, moved, left);
 }
 
 }  // namespace trevi

@@ -37,18 +37,28 @@ void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, R
 /// all. A NaN is not outside.
 std::size_t find_outside(const Box& box, std::span<const Vec3> p, LocalId* found);
 
-/// p += factor · delta as far as the walls allow, and the records of it, with a scalar of zero.
+/// p += factor · delta in a box where nothing is in the way, and the records of it, with a scalar of zero.
 template <class T>
 struct Shift {
-  const Walls& walls;
+  Box open;
+  bool from_inside;  ///< whether all particles are in the box
   const Encoding<T>& encoding;
   Real factor;
 };
 template <class T>
-void move_particles(const Shift<T>& shift, std::span<const Vec4<T>> delta, Vec3* p, Packed<T>* records);
+struct Moved {
+  std::span<Vec3> p;
+  Packed<T>* records;
+};
+/// Those whose way leaves the box, and a few beside them, stay as they are: writes which, in their order, and returns
+/// how many; `left` has room for all.
+template <class T>
+std::size_t move_particles(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left);
 template <>
-void move_particles(const Shift<float>& shift, std::span<const Vec4<float>> delta, Vec3* p, Packed<float>* records);
+std::size_t move_particles(const Shift<float>& shift, const Vec4<float>* delta, const Moved<float>& moved,
+                           LocalId* left);
 template <>
-void move_particles(const Shift<double>& shift, std::span<const Vec4<double>> delta, Vec3* p, Packed<double>* records);
+std::size_t move_particles(const Shift<double>& shift, const Vec4<double>* delta, const Moved<double>& moved,
+                           LocalId* left);
 
 }  // namespace trevi

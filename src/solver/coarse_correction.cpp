@@ -97,26 +97,23 @@ void CoarseCorrection::displacements(const CellOrder& order, Halo& halo, Real dt
     }
     const LocalId flying = order.start(k, r * all_columns + columns), end = order.start(k, (r + 1) * all_columns);
     std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
+    if (obstacles_ == nullptr) return;
+    const LocalId begin = order.start(k, r * all_columns);
+    tell_of_row<T>(
+        k, r, out.subspan(static_cast<std::size_t>(begin - order.low_ghosts()), static_cast<std::size_t>(end - begin)));
   });
-  if (obstacles_ != nullptr) tell_obstacles<T>(order, out);
+  if (obstacles_ != nullptr) tell_gauges();
 }
 
-// Obstacles have what the pressure of the cells does to their surface, the box has the rest.
+// Obstacles have what the pressure of the cells does to their surface, the box has the rest of what moves the particles
+// of the row.
 template <class T>
-void CoarseCorrection::tell_obstacles(const CellOrder& order, std::span<const Vec4<T>> out) {
-  const LocalId cells = order.grid().rows() * order.grid().columns();
-  for_each_part({1, order.planes() + 1}, 1, [&](Range plane) {
-    for (LocalId cell = 0; cell < cells; ++cell) {
-      Vec3 sum = Vec3::Zero();
-      for (LocalId i = order.start(plane.begin, cell); i < order.start(plane.begin, cell + 1); ++i)
-        sum += vector_of(out[static_cast<std::size_t>(i - order.low_ghosts())]);
-      obstacles_->take_of_grid(obstacles_->box_taker(), sum, Vec3::Zero());
-    }
-    for (LocalId r = 0; r < water_.grid().rows(); ++r) {
-      for (LocalId c = 0; c < water_.grid().columns(); ++c) tell_of_cell(plane.begin, r, c);
-    }
-  });
-  tell_gauges();
+void CoarseCorrection::tell_of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec4<T>& one : moved) sum += vector_of(one);
+  obstacles_->take_of_grid(obstacles_->box_taker(), sum, Vec3::Zero());
+  if (!water_.solids()->cuts_row(k, r)) return;
+  for (LocalId c = 0; c < water_.grid().columns(); ++c) tell_of_cell(k, r, c);
 }
 
 // The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The

@@ -42,7 +42,7 @@ class CoarseCorrection {
   bool is_closed(std::size_t a, std::size_t face, bool wall) const { return wall || water_.face(a, face) == 0; }
   Real through_closed(std::size_t a, std::size_t face) const;
   template <class T>
-  void tell_obstacles(const CellOrder& order, std::span<const Vec4<T>> out);
+  void tell_of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved);
   void tell_of_cell(LocalId k, LocalId r, LocalId c);
   void tell_gauges();
   Real phi_at(LocalId k, LocalId r, Real height) const;

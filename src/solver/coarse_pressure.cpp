@@ -101,7 +101,7 @@ Real CoarsePressure::divergence(const CoarseWater& water, std::size_t at) const 
     }
     sum += (high * water.displacement(a, above) - low * water.displacement(a, at)) /
            grid.size()[static_cast<Eigen::Index>(a)];
-    if (const CoarseSolids* solids = water.solids(); solids != nullptr) {
+    if (const CoarseSolids* solids = water.solids(); solids != nullptr && solids->moves()) {
       sum +=
           ((1 - solids->face(a, above)) * solids->moved(a, above) - (1 - solids->face(a, at)) * solids->moved(a, at)) /
           grid.size()[static_cast<Eigen::Index>(a)];

@@ -198,6 +198,24 @@ void CoarseSolids::take_columns(const CoarseGrid& grid) {
   });
 }
 
+// Faces of a row's upper neighbours are its own, too.
+void CoarseSolids::find_cut_rows(const CoarseGrid& grid) {
+  rows_ = grid.rows();
+  cuts_row_.assign(row_index(grid.planes() + 2, 0), 0);
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    const auto is_cut = [&](std::size_t at) {
+      const Cell& cell = cells_[at];
+      return cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
+    };
+    bool cut = false;
+    for (LocalId c = 0; c <= grid.columns(); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      cut = cut || is_cut(at) || is_cut(at + grid.step(0)) || is_cut(at + grid.step(1));
+    }
+    cuts_row_[row_index(k, r)] = cut ? 1 : 0;
+  });
+}
+
 void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box) {
   const auto first = static_cast<LocalId>(sum_over_lower_ranks(comm, grid.planes()));
   const bool stays = first == first_ && grid.planes() == planes_;
@@ -213,6 +231,7 @@ void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box
   if (obstacles_.moves()) {
     measure_cells(grid, cells_);
     measure_motion(grid);
+    find_cut_rows(grid);
     return;
   }
   if (!stays) {
@@ -220,7 +239,9 @@ void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box
     whole.resize(planes_, grid.count(2));
     measure_cells(whole, all_);
   }
-  if (!stays || cells_.size() != grid.cells()) take_columns(grid);
+  if (stays && cells_.size() == grid.cells()) return;
+  take_columns(grid);
+  find_cut_rows(grid);
 }
 
 }  // namespace trevi

@@ -24,8 +24,11 @@ class CoarseSolids {
   Real open(std::size_t at) const { return cells_[at].open; }
   /// Share of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
+  bool moves() const { return !moved_.empty(); }
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
+  /// Whether a solid closes anything of a row's cells or of their faces.
+  bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
@@ -36,7 +39,8 @@ class CoarseSolids {
   Vec3 middle(LocalId k, LocalId r, LocalId c) const;
 
   std::size_t bytes() const {
-    return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]);
+    return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]) +
+           cuts_row_.capacity();
   }
 
  private:
@@ -62,15 +66,20 @@ class CoarseSolids {
   LocalId plane_of(const CoarseGrid& grid, LocalId k) const;
   void measure_motion(const CoarseGrid& grid);
   void take_columns(const CoarseGrid& grid);
+  void find_cut_rows(const CoarseGrid& grid);
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
+  }
 
   const Obstacles& obstacles_;
   Box box_;
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
-  LocalId first_ = -1, planes_ = -1;
+  LocalId first_ = -1, planes_ = -1, rows_ = 0;
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
+  std::vector<char> cuts_row_;  // of the owned planes
 };
 
 }  // namespace trevi

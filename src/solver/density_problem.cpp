@@ -68,27 +68,30 @@ void DensityProblem<T>::count_pass(Range part, double flops_per_pair) {
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
-  constraint_.deltas(pairs(), near_.all(), delta_);
-  constraint_.tell_obstacles(pairs(), near_.all(), particles_->predicted);
+  constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
   if (around_.wrap != nullptr) return collide_in_periods(part, relaxation);
-  if (around_.obstacles != nullptr) {
-    const std::vector<Vec3>& p = particles_->predicted;
-    set_positions(part, [&](LocalId i) {
-      return around_.obstacles->collide(p[static_cast<std::size_t>(i)], relaxation * delta(i));
-    });
-    return;
-  }
+  Obstacles* const obstacles = around_.obstacles;
+  const Box& box = around_.walls.box();
   constexpr LocalId part_size = 512;
-  const Shift<T> shift{around_.walls, near_.encoding(), relaxation};
   for_each_part(part, part_size, [&](Range few) {
     const auto first = static_cast<std::size_t>(few.begin);
-    move_particles<T>(shift, {&delta_[first], static_cast<std::size_t>(few.size())}, &particles_->predicted[first],
-                      &near_.record(few.begin));
+    const std::span<Vec3> p(&particles_->predicted[first], static_cast<std::size_t>(few.size()));
+    Packed<T>* const records = &near_.record(few.begin);
+    const Box open = obstacles != nullptr ? obstacles->open_box(p) : box;
+    std::array<LocalId, part_size> left;
+    const Shift<T> shift{open, obstacles == nullptr, near_.encoding(), relaxation};
+    const std::size_t count = move_particles<T>(shift, &delta_[first], {p, records}, left.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto i = static_cast<std::size_t>(left[k]);
+      const Vec3 way = relaxation * vector_of(delta_[first + i]);
+      p[i] = obstacles != nullptr ? obstacles->collide(p[i], way) : around_.walls.collide(p[i], way);
+      records[i] = near_.encoding()(p[i], T{0});
+    }
   });
 }
 

@@ -40,7 +40,7 @@ class ByHand : public testing::Test {
                                                                d.near.record(i).w = multipliers[i - here.begin];
                                                            }});
     d.near.halo().exchange(d.near.records());
-    constraint.deltas(pairs, all, delta);
+    constraint.deltas(pairs, all, d.particles.predicted, delta);
     for (LocalId i = 0; i < all.end; ++i) solved.lambda.push_back(d.near.record(i).w);
     for (const Vec4<T>& q : delta) solved.delta.push_back(vector_of(q));
     return solved;

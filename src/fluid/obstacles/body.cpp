@@ -49,6 +49,19 @@ void Body::move(Real begin, Real end) {
   near_box_ = {middle - extent, middle + extent};
 }
 
+bool Body::leave_open(const Box& water, Box& open) const {
+  const Vec3 up = near_box_.min - water.max, down = water.min - near_box_.max;
+  Eigen::Index above = 0, below = 0;
+  const Real way_up = up.maxCoeff(&above), way_down = down.maxCoeff(&below);
+  if (vessel_ || !(std::max(way_up, way_down) > 0)) return false;
+  if (way_up > way_down) {
+    open.max[above] = std::min(open.max[above], std::nextafter(near_box_.min[above], -INFINITY));
+  } else {
+    open.min[below] = std::max(open.min[below], std::nextafter(near_box_.max[below], INFINITY));
+  }
+  return true;
+}
+
 bool Body::may_meet(const Vec3& from, const Vec3& to) const {
   const Real way = (to - from).norm(), margin = 2 * seam_;
   const Box bounds = shape_->bounds();

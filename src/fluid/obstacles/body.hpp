@@ -61,6 +61,8 @@ class Body {
     const auto high = from.cwiseMin(to).array() > near_box_.max.array();
     return !vessel_ && (low.any() || high.any());
   }
+  /// Takes from `open` what it may reach, and all beyond, where `water` is on one side of that; else false.
+  bool leave_open(const Box& water, Box& open) const;
   bool is_near(const Vec3& p) const { return may_reach(p) && map_->is_near(now_.into_body(p)); }
   /// Whether a straight path, in the frame of the body, may meet the surface; and whether any path of that length may.
   bool may_meet(const Vec3& from, const Vec3& to) const;

@@ -1,6 +1,7 @@
 #include "fluid/obstacles/obstacles.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fluid/kernels.hpp"
 
@@ -38,8 +39,17 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return most;
 }
 
-bool Obstacles::is_near(const Vec3& p) const {
-  return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
+// Where they are is told by a few of them.
+Box Obstacles::open_box(std::span<const Vec3> p) const {
+  constexpr std::size_t parts = 4;
+  Box water{p.back(), p.back()}, open = walls_.box();
+  for (std::size_t k = 0; k < p.size(); k += p.size() / parts + 1) {
+    water.min = water.min.cwiseMin(p[k]);
+    water.max = water.max.cwiseMax(p[k]);
+  }
+  const bool beside =
+      std::all_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->leave_open(water, open); });
+  return beside ? open : Box{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
 }
 
 namespace {
@@ -82,7 +92,15 @@ void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
 }
 
 void Obstacles::take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p) {
-  toll_.add(taker, shift, taker < bodies_.size() ? Vec3(p - bodies_[taker]->now().center) : p);
+  const Push push{shift, taker < bodies_.size() ? Vec3(p - bodies_[taker]->now().center) : p};
+  toll_.add(taker, {&push, 1});
+}
+
+void Obstacles::take_of_box(std::span<Push> pushes) {
+  for (Push& push : pushes) push.shift *= relaxation_;
+  toll_.add(box_taker(), pushes);
+  if (gauges_->count() == 0) return;
+  for (const Push& push : pushes) gauges_->add(push.shift, push.arm);
 }
 
 std::size_t Obstacles::bytes() const {

@@ -3,8 +3,10 @@
 // be called in loops that threads share; move() and clear() may not. Collective: total().
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "fluid/obstacles/body.hpp"
@@ -23,14 +25,21 @@ class Obstacles {
   /// Takes all obstacles to where they are from `begin` to `end`.
   void move(Real begin, Real end);
 
+  /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
+  /// none.
+  Box open_box(std::span<const Vec3> p) const;
   /// Whether p is so near to an obstacle that it has a share of density, perhaps.
-  bool is_near(const Vec3& p) const;
+  bool is_near(const Vec3& p) const {
+    return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
+  }
   /// The share at p of box and obstacles together; `box` is that of the box alone. The solids of obstacles do not
   /// overlap, so their shares add up; walls and obstacles are independent of each other, as in an edge of the box.
   BoundaryShare with(const BoundaryShare& box, const Vec3& p) const;
   /// Tells the toll of a shift along the gradient of the share at p: `factor` times its parts, as far as the density
   /// solver goes that way.
   void take_gradient(const BoundaryShare& box, const Vec3& p, Real factor);
+  /// The same of particles that no obstacle is near to.
+  void take_of_box(std::span<Push> pushes);
 
   /// Obstacles that have a share of density at p: visit(taker, the distance of the plane that is worth it, m, the way
   /// that the surface there has gone in the substep, m).
@@ -45,7 +54,13 @@ class Obstacles {
   }
 
   /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
-  Vec3 predict(const Vec3& p, const Vec3& v, Real dt);
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
+    const Vec3 straight = p + v * dt;
+    const bool in_the_open = walls_.inside(straight) && std::all_of(bodies_.begin(), bodies_.end(), [&](const auto& b) {
+                               return !b->moves() && b->is_passed_by(p, straight);
+                             });
+    return in_the_open ? straight : predict_among(p, v, dt);
+  }
   /// Shift by the density solve, at the obstacles' places now: along what it meets.
   Vec3 collide(const Vec3& p, const Vec3& shift);
 
@@ -75,6 +90,7 @@ class Obstacles {
   struct Leg;
   // From p, at the obstacles' places before or now.
   Leg leg_from(const Vec3& p, bool before);
+  Vec3 predict_among(const Vec3& p, const Vec3& v, Real dt);
   Vec3 among(const Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;

@@ -1,32 +1,39 @@
 #include "fluid/obstacles/toll.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "parallel/reductions.hpp"
 
 namespace trevi {
 
-namespace {
-
-constexpr std::size_t numbers = 6;  // of a taker
-
-}  // namespace
-
-Toll::Toll(std::size_t takers, Real h) : columns_(numbers * takers), unit_(std::ldexp(h, -34)), arm_(h) { clear(); }
+Toll::Toll(std::size_t takers, Real h)
+    : columns_(numbers * takers),
+      unit_(std::ldexp(h, -34)),
+      arm_(h),
+      per_shift_(1 / unit_),
+      per_moment_(1 / (unit_ * arm_)) {
+  clear();
+}
 
 void Toll::clear() {
   sums_.for_each([&](auto& sums) { sums.assign(columns_, 0); });
 }
 
-void Toll::add(std::size_t taker, const Vec3& shift, const Vec3& arm) {
-  std::int64_t* sums = sums_.mine().data() + numbers * taker;
-  const Vec3 moment(arm.y() * shift.z() - arm.z() * shift.y(), arm.z() * shift.x() - arm.x() * shift.z(),
-                    arm.x() * shift.y() - arm.y() * shift.x());
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
-    sums[a] += std::llround(shift[axis] / unit_);
-    sums[a + 3] += std::llround(moment[axis] / (unit_ * arm_));
+// Rounded in one instruction, which std::llround() is not; a scene with obstacles does this for all that is at a wall.
+void Toll::add(std::size_t taker, std::span<const Push> pushes) {
+  std::array<std::int64_t, numbers> sums{};
+  for (const auto& [shift, arm] : pushes) {
+    const Vec3 moment(arm.y() * shift.z() - arm.z() * shift.y(), arm.z() * shift.x() - arm.x() * shift.z(),
+                      arm.x() * shift.y() - arm.y() * shift.x());
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Eigen::Index>(a);
+      sums[a] += std::llrint(shift[axis] * per_shift_);
+      sums[a + 3] += std::llrint(moment[axis] * per_moment_);
+    }
   }
+  std::int64_t* const all = sums_.mine().data() + numbers * taker;
+  for (std::size_t k = 0; k < numbers; ++k) all[k] += sums[k];
 }
 
 std::vector<Taken> Toll::total(MPI_Comm comm) {

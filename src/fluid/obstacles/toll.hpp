@@ -4,6 +4,7 @@
 // share. Collective: total().
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/threads.hpp"
@@ -18,17 +19,26 @@ struct Taken {
   Vec3 moment = Vec3::Zero();  ///< m², about a point of the taker's choice
 };
 
+/// What a taker gives to a particle.
+struct Push {
+  Vec3 shift;  ///< m
+  Vec3 arm;    ///< m, from the point of the moments to the particle
+};
+
 class Toll {
  public:
   Toll(std::size_t takers, Real h);
-  void add(std::size_t taker, const Vec3& shift, const Vec3& arm);
+  void add(std::size_t taker, std::span<const Push> pushes);
   /// In the order of the takers, since clear().
   std::vector<Taken> total(MPI_Comm comm);
   void clear();
 
  private:
+  static constexpr std::size_t numbers = 6;  // of a taker
+
   std::size_t columns_;
-  Real unit_, arm_;  // m
+  Real unit_, arm_;              // m
+  Real per_shift_, per_moment_;  // units, 1/m and 1/m²
   PerThread<std::vector<std::int64_t>> sums_;
 };
 
