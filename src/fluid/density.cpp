@@ -32,7 +32,7 @@ void prefetch(std::span<const V> field, Range here) {
 namespace {
 
 // What gives a particle a share of its density; kept beside the gradient of that, for tell_obstacles().
-enum Boundary { none, box_alone, obstacle };
+enum Boundary { none = 0, box_alone, obstacle };
 template <class T>
 Boundary boundary_of(const Vec4<T>& wall) {
   return static_cast<Boundary>(static_cast<int>(wall.w));
@@ -83,7 +83,7 @@ void DensityConstraint<T>::tell_obstacles(Range range, const Packed<T>* records,
   std::size_t count = 0, pushes = 0;
   for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
     near[count] = i;  // without a branch
-    count += boundary_of(wall[i]) != none ? 1 : 0;
+    count += wall[i].w != 0 ? 1 : 0;
   }
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = near[k];
@@ -163,6 +163,7 @@ void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<
   const auto factor = static_cast<T>(-gradient_factor_);
   const auto loop = [&](Range here, Vec4<T>* sums) {
     prefetch<Vec4<T>>(delta, here);
+    if (obstacles_) prefetch(p, here);
     delta_loop_(pairs, here, sums);
   };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {

@@ -382,5 +382,26 @@ TEST(Paths, TollIsTheChange) {
   EXPECT_GT(changed.norm(), 1);
 }
 
+// Whoever stays in it has no share, meets nothing and pays nothing; and it holds what is beside all obstacles.
+TEST(Paths, NothingIsMetInTheOpen) {
+  ObstacleSettings block = box({0.7, 0.4, 0.9});
+  block.rotate = {20, 30, 40};
+  block.velocity = {-5, 0, 3};
+  Tank tank({block});
+  std::mt19937 generator(9);
+  int inside = 0;
+  for (int k = 0; k < 4000; ++k) {
+    if (k % 100 == 0) tank.obstacles->move(1e-3 * k, 1e-3 * (k + 1));
+    const Vec3 p = random_point(generator, 3), q = p + random_point(generator, 0.5);
+    const Box open = tank.obstacles->open_box({{p, q}});
+    if (!open.contains(p) || !open.contains(q)) continue;
+    ++inside;
+    EXPECT_FALSE(tank.obstacles->is_near(p));
+    EXPECT_EQ(tank.obstacles->collide(p, q - p), Vec3(p + (q - p)));
+  }
+  EXPECT_GT(inside, 2000);
+  EXPECT_EQ(tank.obstacles->toll().total(MPI_COMM_SELF).back().shift, Vec3::Zero());
+}
+
 }  // namespace
 }  // namespace trevi

@@ -47,6 +47,10 @@ void Body::move(Real begin, Real end) {
   const Vec3 half = (bounds.max - bounds.min) / 2, middle = now_.into_world((bounds.max + bounds.min) / 2);
   const Vec3 extent = (now_.turn.cwiseAbs() * half).array() + density_reach * h_;
   near_box_ = {middle - extent, middle + extent};
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    beside_.min[a] = std::nextafter(near_box_.min[a], -INFINITY);
+    beside_.max[a] = std::nextafter(near_box_.max[a], INFINITY);
+  }
 }
 
 bool Body::leave_open(const Box& water, Box& open) const {
@@ -55,9 +59,9 @@ bool Body::leave_open(const Box& water, Box& open) const {
   const Real way_up = up.maxCoeff(&above), way_down = down.maxCoeff(&below);
   if (vessel_ || !(std::max(way_up, way_down) > 0)) return false;
   if (way_up > way_down) {
-    open.max[above] = std::min(open.max[above], std::nextafter(near_box_.min[above], -INFINITY));
+    open.max[above] = std::min(open.max[above], beside_.min[above]);
   } else {
-    open.min[below] = std::max(open.min[below], std::nextafter(near_box_.max[below], INFINITY));
+    open.min[below] = std::max(open.min[below], beside_.max[below]);
   }
   return true;
 }

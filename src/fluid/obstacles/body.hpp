@@ -104,7 +104,7 @@ class Body {
   Real h_, tolerance_, restitution_, friction_, radius_, seam_;  // seam_: of the walls, where solids go on as inside it
   Box inner_;                                                    // the box without it
   Pose before_, now_;
-  Box near_box_;
+  Box near_box_, beside_;  // beside_: the first places that are not in near_box_
   std::unique_ptr<SolidMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh
 };
