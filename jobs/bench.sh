@@ -7,6 +7,7 @@
 #   limit         inputs/bench_rest.toml on one rank against the sum of its parts as bench_pairs measures them, on each
 #                 instruction set of the machine
 #   real time     inputs/bench_rest.toml: 96,000 particles, dt = 1/30 s, on 2 ranks; and with vorticity and XSPH
+#   obstacle      the same with a ball far above the water, on 1 rank
 #   two ranks     against one, 96,000 and 1 million particles, on a cloud that cuts evenly
 #   precision     density curve of the falling cube, single against double, and double with a hardly disturbed start
 #   output        checkpoint and VTKHDF frame of 1 million particles against plain writes of the same bytes
@@ -153,6 +154,13 @@ real_time() {
   ratio rest_np1 rest_np2
 }
 
+# What a ball in the air, far from all water, costs.
+obstacle() {
+  run ball_np1 1 inputs/bench_rest.toml 60 'obstacle=[{type="sphere", center=[3.0, 2.0, 5.5], radius=0.3}]'
+  table "96,000 particles at rest, without and with a ball in the air" rest_np1 ball_np1
+  ratio ball_np1 rest_np1
+}
+
 million() {
   local ranks
   for ranks in 1 2; do
@@ -240,6 +248,7 @@ main() {
   falling_cube
   limit
   real_time
+  obstacle
   if [[ $quick == no ]]; then
     million
     precision

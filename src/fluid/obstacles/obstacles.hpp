@@ -56,9 +56,8 @@ class Obstacles {
   /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
     const Vec3 straight = p + v * dt;
-    const bool in_the_open = walls_.inside(straight) && std::all_of(bodies_.begin(), bodies_.end(), [&](const auto& b) {
-                               return !b->moves() && b->is_passed_by(p, straight);
-                             });
+    bool in_the_open = walls_.inside(straight);
+    for (const auto& body : bodies_) in_the_open = in_the_open && !body->moves() && body->is_passed_by(p, straight);
     return in_the_open ? straight : predict_among(p, v, dt);
   }
   /// Shift by the density solve, at the obstacles' places now: along what it meets.
