@@ -44,6 +44,17 @@ void look_at_overlaps(const Scene& scene, Advice& advice) {
   }
 }
 
+bool shows_colours(const std::optional<FrameSettings>& frames) {
+  return frames && std::find(frames->fields.begin(), frames->fields.end(), "rgb") != frames->fields.end();
+}
+
+void look_at_colours(const Scene& scene, Advice& advice) {
+  const OutputSettings& output = scene.output;
+  if (!scene.colour || (!output.vtu && !output.vtkhdf)) return;
+  if (shows_colours(output.vtu) || shows_colours(output.vtkhdf)) return;
+  advice.emplace_back("[colour] by: no frame shows it; add \"rgb\" to the fields of [output.vtu] or [output.vtkhdf]");
+}
+
 // Whether a lattice of spacing s has a point within the radius of (x, y), where it extends.
 bool holds_water(const Scene& scene, const FountainSettings& fountain) {
   const Real s = scene.fluid.spacing, radius = fountain.diameter / 2;
@@ -102,6 +113,7 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   const OutputSettings& output = scene.output;
   if (!output.vtu && !output.vtkhdf && !output.series && !output.checkpoint)
     advice.emplace_back("the scene asks for no output; add [output.vtu] for frames, [output.series] for sums");
+  look_at_colours(scene, advice);
   constexpr Real longest_cfl = 2;  // to which the default method was found stable
   if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
     advice.push_back(

@@ -48,6 +48,14 @@ TEST(Advice, FountainsOutOfTheWater) {
   expect_said("holds no water", pool + fountain, {"particles.0.max=[0.8,1.6,0.6]"});
 }
 
+TEST(Advice, ColoursThatNoFrameShows) {
+  const std::string coloured = pool + "[colour]\nby = \"speed\"\n[output.vtu]\nevery = 0.1\n";
+  expect_said("\"rgb\"", coloured + "fields = [\"velocity\"]\n", {});
+  EXPECT_EQ(said(coloured + "fields = [\"velocity\", \"rgb\"]\n"), "");
+  EXPECT_EQ(said(coloured + "fields = [\"velocity\"]\n[output.vtkhdf]\nevery = 0.1\nfields = [\"rgb\"]\n"), "");
+  EXPECT_EQ(said(pool + "[colour]\nby = \"speed\"\n"), "");  // for the viewer
+}
+
 TEST(Advice, LongStepsThatAreNeverSplit) {
   expect_said("time.cfl", pool, {"time.dt=0.2", "time.cfl=0"});
   EXPECT_EQ(said(pool, {"time.dt=0.2"}), "");
