@@ -360,6 +360,17 @@ TEST(Paths, MovingSolidTakesAlong) {
   EXPECT_NEAR(p.x(), -0.5 + 10 * 0.2, 1e-4);
 }
 
+// However often walls turn it back, no obstacle that it has not met takes it along.
+TEST(Paths, WhatMeetsWallsAloneStaysThere) {
+  ObstacleSettings ball = sphere(0.2);
+  ball.velocity = {0, 0, 10};
+  Tank tank({ball});
+  tank.obstacles->move(0, 0.01);
+  const Vec3 p(1, 1, 0.5), end = tank.obstacles->predict(p, Vec3(1e6, 0, 0), 0.01);
+  EXPECT_NEAR(end.y(), p.y(), 1e-9);
+  EXPECT_NEAR(end.z(), p.z(), 1e-9);
+}
+
 // What is taken is what paths were changed by.
 TEST(Paths, TollIsTheChange) {
   ObstacleSettings ball = sphere(0.8), block = box({0.5, 0.5, 0.5});

@@ -101,7 +101,7 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
   leg.leave();
   Vec3 velocity = v, target = p + v * dt;
   leg.aim(target);
-  std::size_t last_met = 0;
+  std::size_t last_met = nobody;
   Real left = dt;
   constexpr int most_bounces = 16;  // the rest of the motion is then dropped
   for (int bounce = 0; bounce < most_bounces && left > 1e-9 * dt; ++bounce) {
@@ -135,9 +135,11 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
     leg.aim(target);
     take(taker, target - last, leg.here());
   }
-  // Stays where it met something last, and goes with it.
-  const Vec3 stop = walls_.clamp(bodies_[last_met]->now().into_world(leg.ways[last_met].from.in_body));
-  take(last_met, stop - target, stop);
+  // Stays where it met something last, and goes with an obstacle.
+  const bool by_walls = last_met == nobody;
+  const Vec3 stop =
+      walls_.clamp(by_walls ? leg.here() : bodies_[last_met]->now().into_world(leg.ways[last_met].from.in_body));
+  take(by_walls ? box_taker() : last_met, stop - target, stop);
   return stop;
 }
 
