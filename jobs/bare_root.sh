@@ -36,6 +36,7 @@ make_root() {
   trap take_down_root EXIT
   mmdebstrap --mode=root --variant=minbase bookworm "$root" "$mirror"
   mkdir -p "$root/proc" "$root/sys" "$root/dev/shm"
+  cp /etc/hosts "$root/etc/hosts" # mpirun looks its own machine up, and would wait for a name server
   mount -t proc proc "$root/proc"
   mount -t sysfs -o ro sysfs "$root/sys" 2>/dev/null || echo "without /sys: Open MPI then counts cores otherwise" >&2
   mount -t tmpfs tmpfs "$root/dev/shm"
