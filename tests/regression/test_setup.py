@@ -26,7 +26,7 @@ class SetUp(unittest.TestCase):
     def test_a_second_configuration_changes_no_command(self):
         with tempfile.TemporaryDirectory() as name:
             first = self.commands(Path(name), "-DTREVI_TESTS=OFF")
-            self.assertGreater(len(first), 80)
+            self.assertGreater(len(first), 30)  # the library's sources are compiled eight at a time
             self.assertEqual(self.commands(Path(name), "-DTREVI_TESTS=ON"), first)
             self.assertEqual(self.commands(Path(name)), first)
 
