@@ -51,7 +51,8 @@ class CellGrid {
   LocalId index_along(int k, const Vec3& p) const {
     const Real way = p[axis_[k]] - min_[axis_[k]];
     const Real cell = (way < 0 ? way + period_[k] : way) * per_length_[k];
-    return std::clamp(static_cast<LocalId>(std::clamp(cell, 0.0, 2147483000.0)), 0, count_[k] - 1);
+    const Real counted = std::max(0.0, std::min(cell, 2147483000.0));  // 0 for what is not a number
+    return std::min(static_cast<LocalId>(counted), count_[k] - 1);
   }
 
   Vec3 min_;
