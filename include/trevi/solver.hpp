@@ -78,8 +78,8 @@ struct SolverExtras {
   std::function<RequestCounts()> requests;           ///< of this rank, from outside; may be empty
   std::int64_t step = 0;                             ///< steps done before, for a restart
   int substeps = 1;                                  ///< of the last of them
-  /// Of the solver before, for a restart; by default that of the particle with the least id, 0 where there are
-  /// obstacles, inlets or drains.
+  /// Of the solver before, for a restart; by default that of the particle with the least id. Of no effect where there
+  /// are obstacles, inlets or drains: it is 0 there.
   std::optional<std::array<LocalId, 3>> first_cell{};
 };
 

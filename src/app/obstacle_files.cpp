@@ -78,7 +78,7 @@ std::int64_t checksum_of(const std::vector<T>& rows) {
 
 void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
   constexpr Real most_bytes = 1e9;
-  const Box bounds = make_shape(obstacle)->bounds();
+  const Box bounds = bounds_of(obstacle);
   if (SolidMap::least_bytes(bounds, scene.fluid.kernel_radius) <= most_bytes) return;
   throw InputError(
       fmt::format("it is {:.3g} m long, and its map would not fit in memory; it need not go on far beyond the box, so "

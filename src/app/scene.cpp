@@ -214,9 +214,11 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
   Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
   read_obstacle_files(comm, scene);
   check_no_images(scene);
-  const FreePlaces places(scene);
-  check_openings(scene, places);
-  check_gauge_places(scene, places);
+  if (!scene.inlets.empty() || !scene.gauges.empty()) {
+    const FreePlaces places(scene);
+    check_openings(scene, places);
+    check_gauge_places(scene, places);
+  }
   return scene;
 }
 

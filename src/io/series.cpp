@@ -6,7 +6,6 @@
 #include <sstream>
 #include <utility>
 
-#include "io/kept_rows.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
 
@@ -86,13 +85,12 @@ SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), 
 }
 
 void SeriesWriter::open() {
-  const std::string path = options_.directory + "/series.csv";
-  const std::string header = series_header(options_.fountains, options_.flow);
-  const KeptRows kept = begin_table(path, header, options_.restart_step);
+  table_.emplace(options_.directory + "/series.csv", series_header(options_.fountains, options_.flow),
+                 options_.restart_step);
+  const KeptRows& kept = table_->kept();
   last_step_ = kept.last_step;
   if (!kept.last_row.empty()) wall_seconds_before_ = column_of(kept.last_row, "wall_seconds");
   if (options_.energy) recall(kept.text);
-  file_.emplace(path);
 }
 
 // The start of a run that goes on is the first row of its file.
@@ -112,7 +110,7 @@ void SeriesWriter::recall(const std::string& rows) {
 
 void SeriesWriter::observe(const Frame& frame) {
   require(frame.diagnostics != nullptr, "series.csv: no diagnostics in this frame");
-  on_root(comm_, [&] { file_->write(row(frame, wall_seconds_before_)); });
+  on_root(comm_, [&] { table_->write(row(frame, wall_seconds_before_)); });
   if (options_.energy) options_.energy->add(*frame.diagnostics);
   last_step_ = frame.clock.step;
 }

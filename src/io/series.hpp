@@ -8,7 +8,7 @@
 #include <string>
 
 #include "io/energy_rise.hpp"
-#include "io/files.hpp"
+#include "io/table.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 
@@ -42,9 +42,9 @@ class SeriesWriter : public Observer {
 
   MPI_Comm comm_;
   SeriesOptions options_;
-  std::optional<AppendFile> file_;  ///< rank 0 only
-  std::int64_t last_step_ = -1;     ///< of the last row in the file
-  Real wall_seconds_before_ = 0;    ///< of that row: what the run took before a restart
+  std::optional<Table> table_;    ///< rank 0 only
+  std::int64_t last_step_ = -1;   ///< of the last row in the file
+  Real wall_seconds_before_ = 0;  ///< of that row: what the run took before a restart
 };
 
 }  // namespace trevi

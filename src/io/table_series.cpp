@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "io/kept_rows.hpp"
 #include "parallel/collective.hpp"
 
 namespace trevi {
@@ -11,15 +10,14 @@ TableSeries::TableSeries(MPI_Comm comm, const TableOptions& options, const std::
                          const std::string& columns)
     : comm_(comm), schedule_(options.schedule) {
   on_root(comm_, [&] {
-    const std::string path = options.directory + "/" + name;
-    last_step_ = begin_table(path, "step,time" + columns, options.restart_step).last_step;
-    file_.emplace(path);
+    table_.emplace(options.directory + "/" + name, "step,time" + columns, options.restart_step);
+    last_step_ = table_->kept().last_step;
   });
   MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
 }
 
 void TableSeries::write(const Clock& clock, const std::string& values) {
-  on_root(comm_, [&] { file_->write(fmt::format("{},{}{}\n", clock.step, clock.time(), values)); });
+  on_root(comm_, [&] { table_->write(fmt::format("{},{}{}\n", clock.step, clock.time(), values)); });
   last_step_ = clock.step;
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "io/files.hpp"
+#include "io/table.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 
@@ -30,8 +30,8 @@ class TableSeries : public Observer {
  private:
   MPI_Comm comm_;
   Schedule schedule_;
-  std::optional<AppendFile> file_;  ///< rank 0 only
-  std::int64_t last_step_ = -1;     ///< of the last row in the file
+  std::optional<Table> table_;   ///< rank 0 only
+  std::int64_t last_step_ = -1;  ///< of the last row in the file
 };
 
 }  // namespace trevi

@@ -1,13 +1,15 @@
 #include "trevi/session.hpp"
 
+#include <fcntl.h>
 #include <petscsys.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include "base/cores.hpp"
@@ -49,20 +51,23 @@ std::int64_t most_bytes_of(const std::string& path) {
   return std::filesystem::is_regular_file(path, ignored) ? 1 << 30 : 1 << 26;
 }
 
-// Returns an errno; EFBIG for a file of more than `most` bytes.
-std::int64_t read_file(const std::string& path, std::int64_t most, std::string& text) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
+// Returns an errno; EFBIG for a file of more than `most` bytes, ETIMEDOUT for a pipe that says nothing for ten seconds.
+int read_file(const std::string& path, std::int64_t most, std::string& text) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // of a pipe that nobody writes to, too
+  if (file < 0) return errno;
+  int error = 0;
   std::array<char, 1 << 16> block;
-  // read() makes a bad stream of what an iterator would throw, for a folder for instance.
-  while (file && std::ssize(text) <= most) {
-    file.read(block.data(), block.size());
-    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  pollfd ready{file, POLLIN, 0};
+  for (ssize_t count = 1; count != 0 && error == 0;) {
+    const int waited = ::poll(&ready, 1, 10'000);
+    count = waited > 0 ? ::read(file, block.data(), block.size()) : -1;
+    if (waited == 0) errno = ETIMEDOUT;
+    if (count < 0 && errno != EINTR) error = errno;
+    if (count > 0) text.append(block.data(), static_cast<std::size_t>(count));
+    if (std::ssize(text) > most) error = EFBIG;
   }
-  const bool large = std::ssize(text) > most;
-  if (!large && file.eof()) return 0;
-  text.clear();
-  return large ? EFBIG : errno != 0 ? errno : EIO;
+  ::close(file);
+  return error;
 }
 
 }  // namespace
@@ -167,6 +172,9 @@ std::string read_file_everywhere(MPI_Comm comm, const std::string& path) {
     throw InputError(path +
                      ": holds more than 64 MB (a file: 1 GB), which no scene and no piece of music does; check the "
                      "path");
+  }
+  if (status[0] == ETIMEDOUT) {
+    throw InputError(path + ": a pipe that nobody has written to for ten seconds; check the path");
   }
   if (status[0] != 0) {
     throw InputError(path + ": cannot be read (" + std::strerror(static_cast<int>(status[0])) + "); check the path");

@@ -18,7 +18,6 @@ CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, cons
     // the rounding.
     if (periodic_[k]) per_length_[k] *= 1 + 0x1p-50;
     length_[k] = extent;
-    if (periodic_[k]) period_[k] = extent;
   }
   assert(static_cast<Real>(rows()) * columns() < 2e9);  // the reader of the scene has seen to it
 }

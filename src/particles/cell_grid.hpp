@@ -50,7 +50,7 @@ class CellGrid {
  private:
   LocalId index_along(int k, const Vec3& p) const {
     const Real way = p[axis_[k]] - min_[axis_[k]];
-    const Real cell = (way < 0 ? way + period_[k] : way) * per_length_[k];
+    const Real cell = (way < 0 && periodic_[k] ? way + length_[k] : way) * per_length_[k];
     const Real counted = std::max(0.0, std::min(cell, 2147483000.0));  // 0 for what is not a number
     return std::min(static_cast<LocalId>(counted), count_[k] - 1);
   }
@@ -60,7 +60,6 @@ class CellGrid {
   std::array<LocalId, 3> count_;
   std::array<Real, 3> per_length_;  // cells per metre
   std::array<Real, 3> length_{};
-  std::array<Real, 3> period_{};  // of periodic directions their length; 0 of others
   std::array<bool, 3> periodic_{};
 };
 

@@ -156,11 +156,11 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   parts.comm = std::make_unique<OwnCommunicator>(comm);
   parts.particles = std::move(particles);
   check_inside(*parts.comm, settings, parts.particles);
-  const bool anywhere = settings.obstacles.empty() && !extras.flow;
-  if (extras.first_cell || anywhere)
+  if (settings.obstacles.empty() && !extras.flow)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
   parts.box = Wrap::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
-  demand((parts.box.min.array() < settings.domain.max.array()).all(), "the first cell must be in the box");
+  demand(settings.domain.contains(parts.box.min) && (parts.box.min.array() < settings.domain.max.array()).all(),
+         "the first cell must be in the box");
   parts.grid = std::make_unique<CellGrid>(cell_grid(settings, parts.box));
   parts.particles.predicted = parts.particles.position;
   parts.slabs = std::make_unique<Slabs>(

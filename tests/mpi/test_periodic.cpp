@@ -285,5 +285,22 @@ TEST(Periodic, SettingsThatCannotBeAreRefused) {
   EXPECT_NE(with(ball).find("no image"), std::string::npos);
 }
 
+TEST(Periodic, CellsAreCountedFromTheCornerWhereThereAreObstacles) {
+  const Settings settings = scene_with(endless, {});
+  const auto first_cell = [&](const Settings& s, const std::array<LocalId, 3>& asked) {
+    SolverExtras extras;
+    extras.first_cell = asked;
+    return make_solver(world, s, {}, std::move(extras))->first_cell();
+  };
+  EXPECT_EQ(first_cell(settings, {2, 1, 0}), (std::array<LocalId, 3>{2, 1, 0}));
+  for (const LocalId bad : {-1, 1000}) EXPECT_THROW(first_cell(settings, {bad, 0, 0}), std::exception);
+  Settings round_a_ball = settings;
+  round_a_ball.periodic = {true, false, false};
+  round_a_ball.obstacles.resize(1);
+  round_a_ball.obstacles[0].center = Vec3(1.375, -0.375, 0.75);
+  round_a_ball.obstacles[0].radius = 0.1;
+  EXPECT_EQ(first_cell(round_a_ball, {2, 1, 0}), (std::array<LocalId, 3>{0, 0, 0}));
+}
+
 }  // namespace
 }  // namespace trevi::test

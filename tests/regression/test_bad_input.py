@@ -116,6 +116,19 @@ class BadInput(ProgramTest):
             (["scene.toml", "--restart", "scene.toml"], ["scene.toml"]),
         ))])
 
+    def test_a_pipe_that_nobody_writes_to(self):
+        self.assert_all_refused([("pipe", "", ["scene.toml"], ["scene.toml: a pipe that nobody has written to"],
+                                  lambda folder: ((folder / "scene.toml").unlink(), os.mkfifo(folder / "scene.toml")))],
+                                rank_counts=(2,))
+
+    def test_a_pipe_that_is_written_to(self):
+        (self.folder / "scene.toml").write_text("\n".join(GOOD))
+        command = 'exec "$0" --dry-run <(sleep 1; cat scene.toml)'
+        run = subprocess.run(["bash", "-c", command, str(self.trevi)], cwd=self.folder,
+                             env={**os.environ, **MPI_SETTINGS}, capture_output=True, text=True, timeout=TIME_LIMIT,
+                             check=False)
+        self.assertEqual(run.returncode, 0, run.stderr)
+
     def test_a_preview_replaces_previews_only(self):
         text = "\n".join(GOOD) + "\n[[fountain]]\ncenter = [0.5, 0.5]\n"
         self.assert_all_refused([("scene", text, ["scene.toml", "--preview", "scene.toml"],

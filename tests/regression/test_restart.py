@@ -306,15 +306,21 @@ class SceneChanges(unittest.TestCase):
             folder = self.folder.path("again")
             shutil.rmtree(folder, ignore_errors=True)
             shutil.copytree(output, folder)
+            with (folder / "series.csv").open("a") as file:
+                file.write("11,rows past the checkpoint\n")
             return runs.run(2, self.folder.scene(text), folder, "--restart", "latest", "--steps", 12, *set_to(settings))
         def answers(words, settings, expected):
             code, told = restart(*settings)
             self.assertEqual(code, expected, told)
             self.assertIn(words, told)
+        def past():
+            return "rows past" in (self.folder.path("again") / "series.csv").read_text()
         def refuse(words, *settings):
             answers(words, settings, 2)
+            self.assertTrue(past(), "a refused restart has cut the series")
         def allow(words, *settings):
             answers(words, settings, 0)
+            self.assertFalse(past())
         allow("obstacle.0.radius: 0.05 -> 0.06", "obstacle.0.radius=0.06")
         allow("obstacle.0.motion: 'way.csv' -> [[0, 1.5, 0.5, 1.5], [1, 1.5, 0.5, 1.4]]",
               "obstacle.0.motion=[[0, 1.5, 0.5, 1.5], [1, 1.5, 0.5, 1.4]]")

@@ -10,7 +10,7 @@ namespace {
 
 // Where its surface is: of one that turns, at any time.
 Box place_of(const ObstacleSettings& obstacle) {
-  const Box bounds = make_shape(obstacle)->bounds();
+  const Box bounds = bounds_of(obstacle);
   if (!obstacle.angular_velocity.isZero()) {
     const Real radius = bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm();
     return {obstacle.center.array() - radius, obstacle.center.array() + radius};

@@ -127,4 +127,16 @@ std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle) {
   return std::make_unique<Outside>(make_solid(obstacle));
 }
 
+Box bounds_of(const ObstacleSettings& obstacle) {
+  if (obstacle.shape != ShapeKind::mesh) return make_shape(obstacle)->bounds();
+  Box bounds{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  for (const auto& triangle : obstacle.mesh->triangles) {
+    for (const auto corner : triangle) {
+      const Vec3& p = obstacle.mesh->points[static_cast<std::size_t>(corner)];
+      bounds = {bounds.min.cwiseMin(p), bounds.max.cwiseMax(p)};
+    }
+  }
+  return bounds;
+}
+
 }  // namespace trevi

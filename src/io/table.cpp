@@ -1,13 +1,16 @@
-#include "io/kept_rows.hpp"
+#include "io/table.hpp"
 
 #include <charconv>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "io/files.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
+
+namespace {
 
 KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::string& header) {
   std::istringstream old(read_text(path));
@@ -28,12 +31,23 @@ KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::strin
   return kept;
 }
 
-KeptRows begin_table(const std::string& path, const std::string& header,
-                     const std::optional<std::int64_t>& restart_step) {
-  KeptRows kept{header + "\n", -1, {}};
-  if (restart_step && std::filesystem::exists(path)) kept = rows_up_to(path, *restart_step, header);
-  replace_file(path, kept.text);
-  return kept;
+}  // namespace
+
+Table::Table(std::string path, const std::string& header, const std::optional<std::int64_t>& restart_step)
+    : path_(std::move(path)), kept_{header + "\n", -1, {}} {
+  if (restart_step && std::filesystem::exists(path_)) kept_ = rows_up_to(path_, *restart_step, header);
+  if (!restart_step) open();
+}
+
+void Table::open() {
+  replace_file(path_, kept_.text);
+  kept_.text.clear();
+  file_.emplace(path_);
+}
+
+void Table::write(std::string_view row) {
+  if (!file_) open();
+  file_->write(row);
 }
 
 }  // namespace trevi
