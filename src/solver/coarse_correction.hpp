@@ -38,6 +38,8 @@ class CoarseCorrection {
   std::size_t bytes() const { return water_.bytes() + pressure_.bytes(); }
 
  private:
+  /// The share of the motion against its cell that a particle there loses in the substep.
+  Real noise_share(std::size_t at) const;
   CellDisplacement displacement_of(LocalId k, LocalId r, LocalId c) const;
   bool is_closed(std::size_t a, std::size_t face, bool wall) const { return wall || water_.face(a, face) == 0; }
   Real through_closed(std::size_t a, std::size_t face) const;

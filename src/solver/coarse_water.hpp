@@ -42,6 +42,8 @@ class CoarseWater {
   Real face(std::size_t a, std::size_t at) const { return solids_ ? solids_->face(a, at) : 1; }
   /// Whether the cell is solid; it is wet where the water below it has no surface under it.
   bool is_solid(std::size_t at) const { return solids_ && solids_->open(at) == 0; }
+  /// Whether a solid closes a part of the cell.
+  bool is_cut(std::size_t at) const { return solids_ && solids_->open(at) > 0 && solids_->open(at) < 1; }
   /// Share of the cell that is not solid; its fill is a share of that.
   Real open(std::size_t at) const { return solids_ ? solids_->open(at) : 1; }
   /// The largest number of cells directly above one another that may hold water, over all ranks.

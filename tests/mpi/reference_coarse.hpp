@@ -371,9 +371,10 @@ class ReferenceCoarse {
       const std::optional<Real> low = through(a, cell), high = through(a, cell + unit(a));
       const Real from = low.value_or(high.value_or(0)), to = high.value_or(from), f = i.place[a] - c[a];
       u[a] = from + f * (to - from);
-      off[a] = mean(a, c) + f * (mean(a, c + unit(a)) - mean(a, c)) - i.way[a];
+      const Real lower = mean(a, cell), upper = follows && a == 2 ? lower : mean(a, cell + unit(a));
+      off[a] = lower + f * (upper - lower) - i.way[a];
     }
-    if (wet(c)) u += noise_share / (1 + off.squaredNorm() / std::pow(noise_, 2)) * off;
+    if (wet(c) || follows) u += noise_share / (1 + off.squaredNorm() / std::pow(noise_, 2)) * off;
     if (!follows && !is_top(c)) return u;
     const Cell top = follows ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
