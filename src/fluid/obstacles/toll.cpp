@@ -1,11 +1,22 @@
 #include "fluid/obstacles/toll.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "parallel/reductions.hpp"
 
 namespace trevi {
+
+namespace {
+
+// In units: far beyond any way that a solver would let a particle go, and a number in any case.
+Real countable(Real units) {
+  constexpr Real most = 0x1p55;
+  return std::max(-most, std::min(most, units));
+}
+
+}  // namespace
 
 Toll::Toll(std::size_t takers, Real h)
     : columns_(numbers * takers),
@@ -28,8 +39,8 @@ void Toll::add(std::size_t taker, std::span<const Push> pushes) {
                       arm.x() * shift.y() - arm.y() * shift.x());
     for (std::size_t a = 0; a < 3; ++a) {
       const auto axis = static_cast<Eigen::Index>(a);
-      sums[a] += std::llrint(shift[axis] * per_shift_);
-      sums[a + 3] += std::llrint(moment[axis] * per_moment_);
+      sums[a] += std::llrint(countable(shift[axis] * per_shift_));
+      sums[a + 3] += std::llrint(countable(moment[axis] * per_moment_));
     }
   }
   std::int64_t* const all = sums_.mine().data() + numbers * taker;
