@@ -1,12 +1,15 @@
 #!/usr/bin/python3
-"""Flow between plates and in a pipe whose walls hold it, against the parabolas of Poiseuille.
+"""Flow that walls hold: between plates and in a pipe, against the parabolas of Poiseuille; between a cylinder that turns and one
+at rest, against Taylor and Couette.
 
-Both are 1 m wide, repeat along x, and are pulled such that the middle comes to 1 m/s; nu = 0.2 m²/s, wendland_c2 with h = 4
-spacings. The pipe is filled with rings of particles, as a lattice leaves a gap at a round wall. When the flow is steady: the root
-mean square and the largest of what velocities along x differ from the parabola by, m/s, and the mean over that of the parabola.
-The rows go to a CSV file.
+All are 1 m wide and repeat along x; nu = 0.2 m²/s, wendland_c2 with h = 4 spacings. Plates and pipe are pulled such that the middle
+comes to 1 m/s; the inner cylinder, of 0.4 m, turns with 1 m/s. Round ones are filled with rings of particles, as a lattice leaves
+a gap at a round wall. When the flow is steady: the root mean square and the largest of what velocities along the flow differ
+from the exact ones by, m/s, and the mean over that of the exact ones; for cylinders, the torque on the one at rest over the exact
+one in the second half of the run. The rows go to a CSV file.
 """
 
+import csv
 import tempfile
 from pathlib import Path
 
@@ -16,8 +19,9 @@ import numpy as np
 from study import launch, parser_of, states_of, write_table
 
 NU, WIDTH = 0.2, 1.0  # m²/s, m
-TIMES = {"plates": 3.0, "pipe": 1.5}  # s, until 0.3 % and 0.1 % of the start are left
-PULLS = {"plates": 1.6, "pipe": 3.2}  # m/s²
+INNER = 0.2  # m, the radius of the cylinder that turns
+TIMES = {"plates": 3.0, "pipe": 1.5, "cylinders": 0.5}  # s, until 0.3, 0.1 and 0.01 % of the start are left
+PULLS = {"plates": 1.6, "pipe": 3.2, "cylinders": 0.0}  # m/s²
 PIPE = """[[obstacle]]
 type = "cylinder"
 inside = true
@@ -25,6 +29,14 @@ center = [1.0, 0.5, 0.5]
 axis = [1.0, 0.0, 0.0]
 radius = 0.5
 height = 20.0
+"""
+TURNING = f"""[[obstacle]]
+type = "cylinder"
+center = [1.0, 0.5, 0.5]
+axis = [1.0, 0.0, 0.0]
+radius = {INNER}
+height = 20.0
+angular_velocity = [{1 / INNER}, 0.0, 0.0]
 """
 
 
@@ -37,17 +49,19 @@ def scene_of(flow, across):
     else:
         box = f'[domain]\nmin = [0.0, {-h!r}, {-h!r}]\nmax = [{length!r}, {1 + h!r}, {1 + h!r}]\nperiodic = ["x"]\n'
         block = f'[[particles]]\ntype = "file"\npath = "rings.h5"\n{PIPE}'
+        if flow == "cylinders":
+            block += TURNING
     return (f'{box}[fluid]\nspacing = {s!r}\nkernel_radius = {h!r}\ndensity_kernel = "wendland_c2"\n{block}'
             f"[gravity]\nacceleration = [{PULLS[flow]}, 0.0, 0.0]\n[viscosity]\nnu = {NU}\nno_slip = true\n"
             f"[time]\ndt = 0.01\nend = {TIMES[flow]}\n[output.series]\n[output.checkpoint]\nkeep = 1\n")
 
 
-def rings(across):
-    """Positions at distances (k + 1/2) s from the axis, s apart along each ring and from ring to ring."""
+def rings(across, inner=0.0):
+    """Positions at distances inner + (k + 1/2) s from the axis, s apart along each ring and from ring to ring."""
     s, points = WIDTH / across, []
     for layer in range(12):
-        for k in range(across // 2):
-            radius = (k + 0.5) * s
+        for k in range(round((WIDTH / 2 - inner) / s)):
+            radius = inner + (k + 0.5) * s
             count = max(1, round(2 * np.pi * radius / s))
             angle = 2 * np.pi * (np.arange(count) + 0.5 * (layer % 2)) / count
             x = np.full(count, (layer + 0.5) * s)
@@ -55,29 +69,47 @@ def rings(across):
     return np.concatenate(points)
 
 
-def write_rings(across, path):
+def write_rings(across, path, inner=0.0):
     with h5py.File(path, "w") as stream:
-        stream["particles/position"] = rings(across).astype(np.float32)
+        stream["particles/position"] = rings(across, inner).astype(np.float32)
+
+
+def along_and_exact(flow, position, velocity):
+    """Velocities along the flow of all particles, and what they are in the exact one."""
+    across = position[:, 1:] - 0.5
+    if flow == "plates":
+        return velocity[:, 0], 1 - 4 * across[:, 1]**2
+    radius, outer = np.hypot(*across.T), WIDTH / 2
+    if flow == "pipe":
+        return velocity[:, 0], 1 - 4 * radius**2
+    along = (across[:, 0] * velocity[:, 2] - across[:, 1] * velocity[:, 1]) / radius
+    return along, INNER / (outer**2 - INNER**2) * (outer**2 / radius - radius)
+
+
+def torque_over_exact(folder, length):
+    """The mean of the torque on the outer cylinder over that of Taylor and Couette."""
+    with open(folder / "obstacles.csv", encoding="utf-8") as stream:
+        torques = [float(row["torque_x_0"]) for row in csv.DictReader(stream) if float(row["time"]) > TIMES["cylinders"] / 2]
+    outer = WIDTH / 2
+    exact = 4 * np.pi * 1000 * NU * INNER * outer**2 / (outer**2 - INNER**2) * length
+    return round(float(np.mean(torques)) / exact, 4)
 
 
 def measure(trevi, flow, across):
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / "scene.toml"
         scene.write_text(scene_of(flow, across), encoding="utf-8")
-        write_rings(across, Path(folder) / "rings.h5")
+        write_rings(across, Path(folder) / "rings.h5", INNER if flow == "cylinders" else 0.0)
         code, message = launch(trevi, scene, Path(folder) / "run", [], time_limit=36000)
         if code != 0:
             raise SystemExit(message)
         position, velocity = states_of(Path(folder) / "run")[-1]
-    if flow == "plates":
-        distance = np.abs(position[:, 2] - 0.5)
-    else:
-        distance = np.hypot(position[:, 1] - 0.5, position[:, 2] - 0.5)
-    exact, along = 1 - 4 * distance**2, velocity[:, 0]
+        torque = torque_over_exact(Path(folder) / "run", 12 * WIDTH / across) if flow == "cylinders" else ""
+    along, exact = along_and_exact(flow, position, velocity)
     return {"flow": flow, "across": across, "particles": len(along),
             "rms_error": round(float(np.sqrt(np.mean((along - exact)**2))), 4),
             "largest_error": round(float(np.abs(along - exact).max()), 4),
-            "mean_over_exact": round(float(along.mean() / exact.mean()), 4)}
+            "mean_over_exact": round(float(along.mean() / exact.mean()), 4), "torque_over_exact": torque}
 
 
 def main():
@@ -90,7 +122,7 @@ def main():
         return
     rows = []
     for across in (10, 20, 40, 80):
-        for flow in ("plates", "pipe") if across <= arguments.finest else ():
+        for flow in TIMES if across <= arguments.finest else ():
             rows.append(measure(arguments.trevi, flow, across))
             print(rows[-1], flush=True)
     write_table(arguments.output, rows)

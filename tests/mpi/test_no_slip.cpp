@@ -1,10 +1,12 @@
 // Walls that hold the water: shear in a straight line stays, a channel comes to its parabola, what the wall of a pipe
-// has taken balances with the water's momentum, and the bits do not depend on the ranks.
+// has taken balances with the water's momentum, one that turns takes water along as fast as its surface goes, and the
+// bits do not depend on the ranks.
 #include <cmath>
 #include <cstdio>
 
 #include "cloud.hpp"
 #include "fluid/density.hpp"
+#include "fluid/obstacles/obstacles.hpp"
 #include "kept_run.hpp"
 #include "output_fixture.hpp"
 
@@ -38,6 +40,9 @@ const std::string pipe = "[domain]\nmin = [0, -0.2, -0.2]\nmax = [0.6, 1.2, 1.2]
                          "acceleration = [3.2, 0.5, 0]\n"
                          "[[obstacle]]\ntype = 'cylinder'\ninside = true\ncenter = [0.3, 0.5, 0.5]\naxis = [1, 0, 0]\n"
                          "radius = 0.5\nheight = 4\n";
+const std::string turning =
+    "[[obstacle]]\ntype = 'cylinder'\ncenter = [0.3, 0.5, 0.5]\naxis = [1, 0, 0]\nradius = 0.2\n"
+    "height = 4\nangular_velocity = [5, 0, 0]\n";
 
 // Between plates the parabola g z (1 - z)/(2 nu), 1 m/s in the middle here.
 TEST(NoSlip, AChannelComesToItsParabola) {
@@ -60,19 +65,36 @@ TEST(NoSlip, AChannelComesToItsParabola) {
 
 // The momentum of water with rest density changes by its weight less what the pipe and the box took.
 TEST(NoSlip, WhatThePipeTakesBalances) {
-  Flow flow(world, pipe);
+  Flow flow(world, pipe + turning);
   flow.steps(40);
   const Real mass = 1000 * std::pow(0.05, 3), water = mass * static_cast<Real>(flow.rows.front().particles);
   const Real factor = mass / particle_mass(flow.scene.fluid);
   for (std::size_t k = 1; k < flow.rows.size(); ++k) {
-    const Vec3 taken = flow.forces[k][0].force + flow.forces[k][1].force;
+    const Vec3 taken = flow.forces[k][0].force + flow.forces[k][1].force + flow.forces[k][2].force;
     const Vec3 change = factor * (flow.rows[k].momentum - flow.rows[k - 1].momentum) / flow.scene.dt;
     EXPECT_LT((change - (water * *flow.scene.gravity - taken)).norm(), 1e-6 * water * 3.2) << k;
   }
 }
 
+// However far from the axis the water is that it holds.
+TEST(NoSlip, SurfaceGoesAsFastAsItTurns) {
+  const Scene scene = parse_scene("test.toml", pipe + turning, {});
+  Obstacles obstacles(scene, Walls(scene.domain, scene.walls, 1e-7),
+                      AnalyticWallDensity(scene.domain, kernels_of(scene.fluid).density, scene.fluid.spacing,
+                                          scene.fluid.kernel_radius));
+  obstacles.move(0, 0.01);
+  int met = 0;
+  for (const Real distance : {0.01, 0.05, 0.1, 0.15}) {
+    obstacles.for_each_near({0.3, 0.5, 0.7 + distance}, [&](std::size_t k, Real, const Vec3& way) {
+      EXPECT_LT((way - Vec3(0, k == 1 ? -5 * 0.2 * 0.01 : 0, 0)).norm(), 0.0005) << distance;
+      met += k == 1;
+    });
+  }
+  EXPECT_EQ(met, 4);
+}
+
 TEST(NoSlip, SameBitsOnAnyRanks) {
-  for (const std::string& text : {channel, pipe + "[density]\nprecision = 'single'\n"}) {
+  for (const std::string& text : {channel, pipe + turning, pipe + "[density]\nprecision = 'single'\n"}) {
     Flow together(world, text), alone(MPI_COMM_SELF, text);
     together.steps(8);
     alone.steps(8);

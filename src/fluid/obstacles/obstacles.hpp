@@ -49,7 +49,9 @@ class Obstacles {
       const Body& body = *bodies_[k];
       if (!body.is_near(p)) continue;
       const Vec3 there = body.now().into_body(p);
-      visit(k, body.map().at(there).distance, Vec3(p - body.before().into_world(there)));
+      const PlaneLike plane = body.map().at(there);
+      const Vec3 surface = there - plane.distance * plane.gradient.stableNormalized();
+      visit(k, plane.distance, Vec3(body.now().into_world(surface) - body.before().into_world(surface)));
     }
   }
 

@@ -21,13 +21,17 @@ Box place_of(const ObstacleSettings& obstacle) {
   return {middle - half, middle + half};
 }
 
-// Whether it is a straight one along an axis, the same wherever it is cut.
+bool is_along(Vec3 direction, int axis) {
+  direction[axis] = 0;
+  return direction.isZero();
+}
+
+// Whether it is a straight one along an axis, the same wherever it is cut; a cylinder may turn about it.
 bool is_straight(const ObstacleSettings& obstacle, int axis) {
-  if (!obstacle.rotate.isZero() || obstacle.moves()) return false;
-  if (obstacle.shape == ShapeKind::box) return true;
-  Vec3 across = obstacle.axis;
-  across[axis] = 0;
-  return obstacle.shape == ShapeKind::cylinder && across.isZero();
+  if (!obstacle.rotate.isZero()) return false;
+  if (obstacle.shape == ShapeKind::box) return !obstacle.moves();
+  return obstacle.shape == ShapeKind::cylinder && is_along(obstacle.axis, axis) &&
+         is_along(obstacle.angular_velocity, axis);
 }
 
 bool fits(const ObstacleSettings& obstacle, const Box& place, const Settings& settings, int axis) {
