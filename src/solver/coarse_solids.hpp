@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "fluid/obstacles/obstacles.hpp"
 #include "solver/coarse_grid.hpp"
 
@@ -15,7 +16,7 @@ namespace trevi {
 
 class CoarseSolids {
  public:
-  explicit CoarseSolids(const Obstacles& obstacles) : obstacles_(obstacles) {}
+  explicit CoarseSolids(const Obstacles& obstacles);
 
   /// For the planes and columns that `grid` has now.
   void measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box);
@@ -54,15 +55,26 @@ class CoarseSolids {
     Real distance;
     std::size_t body;
   };
+  using Bodies = std::vector<std::size_t>;  // numbers of obstacles, in their order
+  // Those that matter to a row of cells and to a cell of it.
+  struct Candidates {
+    Bodies of_row, of_cell;
+    std::vector<Real> distance;
+  };
   Vec3 place(const Vec3& in_cells) const;
+  Vec3 in_box(const Vec3& p) const;
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
-  Nearest nearest_at(const Vec3& p) const;
-  bool meets_sheet(const Vec3& from, const Vec3& to) const;
-  void measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells) const;
-  Cell cell_at(LocalId k, LocalId r, LocalId c) const;
-  Real face_at(std::size_t a, const Vec3& corner) const;
-  Real surface_at(const Vec3& corner) const;
-  bool is_passage(std::size_t a, const Vec3& on_face) const;
+  Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
+  void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
+  template <class Visit>
+  void for_each_row_near(const CoarseGrid& grid, const Visit& visit);
+  bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
+  void measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells);
+  Cell cell_at(const Vec3& corner, Candidates& candidates) const;
+  Real face_at(std::size_t a, const Vec3& corner, const Bodies& bodies) const;
+  Real surface_at(const Vec3& corner, const Bodies& bodies) const;
+  Real open_at(const Vec3& corner, const Bodies& bodies) const;
+  bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   LocalId plane_of(const CoarseGrid& grid, LocalId k) const;
   void measure_motion(const CoarseGrid& grid);
   void take_columns(const CoarseGrid& grid);
@@ -72,6 +84,8 @@ class CoarseSolids {
   }
 
   const Obstacles& obstacles_;
+  Bodies all_bodies_;
+  PerThread<Candidates> candidates_;
   Box box_;
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction

@@ -73,6 +73,8 @@ class Body {
   /// The signed distance of p in the frame of the body, for the coarse grid: near the surface to a twelfth of h where
   /// exact ones take long (meshes), and further away enough to tell that it is.
   Real rough_distance(const Vec3& p) const { return rough_ ? rough_->at(p).distance : shape_->distance(p); }
+  /// Whether that is not the distance itself.
+  bool is_rough() const { return rough_ != nullptr; }
   /// Whether the straight way in between may come to the surface; true where that is not known.
   bool may_cross(const Vec3& from, const Vec3& to) const;
 
