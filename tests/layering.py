@@ -16,7 +16,7 @@ import tempfile
 from collections import namedtuple
 from pathlib import Path
 
-ROOMS = ["base", "parallel", "particles", "domain", "fluid", "solver", "music", "io", "live", "app", "view"]
+ROOMS = ["base", "parallel", "particles", "domain", "fluid", "projection", "solver", "music", "io", "live", "app", "view"]
 PUBLIC = {  # header of the library: its room
     "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",

@@ -167,7 +167,7 @@ void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<
     delta_loop_(pairs, here, sums);
   };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
-    if (obstacles_ && walls_) tell_obstacles(here, records, p, delta);
+    if (obstacles_ && walls_ && obstacles_->records_impulses()) tell_obstacles(here, records, p, delta);
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
       const T multiplier = records[i].w;
       Vec4<T>& out = delta[i];

@@ -42,6 +42,8 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   resize_tightly(delta_, particles.id.size());
   resize_tightly(multiplier_, particles.id.size());
   std::fill(multiplier_.begin(), multiplier_.end(), T{0});
+  positions_only_ = false;
+  if (around_.obstacles != nullptr) around_.obstacles->record_impulses(true);
 }
 
 template <class T>
@@ -107,8 +109,98 @@ void DensityProblem<T>::collide_in_periods(Range part, Real relaxation) {
 }
 
 template <class T>
-void DensityProblem<T>::compute_coarse_delta(CoarseCorrection& coarse) {
-  coarse.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, delta_);
+void DensityProblem<T>::project(Projection& projection) {
+  projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, delta_);
+  resize_tightly(act_, delta_.size());
+  resize_tightly(in_flight_, delta_.size());
+  for_each_index(near_.all(), [&](std::size_t i) {
+    act_[i] = delta_[i].w;
+    in_flight_[i] = 0;
+  });
+}
+
+template <class T>
+void DensityProblem<T>::set_velocities() {
+  std::vector<Vec3>&x = particles_->position, &p = particles_->predicted, &v = particles_->velocity;
+  for_each_index(near_.all(), [&](std::size_t i) {
+    v[i] = (p[i] - x[i]) / dt_;
+    x[i] = p[i];
+  });
+  positions_only_ = true;
+  if (around_.obstacles != nullptr) around_.obstacles->record_impulses(false);
+}
+
+template <class T>
+void DensityProblem<T>::gather_in_flight(Range part) {
+  for_each_index(part, [&](std::size_t i) { in_flight_[i] += (1 - act_[i]) * multiplier_[i]; });
+}
+
+// Rows of cells that have a multiplier in or beside them.
+template <class T>
+std::vector<Range> DensityProblem<T>::rows_in_flight() const {
+  const CellOrder& order = near_.order();
+  const LocalId rows = order.grid().rows(), columns = order.grid().columns(), planes = order.planes();
+  const auto range_of = [&](LocalId k, LocalId r) {
+    return Range{order.start(k, r * columns), order.start(k, (r + 1) * columns)};
+  };
+  std::vector<char> held(static_cast<std::size_t>(planes + 2) * static_cast<std::size_t>(rows), 0);
+  for_each_part((planes + 2) * rows, [&](LocalId row) {
+    const auto [begin, end] = range_of(row / rows, row % rows);
+    const std::span<const Packed<T>> records = near_.records();
+    for (LocalId i = begin; i < end; ++i)
+      if (records[static_cast<std::size_t>(i)].w != 0) held[static_cast<std::size_t>(row)] = 1;
+  });
+  std::vector<Range> found;
+  for (LocalId k = 1; k <= planes; ++k) {
+    for (LocalId r = 0; r < rows; ++r) {
+      bool any = false;
+      for (LocalId i = k - 1; i <= k + 1; ++i) {
+        for (LocalId j = r - 1; j <= r + 1; ++j)
+          any = any || held[static_cast<std::size_t>(i * rows + (j + rows) % rows)] != 0;
+      }
+      const auto [begin, end] = range_of(k, r);
+      const Range owned{begin - order.low_ghosts(), end - order.low_ghosts()};
+      if (!any || owned.size() == 0) continue;
+      if (!found.empty() && found.back().end == owned.begin) {
+        found.back().end = owned.end;
+      } else {
+        found.push_back(owned);
+      }
+    }
+  }
+  return found;
+}
+
+template <class T>
+void DensityProblem<T>::release_in_flight() {
+  with_halo(Phase::lambda, [&](Range part) {
+    if (part.size() == 0) return;
+    for_each_index(part, [in_flight = in_flight_.data(), record = &near_.record(0)](std::size_t i) {
+      record[i].w = in_flight[i];
+    });
+  });
+  const ScopedEvent timed(delta_event_);
+  for (const Range& part : rows_in_flight()) {
+    for_each_index(part, [&](std::size_t i) { delta_[i] = Vec4<T>{}; });
+    constraint_.deltas(pairs(), part, particles_->predicted, delta_);
+    for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += vector_of(delta_[i]) / dt_; });
+    count_pass(part, DensityConstraint<T>::delta_flops);
+  }
+}
+
+template <class T>
+void DensityProblem<T>::filter_shifts(Projection& projection) {
+  const std::vector<Vec3>&x = particles_->position, &p = particles_->predicted;
+  const typename Projection::Swept<T> swept{{x, p}, act_, rho_, constraint_.model().rest_density};
+  projection.filter<T>(near_.order(), near_.halo(), swept);
+  for_each_index(near_.all(), [&](std::size_t i) { delta_[i] = Vec4<T>{}; });
+  projection.for_each_shift<T>(near_.order(), swept, [&](std::size_t i, const Vec3& smooth, const Eigen::Matrix3d&) {
+    delta_[i] = {static_cast<T>(-smooth.x()), static_cast<T>(-smooth.y()), static_cast<T>(-smooth.z()), 0};
+  });
+  with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
+  projection.for_each_shift<T>(near_.order(), swept, [&](std::size_t i, const Vec3&, const Eigen::Matrix3d& slope) {
+    particles_->velocity[i] += slope * (p[i] - x[i]) / dt_;
+  });
 }
 
 // The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so

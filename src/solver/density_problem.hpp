@@ -2,7 +2,12 @@
 // C_i = 0, on a neighbour list that stays as it is, by the operations below. Line numbers are those of Algorithm 1 of
 // Macklin & Müller 2013. An operation for a range changes the records of owned particles only; with_halo() brings the
 // ghosts up to date, and sends the messages while interior planes are worked on. Collective: with_halo, compression,
-// compute_coarse_delta.
+// project, release_in_flight, filter_shifts.
+//
+// With a projection, velocities are what it makes of them, set_velocities(), and the sweeps after it shift positions only:
+// a lattice that is sheared is denser by its kernel sums than one that is not, and a sweep that became velocity would
+// resist. Where the grid does not act, in sheets, thin jets and spray, the sweeps are all there is: there their multipliers
+// become velocity, too, each with its own fraction 1 − act_i, so that the two of a pair keep their momentum.
 #pragma once
 
 #include <array>
@@ -12,7 +17,7 @@
 #include "domain/wrap.hpp"
 #include "fluid/density.hpp"
 #include "fluid/walls.hpp"
-#include "solver/coarse_correction.hpp"
+#include "projection/projection.hpp"
 
 namespace trevi {
 
@@ -52,8 +57,14 @@ class DensityProblem {
   Compression compression() const;
   /// delta_i, m, of all owned particles from the present lambda (lines 12 and 13).
   void compute_delta();
-  /// Sets delta from the coarse-grid correction instead: displacements that keep the volume over long distances.
-  void compute_coarse_delta(CoarseCorrection& coarse);
+  /// Sets delta from the projection instead: displacements that keep the volume over long distances.
+  void project(Projection& projection);
+  /// Velocities from the motion up to now; positions shift alone from here on.
+  void set_velocities();
+  /// Gives the water in flight the velocity that the sweeps have found for it.
+  void release_in_flight();
+  /// Takes off the shifts since set_velocities() what moves the water as a whole.
+  void filter_shifts(Projection& projection);
   /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
   /// them.
   void separate_coincident();
@@ -68,6 +79,10 @@ class DensityProblem {
   void compute_density();
 
   const CellOrder& order() const { return near_.order(); }
+  /// All owned particles.
+  Range all() const { return near_.all(); }
+  /// Of the substep, s.
+  Real dt() const { return dt_; }
   /// Null where there are none.
   const Obstacles* obstacles() const { return around_.obstacles; }
   /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
@@ -82,7 +97,8 @@ class DensityProblem {
   /// included.
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const {
-    return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) + multiplier_.capacity() * sizeof(T);
+    return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) +
+           (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
   }
 
  private:
@@ -91,6 +107,8 @@ class DensityProblem {
   void collide_in_periods(Range part, Real relaxation);
   void find_lambda(Range part, const UseLambda& use);
   void set_multipliers(Range part);
+  void gather_in_flight(Range part);
+  std::vector<Range> rows_in_flight() const;
   void count_pass(Range part, double flops_per_pair);
 
   MPI_Comm comm_;
@@ -102,6 +120,9 @@ class DensityProblem {
   std::vector<Real> rho_;
   std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' shares
   std::vector<T> multiplier_;   // m², as in the records
+  bool positions_only_ = false;
+  std::vector<T> act_;        // how far the grid acts on each particle
+  std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};
@@ -126,6 +147,7 @@ void DensityProblem<T>::compute_lambda(Range part, const Chosen& chosen) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k)
       multiplier[k] = own(lambda[k], multiplier[k]);
   });
+  if (positions_only_) gather_in_flight(part);
   set_multipliers(part);
 }
 

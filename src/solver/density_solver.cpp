@@ -5,7 +5,7 @@
 
 #include "base/threads.hpp"
 #include "solver/anderson.hpp"
-#include "solver/free_flight.hpp"
+#include "solver/free_momentum.hpp"
 
 namespace trevi {
 
@@ -92,26 +92,53 @@ class Chebyshev : public DensitySolver<T> {
   Real relaxation_, largest_;
 };
 
-// The coarse-grid correction as the first iteration, then another solver for the error that it leaves.
+Projection make_projection(const DensitySolverContext& context) {
+  return {context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()},
+          context.obstacles};
+}
+
+// The projection as the first iteration, then another solver for the error that it leaves; all of it becomes velocity.
 template <class T>
-class CoarseFirst : public DensitySolver<T> {
+class ProjectionFirst : public DensitySolver<T> {
  public:
-  CoarseFirst(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> fine)
-      : coarse_(context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()},
-                context.obstacles),
-        fine_(std::move(fine)) {}
+  ProjectionFirst(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> fine)
+      : projection_(make_projection(context)), fine_(std::move(fine)) {}
 
   SolveResult solve(DensityProblem<T>& problem) override {
-    problem.compute_coarse_delta(coarse_);
+    problem.project(projection_);
     problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
     const SolveResult rest = fine_->solve(problem);
     return {rest.iterations + 1, rest.converged};
   }
-  std::size_t bytes() const override { return coarse_.bytes() + fine_->bytes(); }
+  std::size_t bytes() const override { return projection_.bytes() + fine_->bytes(); }
 
  private:
-  CoarseCorrection coarse_;
+  Projection projection_;
   std::unique_ptr<DensitySolver<T>> fine_;
+};
+
+// Velocities from the projection; the sweeps after it shift positions only.
+template <class T>
+class Projected : public DensitySolver<T> {
+ public:
+  Projected(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> sweeps)
+      : projection_(make_projection(context)), sweeps_(std::move(sweeps)) {}
+
+  SolveResult solve(DensityProblem<T>& problem) override {
+    problem.project(projection_);
+    problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
+    problem.set_velocities();
+    const SolveResult rest = sweeps_->solve(problem);
+    problem.release_in_flight();
+    problem.filter_shifts(projection_);
+    return {rest.iterations + 1, rest.converged};
+  }
+  bool sets_velocities() const override { return true; }
+  std::size_t bytes() const override { return projection_.bytes() + sweeps_->bytes(); }
+
+ private:
+  Projection projection_;
+  std::unique_ptr<DensitySolver<T>> sweeps_;
 };
 
 template <class T>
@@ -133,14 +160,15 @@ bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >
 template <class T>
 std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
                                                       const DensitySolverContext& context) {
-  // Where the box repeats there is no angular momentum to keep.
-  const bool endless = context.grid.is_periodic(0) || context.grid.is_periodic(1) || context.grid.is_periodic(2);
-  if (settings.coarse_grid && context.gravity.isZero() && !endless)
-    return std::make_unique<FreeFlight<T>>(context, make_fine<T>(settings, context));
-  if (!settings.coarse_grid || !is_downward(context.gravity)) return make_fine<T>(settings, context);
+  if (!settings.coarse_grid || !(context.gravity.isZero() || is_downward(context.gravity)))
+    return make_fine<T>(settings, context);
   DensitySettings rest = settings;
-  rest.iterations = std::max(1, rest.iterations - 1);  // without an iteration after it the correction amplifies noise
-  return std::make_unique<CoarseFirst<T>>(context, make_fine<T>(rest, context));
+  rest.iterations = std::max(1, rest.iterations - 1);  // without an iteration after it the projection leaves noise
+  std::unique_ptr<DensitySolver<T>> fine = make_fine<T>(rest, context);
+  if (settings.method != Method::chebyshev) return std::make_unique<ProjectionFirst<T>>(context, std::move(fine));
+  auto projected = std::make_unique<Projected<T>>(context, std::move(fine));
+  if (!context.gravity.isZero()) return projected;
+  return std::make_unique<FreeMomentum<T>>(context, std::move(projected));
 }
 
 template std::unique_ptr<DensitySolver<float>> make_density_solver(const DensitySettings&, const DensitySolverContext&);

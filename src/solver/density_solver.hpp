@@ -5,8 +5,8 @@
 //   jacobi     p* += relaxation · delta (relaxation 1 in the paper)
 //   chebyshev  the same, accelerated by Chebyshev weights (Wang 2015) on the multipliers
 //   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options apply)
-// With `coarse_grid` the first iteration of any of them is the coarse-grid correction, as under gravity pressure acts
-// over long distances. Without gravity the iterations alone do as well, and keep momentum to rounding.
+// With `coarse_grid` the first iteration of any of them is the projection (projection/projection.hpp). With chebyshev the
+// velocities are then the projection's, and the sweeps after it shift positions only.
 #pragma once
 
 #include <memory>
@@ -26,6 +26,8 @@ class DensitySolver {
  public:
   virtual ~DensitySolver() = default;
   virtual SolveResult solve(DensityProblem<T>& problem) = 0;
+  /// Whether solve() leaves the velocities, too; else they are (p* − x)/dt.
+  virtual bool sets_velocities() const { return false; }
   virtual std::size_t bytes() const { return 0; }
 };
 

@@ -71,7 +71,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   problem_.start(parts_.particles, info.dt);
   const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
   reporter_.note_solution(result);
-  update_velocities(info.dt);       // 21
+  if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
   apply_velocity_filters(info.dt);  // 22
   vote_on_failures();               //     all ranks throw, or none
   accept_positions();               // 23

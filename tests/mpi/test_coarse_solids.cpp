@@ -5,7 +5,7 @@
 #include "cloud.hpp"
 #include "fluid/obstacles/obstacles.hpp"
 #include "particles/cell_grid.hpp"
-#include "solver/coarse_solids.hpp"
+#include "projection/cut_cells.hpp"
 
 namespace trevi::test {
 namespace {
@@ -38,8 +38,8 @@ struct Measured {
   Settings settings = many_solids(world);
   AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
-  CoarseSolids solids{obstacles};
-  CoarseGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+  CutCells solids{obstacles};
+  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
 
   Measured() {
     grid.resize(planes_a_rank, 10);
@@ -65,7 +65,7 @@ struct Measured {
   }
 };
 
-TEST(CoarseSolids, SharesAreThoseOfAllObstacles) {
+TEST(CutCells, SharesAreThoseOfAllObstacles) {
   const Measured m;
   const Vec3 half = m.grid.size() / 2;
   Real wrong_cell = 0, wrong_faces = 0;

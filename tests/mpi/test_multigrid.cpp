@@ -7,7 +7,7 @@
 
 #include "base/threads.hpp"
 #include "cloud.hpp"
-#include "solver/coarse_multigrid.hpp"
+#include "projection/multigrid.hpp"
 
 namespace trevi::test {
 namespace {
@@ -50,7 +50,7 @@ struct Lake {
   }
 };
 
-void fill(CoarseLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId c) {
+void fill(MultigridLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId c) {
   const LevelShape& shape = cells.shape();
   LocalId plane = k - 1 + shape.first;
   lake.wrap(plane, r);
@@ -80,11 +80,11 @@ struct Tank {
         for (LocalId c = 0; c < lake.columns; ++c) fill(multigrid.finest(), lake, k, r, c);
   }
   Halo halo;
-  CoarseMultigrid multigrid;
+  Multigrid multigrid;
 };
 
 /// sqrt(Σ phi A phi) of the equation without right-hand side, on one rank.
-Real energy_norm(CoarseLevel& cells) {
+Real energy_norm(MultigridLevel& cells) {
   cells.find_residual();
   Real sum = 0;
   for (std::size_t at = 0; at < cells.phi.size(); ++at) sum -= cells.phi[at] * cells.next[at];
@@ -94,7 +94,7 @@ Real energy_norm(CoarseLevel& cells) {
 /// The largest share of an error that one of six cycles leaves.
 Real share_left(const Lake& lake) {
   Tank run(MPI_COMM_SELF, lake, lake.planes);
-  CoarseLevel& cells = run.multigrid.finest();
+  MultigridLevel& cells = run.multigrid.finest();
   std::fill(cells.rhs.begin(), cells.rhs.end(), 0.0);
   run.multigrid.solve(run.halo, 0);
   Real largest = 0;
@@ -154,7 +154,7 @@ void expect_same_as_alone(const Lake& lake, int kind, GlobalId gathered) {
   Tank many(world, lake, planes, gathered), one(MPI_COMM_SELF, lake, lake.planes);
   many.multigrid.solve(many.halo, 2);
   one.multigrid.solve(one.halo, 2);
-  const CoarseLevel& mine = many.multigrid.finest();
+  const MultigridLevel& mine = many.multigrid.finest();
   const auto first = static_cast<std::size_t>(mine.shape().first);
   const std::size_t plane = mine.shape().step(0), values = mine.phi.size();
   EXPECT_EQ(std::memcmp(mine.phi.data(), one.multigrid.finest().phi.data() + first * plane, values * sizeof(Real)), 0);

@@ -163,7 +163,7 @@ TEST(Reference, AccelerationByChebyshevWeights) {
                    {"density.method='chebyshev'", "density.constraint='inequality'", "density.max_shift=0.002"});
 }
 
-TEST(Reference, CoarseGridAlone) {
+TEST(Reference, ProjectionGridAlone) {
   expect_reference_of_pool({"density.method='jacobi'", "density.coarse_grid=true", "density.iterations=2",
                             "density.relaxation=0.000001", "walls.density='none'"});
 }

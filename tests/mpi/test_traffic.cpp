@@ -73,7 +73,7 @@ TEST_F(Traffic, IsAsTheFormulaSays) {
             formula(ranks, 16, 4, true, 3));
 }
 
-TEST_F(Traffic, CoarseGridIsThatOfDownwardGravityAlone) {
+TEST_F(Traffic, ProjectionGridIsThatOfDownwardGravityAlone) {
   const int ranks = size_of(world);
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "gravity.acceleration=[0, 0, 0]"}),
             formula(ranks, 16, 4, false, 0));

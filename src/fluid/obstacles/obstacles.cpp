@@ -87,6 +87,7 @@ void Obstacles::take_gradient(const BoundaryShare& box, const Vec3& p, Real fact
 }
 
 void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
+  if (!recording_) return;
   take_of_grid(taker, shift, p);
   gauges_->add(shift, p);
 }

@@ -78,6 +78,9 @@ class Obstacles {
   PressureGauges& gauges() { return *gauges_; }
   /// Tells the toll, and the gauges, of a shift that a taker gave to a particle at p.
   void take(std::size_t taker, const Vec3& shift, const Vec3& p);
+  /// Whether what is told is taken; not while only positions are shifted, and nobody's momentum changes.
+  void record_impulses(bool on) { recording_ = on; }
+  bool records_impulses() const { return recording_; }
   /// Tells the toll alone: of the coarse grid, whose gauges have a rule of their own.
   void take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p);
 
@@ -100,6 +103,7 @@ class Obstacles {
   Toll toll_;
   PerThread<std::vector<Way>> ways_;      // of the leg that a thread follows
   std::optional<PressureGauges> gauges_;  // made when all bodies are there
+  bool recording_ = true;
   Real relaxation_;                       // of shifts by the density solver
   Real water_mass_;
 };

@@ -1,4 +1,4 @@
-#include "solver/coarse_solids.hpp"
+#include "projection/cut_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,11 +22,11 @@ Real sample(int k) { return (k + 0.5) / samples; }
 
 }  // namespace
 
-CoarseSolids::CoarseSolids(const Obstacles& obstacles) : obstacles_(obstacles), all_bodies_(obstacles.count()) {
+CutCells::CutCells(const Obstacles& obstacles) : obstacles_(obstacles), all_bodies_(obstacles.count()) {
   std::iota(all_bodies_.begin(), all_bodies_.end(), std::size_t{0});
 }
 
-Vec3 CoarseSolids::place(const Vec3& in_cells) const {
+Vec3 CutCells::place(const Vec3& in_cells) const {
   Vec3 p;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto b = static_cast<Eigen::Index>(a);
@@ -36,14 +36,14 @@ Vec3 CoarseSolids::place(const Vec3& in_cells) const {
   return p;
 }
 
-Vec3 CoarseSolids::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
+Vec3 CutCells::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
 
-Vec3 CoarseSolids::in_box(const Vec3& p) const {
+Vec3 CutCells::in_box(const Vec3& p) const {
   const Vec3 gap = Vec3::Constant(size_.maxCoeff() / (2 * samples));
   return p.cwiseMax(box_.min + gap).cwiseMin(box_.max - gap);
 }
 
-CoarseSolids::Nearest CoarseSolids::nearest_at(const Vec3& p, const Bodies& bodies) const {
+CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) const {
   Nearest nearest{INFINITY, 0};
   const Vec3 inside = in_box(p);
   for (const std::size_t k : bodies) {
@@ -56,7 +56,7 @@ CoarseSolids::Nearest CoarseSolids::nearest_at(const Vec3& p, const Bodies& bodi
 
 // All that may be the nearest somewhere within `reach` of p, or be met there: a distance changes by no more than one
 // goes. Rough ones may change by more, and are kept.
-void CoarseSolids::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept,
+void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept,
                              std::vector<Real>& distance) const {
   const Vec3 inside = in_box(p);
   Real nearest = INFINITY;
@@ -75,7 +75,7 @@ void CoarseSolids::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodie
 
 // visit(k, r, candidates) for each row of owned and ghost planes.
 template <class Visit>
-void CoarseSolids::for_each_row_near(const CoarseGrid& grid, const Visit& visit) {
+void CutCells::for_each_row_near(const ProjectionGrid& grid, const Visit& visit) {
   const Real reach = (0.5 * grid.columns() + looked_at) * size_.maxCoeff();
   for_each_part((grid.planes() + 2) * grid.rows(), [&](LocalId row) {
     const LocalId k = row / grid.rows(), r = row % grid.rows();
@@ -88,7 +88,7 @@ void CoarseSolids::for_each_row_near(const CoarseGrid& grid, const Visit& visit)
 
 // Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is
 // open.
-bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const {
+bool CutCells::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const {
   for (const std::size_t k : bodies) {
     const Body& body = obstacles_.body(k);
     const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
@@ -103,7 +103,7 @@ bool CoarseSolids::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& b
 
 // Whether one can go through a face at a point of it from the middle of one cell to that of the other; where a middle
 // is in a solid, from the far side of its cell, so that a sheet in the very middle of a cell is noticed.
-bool CoarseSolids::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const {
+bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const {
   const Vec3 step = Vec3::Unit(static_cast<Eigen::Index>(a));
   Vec3 low = place(on_face - step / 2), high = place(on_face + step / 2);
   if (nearest_at(low, bodies).distance < 0) low = place(on_face - step);
@@ -113,7 +113,7 @@ bool CoarseSolids::is_passage(std::size_t a, const Vec3& on_face, const Bodies& 
 }
 
 // `corner` of the cell, in cells; its lower face in direction a.
-Real CoarseSolids::face_at(std::size_t a, const Vec3& corner, const Bodies& bodies) const {
+void CutCells::measure_face(std::size_t a, const Vec3& corner, const Bodies& bodies, Cell& cell) const {
   const auto b = static_cast<Eigen::Index>(a), u = (b + 1) % 3, v = (b + 2) % 3;
   const Real width = size_.maxCoeff() / samples;
   Vec3 middle = corner;
@@ -121,23 +121,31 @@ Real CoarseSolids::face_at(std::size_t a, const Vec3& corner, const Bodies& bodi
   middle[v] += 0.5;
   const Real far = nearest_at(place(middle), bodies).distance;
   const Real reach = 1.5 * size_.maxCoeff();  // to where is_passage() looks
-  if (std::abs(far) > reach) return far > 0 ? 1 : 0;
+  if (std::abs(far) > reach) {
+    cell.face[a] = far > 0 ? 1 : 0;
+    return;
+  }
   Real sum = 0;
+  std::array<Real, 2> moment{};
   for (int i = 0; i < samples; ++i) {
     for (int j = 0; j < samples; ++j) {
       Vec3 on_face = corner;
       on_face[u] += sample(i);
       on_face[v] += sample(j);
       const Real share = std::clamp(0.5 + nearest_at(place(on_face), bodies).distance / width, 0.0, 1.0);
-      if (share > 0 && is_passage(a, on_face, bodies)) sum += share;
+      if (share <= 0 || !is_passage(a, on_face, bodies)) continue;
+      sum += share;
+      moment[0] += share * sample(i);
+      moment[1] += share * sample(j);
     }
   }
-  return sum / (samples * samples);
+  cell.face[a] = static_cast<float>(sum / (samples * samples));
+  for (std::size_t i = 0; i < 2 && sum > 0; ++i) cell.middle[a][i] = static_cast<float>(moment[i] / sum);
 }
 
 // From each sample near the surface straight to it; each counts as far as the surface there lies flat, since it is the
 // upward pressure that needs the height.
-Real CoarseSolids::surface_at(const Vec3& corner, const Bodies& bodies) const {
+Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
   const Real width = size_.maxCoeff() / samples, step = width / 100;
   Real sum = 0, weight = 0;
   for (int i = 0; i < samples * samples * samples; ++i) {
@@ -152,7 +160,7 @@ Real CoarseSolids::surface_at(const Vec3& corner, const Bodies& bodies) const {
   return weight > 0 ? sum / weight : 0;
 }
 
-Real CoarseSolids::open_at(const Vec3& corner, const Bodies& bodies) const {
+Real CutCells::open_at(const Vec3& corner, const Bodies& bodies) const {
   const Real width = size_.maxCoeff() / samples;
   Real sum = 0;
   for (int i = 0; i < samples * samples * samples; ++i) {
@@ -162,7 +170,7 @@ Real CoarseSolids::open_at(const Vec3& corner, const Bodies& bodies) const {
   return sum / (samples * samples * samples);
 }
 
-CoarseSolids::Cell CoarseSolids::cell_at(const Vec3& corner, Candidates& candidates) const {
+CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) const {
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
@@ -174,7 +182,7 @@ CoarseSolids::Cell CoarseSolids::cell_at(const Vec3& corner, Candidates& candida
   }
   const Bodies& bodies = candidates.of_cell;
   keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
-  for (std::size_t a = 0; a < 3; ++a) cell.face[a] = static_cast<float>(face_at(a, corner, bodies));
+  for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, bodies, cell);
   // Surfaces a little outside of the cell count where a face of it is closed.
   if (std::abs(far.distance) < 0.75 * size_.norm()) cell.surface = static_cast<float>(surface_at(corner, bodies));
   if (std::abs(far.distance) > size_.norm() / 2) {
@@ -188,12 +196,12 @@ CoarseSolids::Cell CoarseSolids::cell_at(const Vec3& corner, Candidates& candida
 
 // The plane whose cells those of plane k are like: for a ghost plane beyond the end of a periodic box, that at its
 // other end.
-LocalId CoarseSolids::plane_of(const CoarseGrid& grid, LocalId k) const {
+LocalId CutCells::plane_of(const ProjectionGrid& grid, LocalId k) const {
   const LocalId all = grid.count(0);
   return grid.repeats()[0] ? (k - 1 + first_ + all) % all - first_ + 1 : k;
 }
 
-void CoarseSolids::measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells) {
+void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells) {
   cells.assign(grid.cells(), Cell{});
   for_each_row_near(grid, [&](LocalId k, LocalId r, Candidates& near) {
     for (LocalId c = 0; c < grid.columns(); ++c)
@@ -216,7 +224,7 @@ void CoarseSolids::measure_cells(const CoarseGrid& grid, std::vector<Cell>& cell
 }
 
 // Of the solid that is nearest to the middle of each face.
-void CoarseSolids::measure_motion(const CoarseGrid& grid) {
+void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.assign(grid.cells(), {0, 0, 0});
   for_each_row_near(grid, [&](LocalId k, LocalId r, const Candidates& near) {
     for (LocalId c = 0; c < grid.columns(); ++c) {
@@ -234,8 +242,8 @@ void CoarseSolids::measure_motion(const CoarseGrid& grid) {
   grid.repeat(moved_);
 }
 
-void CoarseSolids::take_columns(const CoarseGrid& grid) {
-  CoarseGrid whole = grid;
+void CutCells::take_columns(const ProjectionGrid& grid) {
+  ProjectionGrid whole = grid;
   whole.resize(planes_, grid.count(2));
   cells_.resize(grid.cells());
   const auto length = static_cast<std::ptrdiff_t>(grid.columns()) + 2;
@@ -247,10 +255,10 @@ void CoarseSolids::take_columns(const CoarseGrid& grid) {
 }
 
 // Faces of a row's upper neighbours are its own, too.
-void CoarseSolids::find_cut_rows(const CoarseGrid& grid) {
+void CutCells::find_cut_rows(const ProjectionGrid& grid) {
   rows_ = grid.rows();
   cuts_row_.assign(row_index(grid.planes() + 2, 0), 0);
-  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+  for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     const auto is_cut = [&](std::size_t at) {
       const Cell& cell = cells_[at];
       return cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
@@ -258,13 +266,13 @@ void CoarseSolids::find_cut_rows(const CoarseGrid& grid) {
     bool cut = false;
     for (LocalId c = 0; c <= grid.columns(); ++c) {
       const std::size_t at = grid.index(k, r, c);
-      cut = cut || is_cut(at) || is_cut(at + grid.step(0)) || is_cut(at + grid.step(1));
+      cut = cut || is_cut(at) || is_cut(at + grid.step(1)) || (k <= grid.planes() && is_cut(at + grid.step(0)));
     }
     cuts_row_[row_index(k, r)] = cut ? 1 : 0;
   });
 }
 
-void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box) {
+void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box) {
   const auto first = static_cast<LocalId>(sum_over_lower_ranks(comm, grid.planes()));
   const bool stays = first == first_ && grid.planes() == planes_;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -283,7 +291,7 @@ void CoarseSolids::measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box
     return;
   }
   if (!stays) {
-    CoarseGrid whole = grid;
+    ProjectionGrid whole = grid;
     whole.resize(planes_, grid.count(2));
     measure_cells(whole, all_);
   }

@@ -1,4 +1,4 @@
-#include "solver/coarse_multigrid.hpp"
+#include "projection/multigrid.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,7 @@ LocalId half(LocalId count) { return (count + 1) / 2; }
 
 }  // namespace
 
-void CoarseMultigrid::resize(LocalId planes, LocalId rows, LocalId columns, int depth) {
+void Multigrid::resize(LocalId planes, LocalId rows, LocalId columns, int depth) {
   const auto ranks = static_cast<std::size_t>(size_of(comm_)), rank = static_cast<std::size_t>(rank_of(comm_));
   cuts_.assign(ranks + 1, 0);
   MPI_Allgather(&planes, 1, MPI_INT32_T, &cuts_[1], 1, MPI_INT32_T, comm_);
@@ -34,7 +34,7 @@ void CoarseMultigrid::resize(LocalId planes, LocalId rows, LocalId columns, int 
 }
 
 // Where this rank stands on a level.
-void CoarseMultigrid::place_level(std::size_t l) {
+void Multigrid::place_level(std::size_t l) {
   const auto rank = static_cast<std::size_t>(rank_of(comm_));
   const int number = static_cast<int>(l);
   Level& level = levels_[l];
@@ -58,7 +58,7 @@ void CoarseMultigrid::place_level(std::size_t l) {
 }
 
 // Of fields of a gathered level: the planes of all ranks, in their order. All fields go in one message.
-void CoarseMultigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields) {
+void Multigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields) {
   const Level& level = levels_[l];
   const std::size_t plane = level.cells.shape().step(0);
   const auto all = static_cast<std::size_t>(level.cells.shape().planes);
@@ -86,16 +86,16 @@ void CoarseMultigrid::gather(std::size_t l, std::initializer_list<std::vector<Re
 }
 
 // Fields of the coarse levels from those of the finest; and what levels do not know of their ghost planes.
-void CoarseMultigrid::join_levels(Halo& halo) {
+void Multigrid::join_levels(Halo& halo) {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
-    CoarseLevel& cells = levels_[l].cells;
+    MultigridLevel& cells = levels_[l].cells;
     if (l > 0) {
       levels_[l - 1].cells.coarsen(cells, levels_[l].made);
       complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.sink}, halo);
     } else {
       complete(l, {&cells.sink}, halo);
     }
-    for (auto* field : {&cells.link[0], &cells.link[1]}) cells.repeat(*field);
+    for (auto& field : cells.link) cells.repeat(field);
     cells.factor();
     halo.start_planes(cells.per_pivot, cells.shape().step(0), levels_[l].peers);
     halo.finish();
@@ -104,19 +104,19 @@ void CoarseMultigrid::join_levels(Halo& halo) {
 }
 
 // Finds the planes of fields that other ranks have made and this one needs.
-void CoarseMultigrid::complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo) {
+void Multigrid::complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo) {
   if (is_gathered_here(l)) return gather(l, fields);
   for (auto* field : fields) halo.start_planes(*field, levels_[l].cells.shape().step(0), downwards(levels_[l].peers));
   halo.finish();
 }
 
-void CoarseMultigrid::solve(Halo& halo, int cycles) {
+void Multigrid::solve(Halo& halo, int cycles) {
   join_levels(halo);
   finest().repeat(finest().phi);
   for (int k = 0; k < cycles; ++k) cycle(halo);
 }
 
-void CoarseMultigrid::cycle(Halo& halo) {
+void Multigrid::cycle(Halo& halo) {
   for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
     Level& level = levels_[l];
     if (l > 0) sweep_from_zero(level, halo, damping);
@@ -135,7 +135,7 @@ void CoarseMultigrid::cycle(Halo& halo) {
 }
 
 // A single column is solved at once.
-void CoarseMultigrid::sweep_coarsest(Halo& halo) {
+void Multigrid::sweep_coarsest(Halo& halo) {
   Level& level = levels_.back();
   const LocalId planes = first_on_level(cuts_.back(), static_cast<int>(levels_.size()) - 1);
   const bool single = planes == 1 && level.cells.shape().rows == 1;
@@ -146,7 +146,7 @@ void CoarseMultigrid::sweep_coarsest(Halo& halo) {
 }
 
 // What the neighbours wait for goes first.
-void CoarseMultigrid::sweep(Level& level, Halo& halo, Real share) const {
+void Multigrid::sweep(Level& level, Halo& halo, Real share) const {
   const LocalId planes = level.cells.shape().planes;
   const bool ahead = !level.gathered && planes > 1 && size_of(comm_) > 1;
   if (ahead) {
@@ -160,19 +160,19 @@ void CoarseMultigrid::sweep(Level& level, Halo& halo, Real share) const {
   show_next(level, halo);
 }
 
-void CoarseMultigrid::sweep_from_zero(Level& level, Halo& halo, Real share) const {
+void Multigrid::sweep_from_zero(Level& level, Halo& halo, Real share) const {
   level.cells.sweep_from_zero(share);
   halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
   show_next(level, halo);
 }
 
-void CoarseMultigrid::show_next(Level& level, Halo& halo) const {
+void Multigrid::show_next(Level& level, Halo& halo) const {
   halo.finish();
   level.cells.repeat(level.cells.next);
   level.cells.show_next();
 }
 
-std::size_t CoarseMultigrid::bytes() const {
+std::size_t Multigrid::bytes() const {
   std::size_t sum = cuts_.capacity() * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
   for (const Level& level : levels_) sum += level.cells.bytes();
   return sum;

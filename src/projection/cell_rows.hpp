@@ -12,8 +12,8 @@ namespace trevi {
 /// Rows that a thread works on at a time: some 4096 cells.
 inline LocalId rows_at_a_time(LocalId columns) { return std::max(4096 / (columns + 2), 1); }
 
-/// Whether a grid goes on at its other end beyond the last plane, and beyond the last row.
-using Repeats = std::array<bool, 2>;
+/// Whether a grid goes on at its other end beyond the last plane, row and column.
+using Repeats = std::array<bool, 3>;
 
 /// Planes of `rows` rows of `columns` cells.
 struct CellRows {
@@ -39,6 +39,16 @@ void repeat_rows(std::vector<T>& field, LocalId rows, LocalId columns) {
   for (auto first = field.begin(); first != field.end(); first += plane) {
     std::copy_n(first + rows * row, row, first);
     std::copy_n(first + row, row, first + (rows + std::ptrdiff_t{1}) * row);
+  }
+}
+
+/// The same beyond the ends of the columns, of all rows that the field has.
+template <class T>
+void repeat_columns(std::vector<T>& field, LocalId columns) {
+  const auto row = static_cast<std::ptrdiff_t>(columns) + 2;
+  for (auto first = field.begin(); first != field.end(); first += row) {
+    *first = *(first + columns);
+    *(first + columns + 1) = *(first + 1);
   }
 }
 

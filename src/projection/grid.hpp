@@ -1,10 +1,9 @@
-// The cells of the coarse-grid correction: those of the neighbour search (cell_grid.hpp) in the planes that this rank
-// owns, up to a little above the highest cell that holds water. Directions are counted in the order in which cells are
-// stored: 0 along the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays
-// over cells have a ring of cells around each plane and a ghost plane on either side, so that every cell has six
-// neighbours; the ring is empty, but where the box repeats along the rows it holds copies of those at the other end.
-// Face (a, at) is the lower face of the cell with index `at` in direction a. Not collective, except for the
-// constructor.
+// The cells of the projection: those of the neighbour search (cell_grid.hpp) in the planes that this rank owns, up to a
+// little above the highest cell that holds water. Directions are counted in the order in which cells are stored: 0 along
+// the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays over cells have a
+// ring of cells around each plane and a ghost plane on either side, so that every cell has six neighbours; the ring is
+// empty, but where the box repeats along rows or columns it holds copies of those at the other end. Face (a, at) is the
+// lower face of the cell with index `at` in direction a. Not collective, except for the constructor.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +13,19 @@
 
 #include "domain/slabs.hpp"
 #include "particles/cell_grid.hpp"
-#include "solver/cell_rows.hpp"
-#include "solver/coarse_particles.hpp"
+#include "projection/cell_rows.hpp"
+#include "projection/cell_sums.hpp"
 #include "trevi/box.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
 
-class CoarseGrid {
+class ProjectionGrid {
  public:
-  CoarseGrid(MPI_Comm comm, const CellGrid& grid, const Box& box)
+  ProjectionGrid(MPI_Comm comm, const CellGrid& grid, const Box& box)
       : axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
         count_{grid.planes(), grid.rows(), grid.columns()},
-        repeats_{grid.is_periodic(0), grid.is_periodic(1)},
+        repeats_{grid.is_periodic(0), grid.is_periodic(1), grid.is_periodic(2)},
         wall_below_(rank_of(comm) == 0 && !repeats_[0]),
         wall_above_(rank_of(comm) + 1 == size_of(comm) && !repeats_[0]) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -71,13 +70,14 @@ class CoarseGrid {
   /// Whether the lower face in direction a of cell (k, r, c) is in a wall; the cell may be one past the last.
   bool is_wall(std::size_t a, LocalId k, LocalId r, LocalId c) const {
     if (a == 0) return (wall_below_ && k == 1) || (wall_above_ && k == planes_ + 1);
-    return a == 1 ? !repeats_[1] && (r == 0 || r == count_[1]) : c == 0 || c == count_[2];
+    return !repeats_[a] && (a == 1 ? r == 0 || r == count_[1] : c == 0 || c == count_[2]);
   }
-  /// Whether the box is periodic along planes and rows.
+  /// Whether the box is periodic along planes, rows and columns.
   const Repeats& repeats() const { return repeats_; }
-  /// Fills the ring of cells where rows repeat.
+  /// Fills the ring of cells where rows and columns repeat.
   template <class T>
   void repeat(std::vector<T>& field) const {
+    if (repeats_[2]) repeat_columns(field, columns_);
     if (repeats_[1]) repeat_rows(field, rows(), columns_);
   }
 
@@ -98,7 +98,7 @@ class CoarseGrid {
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = axis(a);
       const Real corner = cell_of(p, a);
-      const bool counted = a == 2 || !repeats_[a];
+      const bool counted = !repeats_[a];
       (counted ? place.corner[b] : place.origin[b]) += counted ? corner : corner * size_[static_cast<Eigen::Index>(a)];
     }
     return place;

@@ -1,8 +1,8 @@
-// What obstacles leave of the cells and the faces of the coarse grid: shares of volume and of area that are open to
+// What obstacles leave of the cells and the faces of the grid: fractions of volume and of area that are open to
 // water, by samples of the signed distance a quarter of a cell apart (Batty et al. 2007), and how far a moving solid
 // goes through the rest of a face. A thin sheet between the middles of two cells closes the face between them wherever
 // it stands, as pressure must not pass it. Worked out once for obstacles that stand, in each substep for others.
-// Arrays are those of CoarseGrid. Collective: measure().
+// Arrays are those of ProjectionGrid. Collective: measure().
 #pragma once
 
 #include <array>
@@ -10,26 +10,42 @@
 
 #include "base/threads.hpp"
 #include "fluid/obstacles/obstacles.hpp"
-#include "solver/coarse_grid.hpp"
+#include "projection/grid.hpp"
 
 namespace trevi {
 
-class CoarseSolids {
+class CutCells {
  public:
-  explicit CoarseSolids(const Obstacles& obstacles);
+  explicit CutCells(const Obstacles& obstacles);
 
   /// For the planes and columns that `grid` has now.
-  void measure(MPI_Comm comm, const CoarseGrid& grid, const Box& box);
+  void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box);
 
   /// Share of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
   Real open(std::size_t at) const { return cells_[at].open; }
   /// Share of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
+  /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
+  ByAxis middle_of_face(std::size_t a, std::size_t at) const {
+    ByAxis middle{0.5, 0.5, 0.5};
+    for (std::size_t i = 0; i < 2; ++i) middle[static_cast<std::size_t>(axis_[(a + 1 + i) % 3])] = cells_[at].middle[a][i];
+    return middle;
+  }
   bool moves() const { return !moved_.empty(); }
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
   /// Whether a solid closes anything of a row's cells or of their faces.
   bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
+  /// Whether a solid cuts a cell of the row, or of one of those around it.
+  bool is_near_cut(LocalId k, LocalId r) const {
+    const auto rows = static_cast<LocalId>(rows_);
+    for (LocalId i = k - 1; i <= k + 1; ++i) {
+      for (LocalId j = r - 1; j <= r + 1; ++j) {
+        if (cuts_row_[row_index(i, (j + rows) % rows)] != 0) return true;
+      }
+    }
+    return false;
+  }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
@@ -48,6 +64,7 @@ class CoarseSolids {
   struct Cell {
     float open = 1;
     std::array<float, 3> face{1, 1, 1};
+    std::array<std::array<float, 2>, 3> middle{{{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
     float surface = 0;
     std::uint32_t nearest = 0;
   };
@@ -67,18 +84,18 @@ class CoarseSolids {
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   template <class Visit>
-  void for_each_row_near(const CoarseGrid& grid, const Visit& visit);
+  void for_each_row_near(const ProjectionGrid& grid, const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
-  void measure_cells(const CoarseGrid& grid, std::vector<Cell>& cells);
+  void measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells);
   Cell cell_at(const Vec3& corner, Candidates& candidates) const;
-  Real face_at(std::size_t a, const Vec3& corner, const Bodies& bodies) const;
+  void measure_face(std::size_t a, const Vec3& corner, const Bodies& bodies, Cell& cell) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, const Bodies& bodies) const;
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
-  LocalId plane_of(const CoarseGrid& grid, LocalId k) const;
-  void measure_motion(const CoarseGrid& grid);
-  void take_columns(const CoarseGrid& grid);
-  void find_cut_rows(const CoarseGrid& grid);
+  LocalId plane_of(const ProjectionGrid& grid, LocalId k) const;
+  void measure_motion(const ProjectionGrid& grid);
+  void take_columns(const ProjectionGrid& grid);
+  void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
   }

@@ -13,22 +13,22 @@
 #include <initializer_list>
 
 #include "domain/halo.hpp"
-#include "solver/coarse_level.hpp"
+#include "projection/level.hpp"
 
 namespace trevi {
 
-class CoarseMultigrid {
+class Multigrid {
  public:
   /// A level of at most `gathered_cells` cells in all is gathered.
-  explicit CoarseMultigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = 4096)
+  explicit Multigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = 4096)
       : comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
   /// For own planes of `rows` x `columns` cells, all of them of every rank, with water `depth` cells deep.
   void resize(LocalId planes, LocalId rows, LocalId columns, int depth);
   /// Holds the equation and the start, phi with its ghost planes. Links are known in the plane above the own ones, too.
   /// Where the box repeats, halo exchanges are those of a ring.
-  CoarseLevel& finest() { return levels_.front().cells; }
-  const CoarseLevel& finest() const { return levels_.front().cells; }
+  MultigridLevel& finest() { return levels_.front().cells; }
+  const MultigridLevel& finest() const { return levels_.front().cells; }
 
   /// Improves phi of the finest level, ghost planes included.
   void solve(Halo& halo, int cycles);
@@ -37,7 +37,7 @@ class CoarseMultigrid {
 
  private:
   struct Level {
-    CoarseLevel cells;
+    MultigridLevel cells;
     PlanePeers peers;
     Range made;             // planes that this rank makes from the finer level
     bool gathered = false;  // all planes are on all ranks

@@ -1,8 +1,10 @@
 // Compiled once per instruction set (Highway's foreach_target), chosen at run time.
-#include "solver/coarse_particles.hpp"
+#include "projection/cell_sums.hpp"
+
+#include "projection/parameters.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "solver/coarse_particles.cpp"
+#define HWY_TARGET_INCLUDE "projection/cell_sums.cpp"
 #include <hwy/foreach_target.h>
 // Highway wants its own headers after foreach_target.
 #include <hwy/highway.h>
@@ -25,10 +27,9 @@ HWY_INLINE V clamp(V v, Real low, Real high) { return hn::Min(hn::Max(v, set(low
 
 // A vector of particles of a cell; lanes of `valid` hold one.
 struct Particles8 {
-  V3 here;     // p, in cells from the corner of the cell
-  V3 way;      // p − x, m
+  V3 path;     // p − x, m
   V3 surface;  // surface position, in cells from the corner of the cell
-  V3 f;
+  V3 y, f;     // MotionSums
 };
 
 // Always made with values: the default constructor would not be of this instruction set.
@@ -48,23 +49,24 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
 }
 
 HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
-  constexpr Real most_way = 0.25;
+  constexpr Real most_half = projection::most_half_path, most = projection::most_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
   Particles8 particles{zeros(), zeros(), zeros(), zeros()};
   for (std::size_t a = 0; a < 3; ++a) {
     const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
-    particles.here[a] = hn::Sub(in_cells, set(cell.place.corner[a]));
-    particles.way[a] = hn::Sub(p[a], x[a]);
-    const V back = clamp(hn::Mul(particles.way[a], set(frame.per_length[a])), -most_way, most_way);
-    particles.surface[a] = hn::Sub(particles.here[a], back);
-    particles.f[a] = clamp(particles.here[a], 0, 1);
+    const V here = hn::Sub(in_cells, set(cell.place.corner[a]));
+    particles.path[a] = hn::Sub(p[a], x[a]);
+    const V half = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -most_half, most_half);
+    particles.y[a] = hn::Sub(here, half);
+    particles.f[a] = hn::Sub(particles.y[a], half);
+    particles.surface[a] = hn::Sub(here, clamp(hn::Add(half, half), -most, most));
   }
   return particles;
 }
 
 // What particles of a cell add to its sums, in as many arrays of virtual lanes.
 struct Lanes {
-  static constexpr std::size_t moments = 18, volumes = 27;
+  static constexpr std::size_t moments = 22, volumes = 27;
   alignas(64) double value[moments + volumes][virtual_lanes];
 };
 
@@ -86,6 +88,25 @@ HWY_INLINE void add(Lanes& lanes, std::size_t quantity, std::size_t lane, V v) {
 }
 
 template <bool first>
+HWY_INLINE void add_motion(const Particles8& particles, hn::Mask<Wide> valid, std::size_t lane, Lanes& lanes) {
+  V3 y = zeros(), u = zeros();
+  for (std::size_t a = 0; a < 3; ++a) {
+    y[a] = hn::IfThenElseZero(valid, particles.y[a]);
+    u[a] = hn::IfThenElseZero(valid, particles.path[a]);
+    add<first>(lanes, a, lane, y[a]);
+    add<first>(lanes, 3 + a, lane, hn::Mul(y[a], y[a]));
+    add<first>(lanes, 9 + a, lane, u[a]);
+  }
+  add<first>(lanes, 6, lane, hn::Mul(y[0], y[1]));
+  add<first>(lanes, 7, lane, hn::Mul(y[0], y[2]));
+  add<first>(lanes, 8, lane, hn::Mul(y[1], y[2]));
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) add<first>(lanes, 12 + 3 * a + b, lane, hn::Mul(u[a], y[b]));
+  }
+  add<first>(lanes, 21, lane, hn::MulAdd(u[2], u[2], hn::MulAdd(u[1], u[1], hn::Mul(u[0], u[0]))));
+}
+
+template <bool first, bool volumes>
 HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i,
                               Lanes& lanes) {
   const Wide d;
@@ -93,18 +114,15 @@ HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, cons
     const std::size_t begin = i + lane, count = cell.end > begin ? cell.end - begin : 0;
     const auto valid = hn::FirstN(d, std::min(count, hn::Lanes(d)));
     const Particles8 particles = load(frame, motion, cell, begin);
-    for (std::size_t a = 0; a < 3; ++a) {
-      const V f = hn::IfThenElseZero(valid, particles.f[a]), u = hn::IfThenElseZero(valid, particles.way[a]);
-      const V f2 = hn::Mul(f, f), fu = hn::Mul(f, u);
-      const V moment[6] = {f, f2, hn::Mul(f2, f), u, fu, hn::Mul(f, fu)};
-      for (std::size_t m = 0; m < 6; ++m) add<first>(lanes, 3 * m + a, lane, moment[m]);
-    }
-    V3 x = parts(frame, particles, cell.place.corner, 0);
-    const V3 y = parts(frame, particles, cell.place.corner, 1), z = parts(frame, particles, cell.place.corner, 2);
-    for (V& part : x) part = hn::IfThenElseZero(valid, hn::Mul(part, set(frame.per_full)));
-    for (std::size_t b = 0; b < 9; ++b) {
-      const V xy = hn::Mul(x[b / 3], y[b % 3]);
-      for (std::size_t c = 0; c < 3; ++c) add<first>(lanes, Lanes::moments + 3 * b + c, lane, hn::Mul(xy, z[c]));
+    add_motion<first>(particles, valid, lane, lanes);
+    if constexpr (volumes) {
+      V3 x = parts(frame, particles, cell.place.corner, 0);
+      const V3 y = parts(frame, particles, cell.place.corner, 1), z = parts(frame, particles, cell.place.corner, 2);
+      for (V& part : x) part = hn::IfThenElseZero(valid, hn::Mul(part, set(frame.per_full)));
+      for (std::size_t b = 0; b < 9; ++b) {
+        const V xy = hn::Mul(x[b / 3], y[b % 3]);
+        for (std::size_t c = 0; c < 3; ++c) add<first>(lanes, Lanes::moments + 3 * b + c, lane, hn::Mul(xy, z[c]));
+      }
     }
   }
 }
@@ -142,36 +160,59 @@ HWY_INLINE void fold_four(const Lanes& lanes, std::size_t q, double* out) {
   }
 }
 
+template <std::size_t count>
+HWY_INLINE void fold_all(const Lanes& lanes, double* out) {
+  constexpr std::size_t fours = count / 4 * 4;
+  for (std::size_t q = 0; q < fours; q += 4) fold_four(lanes, q, out + q);
+  if constexpr (count % 4 >= 2) fold_two(lanes, fours, out + fours);
+  if constexpr (count % 2 == 1) {
+    const auto last = folded(lanes.value[count - 1]);
+    out[count - 1] = hn::GetLane(hn::Add(last, hn::InterleaveUpper(Two(), last, last)));
+  }
+}
+
+template <bool volumes>
+HWY_INLINE void sum_particles(const CellFrame& frame, const Motion& motion, const CellParticles& cell, Lanes& lanes) {
+  add_particles<true, volumes>(frame, motion, cell, cell.begin, lanes);
+  for (std::size_t i = cell.begin + virtual_lanes; i < cell.end; i += virtual_lanes)
+    add_particles<false, volumes>(frame, motion, cell, i, lanes);
+}
+
 CellSums sum_cell_of(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
   constexpr std::size_t count = Lanes::moments + Lanes::volumes;
   Lanes lanes;
-  add_particles<true>(frame, motion, cell, cell.begin, lanes);
-  for (std::size_t i = cell.begin + virtual_lanes; i < cell.end; i += virtual_lanes)
-    add_particles<false>(frame, motion, cell, i, lanes);
+  sum_particles<true>(frame, motion, cell, lanes);
   static_assert(sizeof(CellSums) == count * sizeof(double));
   CellSums sums;
-  auto* out = reinterpret_cast<double*>(&sums);
-  constexpr std::size_t fours = count / 4 * 4;
-  for (std::size_t q = 0; q < fours; q += 4) fold_four(lanes, q, out + q);
-  static_assert(fours + 1 == count);
-  const auto last = folded(lanes.value[fours]);
-  out[fours] = hn::GetLane(hn::Add(last, hn::InterleaveUpper(Two(), last, last)));
+  fold_all<count>(lanes, reinterpret_cast<double*>(&sums));
   return sums;
 }
 
-HWY_INLINE V3 displacements(const Particles8& particles, const CellParticles& cell, const CellDisplacement& by) {
-  V3 u = zeros(), off = zeros();
-  V off2 = hn::Zero(Wide());
-  for (std::size_t a = 0; a < 3; ++a) {
-    u[a] = hn::MulAdd(particles.f[a], set(by.rise[a]), set(by.low[a]));
-    off[a] = hn::Sub(hn::MulAdd(particles.f[a], set(by.mean_rise[a]), set(by.mean_low[a])), particles.way[a]);
-    off2 = hn::MulAdd(off[a], off[a], off2);
-  }
-  const V share = hn::Div(set(by.share), hn::MulAdd(off2, set(by.per_noise2), set(1)));
+MotionSums sum_motion_of(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
+  Lanes lanes;
+  sum_particles<false>(frame, motion, cell, lanes);
+  static_assert(sizeof(MotionSums) == Lanes::moments * sizeof(double));
+  MotionSums sums;
+  fold_all<Lanes::moments>(lanes, reinterpret_cast<double*>(&sums));
+  return sums;
+}
+
+struct Displaced {
+  V3 u;
+  V act;
+};
+
+HWY_INLINE Displaced displacements(const Particles8& particles, const CellParticles& cell, const CellDisplacement& by) {
   const V above = hn::Sub(particles.surface[2], set(by.surface - cell.place.corner[2]));
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
-  for (std::size_t a = 0; a < 3; ++a) u[a] = hn::Mul(hn::MulAdd(share, off[a], u[a]), faded);
-  return u;
+  Displaced out{zeros(), hn::Mul(faded, set(by.act))};
+  for (std::size_t a = 0; a < 3; ++a) {
+    V u = hn::MulAdd(particles.f[a], set(by.rise[a]), set(by.low[a]));
+    V damped = hn::NegMulAdd(set(by.own), particles.path[a], set(by.offset[a]));
+    for (std::size_t b = 0; b < 3; ++b) damped = hn::MulAdd(particles.y[b], set(by.slope[a][b]), damped);
+    out.u[a] = hn::Mul(hn::Add(u, damped), faded);
+  }
+  return out;
 }
 
 template <class T>
@@ -189,13 +230,14 @@ void displace_cell_of(const CellFrame& frame, const Motion& motion, const CellPa
   const std::size_t lanes = hn::Lanes(Wide());
   const hn::Rebind<T, Wide> d;
   for (std::size_t i = cell.begin; i < cell.end; i += lanes, out += lanes) {
-    const V3 u = displacements(load(frame, motion, cell, i), cell, by);
-    const auto x = narrowed<T>(u[0]), y = narrowed<T>(u[1]), z = narrowed<T>(u[2]);
+    const Displaced by_cell = displacements(load(frame, motion, cell, i), cell, by);
+    const auto x = narrowed<T>(by_cell.u[0]), y = narrowed<T>(by_cell.u[1]), z = narrowed<T>(by_cell.u[2]);
+    const auto act = narrowed<T>(by_cell.act);
     if (i + lanes <= cell.end) {
-      hn::StoreInterleaved4(x, y, z, hn::Zero(d), d, &out->x);
+      hn::StoreInterleaved4(x, y, z, act, d, &out->x);
     } else {
       std::array<Vec4<T>, virtual_lanes> last;
-      hn::StoreInterleaved4(x, y, z, hn::Zero(d), d, &last[0].x);
+      hn::StoreInterleaved4(x, y, z, act, d, &last[0].x);
       std::copy_n(last.begin(), cell.end - i, out);
     }
   }
@@ -219,11 +261,15 @@ HWY_AFTER_NAMESPACE();
 namespace trevi {
 
 HWY_EXPORT(sum_cell_of);
+HWY_EXPORT(sum_motion_of);
 HWY_EXPORT(displace_single);
 HWY_EXPORT(displace_double);
 
 CellSums sum_cell(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
   return HWY_DYNAMIC_DISPATCH(sum_cell_of)(frame, motion, cell);
+}
+MotionSums sum_motion(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
+  return HWY_DYNAMIC_DISPATCH(sum_motion_of)(frame, motion, cell);
 }
 template <>
 void displace_cell(const CellFrame& frame, const Motion& motion, const CellParticles& cell, const CellDisplacement& by,

@@ -9,13 +9,13 @@
 
 namespace trevi {
 
-class WaterReach {
+class ActiveRows {
  public:
   /// Fewest particles of a cell that counts for the depth, and of one that can have a surface of water in or above it.
   struct Least {
     LocalId depth, surface;
   };
-  WaterReach(MPI_Comm comm, const Least& least) : comm_(comm), least_(least) {}
+  ActiveRows(MPI_Comm comm, const Least& least) : comm_(comm), least_(least) {}
 
   /// Of the particles of `order`, ghosts included.
   void measure(const CellOrder& order, Halo& halo);

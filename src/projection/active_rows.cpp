@@ -1,4 +1,4 @@
-#include "solver/water_reach.hpp"
+#include "projection/active_rows.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace trevi {
 
-void WaterReach::measure(const CellOrder& order, Halo& halo) {
+void ActiveRows::measure(const CellOrder& order, Halo& halo) {
   planes_ = order.planes();
   rows_ = order.grid().rows();
   rows_repeat_ = order.grid().is_periodic(1);
@@ -28,7 +28,7 @@ void WaterReach::measure(const CellOrder& order, Halo& halo) {
   most_columns_ = most[1];
 }
 
-void WaterReach::look_at_plane(const CellOrder& order, LocalId k, int& depth) {
+void ActiveRows::look_at_plane(const CellOrder& order, LocalId k, int& depth) {
   const LocalId columns = order.grid().columns();
   for (LocalId r = 0; r < rows_; ++r) {
     int run = 0;
@@ -42,7 +42,7 @@ void WaterReach::look_at_plane(const CellOrder& order, LocalId k, int& depth) {
 }
 
 // One more than the highest of the 3 x 3 rows around.
-void WaterReach::spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const {
+void ActiveRows::spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const {
   for_each_part(planes, 1, [&](Range plane) {
     const LocalId k = plane.begin;
     const LocalId beyond = rows_repeat_ ? 1 : 0;

@@ -1,4 +1,4 @@
-#include "solver/coarse_level.hpp"
+#include "projection/level.hpp"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ constexpr Real least_pivot = 1e-10;
 
 }  // namespace
 
-void CoarseLevel::resize(const LevelShape& shape) {
+void MultigridLevel::resize(const LevelShape& shape) {
   if (shape == shape_) return;
   shape_ = shape;
   for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
@@ -22,7 +22,7 @@ void CoarseLevel::resize(const LevelShape& shape) {
   used_.assign(rows, static_cast<std::size_t>(shape.columns));
 }
 
-void CoarseLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
+void MultigridLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
   std::size_t& used = used_[row_index(k, r)];
   const auto begin = static_cast<std::ptrdiff_t>(shape_.index(k, r, 0) + columns);
   if (columns < used) {
@@ -32,11 +32,11 @@ void CoarseLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
   used = columns;
 }
 
-void CoarseLevel::factor() {
+void MultigridLevel::factor() {
   for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) { factor_column(k, r); });
 }
 
-void CoarseLevel::factor_column(LocalId k, LocalId r) {
+void MultigridLevel::factor_column(LocalId k, LocalId r) {
   const std::size_t floor = shape_.index(k, r, 0), row = shape_.step(1), plane = shape_.step(0);
   std::size_t count = 0;
   Real below = 0;  // of the pivot
@@ -53,7 +53,7 @@ void CoarseLevel::factor_column(LocalId k, LocalId r) {
 }
 
 // In `next`: rhs and what comes from the sides.
-void CoarseLevel::gather_column(const Column& column) {
+void MultigridLevel::gather_column(const Column& column) {
   const auto [at, count] = column;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   const Real *x = phi.data() + at, *wx = link[0].data() + at, *wy = link[1].data() + at, *b = rhs.data() + at;
@@ -63,11 +63,15 @@ void CoarseLevel::gather_column(const Column& column) {
     y[c] = b[c] +
            ((wx[c] * x[c - plane] + wx[c + plane] * x[c + plane]) + (wy[c] * x[c - row] + wy[c + row] * x[c + row]));
   }
+  if (!shape_.repeats[2] || count == 0) return;
+  const Real* wz = link[2].data() + at;
+  y[0] += wz[0] * x[-1];
+  y[count - 1] += wz[count] * x[count];
 }
 
 // Solves columns for `next`, in place, by elimination from the floor up. Each step of a column waits for the one
 // before, so the steps of several columns are taken in turns.
-void CoarseLevel::solve_columns(std::span<const Column> columns) {
+void MultigridLevel::solve_columns(std::span<const Column> columns) {
   if (columns.size() != together) {
     for (const Column& column : columns) {
       const std::array<Column, 1> alone{column};
@@ -96,7 +100,7 @@ void CoarseLevel::solve_columns(std::span<const Column> columns) {
 }
 
 template <std::size_t n>
-void CoarseLevel::eliminate(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
+void MultigridLevel::eliminate(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
   const Real *wz = link[2].data(), *per = per_pivot.data();
   Real* y = next.data();
   for (std::size_t c = cells.begin; c < cells.end; ++c) {
@@ -108,7 +112,7 @@ void CoarseLevel::eliminate(const std::array<Column, n>& columns, Cells cells, s
 }
 
 template <std::size_t n>
-void CoarseLevel::substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
+void MultigridLevel::substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
   const Real *wz = link[2].data(), *per = per_pivot.data();
   Real* y = next.data();
   for (std::size_t c = cells.end; c-- > cells.begin;) {
@@ -121,7 +125,7 @@ void CoarseLevel::substitute(const std::array<Column, n>& columns, Cells cells, 
 
 // Calls make(column) for each column of the planes and solves them, then finish(column).
 template <class Make, class Finish>
-void CoarseLevel::solve_rows(Range planes, const Make& make, const Finish& finish) {
+void MultigridLevel::solve_rows(Range planes, const Make& make, const Finish& finish) {
   const LocalId rows = shape_.rows;
   for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(shape_.columns), [&](Range part) {
     std::array<Column, together> columns{};
@@ -137,7 +141,7 @@ void CoarseLevel::solve_rows(Range planes, const Make& make, const Finish& finis
   });
 }
 
-void CoarseLevel::sweep(Range planes, Real share) {
+void MultigridLevel::sweep(Range planes, Real share) {
   solve_rows(
       planes, [&](const Column& column) { gather_column(column); },
       [&](const Column& column) {
@@ -146,7 +150,7 @@ void CoarseLevel::sweep(Range planes, Real share) {
       });
 }
 
-void CoarseLevel::sweep_from_zero(Real share) {
+void MultigridLevel::sweep_from_zero(Real share) {
   solve_rows(
       {1, shape_.planes + 1},
       [&](const Column& column) {
@@ -158,7 +162,7 @@ void CoarseLevel::sweep_from_zero(Real share) {
       });
 }
 
-void CoarseLevel::find_residual() {
+void MultigridLevel::find_residual() {
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) {
     const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
@@ -175,23 +179,24 @@ void CoarseLevel::find_residual() {
   });
 }
 
-void CoarseLevel::repeat(std::vector<Real>& field) const {
+void MultigridLevel::repeat(std::vector<Real>& field) const {
   if (shape_.repeats[0] && shape_.is_whole()) {
     const auto plane = static_cast<std::ptrdiff_t>(shape_.step(0));
     std::copy_n(field.end() - 2 * plane, plane, field.begin());
     std::copy_n(field.begin() + plane, plane, field.end() - plane);
   }
+  if (shape_.repeats[2]) repeat_columns(field, shape_.columns);
   if (shape_.repeats[1]) repeat_rows(field, shape_.rows, shape_.columns);
 }
 
-CoarseLevel::Children CoarseLevel::children_of(const LevelShape& coarse, LocalId k, LocalId r) const {
+MultigridLevel::Children MultigridLevel::children_of(const LevelShape& coarse, LocalId k, LocalId r) const {
   const LocalId plane = 2 * (k - 1 + coarse.first), row = 2 * r;
   return {shape_.index(plane - shape_.first + 1, row, 0), row + 1 < shape_.rows ? 1.0 : 0.0,
           plane + 1 < shape_.all_planes ? 1.0 : 0.0};
 }
 
 // The plane of `coarse` that holds plane k here, which may be a ghost plane of both.
-LocalId CoarseLevel::parent_of(const LevelShape& coarse, LocalId k) const {
+LocalId MultigridLevel::parent_of(const LevelShape& coarse, LocalId k) const {
   const LocalId plane = k - 1 + shape_.first;
   return (plane == shape_.all_planes ? coarse.all_planes + 1 : (plane + 2) / 2) - coarse.first;
 }
@@ -204,13 +209,13 @@ LocalId LevelShape::way_below(std::size_t a, LocalId k) const {
 // Of the sum of links across the lower face of plane or row k of `coarse`: a half, as the way is twice as long. Where
 // the level repeats, the last one may be narrow, and the way to its neighbours shorter; one that is alone has no
 // neighbour.
-Real CoarseLevel::share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
+Real MultigridLevel::share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
   if (!coarse.repeats[a]) return 0.5;
   if (coarse.count(a) == 1) return 0;
   return static_cast<Real>(shape_.way_below(a, 2 * k)) / coarse.way_below(a, k);
 }
 
-void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
+void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
@@ -230,7 +235,7 @@ void CoarseLevel::coarsen(CoarseLevel& coarse, Range planes) const {
   });
 }
 
-void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
+void MultigridLevel::restrict_residual(MultigridLevel& coarse, Range planes) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
@@ -242,7 +247,7 @@ void CoarseLevel::restrict_residual(CoarseLevel& coarse, Range planes) const {
   });
 }
 
-void CoarseLevel::add_correction(const CoarseLevel& coarse) {
+void MultigridLevel::add_correction(const MultigridLevel& coarse) {
   const LevelShape& from = coarse.shape_;
   for_each_row(shape_.rows_of({0, shape_.planes + 2}), [&](LocalId k, LocalId r) {
     const std::size_t at = shape_.index(k, r, 0), above = from.index(parent_of(from, k), r / 2, 0);
@@ -251,7 +256,7 @@ void CoarseLevel::add_correction(const CoarseLevel& coarse) {
   repeat(phi);
 }
 
-std::size_t CoarseLevel::bytes() const {
+std::size_t MultigridLevel::bytes() const {
   std::size_t values = top_.capacity() + used_.capacity();
   for (const auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
     values += field->capacity();

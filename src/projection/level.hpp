@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "solver/cell_rows.hpp"
+#include "projection/cell_rows.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
@@ -48,7 +48,7 @@ struct LevelShape {
   bool operator==(const LevelShape&) const = default;
 };
 
-class CoarseLevel {
+class MultigridLevel {
  public:
   /// Keeps the values where the shape stays; else all are 0.
   void resize(const LevelShape& shape);
@@ -72,11 +72,11 @@ class CoarseLevel {
   void repeat(std::vector<Real>& field) const;
 
   /// Links and sinks of the own planes [planes) of `coarse`; needs those of the plane above the own ones here.
-  void coarsen(CoarseLevel& coarse, Range planes) const;
+  void coarsen(MultigridLevel& coarse, Range planes) const;
   /// rhs of the own planes [planes) of `coarse` from the residual in `next`, ghost planes included.
-  void restrict_residual(CoarseLevel& coarse, Range planes) const;
+  void restrict_residual(MultigridLevel& coarse, Range planes) const;
   /// Adds phi of `coarse` to phi here, ghost planes included.
-  void add_correction(const CoarseLevel& coarse);
+  void add_correction(const MultigridLevel& coarse);
 
   std::size_t bytes() const;
 

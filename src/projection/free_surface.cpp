@@ -1,0 +1,78 @@
+#include "projection/free_surface.hpp"
+
+#include "base/threads.hpp"
+
+namespace trevi {
+
+using namespace projection;
+
+void FreeSurface::resize() {
+  fill_.assign(grid().cells(), 0.0);
+  height_.assign(grid().cells(), 1.0);
+  wet_.assign(grid().cells(), 0);
+}
+
+void FreeSurface::clear_row(LocalId k, LocalId r) {
+  const auto begin = static_cast<std::ptrdiff_t>(grid().index(k, r, 0));
+  const auto count = std::ptrdiff_t{grid().columns(k, r)} + 1;
+  std::fill_n(fill_.begin() + begin, count, 0.0);
+  std::fill_n(wet_.begin() + begin, count, 0);
+}
+
+void FreeSurface::classify(Halo& halo) {
+  for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
+    const std::size_t floor = grid().index(k, r, 0);
+    for (std::size_t at = floor; at < floor + static_cast<std::size_t>(grid().columns(k, r)); ++at)
+      fill_[at] = water().volume(at);
+  });
+  halo.start_planes(fill_, grid().step(0));
+  halo.finish();
+  if (cuts() != nullptr) return classify_among_solids(halo);
+  for_each_row(grid().rows_of({0, grid().planes() + 2}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < std::min(from_.rows.wet_columns(k, r), grid().columns()); ++c) {
+      const std::size_t at = grid().index(k, r, c);
+      wet_[at] = is_full_enough(at, c, upright() && c == 0) ? 1 : 0;
+    }
+    if (grid().columns(k, r) == grid().columns()) close_ceiling(k, r);
+    find_tops(k, r);
+  });
+  grid().repeat(wet_);
+  grid().repeat(height_);
+}
+
+bool FreeSurface::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {
+  const bool submerged =
+      upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+  return fill_[at] >= wet_fill || submerged || (on_floor && fill_[at] >= floor_fill);
+}
+
+// Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
+void FreeSurface::close_ceiling(LocalId k, LocalId r) {
+  const std::size_t end = grid().index(k, r, grid().columns());
+  if (grid().columns() == grid().count(2) && !grid().repeats()[2]) wet_[end] = wet_[end - 1];
+}
+
+void FreeSurface::find_tops(LocalId k, LocalId r) {
+  if (!upright()) return;
+  const std::size_t floor = grid().index(k, r, 0);
+  bool standing = true;
+  Real excess = 0;  // volume in the wet cells below the top one beyond one cell each, in cells
+  for (LocalId c = 0; c < grid().columns(k, r); ++c) {
+    const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (!is_wet(at)) {
+      standing = standing && is_solid(at);
+    } else if (is_top(at)) {
+      const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
+      height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
+    } else {
+      excess += open(at) * (fill_[at] - 1);
+    }
+  }
+}
+
+std::size_t FreeSurface::bytes() const {
+  const std::size_t values = fill_.capacity() + height_.capacity() + level_.capacity();
+  return values * sizeof(Real) + wet_.capacity() + joined_.capacity();
+}
+
+}  // namespace trevi

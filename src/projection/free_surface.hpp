@@ -1,0 +1,83 @@
+// Second stage of the projection: which cells hold water, and where its surface is.
+//
+// The surface of a column that stands on the floor lies where the volume of the whole column reaches: noise in the fill of
+// lower cells would otherwise count as missing weight, and waves would be 2 % slow. Without gravity no direction is up:
+// cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
+#pragma once
+
+#include <vector>
+
+#include "domain/halo.hpp"
+#include "projection/active_rows.hpp"
+#include "projection/particles_to_grid.hpp"
+
+namespace trevi {
+
+class FreeSurface {
+ public:
+  /// Where all of this is from; `cuts` may be null. `upright`: whether gravity points down.
+  struct Sources {
+    const ProjectionGrid& grid;
+    const ActiveRows& rows;
+    const ParticlesToGrid& water;
+    const CutCells* cuts;
+    bool upright;
+  };
+  explicit FreeSurface(const Sources& sources) : from_(sources) {}
+
+  /// Memory for the grid as it is now. To be called when its size has changed.
+  void resize();
+  /// Forgets the last step in row (k, r), as far as its columns went.
+  void clear_row(LocalId k, LocalId r);
+  void classify(Halo& halo);
+
+  const ProjectionGrid& grid() const { return from_.grid; }
+  const ParticlesToGrid& water() const { return from_.water; }
+  /// Null where there are no obstacles.
+  const CutCells* cuts() const { return from_.cuts; }
+  bool upright() const { return from_.upright; }
+  /// Fraction of face (a, at) that no solid closes.
+  Real face(std::size_t a, std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->face(a, at) : 1; }
+  /// Whether the cell is solid; it is wet where the water below it has no surface under it.
+  bool is_solid(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->open(at) == 0; }
+  /// Whether a solid closes a part of the cell.
+  bool is_cut(std::size_t at) const {
+    return from_.cuts != nullptr && from_.cuts->open(at) > 0 && from_.cuts->open(at) < 1;
+  }
+  /// Fraction of the cell that is not solid; its fill is a fraction of that.
+  Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
+  Real fill(std::size_t at) const { return fill_[at]; }
+  bool is_wet(std::size_t at) const { return wet_[at] != 0; }
+  /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
+  bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
+  /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
+  Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
+  /// Height of the surface above the middle of a top cell, in cells, at least projection::least_height.
+  Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::least_height); }
+
+  std::size_t bytes() const;
+
+ private:
+  // Cell (r, c) of plane k.
+  struct Place {
+    LocalId k, r, c;
+  };
+  void find_tops(LocalId k, LocalId r);
+  void close_ceiling(LocalId k, LocalId r);
+  bool is_full_enough(std::size_t at, LocalId c, bool on_floor) const;
+  // Among obstacles; see free_surface_cut.cpp.
+  void classify_among_solids(Halo& halo);
+  void fill_open_parts();
+  void level_small_cells(Halo& halo);
+  bool is_small(std::size_t at) const;
+  template <class Visit>
+  void for_widest(const Place& place, const Visit& visit) const;
+
+  Sources from_;
+  std::vector<Real> fill_, height_;
+  std::vector<char> wet_;
+  std::vector<Real> level_;   // of small cells that follow others: the next height_
+  std::vector<char> joined_;  // the next wet_
+};
+
+}  // namespace trevi

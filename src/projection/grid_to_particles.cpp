@@ -1,0 +1,220 @@
+#include "projection/grid_to_particles.hpp"
+
+#include <cmath>
+
+#include "projection/tent.hpp"
+
+namespace trevi {
+
+using namespace projection;
+
+namespace {
+
+constexpr Real per_tent = 1 / ((1 + 2 * tent) * (1 + 2 * tent) * (1 + 2 * tent));
+
+Real dot(const ByAxis& a, const ByAxis& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+void GridToParticles::resize() {
+  const std::size_t cells = surface_.grid().cells();
+  first_.assign(cells, {});
+  noise_.assign(cells, {});
+  noise_fit_.assign(cells, {});
+  damping_.assign(cells, {});
+  if (surface_.cuts() != nullptr) cut_fit_.assign(cells, {});
+}
+
+void GridToParticles::clear_row(LocalId k, LocalId r) {
+  const auto begin = static_cast<std::ptrdiff_t>(surface_.grid().index(k, r, 0));
+  const auto count = std::ptrdiff_t{surface_.grid().columns(k, r)} + 1;
+  std::fill_n(noise_.begin() + begin, count, Flow{});
+  for (auto* maps : {&noise_fit_, &cut_fit_, &damping_, &first_})
+    if (!maps->empty()) std::fill_n(maps->begin() + begin, count, AffineMap{});
+}
+
+// A dry cell right above water under gravity: the few particles in it follow the top cell.
+bool GridToParticles::follows(std::size_t at) const {
+  return surface_.upright() && !surface_.is_wet(at) && surface_.is_wet(at - 1) && !surface_.is_solid(at - 1);
+}
+
+// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise.
+Real GridToParticles::rate(std::size_t at) const {
+  if (!surface_.is_wet(at) && !follows(at)) return 0;
+  const Real noise = noise_speed * step_.time * h_;
+  return std::min(step_.time / noise_time, 1.0) / (1 + surface_.water().rest2(at) / (noise * noise));
+}
+
+void GridToParticles::prepare(Halo& halo, const Step& step) {
+  step_ = step;
+  if (!surface_.upright()) return;
+  const ProjectionGrid& grid = surface_.grid();
+  const CellRows own = grid.rows_of({1, grid.planes() + 1});
+  for_each_row(own, [&](LocalId k, LocalId r) { find_noise(k, r); });
+  halo.start_planes(noise_, grid.step(0));
+  halo.finish();
+  for_each_row(own, [&](LocalId k, LocalId r) { fit_noise(k, r); });
+  halo.start_planes(noise_fit_, grid.step(0));
+  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_, grid.step(0));
+  halo.finish();
+  for_each_row(own, [&](LocalId k, LocalId r) { find_damping(k, r); });
+}
+
+// F u of a particle is a + B y − weight u with the map of its cell.
+void GridToParticles::find_noise(LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface_.grid();
+  std::vector<AffineMap> memory;
+  const std::size_t floor = grid.index(k, r, 0);
+  for_each_tent(
+      grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return surface_.water().fit(at); },
+      [&](LocalId c, AffineMap sum) {
+        const std::size_t at = floor + static_cast<std::size_t>(c);
+        AffineMap map;
+        map.add(sum, per_tent, {});
+        first_[at] = map;
+        const CellMoments& m = surface_.water().moments(at);
+        Flow& noise = noise_[at];
+        for (std::size_t a = 0; a < 3; ++a) {
+          noise.u[a] = map.a[a] * m.at.n + dot(map.b[a], m.at.y) - map.weight * m.flow.u[a];
+          for (std::size_t b = 0; b < 3; ++b) {
+            const ByAxis second{m.at.second(b, 0), m.at.second(b, 1), m.at.second(b, 2)};
+            noise.uy[a][b] = map.a[a] * m.at.y[b] + dot(map.b[a], second) - map.weight * m.flow.uy[a][b];
+          }
+        }
+      });
+}
+
+void GridToParticles::fit_noise(LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface_.grid();
+  std::vector<Flow> memory;
+  const std::size_t floor = grid.index(k, r, 0);
+  for_each_tent(
+      grid, k, r, memory, [&](std::size_t at) -> const Flow& { return noise_[at]; },
+      [&](LocalId c, const Flow& around) {
+        const std::size_t at = floor + static_cast<std::size_t>(c);
+        const Real fraction = rate(at);
+        noise_fit_[at] = {};
+        noise_fit_[at].add(fit_of(surface_.water().spread(at), around), fraction, {});
+        if (!surface_.is_cut(at)) return;
+        cut_fit_[at] = {};
+        cut_fit_[at].add(surface_.water().fit(at), std::min(cut_noise * fraction, 1.0), {});
+      });
+}
+
+// −F F u of a particle of the cell, with the rates: −(a2 + B2 y − weight2 F u).
+void GridToParticles::find_damping(LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface_.grid();
+  std::vector<AffineMap> memory;
+  const std::size_t floor = grid.index(k, r, 0);
+  for_each_tent(
+      grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return noise_fit_[at]; },
+      [&](LocalId c, const AffineMap& sum) {
+        const std::size_t at = floor + static_cast<std::size_t>(c);
+        const Real kept = per_tent * sum.weight;
+        damping_[at] = {};
+        damping_[at].add(sum, -per_tent, {});
+        damping_[at].add(first_[at], kept, {});
+        damping_[at].weight = kept * first_[at].weight;
+      });
+  if (surface_.cuts() == nullptr || !surface_.cuts()->is_near_cut(k, r)) return;
+  for_each_tent(
+      grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return cut_fit_[at]; },
+      [&](LocalId c, const AffineMap& sum) { damping_[floor + static_cast<std::size_t>(c)].add(sum, per_tent, {}); });
+}
+
+// What takes the particles along with a wall, or with a solid.
+Real GridToParticles::through_closed(std::size_t a, std::size_t face) const {
+  const CutCells* cuts = surface_.cuts();
+  return (cuts != nullptr ? cuts->moved(a, face) : 0) - surface_.water().displacement(a, face);
+}
+
+GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r,
+                                                    LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t at = grid.index(k, r, c), above = at + grid.step(a);
+  FacePair pair;
+  pair.low_wall = grid.is_wall(a, k, r, c);
+  pair.high_wall = grid.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2));
+  pair.low_closed = pair.low_wall || surface_.face(a, at) == 0;
+  pair.high_closed = pair.high_wall || surface_.face(a, above) == 0;
+  const bool wet = surface_.is_wet(at);
+  const auto through = [&](std::size_t face, bool closed, bool& known) {
+    known = closed ? wet : surface_.is_wet(face) || surface_.is_wet(face - grid.step(a));
+    if (!known) return 0.0;
+    return closed ? through_closed(a, face) : pressure.displacement(surface_, a, face);
+  };
+  bool low_known = false, high_known = false;
+  pair.low = through(at, pair.low_closed, low_known);
+  pair.high = through(above, pair.high_closed, high_known);
+  // A face between two dry cells has no phi on either side; under gravity it takes that of the opposite face.
+  if (surface_.upright() && !low_known) pair.low = pair.high;
+  if (surface_.upright() && !high_known) pair.high = pair.low;
+  return pair;
+}
+
+// At the closed faces of a cell that a solid cuts, but for those in the walls of the box.
+void GridToParticles::slip(std::size_t at, Faces& faces) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const CutCells& cuts = *surface_.cuts();
+  const ParticlesToGrid& water = surface_.water();
+  const AffineMap& fit = water.fit(at);
+  Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // of the solid's surface, out of it; and how it moves
+  Real flux = 0, spread = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto i = static_cast<Eigen::Index>(a);
+    const std::size_t above = at + grid.step(a), b = grid.axis(a);
+    ByAxis low = cuts.middle_of_face(a, at), high = cuts.middle_of_face(a, above);
+    low[b] = 0;
+    high[b] = 1;
+    flux += cuts.face(a, above) * fit.at(b, high) - cuts.face(a, at) * fit.at(b, low);
+    spread += fit.b[b][b];
+    if (faces[a].low_wall || faces[a].high_wall) continue;  // the box's face is no part of the solid's surface
+    area[i] = cuts.face(a, above) - cuts.face(a, at);
+    const Real closed_low = 1 - cuts.face(a, at), closed_high = 1 - cuts.face(a, above);
+    if (closed_low + closed_high > 0)
+      solid[i] = (closed_low * cuts.moved(a, at) + closed_high * cuts.moved(a, above)) / (closed_low + closed_high);
+  }
+  const Real size = area.norm();
+  if (size < least_wall) return;
+  const Vec3 n = area / size;
+  const Real into = (flux - cuts.open(at) * spread) / size - n.dot(solid) + n.z() * step_.fall;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real along = (a == 2 ? step_.fall : 0) - n[static_cast<Eigen::Index>(a)] * into;
+    if (faces[a].low_closed && !faces[a].low_wall) faces[a].low = along;
+    if (faces[a].high_closed && !faces[a].high_wall) faces[a].high = along;
+  }
+}
+
+CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t at = grid.index(k, r, c);
+  const bool above = follows(at);
+  CellDisplacement by;
+  by.act = surface_.is_wet(at) || above ? 1 : 0;
+  if (by.act == 0 && surface_.upright()) return by;
+  Faces faces;
+  for (std::size_t a = 0; a < 3; ++a) faces[a] = faces_of(pressure, a, k, r, above && a < 2 ? c - 1 : c);
+  const std::size_t cell = above ? at - 1 : at;
+  if (surface_.is_cut(cell)) slip(cell, faces);
+  for (std::size_t a = 0; a < 3; ++a) {
+    by.low[grid.axis(a)] = faces[a].low;
+    by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
+  }
+  if (!surface_.upright()) return by;
+  by.offset = damping_[at].a;
+  by.slope = damping_[at].b;
+  by.own = damping_[at].weight;
+  if (above || surface_.is_top(at)) {
+    by.surface = above ? c - 1 + surface_.height(at - 1) : c + surface_.height(at);
+    by.at_surface = 1 - fade_begins / fade_length;
+    by.fade = grid.size()[2] / (spacing_ * fade_length);
+  }
+  return by;
+}
+
+std::size_t GridToParticles::bytes() const {
+  return (first_.capacity() + noise_fit_.capacity() + cut_fit_.capacity() + damping_.capacity()) * sizeof(AffineMap) +
+         noise_.capacity() * sizeof(Flow);
+}
+
+}  // namespace trevi

@@ -1,0 +1,69 @@
+// Fifth stage of the projection: what the grid's solution does to the particles.
+//
+// *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction (lowest-order
+// Raviart and Thomas), at the beginning of its path: a force that acts there has no torque about a centre it points to.
+// Above the surface it fades out, so that water thrown up falls back.
+//
+// *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry what gravity
+// needs along the surface, and stop only what goes into it: with n the mean normal of the surface in the cell, by Gauss's
+// theorem from the areas of its faces, they are displaced by g dt² − n (n · u_s + n · g dt²), u_s being the motion of the
+// water at the surface, from the flux through the open faces. Water so slips along walls of any direction.
+//
+// *Noise.* What is smooth is kept, what differs from particle to particle dies away in noise_time. With the filter
+// F u = Σ_c w_c (fit_c u − u)/8 over the cells around a particle, and the fits of what F leaves, the damping is F applied
+// twice: affine motion is not touched, a wave of wavelength L with (h/L)^4. As each fit pulls all the particles that it was
+// made of, with the weights it was made with, its normal equations keep linear and angular momentum. In cut cells, where
+// noise is made, the motion relaxes to the fit itself.
+//
+// Collective: prepare().
+#pragma once
+
+#include "projection/pressure.hpp"
+
+namespace trevi {
+
+class GridToParticles {
+ public:
+  /// `spacing` of the start lattice, `h`, m.
+  GridToParticles(const FreeSurface& surface, Real spacing, Real h) : surface_(surface), spacing_(spacing), h_(h) {}
+
+  /// Of a step: how far gravity moves a particle down, g dt², m, and dt in units of sqrt(h/g); 0 without gravity.
+  struct Step {
+    Real fall, time;
+  };
+  /// Memory for the grid as it is now.
+  void resize();
+  void clear_row(LocalId k, LocalId r);
+  /// Finds the damping of noise. Not needed without gravity: nothing makes noise there.
+  void prepare(Halo& halo, const Step& step);
+  /// How the particles of cell (k, r, c) are displaced.
+  CellDisplacement displacement_of(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
+
+  std::size_t bytes() const;
+
+ private:
+  // The lower and the upper displacement in each direction, and whether the face is closed.
+  struct FacePair {
+    Real low = 0, high = 0;
+    bool low_closed = false, high_closed = false, low_wall = false, high_wall = false;
+  };
+  using Faces = std::array<FacePair, 3>;
+  FacePair faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
+  bool follows(std::size_t at) const;
+  void slip(std::size_t at, Faces& faces) const;
+  Real through_closed(std::size_t a, std::size_t face) const;
+  Real rate(std::size_t at) const;
+  void find_noise(LocalId k, LocalId r);
+  void fit_noise(LocalId k, LocalId r);
+  void find_damping(LocalId k, LocalId r);
+
+  const FreeSurface& surface_;
+  Real spacing_, h_;
+  Step step_{};
+  std::vector<AffineMap> first_;    // the filter's first pass, of own cells
+  std::vector<Flow> noise_;         // what it leaves
+  std::vector<AffineMap> noise_fit_, cut_fit_;  // fits of that and, in cut cells, of the motion itself, times their rates
+  std::vector<AffineMap> damping_;  // of own cells; `weight` is what a particle loses of its own motion
+};
+
+}  // namespace trevi

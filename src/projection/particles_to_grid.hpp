@@ -1,0 +1,89 @@
+// First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the affine
+// fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
+//
+// The volume of a cell is that of the particles in it as cubes with an edge of one spacing: a count of particles would not
+// show a surface that tilts by less than a layer. The cubes are placed at the positions at the start of the step. Pressure
+// then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its amplitude;
+// with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
+//
+// The displacement of a face is the mean over the particles of the two cells beside it, with weights that fall linearly
+// with the distance from the face, of what each of them says of the middle of the open part of the face,
+//   u_f = Σ w_i (u_i + B (x_f − y_i)) / Σ w_i,
+// with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen midway
+// of their paths, which makes it that of the middle of the step: second order in time.
+//
+// Sums are formed by the owner of a plane in the order of the particles: the same bits on any rank count. Collective:
+// gather().
+#pragma once
+
+#include <vector>
+
+#include "domain/halo.hpp"
+#include "projection/affine.hpp"
+#include "projection/cut_cells.hpp"
+#include "projection/grid.hpp"
+
+namespace trevi {
+
+/// What a cell's particles sum to.
+struct CellMoments {
+  Places at;
+  Flow flow;
+  Real uu = 0;  ///< Σ |u|², m²
+};
+
+class ParticlesToGrid {
+ public:
+  /// `spacing` of the start lattice, m: the edge of a particle's cube.
+  ParticlesToGrid(const ProjectionGrid& grid, Real spacing);
+
+  /// Memory for the grid as it is now. To be called when its size has changed.
+  void resize();
+  /// Forgets the last step in row (k, r), as far as its columns went.
+  void clear_row(LocalId k, LocalId r);
+  /// All of this from the owned particles of `order`. `cuts` may be null.
+  void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
+
+  /// The particles of a cell, in the order of storage.
+  CellParticles particles_of(const CellOrder& order, const Motion& motion, LocalId k, LocalId r, LocalId c) const;
+
+  const CellFrame& frame() const { return frame_; }
+  /// Volume of the water in an own cell, in cells.
+  Real volume(std::size_t at) const;
+  const CellMoments& moments(std::size_t at) const { return sums_[at].moments; }
+  const Spread& spread(std::size_t at) const { return spread_[at]; }
+  /// Of own cells and of ghost planes; without particles around its weight is 0.
+  const AffineMap& fit(std::size_t at) const { return fit_[at]; }
+  /// Mean square of the motion that the fit leaves, m², of own cells.
+  Real rest2(std::size_t at) const { return rest2_[at]; }
+  /// Displacement of the water at face (a, at), m.
+  Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
+
+  std::size_t bytes() const;
+
+ private:
+  // What the particles of a plane add: their volume to the plane below, to their own and to the plane above.
+  struct PlaneSums {
+    std::array<Real, 3> volume{};
+    CellMoments moments;
+  };
+  // Weighted sums at a face.
+  struct FaceSum {
+    Real weight = 0, value = 0;
+  };
+  void sum_plane(const CellOrder& order, LocalId k, const Motion& motion);
+  void add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums);
+  void fit_row(LocalId k, LocalId r);
+  void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
+  FaceSum from_side(std::size_t a, std::size_t cell, bool below, const ByAxis& middle) const;
+
+  const ProjectionGrid& grid_;
+  CellFrame frame_;
+  std::vector<PlaneSums> sums_;
+  std::vector<Spread> spread_;
+  std::vector<AffineMap> fit_;
+  std::vector<Real> rest2_;
+  std::array<std::vector<Real>, 3> displacement_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,207 @@
+#include "projection/pressure.hpp"
+
+namespace trevi {
+
+using namespace projection;
+
+void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
+  const ProjectionGrid& grid = surface.grid();
+  const LocalId planes = grid.planes();
+  const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
+  multigrid_.resize(planes, grid.rows(), grid.columns(), step.depth);
+  for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
+    multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
+  });
+  for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { weigh_row(surface, k, r); });
+  grid.repeat(multigrid_.finest().link[1]);
+  if (grid.repeats()[2]) grid.repeat(multigrid_.finest().link[2]);
+  closed_ = has_no_surface(surface);
+  for_each_row(grid.rows_of(own), [&](LocalId k, LocalId r) { find_sources(surface, step, k, r); });
+  for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
+  for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { start_at_rest(surface, step.fall, k, r); });
+  multigrid_.solve(halo, closed_ ? closed_cycles : cycles);
+  if (closed_) set_origin(surface);
+  for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
+    Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
+  });
+  grid.repeat(multigrid_.finest().phi);
+}
+
+// Where rows do not repeat, the one beyond the last has no water; its lower faces are walls, and stay without weight.
+void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface.grid();
+  auto& weight = multigrid_.finest().link;
+  for (LocalId c = 0; c <= grid.columns(k, r); ++c) {
+    const std::size_t at = grid.index(k, r, c);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t below = at - grid.step(a);
+      const bool low = surface.is_wet(below), high = surface.is_wet(at);
+      weight[a][at] = 0;
+      const Real open = surface.face(a, at);
+      if (grid.is_wall(a, k, r, c) || (!low && !high) || open == 0) continue;
+      if (!surface.upright()) {
+        weight[a][at] = 1;
+      } else if (a == 2) {
+        weight[a][at] = low && !high ? 1 / surface.above_middle(below) : 1;
+      } else {
+        weight[a][at] =
+            low && high ? (surface.height(below) + surface.height(at)) / 2 : surface.height(low ? below : at);
+      }
+      weight[a][at] *= open;
+    }
+  }
+}
+
+// Only water that reaches the ceiling, or that has gravity nowhere, may have none.
+bool Pressure::has_no_surface(const FreeSurface& surface) const {
+  const ProjectionGrid& grid = surface.grid();
+  if (surface.upright() && grid.columns() < grid.count(2)) return false;
+  PerThread<char> found;
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      if (!surface.is_wet(at) || surface.is_solid(at)) continue;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t step = grid.step(a);
+        const auto& weight = multigrid_.finest().link[a];
+        if ((weight[at] > 0 && !surface.is_wet(at - step)) || (weight[at + step] > 0 && !surface.is_wet(at + step)))
+          found.mine() = 1;
+      }
+    }
+  });
+  int any = 0;
+  found.for_each([&](char one) { any = std::max(any, int{one}); });
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm_);
+  return any == 0;
+}
+
+void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface.grid();
+  MultigridLevel& cells = multigrid_.finest();
+  const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
+  for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+    const std::size_t at = grid.index(k, r, c);
+    cells.rhs[at] = cells.sink[at] = 0;
+    if (!surface.is_wet(at)) continue;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t face = grid.step(a);
+      const Real low = surface.is_wet(at - face) ? 0 : cells.link[a][at];
+      const Real high = surface.is_wet(at + face) ? 0 : cells.link[a][at + face];
+      cells.sink[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
+    }
+    cells.rhs[at] = divergence(surface, at) - returned(surface, step, k, r, c);
+  }
+}
+
+// A top cell returns to its volume only as far as the cell above holds water that could fill it, and cells at another
+// surface only when they hold too much: nothing pulls there. Water without a surface keeps its volume as a whole.
+Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface.grid();
+  const std::size_t at = grid.index(k, r, c);
+  const Real less = surface.fill(at) - 1;
+  if (closed_ || surface.is_solid(at) || (less < 0 && may_swell(surface, k, r, c))) return 0;
+  Real fraction = step.return_fraction;
+  if (surface.upright()) {
+    if (surface.is_top(at)) fraction *= std::min(2 * surface.fill(at + 1), 1.0);
+  } else {
+    const CellMoments& m = surface.water().moments(at);
+    Real way = 0;
+    for (std::size_t a = 0; a < 3; ++a) way += std::pow(m.flow.u[a] * grid.per_length()[a], 2);
+    fraction = m.at.n > 0 ? std::min(std::sqrt(way) / m.at.n / return_time, 1.0) : 0;
+  }
+  return fraction * (surface.is_cut(at) ? cut_return : 1) * surface.open(at) * less;
+}
+
+// Whether air is beside the cell or under it, or anywhere around it without gravity.
+bool Pressure::may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface.grid();
+  const std::size_t at = grid.index(k, r, c);
+  const auto& weight = multigrid_.finest().link;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t step = grid.step(a);
+    if (weight[a][at] > 0 && !surface.is_wet(at - step)) return true;
+    if ((a < 2 || !surface.upright()) && weight[a][at + step] > 0 && !surface.is_wet(at + step)) return true;
+  }
+  return false;
+}
+
+// Links between two cells of water, 1/m²; those to cells of air are sinks.
+void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface.grid();
+  auto& link = multigrid_.finest().link;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    const Real stiffness = 1 / (grid.size()[b] * grid.size()[b]);
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      link[a][at] *= surface.is_wet(at) && surface.is_wet(at - grid.step(a)) ? stiffness : 0;
+    }
+  }
+}
+
+// Divergence of the displacements of the faces. Nothing passes a wall; side faces count as far as the cell's own water
+// stands, horizontal ones with their whole area, as far as they are open. A moving solid takes the rest of a face along.
+Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
+  const ProjectionGrid& grid = surface.grid();
+  const auto& weight = multigrid_.finest().link;
+  const CutCells* cuts = surface.cuts();
+  const Real height = std::min(surface.height(at), 1.0);
+  Real sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t above = at + grid.step(a);
+    const Real depth = a < 2 ? height : 1;
+    const Real low = weight[a][at] > 0 ? depth * surface.face(a, at) : 0;
+    const Real high = weight[a][above] > 0 ? depth * surface.face(a, above) : 0;
+    sum += (high * surface.water().displacement(a, above) - low * surface.water().displacement(a, at)) /
+           grid.size()[static_cast<Eigen::Index>(a)];
+    if (cuts != nullptr && cuts->moves()) {
+      sum += ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
+             grid.size()[static_cast<Eigen::Index>(a)];
+    }
+  }
+  return sum;
+}
+
+// In a column that stands on the floor, the hydrostatic phi below that column's own surface, as if solids were water.
+void Pressure::start_at_rest(const FreeSurface& surface, Real fall, LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface.grid();
+  MultigridLevel& cells = multigrid_.finest();
+  const Real step = fall * grid.size()[2];
+  const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns(k, r));
+  for (std::size_t at = floor; at < ceiling; ++at) cells.phi[at] = cells.next[at] = 0;
+  if (!surface.upright()) return;
+  std::size_t end = floor;
+  while (end < ceiling && (surface.is_wet(end) || surface.is_solid(end))) ++end;
+  if (end == floor) return;
+  const bool top = surface.is_top(end - 1);
+  if (!top && !(closed_ && end == ceiling)) return;
+  Real phi = -step * (top ? surface.above_middle(end - 1) : 0.5);
+  for (std::size_t at = end; at-- > floor; phi -= step) cells.phi[at] = phi;
+}
+
+void Pressure::set_origin(const FreeSurface& surface) {
+  const ProjectionGrid& grid = surface.grid();
+  std::vector<Real>& phi = multigrid_.finest().phi;
+  PerThread<std::pair<bool, Real>> largest;
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      if (!surface.is_wet(at) || surface.is_solid(at)) continue;
+      auto& [any, most] = largest.mine();
+      most = any ? std::max(most, phi[at]) : phi[at];
+      any = true;
+    }
+  });
+  Real most = -INFINITY;
+  largest.for_each([&](const auto& one) {
+    if (one.first) most = std::max(most, one.second);
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  if (!std::isfinite(most)) return;
+  for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[grid.index(k, r, c)] -= most;
+  });
+}
+
+}  // namespace trevi

@@ -1,0 +1,68 @@
+// Third and fourth stage of the projection, assembly and solution of the Poisson equation: displacements u = ∇phi that,
+// added to the predicted displacements d of the faces, leave no divergence,
+//   div(u + d) = r  in wet cells,   phi = 0 at the free surface,   u + d = 0 through walls,
+// where r slowly returns each cell to its volume.
+//
+// Under gravity the surface lies where the water ends, not at the edge of a cell (the ghost-fluid method: Gibou et al., J.
+// Comput. Phys. 176, 2002; Enright et al. 2003): the face above a top cell has the weight 1/theta, theta being the height of
+// the surface above the middle of the cell in cells; a face at its side has the fraction of its area that is under water.
+// The divergence of d counts both side faces of a cell with the cell's own height of water: water that moves as a whole
+// then has none, whatever the fill of its cells, and no pressure acts on water in flight. Without gravity phi is 0 in the middle of
+// the first dry cell. (Links over the mass of the particles at a face would keep momentum to rounding, but the noise of
+// eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of it after 1 s so, and 1.00 with even links.)
+//
+// Solved by V-cycles of a multigrid (multigrid.hpp) from the hydrostatic pressure of each column, which is the exact
+// solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where water is
+// torn apart phi would pull it together, so it is limited to values ≤ 0; where none of the water has a surface, phi has no
+// origin, and its largest value becomes 0. Collective.
+#pragma once
+
+#include "projection/free_surface.hpp"
+#include "projection/multigrid.hpp"
+
+namespace trevi {
+
+class Pressure {
+ public:
+  Pressure(MPI_Comm comm, const Repeats& repeats) : comm_(comm), multigrid_(comm, repeats) {}
+
+  /// Of a step in which gravity moves a particle `fall` down, g dt², m, and which undoes `return_fraction` of a cell's
+  /// deviation from its volume; without gravity that goes by the way of the water. Water is at most `depth` cells deep.
+  struct Step {
+    Real fall, return_fraction;
+    int depth;
+  };
+  void solve(const FreeSurface& surface, Halo& halo, const Step& step);
+
+  /// Displacement through face (a, at) between two cells at least one of which is wet, m.
+  Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
+    const std::vector<Real>& phi = multigrid_.finest().phi;
+    const std::size_t below = at - surface.grid().step(a);
+    const Real u = (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)];
+    return surface.upright() && a == 2 && surface.is_wet(below) && !surface.is_wet(at) ? u / surface.above_middle(below) : u;
+  }
+
+  /// phi of a cell, m².
+  Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+
+  std::size_t bytes() const { return multigrid_.bytes(); }
+
+ private:
+  bool has_no_surface(const FreeSurface& surface) const;
+  void weigh_row(const FreeSurface& surface, LocalId k, LocalId r);
+  void find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r);
+  void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
+  Real divergence(const FreeSurface& surface, std::size_t at) const;
+  Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
+  bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
+  void start_at_rest(const FreeSurface& surface, Real fall, LocalId k, LocalId r);
+  void set_origin(const FreeSurface& surface);
+
+  MPI_Comm comm_;
+  bool closed_ = false;  // no water has a surface
+  // Its links first hold the weight of each face: its area under water, as a fraction of the whole area, over the distance
+  // between the points on its two sides where phi is given, in cells; 0 where nothing passes.
+  Multigrid multigrid_;
+};
+
+}  // namespace trevi

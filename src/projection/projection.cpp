@@ -1,0 +1,114 @@
+#include "projection/projection.hpp"
+
+#include <cmath>
+
+#include "projection/record_forces.hpp"
+
+namespace trevi {
+
+namespace {
+
+ActiveRows::Least least_particles(const ProjectionGrid& grid, Real spacing, bool solids) {
+  const Real particles = grid.size().prod() / (spacing * spacing * spacing);
+  const auto number = [&](Real fill) { return static_cast<LocalId>(std::ceil(fill * particles)); };
+  return {number(projection::deep_fill), number(solids ? projection::deep_fill : projection::surface_fill)};
+}
+
+}  // namespace
+
+Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles)
+    : comm_(comm),
+      model_(model),
+      box_(box),
+      grid_(comm, grid, box),
+      rows_(comm, least_particles(grid_, model.spacing, obstacles != nullptr)),
+      cuts_(obstacles != nullptr ? std::make_unique<CutCells>(*obstacles) : nullptr),
+      particles_to_grid_(grid_, model.spacing),
+      surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
+      pressure_(comm, grid_.repeats()),
+      grid_to_particles_(surface_, model.spacing, model.h),
+      shift_filter_(surface_),
+      obstacles_(obstacles) {}
+
+template <class T>
+void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion,
+                               std::span<Vec4<T>> out) {
+  const ScopedEvent timed(event_);
+  const Real fall = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
+  measure_rows(order, halo);
+  particles_to_grid_.gather(order, halo, motion, cuts_.get());
+  surface_.classify(halo);
+  pressure_.solve(surface_, halo, {fall, std::min(1.0, time / projection::return_time), rows_.depth()});
+  grid_to_particles_.prepare(halo, {fall, time});
+  const LocalId rows = grid_.rows();
+  for_each_part(order.planes() * rows,
+                [&](LocalId row) { displace_row<T>(order, motion, row / rows + 1, row % rows, out); });
+  if (obstacles_ == nullptr) return;
+  const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, fall);
+  for_each_part(order.planes() * rows, [&](LocalId row) {
+    const LocalId k = row / rows + 1, r = row % rows, columns = order.grid().columns();
+    const auto begin = static_cast<std::size_t>(order.start(k, r * columns) - order.low_ghosts());
+    const auto end = static_cast<std::size_t>(order.start(k, (r + 1) * columns) - order.low_ghosts());
+    record.of_row<T>(k, r, out.subspan(begin, end - begin));
+  });
+  record.of_gauges(box_);
+}
+
+// Arrays keep their shape while the water grows and falls by a few columns.
+void Projection::measure_rows(const CellOrder& order, Halo& halo) {
+  constexpr LocalId step = 4;
+  rows_.measure(order, halo);
+  const LocalId highest = grid_.repeats()[2] ? grid_.count(2) : (rows_.most_columns() + step - 1) / step * step;
+  if (grid_.resize(order.planes(), highest)) {
+    particles_to_grid_.resize();
+    surface_.resize();
+    grid_to_particles_.resize();
+    shift_filter_.resize();
+  }
+  // The ghost planes, too: where the box ends nothing is received.
+  for_each_row(grid_.rows_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
+    clear_row(k, r);
+    grid_.set_columns(k, r, cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r));
+  });
+  if (cuts_) cuts_->measure(comm_, grid_, box_);
+}
+
+void Projection::clear_row(LocalId k, LocalId r) {
+  particles_to_grid_.clear_row(k, r);
+  surface_.clear_row(k, r);
+  grid_to_particles_.clear_row(k, r);
+  shift_filter_.clear_row(k, r);
+}
+
+// Particles above the row's cells are in flight.
+template <class T>
+void Projection::displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r,
+                              std::span<Vec4<T>> out) {
+  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+    const CellParticles cell = particles_to_grid_.particles_of(order, motion, k, r, c);
+    if (cell.begin == cell.end) continue;
+    displace_cell(particles_to_grid_.frame(), motion, cell, grid_to_particles_.displacement_of(pressure_, k, r, c),
+                  &out[cell.begin]);
+  }
+  const LocalId columns = order.grid().columns();
+  const LocalId flying = order.start(k, r * columns + grid_.columns(k, r)), end = order.start(k, (r + 1) * columns);
+  std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
+}
+
+template <class T>
+void Projection::filter(const CellOrder& order, Halo& halo, const Swept<T>& swept) {
+  const ScopedEvent timed(event_);
+  shift_filter_.find(order, halo, swept.shifts, swept.density, swept.rest_density);
+}
+
+std::size_t Projection::bytes() const {
+  return rows_.bytes() + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + surface_.bytes() +
+         pressure_.bytes() + grid_to_particles_.bytes() + shift_filter_.bytes();
+}
+
+template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);
+template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<double>>);
+template void Projection::filter(const CellOrder&, Halo&, const Swept<float>&);
+template void Projection::filter(const CellOrder&, Halo&, const Swept<double>&);
+
+}  // namespace trevi

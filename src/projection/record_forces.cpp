@@ -1,0 +1,72 @@
+#include "projection/record_forces.hpp"
+
+#include <cmath>
+
+namespace trevi {
+
+template <class T>
+void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec4<T>& one : moved) sum += vector_of(one);
+  obstacles_.take_of_grid(obstacles_.box_taker(), sum, Vec3::Zero());
+  if (!surface_.cuts()->cuts_row(k, r)) return;
+  for (LocalId c = 0; c < surface_.grid().columns(); ++c) of_cell(k, r, c);
+}
+
+// The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
+// pressure is that at the surface's height.
+void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const CutCells& solids = *surface_.cuts();
+  const std::size_t at = grid.index(k, r, c);
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
+  const Real phi = pressure_.phi(at) + fall_ * solids.surface_above_middle(at);
+  Vec3 shift = Vec3::Zero();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
+    const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
+    shift[static_cast<Eigen::Index>(grid.axis(a))] =
+        -phi * rise * particles / grid.size()[static_cast<Eigen::Index>(a)];
+  }
+  if (shift.isZero()) return;
+  const std::size_t nearest = solids.nearest(at);
+  obstacles_.take_of_grid(nearest, shift, solids.middle(k, r, c));
+  obstacles_.take_of_grid(obstacles_.box_taker(), -shift, Vec3::Zero());
+}
+
+// In the cell before the face, half a cell off it.
+void RecordForces::of_gauges(const Box& box) const {
+  const ProjectionGrid& grid = surface_.grid();
+  PressureGauges& gauges = obstacles_.gauges();
+  for (std::size_t g = 0; g < gauges.count(); ++g) {
+    const GaugeSettings& gauge = gauges.gauge(g);
+    const Vec3 before = (gauge.center + 0.5 * grid.size().minCoeff() * gauge.normal)
+                            .cwiseMax(box.min)
+                            .cwiseMin(box.max);
+    const LocalId k = grid.cell_of(before, 0) - surface_.cuts()->first_plane() + 1;
+    if (k >= 1 && k <= grid.planes())
+      gauges.add_phi(g, phi_at(k, grid.cell_of(before, 1), grid.cells_to(gauge.center, 2)));
+  }
+}
+
+// Linear between the middles of the cells of water below and above that height, which is in cells from the floor; where
+// there is but one of them, hydrostatic from its middle.
+Real RecordForces::phi_at(LocalId k, LocalId r, Real height) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const Real from_middle = height - 0.5;
+  const auto below = static_cast<LocalId>(std::floor(from_middle));
+  Real sum = 0, weight = 0;
+  for (LocalId c = std::max(below, 0); c <= below + 1 && c < grid.columns(k, r); ++c) {
+    const std::size_t at = grid.index(k, r, c);
+    if (!surface_.is_wet(at) || surface_.is_solid(at)) continue;
+    const Real part = 1 - std::abs(from_middle - c);
+    sum += part * (pressure_.phi(at) - fall_ * grid.size()[2] * (c - from_middle));
+    weight += part;
+  }
+  return weight > 0 ? std::min(sum / weight, 0.0) : 0;
+}
+
+template void RecordForces::of_row(LocalId, LocalId, std::span<const Vec4<float>>) const;
+template void RecordForces::of_row(LocalId, LocalId, std::span<const Vec4<double>>) const;
+
+}  // namespace trevi

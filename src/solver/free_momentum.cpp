@@ -1,0 +1,88 @@
+#include "solver/free_momentum.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "base/threads.hpp"
+#include "fluid/obstacles/obstacles.hpp"
+#include "parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+// How far from a wall its share of the density reaches, in units of h; this is the largest value, at h = 1.2 spacings.
+constexpr Real wall_reach = 1.25;
+
+}  // namespace
+
+template <class T>
+FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver)
+    : comm_(context.comm), interior_(context.box), turns_(true), obstacles_(context.obstacles), solver_(std::move(solver)) {
+  const CellGrid& grid = context.grid;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = a == 0 ? grid.slab_axis() : a == 1 ? 1 - grid.slab_axis() : 2;
+    const bool repeats = grid.is_periodic(a);
+    const Real reach = repeats ? -INFINITY : wall_reach * context.model.h;
+    interior_.min[axis] += reach;
+    interior_.max[axis] -= reach;
+    turns_ = turns_ && !repeats;
+  }
+}
+
+template <class T>
+template <class Velocity>
+typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& problem, const Velocity& velocity) const {
+  constexpr int columns = sizeof(Sums) / sizeof(Real);
+  const Particles& particles = problem.particles();
+  std::vector<Sums> partial(static_cast<std::size_t>(problem.order().planes()));
+  for_each_part(problem.order().planes(), [&](LocalId plane) {
+    Sums& sums = partial[static_cast<std::size_t>(plane)];
+    const auto [begin, end] = problem.order().owned_range(plane, plane + 1);
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      const Vec3 &p = particles.predicted[i], v = velocity(i);
+      sums.count += 1;
+      const bool free = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
+      sums.near_walls += free && (obstacles_ == nullptr || !obstacles_->is_near(p)) ? 0 : 1;
+      sums.p += p;
+      sums.v += v;
+      sums.spin += p.cross(v);
+      sums.pp += p * p.transpose();
+    }
+  });
+  const auto* first = reinterpret_cast<const Real*>(partial.data());
+  const std::vector<Real> total =
+      sum_over_planes(comm_, std::vector<Real>(first, first + columns * partial.size()), columns);
+  Sums sums;
+  std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sums));
+  return sums;
+}
+
+template <class T>
+SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
+  Particles& particles = problem.particles();
+  // A free path does not change p × v.
+  const Sums before = sums_of(problem, [&, dt = problem.dt()](std::size_t i) {
+    return Vec3((particles.predicted[i] - particles.position[i]) / dt);
+  });
+  const SolveResult result = solver_->solve(problem);
+  const Sums after = sums_of(problem, [&](std::size_t i) { return particles.velocity[i]; });
+  if (before.near_walls + after.near_walls > 0 || before.count == 0) return result;
+  const Vec3 drift = (after.v - before.v) / after.count, centre = after.p / after.count;
+  Vec3 turn = Vec3::Zero();
+  const Eigen::Matrix3d spread = after.pp - after.count * centre * centre.transpose();
+  const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
+  // A single particle or a line of particles has no inertia about some axis, and no rotation about it to correct.
+  const Real size = inertia.trace();
+  if (turns_ && inertia.determinant() > 1e-9 * size * size * size)
+    turn = inertia.inverse() * (after.spin - before.spin - centre.cross(after.v - before.v));
+  for_each_index(problem.all(), [&](std::size_t i) {
+    particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre);
+  });
+  return result;
+}
+
+template class FreeMomentum<float>;
+template class FreeMomentum<double>;
+
+}  // namespace trevi
