@@ -54,8 +54,9 @@ struct VectorTerms {
   }
 };
 
-template <class T, class Density>
-struct ValueTerms {
+// Base of terms whose sum is one number.
+template <class T>
+struct NumberTerms {
   T* out;
 
   template <class D>
@@ -63,17 +64,30 @@ struct ValueTerms {
     hn::Vec<D> value;
   };
   template <class D>
-  Sums<D> start(D d, LocalId) const {
+  static Sums<D> start(D d, LocalId) {
     return {hn::Zero(d)};
-  }
-  template <class D>
-  void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
-    const Product<D> value = Shape<Density>::value(d, distance_of(pair));
-    sums.value = hn::MulAdd(value.first, value.second, sums.value);
   }
   template <class D>
   void finish(D d, LocalId index, const Groups<Sums<D>>& sums) const {
     out[index] = sum_of_lanes(d, Groups<hn::Vec<D>>{sums.a.value, sums.b.value, sums.c.value, sums.e.value});
+  }
+};
+
+template <class T, class Density>
+struct ValueTerms : NumberTerms<T> {
+  template <class D, class Sums>
+  void add(D d, Sums& sums, const PairVector<D>& pair) const {
+    const Product<D> value = Shape<Density>::value(d, distance_of(pair));
+    sums.value = hn::MulAdd(value.first, value.second, sums.value);
+  }
+};
+
+template <class T>
+struct SecondMomentTerms : NumberTerms<T> {
+  template <class D, class Sums>
+  void add(D d, Sums& sums, const PairVector<D>& pair) const {
+    const Product<D> value = Shape<Poly6>::value(d, distance_of(pair));
+    sums.value = hn::MulAdd(hn::Mul(value.first, value.second), pair.r2, sums.value);
   }
 };
 
@@ -171,7 +185,7 @@ struct VelocityTerms : VectorTerms<T> {
   SumsOf<D> start(D d, LocalId i) const {
     const auto zero = hn::Zero(d);
     const Vec4<T>& v = velocity[i];
-    return {zero, zero, zero, zero, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), zero}};
+    return {zero, zero, zero, zero, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), hn::Set(d, v.w)}};
   }
   template <class D>
   Four<D> relative(D d, const SumsOf<D>& sums, const PairVector<D>& pair) const {
@@ -199,9 +213,15 @@ template <class T>
 struct SmoothingTerms : VelocityTerms<T> {
   template <class D>
   void add(D d, SumsOf<D>& sums, const PairVector<D>& pair) const {
-    const Four<D> v = this->relative(d, sums, pair);
+    add_weighted(sums, this->relative(d, sums, pair), weight(d, pair));
+  }
+  template <class D>
+  static hn::Vec<D> weight(D d, const PairVector<D>& pair) {
     const Product<D> value = Shape<Poly6>::value(d, distance_of(pair));
-    const auto weight = hn::Mul(value.first, value.second);
+    return hn::Mul(value.first, value.second);
+  }
+  template <class D>
+  static void add_weighted(SumsOf<D>& sums, const Four<D>& v, hn::Vec<D> weight) {
     sums.x = hn::MulAdd(weight, v.x, sums.x);
     sums.y = hn::MulAdd(weight, v.y, sums.y);
     sums.z = hn::MulAdd(weight, v.z, sums.z);
@@ -212,10 +232,19 @@ struct SmoothingTerms : VelocityTerms<T> {
   }
 };
 
+template <class T>
+struct WeightedSmoothingTerms : SmoothingTerms<T> {
+  template <class D>
+  void add(D d, SumsOf<D>& sums, const PairVector<D>& pair) const {
+    const Four<D> v = this->relative(d, sums, pair);
+    this->add_weighted(sums, v, hn::Mul(hn::Add(sums.self.w, v.w), this->weight(d, pair)));
+  }
+};
+
 // The pair loops themselves as plain functions: Highway's dispatch takes no others.
 template <class T, class Density>
 void value(const Pairs<T>& pairs, Range range, T* out) {
-  for_each_particle(pairs, range, ValueTerms<T, Density>{out});
+  for_each_particle(pairs, range, ValueTerms<T, Density>{{out}});
 }
 template <class T, class Density, class Gradient>
 void density(const Pairs<T>& pairs, Range range, Vec4<T>* out, T* squares) {
@@ -244,6 +273,14 @@ template <class T>
 void smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
   for_each_particle(pairs, range, SmoothingTerms<T>{{{out}, velocity}});
 }
+template <class T>
+void weighted_smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
+  for_each_particle(pairs, range, WeightedSmoothingTerms<T>{{{{out}, velocity}}});
+}
+template <class T>
+void second_moment(const Pairs<T>& pairs, Range range, T* out) {
+  for_each_particle(pairs, range, SecondMomentTerms<T>{{out}});
+}
 
 // The loops of all pairs of kernels; that with number k has density kernel k / count and gradient kernel k % count.
 template <class T, std::size_t... k>
@@ -265,7 +302,7 @@ ConstraintLoops<T> loops_of_constraint(const Kernels& kernels) {
 }
 template <class T>
 FilterLoops<T> loops_of_filters() {
-  return {curl<T>, gradient<T>, smoothing<T>};
+  return {curl<T>, gradient<T>, smoothing<T>, weighted_smoothing<T>, second_moment<T>};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -58,6 +58,10 @@ struct FilterLoops {
   void (*gradient)(const Pairs<T>&, Range, Vec4<T>* out);
   /// out = Σ (v_j − v_i) w.
   void (*smoothing)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
+  /// out = Σ (f_i + f_j) (v_j − v_i) w, with f the scalar of the velocities.
+  void (*weighted_smoothing)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
+  /// out = Σ u² w.
+  void (*second_moment)(const Pairs<T>&, Range, T* out);
 };
 
 template <class T>

@@ -23,8 +23,12 @@ class VelocityFilter {
 template <class T>
 class VelocityField {
  public:
-  /// Collective.
+  /// write() and exchange(). Collective.
   const Vec4<T>* refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
+  /// Those of the owned particles, in their order, with a scalar of 0 that may be set before exchange().
+  Vec4<T>* write(const Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
+  /// Collective.
+  const Vec4<T>* exchange(Neighbourhood<T>& near);
   std::size_t bytes() const { return vectors_.capacity() * sizeof(Vec4<T>); }
 
  private:

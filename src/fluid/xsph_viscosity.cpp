@@ -1,14 +1,37 @@
 #include "fluid/xsph_viscosity.hpp"
 
+#include <algorithm>
+
 #include "fluid/for_each_sum.hpp"
 #include "fluid/kernels/poly6-inl.hpp"
 
 namespace trevi {
 
-XsphFactor xsph_of_share(Real c, const DensityModel& model) { return {.each_step = c * model.mass}; }
+namespace {
 
-XsphFactor xsph_of_viscosity(Real nu, Real spacing, Real h) {
-  return {.per_second = nu / lattice_laplacian_moment(spacing, h)};
+// velocity_i += factor Σ, the sums being those of a pair loop.
+template <class T, class Loop>
+void add_sums(const Neighbourhood<T>& near, const Loop& loop, Real factor, std::vector<Vec3>& velocity) {
+  for_each_sum<Vec4<T>>(near.all(), loop, [&](Range here, const Vec4<T>* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
+      velocity[static_cast<std::size_t>(i)] += factor * vector_of(*sum);
+  });
+}
+
+}  // namespace
+
+template <class T>
+XsphViscosity<T>::XsphViscosity(Real c, const DensityModel& model, std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(filter_loops<T>()), factor_(c * model.mass * Poly6::factor(model.h)), velocity_(std::move(velocity)) {}
+
+template <class T>
+void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
+  const ScopedEvent timed(event_);
+  const Vec4<T>* velocities = velocity_->refresh(near, particles.velocity);
+  const Pairs<T> pairs = pairs_of(near);
+  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
+  add_sums(near, smoothing, factor_, particles.velocity);
+  log_flops(static_cast<double>(near.list().pairs()) * 22);
 }
 
 Real longest_viscous_step(Real nu, Real spacing, Real h) {
@@ -16,24 +39,38 @@ Real longest_viscous_step(Real nu, Real spacing, Real h) {
 }
 
 template <class T>
-XsphViscosity<T>::XsphViscosity(const XsphFactor& factor, Real h, std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(filter_loops<T>()), factor_(factor), kernel_factor_(Poly6::factor(h)), velocity_(std::move(velocity)) {}
+KinematicViscosity<T>::KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(filter_loops<T>()), velocity_(std::move(velocity)) {
+  const Real lattice = lattice_laplacian_moment(spacing, h);
+  per_second_ = nu / lattice * Poly6::factor(h) / 2;
+  moment_factor_ = static_cast<T>(h * h * Poly6::factor(h) / (6 * lattice));
+}
+
+// M_lattice/M_i to the scalar of each velocity.
+template <class T>
+void KinematicViscosity<T>::weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const {
+  constexpr auto least = static_cast<T>(least_moment);
+  const auto moments = [&](Range part, T* out) { loops_.second_moment(pairs, part, out); };
+  for_each_sum<T>(all, moments, [&](Range here, const T* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
+      velocities[i].w = 1 / std::max(moment_factor_ * *sum, least);
+  });
+}
 
 template <class T>
-void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
+void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   const ScopedEvent timed(event_);
-  const Real factor = factor_.of_step(dt) * kernel_factor_;
-  const Vec4<T>* velocities = velocity_->refresh(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
-  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
-  for_each_sum<Vec4<T>>(near.all(), smoothing, [&](Range here, const Vec4<T>* sum) {
-    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
-      particles.velocity[static_cast<std::size_t>(i)] += factor * vector_of(*sum);
-  });
-  log_flops(static_cast<double>(near.list().pairs()) * 22);
+  weigh(pairs, near.all(), velocity_->write(near, particles.velocity));
+  const Vec4<T>* velocities = velocity_->exchange(near);
+  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.weighted_smoothing(pairs, part, velocities, out); };
+  add_sums(near, smoothing, per_second_ * dt, particles.velocity);
+  log_flops(static_cast<double>(near.list().pairs()) * (14 + 24));
 }
 
 template class XsphViscosity<float>;
 template class XsphViscosity<double>;
+template class KinematicViscosity<float>;
+template class KinematicViscosity<double>;
 
 }  // namespace trevi

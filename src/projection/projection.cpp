@@ -95,10 +95,59 @@ void Projection::displace_row(const CellOrder& order, const Motion& motion, Loca
   std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
 }
 
+// use(at, particles) for the owned cells that hold any.
+template <class Use>
+void Projection::for_each_cell(const CellOrder& order, const Motion& motion, const Use& use) const {
+  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+      const CellParticles cell = particles_to_grid_.particles_of(order, motion, k, r, c);
+      if (cell.begin < cell.end) use(grid_.index(k, r, c), cell);
+    }
+  });
+}
+
 template <class T>
-void Projection::filter(const CellOrder& order, Halo& halo, const Swept<T>& swept) {
+void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  shift_filter_.find(order, halo, swept.shifts, swept.density, swept.rest_density);
+  shift_filter_.find<T>(order, halo, swept.shifts, swept.compression);
+  for_each_index({0, static_cast<LocalId>(out.size())}, [&](std::size_t i) { out[i] = Vec4<T>{}; });
+  const ByAxis& per_length = particles_to_grid_.frame().per_length;
+  for_each_cell(order, swept.shifts, [&](std::size_t at, const CellParticles& cell) {
+    for (std::size_t i = cell.begin; i < cell.end; ++i) {
+      const Vec3 middle = 0.5 * (swept.shifts.x[i] + swept.shifts.p[i]);
+      ByAxis y{};
+      for (std::size_t a = 0; a < 3; ++a)
+        y[a] = (middle[static_cast<Eigen::Index>(a)] - cell.place.origin[a]) * per_length[a] - cell.place.corner[a];
+      const Vec3 smooth = static_cast<Real>(swept.act[i]) * shift_filter_.smooth(at, y);
+      out[i] = {static_cast<T>(-smooth.x()), static_cast<T>(-smooth.y()), static_cast<T>(-smooth.z()), 0};
+    }
+  });
+}
+
+template <class T>
+void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept, Real dt,
+                                  std::span<Vec3> velocity) const {
+  const ScopedEvent timed(event_);
+  const ByAxis& per_length = particles_to_grid_.frame().per_length;
+  const auto shift = [&](std::size_t i) { return Vec3(swept.shifts.p[i] - swept.shifts.x[i]); };
+  for_each_cell(order, swept.shifts, [&](std::size_t at, const CellParticles& cell) {
+    const AffineMap& fit = particles_to_grid_.fit(at);
+    Vec3 mean = Vec3::Zero();
+    Real weight = 0;
+    for (std::size_t i = cell.begin; i < cell.end; ++i) {
+      mean += static_cast<Real>(swept.act[i]) * shift(i);
+      weight += static_cast<Real>(swept.act[i]);
+    }
+    if (weight == 0) return;
+    mean /= weight;
+    Eigen::Matrix3d slope;  // 1/s
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b)
+        slope(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = fit.b[a][b] * per_length[b] / dt;
+    }
+    for (std::size_t i = cell.begin; i < cell.end; ++i)
+      velocity[i] += static_cast<Real>(swept.act[i]) * (slope * (shift(i) - mean));
+  });
 }
 
 std::size_t Projection::bytes() const {
@@ -108,7 +157,9 @@ std::size_t Projection::bytes() const {
 
 template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);
 template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<double>>);
-template void Projection::filter(const CellOrder&, Halo&, const Swept<float>&);
-template void Projection::filter(const CellOrder&, Halo&, const Swept<double>&);
+template void Projection::filter_shifts(const CellOrder&, Halo&, const Swept<float>&, std::span<Vec4<float>>);
+template void Projection::filter_shifts(const CellOrder&, Halo&, const Swept<double>&, std::span<Vec4<double>>);
+template void Projection::carry_velocities(const CellOrder&, const Swept<float>&, Real, std::span<Vec3>) const;
+template void Projection::carry_velocities(const CellOrder&, const Swept<double>&, Real, std::span<Vec3>) const;
 
 }  // namespace trevi

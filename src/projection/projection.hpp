@@ -33,28 +33,28 @@ class Projection {
   template <class T>
   void displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
-  /// What the sweeps after that have done: shifts of positions from x to p, where the grid acts (0 to 1), and the density
-  /// of the particles afterwards.
+  /// What the sweeps after that have done: shifts of positions from x to p, where the grid acts (0 to 1), and the
+  /// compression rho/rho0 − 1 that they have seen last.
   template <class T>
   struct Swept {
     Motion shifts;
-    std::span<const T> act;
-    std::span<const Real> density;
-    Real rest_density;
+    std::span<const T> act, compression;
   };
-  /// Finds the smooth part of the shifts.
+  /// Minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
-  void filter(const CellOrder& order, Halo& halo, const Swept<T>& swept);
-  /// Calls use(i, correction of the position, slope of the motion) for the owned particles: the smooth part of the shift, to be
-  /// taken off, and the displacement of the water along a shift, m per m.
-  template <class T, class Use>
-  void for_each_shift(const CellOrder& order, const Swept<T>& swept, const Use& use) const;
+  void filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out);
+  /// Gives shifted particles, in the time dt, s, the velocities of where they are, m/s: v += B (Δ − the mean of its cell), of
+  /// which the sum over a cell is 0.
+  template <class T>
+  void carry_velocities(const CellOrder& order, const Swept<T>& swept, Real dt, std::span<Vec3> velocity) const;
 
   std::size_t bytes() const;
 
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
   void clear_row(LocalId k, LocalId r);
+  template <class Use>
+  void for_each_cell(const CellOrder& order, const Motion& motion, const Use& use) const;
   template <class T>
   void displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r, std::span<Vec4<T>> out);
 
@@ -72,33 +72,5 @@ class Projection {
   ShiftFilter shift_filter_;
   Obstacles* obstacles_;
 };
-
-template <class T, class Use>
-void Projection::for_each_shift(const CellOrder& order, const Swept<T>& swept, const Use& use) const {
-  const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const CellParticles cell = particles_to_grid_.particles_of(order, swept.shifts, k, r, c);
-      if (cell.begin == cell.end) continue;
-      const std::size_t at = grid_.index(k, r, c);
-      const AffineMap& fit = particles_to_grid_.fit(at);
-      Eigen::Matrix3d slope;
-      for (std::size_t a = 0; a < 3; ++a) {
-        for (std::size_t b = 0; b < 3; ++b)
-          slope(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = fit.b[a][b] * per_length[b];
-      }
-      for (std::size_t i = cell.begin; i < cell.end; ++i) {
-        const Real act = static_cast<Real>(swept.act[i]);
-        if (act == 0) continue;
-        ByAxis y{};
-        for (std::size_t a = 0; a < 3; ++a) {
-          const auto b = static_cast<Eigen::Index>(a);
-          y[a] = (0.5 * (swept.shifts.x[i][b] + swept.shifts.p[i][b]) - cell.place.origin[a]) * per_length[a] - cell.place.corner[a];
-        }
-        use(i, Vec3(act * shift_filter_.smooth(at, y)), Eigen::Matrix3d(act * slope));
-      }
-    }
-  });
-}
 
 }  // namespace trevi

@@ -20,8 +20,8 @@ void ShiftFilter::clear_row(LocalId k, LocalId r) {
   std::fill_n(fit_.begin() + begin, count, AffineMap{});
 }
 
-void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const Real> density,
-                       Real rest_density) {
+template <class T>
+void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
@@ -35,8 +35,7 @@ void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts,
       const auto n = static_cast<Real>(cell.end - cell.begin);
       sums.at = {n, motion.y, motion.yy};
       sums.flow = {motion.u, motion.uy};
-      for (std::size_t i = cell.begin; i < cell.end; ++i) sums.compression += density[i];
-      sums.compression = sums.compression / rest_density - n;
+      for (std::size_t i = cell.begin; i < cell.end; ++i) sums.compression += static_cast<Real>(compression[i]);
     }
   });
   halo.start_planes(sums_, grid.step(0));
@@ -67,5 +66,8 @@ void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts,
         });
   });
 }
+
+template void ShiftFilter::find(const CellOrder&, Halo&, const Motion&, std::span<const float>);
+template void ShiftFilter::find(const CellOrder&, Halo&, const Motion&, std::span<const double>);
 
 }  // namespace trevi

@@ -4,8 +4,8 @@
 // cells' fill. So the smooth part of the shifts, the mean of the fits of the cells around a particle (affine.hpp), is taken
 // off where the grid acts, but for where water is compressed over more than a cell, as in impacts.
 //
-// A shifted particle takes along the velocity of where it goes (Lind et al., J. Comput. Phys. 231, 2012, eq. 28): v += B Δ
-// with the slope B of the water's motion there. Without that, shear and vortices diffuse.
+// A shifted particle takes on the velocity of where it goes (Lind et al., J. Comput. Phys. 231, 2012, eq. 28): v += B Δ
+// with the slope B of the water's motion there (Projection::carry_velocities). Without that, shear and vortices diffuse.
 //
 // Collective: find().
 #pragma once
@@ -20,8 +20,9 @@ class ShiftFilter {
 
   void resize();
   void clear_row(LocalId k, LocalId r);
-  /// Of shifts of the owned particles, `density` of them afterwards.
-  void find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const Real> density, Real rest_density);
+  /// Of shifts of the owned particles, and of their compression rho/rho0 − 1.
+  template <class T>
+  void find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression);
   /// What is taken off the shift of a particle of the cell that is at y, m, where the grid acts in full.
   Vec3 smooth(std::size_t at, const ByAxis& y) const {
     const AffineMap& map = map_[at];

@@ -43,7 +43,6 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   resize_tightly(multiplier_, particles.id.size());
   std::fill(multiplier_.begin(), multiplier_.end(), T{0});
   positions_only_ = false;
-  if (around_.obstacles != nullptr) around_.obstacles->record_impulses(true);
 }
 
 template <class T>
@@ -70,6 +69,7 @@ void DensityProblem<T>::count_pass(Range part, double flops_per_pair) {
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
+  if (positions_only_) note_sweep();
   constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
@@ -113,6 +113,7 @@ void DensityProblem<T>::project(Projection& projection) {
   projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, delta_);
   resize_tightly(act_, delta_.size());
   resize_tightly(in_flight_, delta_.size());
+  resize_tightly(compression_, delta_.size());
   for_each_index(near_.all(), [&](std::size_t i) {
     act_[i] = delta_[i].w;
     in_flight_[i] = 0;
@@ -131,8 +132,12 @@ void DensityProblem<T>::set_velocities() {
 }
 
 template <class T>
-void DensityProblem<T>::gather_in_flight(Range part) {
-  for_each_index(part, [&](std::size_t i) { in_flight_[i] += (1 - act_[i]) * multiplier_[i]; });
+void DensityProblem<T>::note_sweep() {
+  const Real per_rest_density = 1 / constraint_.model().rest_density;
+  for_each_index(near_.all(), [&](std::size_t i) {
+    in_flight_[i] += (1 - act_[i]) * multiplier_[i];
+    compression_[i] = static_cast<T>(rho_[i] * per_rest_density - 1);
+  });
 }
 
 // Rows of cells that have a multiplier in or beside them.
@@ -190,17 +195,12 @@ void DensityProblem<T>::release_in_flight() {
 
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
-  const std::vector<Vec3>&x = particles_->position, &p = particles_->predicted;
-  const typename Projection::Swept<T> swept{{x, p}, act_, rho_, constraint_.model().rest_density};
-  projection.filter<T>(near_.order(), near_.halo(), swept);
-  for_each_index(near_.all(), [&](std::size_t i) { delta_[i] = Vec4<T>{}; });
-  projection.for_each_shift<T>(near_.order(), swept, [&](std::size_t i, const Vec3& smooth, const Eigen::Matrix3d&) {
-    delta_[i] = {static_cast<T>(-smooth.x()), static_cast<T>(-smooth.y()), static_cast<T>(-smooth.z()), 0};
-  });
+  const typename Projection::Swept<T> swept{{particles_->position, particles_->predicted}, act_, compression_};
+  projection.filter_shifts<T>(near_.order(), near_.halo(), swept, delta_);
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
-  projection.for_each_shift<T>(near_.order(), swept, [&](std::size_t i, const Vec3&, const Eigen::Matrix3d& slope) {
-    particles_->velocity[i] += slope * (p[i] - x[i]) / dt_;
-  });
+  projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
+  positions_only_ = false;
+  if (around_.obstacles != nullptr) around_.obstacles->record_impulses(true);
 }
 
 // The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so

@@ -98,7 +98,7 @@ class DensityProblem {
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const {
     return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) +
-           (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
+           (multiplier_.capacity() + act_.capacity() + in_flight_.capacity() + compression_.capacity()) * sizeof(T);
   }
 
  private:
@@ -107,7 +107,7 @@ class DensityProblem {
   void collide_in_periods(Range part, Real relaxation);
   void find_lambda(Range part, const UseLambda& use);
   void set_multipliers(Range part);
-  void gather_in_flight(Range part);
+  void note_sweep();
   std::vector<Range> rows_in_flight() const;
   void count_pass(Range part, double flops_per_pair);
 
@@ -123,6 +123,7 @@ class DensityProblem {
   bool positions_only_ = false;
   std::vector<T> act_;        // how far the grid acts on each particle
   std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
+  std::vector<T> compression_;  // rho/rho0 − 1 that the last sweep saw
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};
@@ -147,7 +148,6 @@ void DensityProblem<T>::compute_lambda(Range part, const Chosen& chosen) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(here.size()); ++k)
       multiplier[k] = own(lambda[k], multiplier[k]);
   });
-  if (positions_only_) gather_in_flight(part);
   set_multipliers(part);
 }
 

@@ -46,11 +46,11 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
     filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
     filters.back() = std::make_unique<MomentumKeeper<T>>(*parts.comm, std::move(filters.back()));
-  std::optional<XsphFactor> xsph;
-  if (settings.viscosity) xsph = xsph_of_share(*settings.viscosity, model);
+  if (settings.viscosity)
+    filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
   if (settings.kinematic_viscosity)
-    xsph = xsph_of_viscosity(*settings.kinematic_viscosity, settings.fluid.spacing, model.h);
-  if (xsph) filters.push_back(std::make_unique<XsphViscosity<T>>(*xsph, model.h, velocity));
+    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, settings.fluid.spacing,
+                                                              model.h, velocity));
   if (settings.no_slip)
     filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, parts.walls->box(),
                                                   parts.obstacles));

@@ -1,15 +1,17 @@
 // The method by brute force in double precision, O(n²), one rank, no cells: Algorithm 1 of the report with the exact
-// definitions of inputs/README.md, the walls' share of density (reference_walls.hpp), the coarse-grid correction
-// (reference_coarse.hpp), the Chebyshev weights and the cap on shifts. Written from those texts alone and shares no
-// numerical code with the solver, except for the uniform random numbers of the fountain. Not collective.
+// definitions of inputs/README.md, the walls' share of density (reference_walls.hpp), the projection
+// (reference_projection.hpp) with the sweeps that shift positions only, the Chebyshev weights and the cap on shifts.
+// Written from those texts alone and shares no numerical code with the solver, except for the uniform random numbers of
+// the fountain. Not collective.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
 #include "cloud.hpp"
-#include "reference_coarse.hpp"
+#include "reference_projection.hpp"
 #include "reference_walls.hpp"
 #include "trevi/forcing.hpp"
 
@@ -23,7 +25,7 @@ class Reference {
         density_kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
         gradient_kernel_{scene.fluid.gradient_kernel.value(), scene.fluid.kernel_radius},
         walls_(scene),
-        coarse_(scene) {
+        projection_(scene) {
     const Real ratio = scene.fluid.spacing / 0.1;
     epsilon_ = scene.density.epsilon / (ratio * ratio);
     if (scene.tensile) k_ = scene.tensile->k * ratio * ratio;
@@ -65,11 +67,13 @@ class Reference {
     }
   }
   bool has_walls() const { return s_.walls.density == WallDensity::analytic; }
-  /// The coarse grid serves where gravity is more downward than sideways.
-  bool is_coarse() const {
-    if (!s_.density.coarse_grid || !s_.gravity) return false;
-    return s_.gravity->z() < 0 && -s_.gravity->z() >= std::hypot(s_.gravity->x(), s_.gravity->y());
+  /// The projection serves without gravity, and where gravity is more downward than sideways.
+  bool is_projected() const {
+    const Vec3 g = s_.gravity.value_or(Vec3::Zero());
+    if (!s_.density.coarse_grid) return false;
+    return is_weightless() || (g.z() < 0 && -g.z() >= std::hypot(g.x(), g.y()));
   }
+  bool is_weightless() const { return s_.gravity.value_or(Vec3::Zero()).isZero(); }
   /// ∇W of Spiky with respect to the first particle of the pair.
   Vec3 spiky(const Vec3& r) const {
     const Real d = r.norm();
@@ -102,19 +106,106 @@ class Reference {
       wrap(i);
     }
     find_neighbours();
-    int sweeps = s_.density.iterations;
-    if (is_coarse()) {
-      const Vectors u = coarse_.displacements(cloud_.position, p_, dt_);
-      for (std::size_t i = 0; i < size(); ++i) p_[i] = shifted(p_[i], u[i]);
-      sweeps = std::max(1, sweeps - 1);
+    if (is_projected() && s_.density.method == Method::chebyshev) {
+      project_and_shift();
+    } else {
+      int sweeps = s_.density.iterations;
+      if (is_projected()) {
+        project();
+        sweeps = std::max(1, sweeps - 1);
+      }
+      step_.assign(size(), 0);
+      for (int k = 0; k < sweeps; ++k) iterate(k);
+      set_velocities();
     }
-    step_.assign(size(), 0);
-    for (int k = 0; k < sweeps; ++k) iterate(k);
-    for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] = (p_[i] - cloud_.position[i]) / dt_;
     if (s_.vorticity) confine_vorticity();
     if (s_.viscosity) smooth();
     cloud_.position = p_;
     for (std::size_t i = 0; i < size(); ++i) wrap(i);
+  }
+
+  void set_velocities() {
+    for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] = (p_[i] - cloud_.position[i]) / dt_;
+  }
+
+  /// Moves p* by the projection; how far it acts on each particle.
+  std::vector<Real> project() {
+    std::vector<Real> act;
+    const auto found = projection_.displacements(cloud_.position, p_, dt_);
+    for (std::size_t i = 0; i < size(); ++i) {
+      p_[i] = shifted(p_[i], found[i].u);
+      act.push_back(found[i].act);
+    }
+    return act;
+  }
+
+  /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. What
+  /// they do where the projection does not act becomes velocity. A shifted particle takes the velocity of where it goes.
+  void project_and_shift() {
+    set_velocities();  // as if nothing acted
+    const Momentum before = momentum();
+    const std::vector<Real> act = project();
+    set_velocities();
+    const Vectors start = p_;
+    std::vector<Real> in_flight(size(), 0), compression(size());
+    step_.assign(size(), 0);
+    for (int k = 0; k < std::max(1, s_.density.iterations - 1); ++k) {
+      iterate(k);
+      for (std::size_t i = 0; i < size(); ++i) {
+        in_flight[i] += (1 - act[i]) * step_[i];
+        compression[i] = rho_[i] / s_.fluid.rest_density - 1;  // that the last sweep saw
+      }
+    }
+    for (std::size_t i = 0; i < size(); ++i) {
+      for (const std::size_t j : near_[i])
+        cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
+    }
+    const Vectors smooth = projection_.smooth_shifts(start, p_, compression);
+    Vectors shifts(size());
+    for (std::size_t i = 0; i < size(); ++i) {
+      p_[i] = shifted(p_[i], -smooth[i]);
+      shifts[i] = p_[i] - start[i];
+    }
+    const Vectors carried = projection_.carried(shifts);
+    for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] += carried[i] / dt_;
+    if (is_weightless()) restore(before);
+  }
+
+  /// Of all particles, each of unit mass.
+  struct Momentum {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // about the origin
+    bool is_free = true;                                 // nothing is near a wall
+  };
+  Momentum momentum() const {
+    Momentum sum;
+    for (std::size_t i = 0; i < size(); ++i) {
+      sum.linear += cloud_.velocity[i];
+      sum.angular += p_[i].cross(cloud_.velocity[i]);
+      for (int a = 0; a < 3; ++a) {
+        const Real gap = std::min(p_[i][a] - s_.domain.min[a], s_.domain.max[a] - p_[i][a]);
+        if (!repeats(a) && gap <= 1.25 * h()) sum.is_free = false;
+      }
+    }
+    return sum;
+  }
+  /// Gives water that touches nothing back the momenta that it had, by a translation and a rotation; where the box
+  /// repeats along any axis there is no rotation.
+  void restore(const Momentum& before) {
+    const Momentum after = momentum();
+    if (!before.is_free || !after.is_free || size() == 0) return;
+    Vec3 centre = Vec3::Zero(), turn = Vec3::Zero();
+    for (const Vec3& p : p_) centre += p / static_cast<Real>(size());
+    const Vec3 gained = after.linear - before.linear;
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+    for (const Vec3& p : p_) {
+      const Vec3 r = p - centre;
+      inertia += r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose();
+    }
+    const bool turns = !repeats(0) && !repeats(1) && !repeats(2);
+    if (turns && inertia.determinant() > 1e-9 * std::pow(inertia.trace(), 3))
+      turn = inertia.fullPivLu().solve(after.angular - before.angular - centre.cross(gained));
+    for (std::size_t i = 0; i < size(); ++i)
+      cloud_.velocity[i] -= gained / static_cast<Real>(size()) + turn.cross(p_[i] - centre);
   }
 
   void apply_forces(const StepInfo& info) {
@@ -264,7 +355,7 @@ class Reference {
   Cloud cloud_;
   ReferenceKernel density_kernel_, gradient_kernel_;
   ReferenceWalls walls_;
-  ReferenceCoarse coarse_;
+  ReferenceProjection projection_;
   Real mass_ = 0, epsilon_ = 0, k_ = 0, dt_ = 0, weight_ = 1;
   std::int64_t steps_ = 0;
   Vectors p_;

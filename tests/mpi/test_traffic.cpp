@@ -30,21 +30,29 @@ end = 1.0
 [gravity]
 )";
 
+/// What finds the pressure: pairs alone, or the projection, without gravity or with it.
+enum class Grid { none, floating, upright };
+
 /// Bytes over all ranks in a substep. `record`: bytes of a packed record; `velocity_exchanges`: of the filters.
-std::int64_t formula(int ranks, std::int64_t record, int iterations, bool coarse, int filter_exchanges) {
+std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, int filter_exchanges) {
+  const bool projected = grid != Grid::none;
   const std::int64_t messages = 2 * (ranks - 1);  // of one exchange: both ways through every cut
   const std::int64_t counts = 4 * rows * columns;
-  // The records once with the list; lambda and place in every sweep, but for the coarse grid, which asks for no
-  // densities and only moves.
-  const std::int64_t exchanges = 1 + (coarse ? 1 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
-  // For each of its cells both ways: the volume in three planes and five moments of either face; the fill; the pivot;
-  // phi in each of four sweeps a cycle. One way: what holds phi at 0, and the residual of each cycle. Coarser levels are
+  // The records once with the list; lambda and place in every sweep, but for the projection, which asks for no
+  // densities and only moves; what is in flight, and the filtered shifts.
+  const std::int64_t exchanges = 1 + (projected ? 3 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
+  // For each of its cells both ways: the volume in three planes and the moments of its particles; their fit; the fill; the
+  // pivot; phi in each of four sweeps a cycle; the moments of the shifts, and their fit. Under gravity the flow that the
+  // filter of noise leaves, and its fit. One way: what holds phi at 0, and the residual of each cycle. Coarser levels are
   // small enough to be gathered.
-  constexpr int cycles = 3, both_ways = 3 + 2 * 5 + 1 + 1 + 4 * cycles, one_way = 1 + cycles;
-  const std::int64_t coarse_cell = 8 * both_ways + 4 * one_way;
+  constexpr int places = 10, flow = 12, fit = 13, volumes = 3;
+  constexpr int moments = volumes + places + flow + 1, shifts = places + flow + 1 + fit;
+  const int cycles = 3, noise = grid == Grid::upright ? flow + fit : 0;
+  const int both_ways = moments + fit + 1 + 1 + 4 * cycles + noise + shifts, one_way = 1 + cycles;
+  const std::int64_t cell = 8 * both_ways + 4 * one_way;
   const std::int64_t heights = 4 * rows;  // of the water
   return messages * (counts + exchanges * particles_per_plane * record +
-                     (coarse ? heights + coarse_cells_per_plane * coarse_cell : 0));
+                     (projected ? heights + coarse_cells_per_plane * cell : 0));
 }
 
 class Traffic : public Output {
@@ -66,17 +74,17 @@ class Traffic : public Output {
 
 TEST_F(Traffic, IsAsTheFormulaSays) {
   const int ranks = size_of(world);
-  EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 4, true, 0));
-  EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}), formula(ranks, 32, 7, true, 0));
-  EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}), formula(ranks, 16, 4, false, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 4, Grid::upright, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}), formula(ranks, 32, 7, Grid::upright, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}), formula(ranks, 16, 4, Grid::none, 0));
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
-            formula(ranks, 16, 4, true, 3));
+            formula(ranks, 16, 4, Grid::upright, 3));
 }
 
-TEST_F(Traffic, ProjectionGridIsThatOfDownwardGravityAlone) {
+TEST_F(Traffic, NoiseIsThatOfGravityAlone) {
   const int ranks = size_of(world);
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "gravity.acceleration=[0, 0, 0]"}),
-            formula(ranks, 16, 4, false, 0));
+            formula(ranks, 16, 4, Grid::floating, 0));
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ Slowed slowed(const Scene& scene, Wave&& wave) {
   // Only now, as the sort uses their memory.
   std::transform(particles.predicted.begin(), particles.predicted.end(), particles.velocity.begin(), wave);
   particles.position = particles.predicted;
-  XsphViscosity<T> filter(xsph_of_viscosity(*scene.kinematic_viscosity, scene.fluid.spacing, h), h,
-                          std::make_shared<VelocityField<T>>());
+  KinematicViscosity<T> filter(*scene.kinematic_viscosity, scene.fluid.spacing, h,
+                               std::make_shared<VelocityField<T>>());
   const auto inside = [&](const Vec3& p) -> Vec3 {
     const Vec3 room = p.cwiseMin(scene.domain.max - p);
     return room.head<2>().minCoeff() > 0.35 ? wave(p) : Vec3::Zero();

@@ -1,0 +1,52 @@
+// Affine fits by brute force: weighted least squares over particles, solved by an orthogonal factorisation of the
+// whole, tall matrix rather than by normal equations. Not collective.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <cmath>
+#include <vector>
+
+#include "trevi/types.hpp"
+
+namespace trevi::test {
+
+/// u(y) = a + b y.
+struct ReferenceFit {
+  Real weight = 0;  ///< 1, or 0 where there is nothing to fit
+  Vec3 a = Vec3::Zero();
+  Eigen::Matrix3d b = Eigen::Matrix3d::Zero();
+  Real rest2 = 0;  ///< what the fit leaves, as the mean square, and the penalty of the slopes
+
+  Vec3 at(const Vec3& y) const { return a + b * y; }
+};
+
+struct Sample {
+  Real weight;
+  Vec3 y, u;
+};
+
+/// Least squares Σ w |u − a − b y|² + 1e-3 |b|² Σ w: the variance of positions grows by 1e-3 in each direction.
+inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
+  ReferenceFit fit;
+  if (samples.empty()) return fit;
+  const auto rows = static_cast<Eigen::Index>(samples.size());
+  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(rows + 3, 4), right = Eigen::MatrixXd::Zero(rows + 3, 3);
+  Real total = 0;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const Sample& sample = samples[static_cast<std::size_t>(i)];
+    left.row(i) << 1, sample.y.transpose();
+    left.row(i) *= std::sqrt(sample.weight);
+    right.row(i) = std::sqrt(sample.weight) * sample.u.transpose();
+    total += sample.weight;
+  }
+  left.bottomRightCorner<3, 3>() = std::sqrt(1e-3 * total) * Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd found = left.colPivHouseholderQr().solve(right);
+  fit.weight = 1;
+  fit.a = found.row(0);
+  fit.b = found.bottomRows<3>().transpose();
+  fit.rest2 = (left * found - right).squaredNorm() / total;
+  return fit;
+}
+
+}  // namespace trevi::test
