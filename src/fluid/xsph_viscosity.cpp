@@ -44,16 +44,20 @@ KinematicViscosity<T>::KinematicViscosity(Real nu, Real spacing, Real h, std::sh
   const Real lattice = lattice_laplacian_moment(spacing, h);
   per_second_ = nu / lattice * Poly6::factor(h) / 2;
   moment_factor_ = static_cast<T>(h * h * Poly6::factor(h) / (6 * lattice));
+  usual_ = static_cast<T>(std::min(1.0, h * h / (22 * spacing * spacing * spacing * lattice)));
 }
 
 // M_lattice/M_i to the scalar of each velocity.
 template <class T>
 void KinematicViscosity<T>::weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const {
-  constexpr auto least = static_cast<T>(least_moment);
+  static const double lim = getenv("LIM") ? atof(getenv("LIM")) : 0.95;
+  const auto least = static_cast<T>(lim) * usual_;
   const auto moments = [&](Range part, T* out) { loops_.second_moment(pairs, part, out); };
   for_each_sum<T>(all, moments, [&](Range here, const T* sum) {
-    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
-      velocities[i].w = 1 / std::max(moment_factor_ * *sum, least);
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
+      const T share = moment_factor_ * *sum;
+      velocities[i].w = 1 / (share < least ? usual_ : share);
+    }
   });
 }
 

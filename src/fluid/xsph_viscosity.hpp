@@ -51,6 +51,7 @@ class KinematicViscosity : public VelocityFilter<T> {
   FilterLoops<T> loops_;
   Real per_second_;   // 1/s
   T moment_factor_;  // makes M_i/M_lattice of the sum
+  T usual_;
   std::shared_ptr<VelocityField<T>> velocity_;
 };
 

@@ -13,25 +13,40 @@
 
 namespace trevi {
 
+/// The weight w of something that lies z = −1, 0 or 1 cells away along a coordinate axis.
+struct Beside {
+  Real w;
+  std::size_t axis;
+  Real z;
+};
+
+namespace affine {
+
+// to += w from, number by number.
+template <class T>
+void add_weighted(T& to, const T& from, Real w) {
+  constexpr std::size_t numbers = sizeof(T) / sizeof(Real);
+  auto* out = reinterpret_cast<Real*>(&to);
+  const auto* in = reinterpret_cast<const Real*>(&from);
+  for (std::size_t i = 0; i < numbers; ++i) out[i] += w * in[i];
+}
+
+}  // namespace affine
+
 /// Where particles are: their number, Σ y and Σ y yᵀ (xx, yy, zz, xy, xz, yz).
 struct Places {
   Real n = 0;
   ByAxis y{};
   std::array<Real, 6> yy{};
 
-  /// Adds those of the neighbour cell that is `z` cells away, with a weight.
-  void add(const Places& from, Real weight, const ByAxis& z) {
-    n += weight * from.n;
-    for (std::size_t a = 0; a < 3; ++a) {
-      y[a] += weight * (from.y[a] + z[a] * from.n);
-      yy[a] += weight * (from.yy[a] + z[a] * (2 * from.y[a] + z[a] * from.n));
-    }
-    const auto mixed = [&](std::size_t a, std::size_t b) {
-      return z[a] * from.y[b] + z[b] * (from.y[a] + z[a] * from.n);
-    };
-    yy[3] += weight * (from.yy[3] + mixed(0, 1));
-    yy[4] += weight * (from.yy[4] + mixed(0, 2));
-    yy[5] += weight * (from.yy[5] + mixed(1, 2));
+  /// What more there is to add of a cell that is beside this one: y + z.
+  void shift(const Places& from, const Beside& by) {
+    const auto [w, b, z] = by;
+    const std::size_t c = (b + 1) % 3, d = (b + 2) % 3;
+    y[b] += w * z * from.n;
+    yy[b] += w * (2 * z * from.y[b] + from.n);
+    yy[b + c + 2] += w * z * from.y[c];
+    yy[b + d + 2] += w * z * from.y[d];
   }
   /// Σ y_a y_b.
   Real second(std::size_t a, std::size_t b) const { return a == b ? yy[a] : yy[a + b + 2]; }
@@ -42,13 +57,23 @@ struct Flow {
   ByAxis u{};
   std::array<ByAxis, 3> uy{};
 
-  void add(const Flow& from, Real weight, const ByAxis& z) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      u[a] += weight * from.u[a];
-      for (std::size_t b = 0; b < 3; ++b) uy[a][b] += weight * (from.uy[a][b] + from.u[a] * z[b]);
-    }
+  void shift(const Flow& from, const Beside& by) {
+    for (std::size_t a = 0; a < 3; ++a) uy[a][by.axis] += by.w * by.z * from.u[a];
   }
 };
+
+/// Both, of the same particles, and Σ of whatever else is wanted of them.
+struct Moments {
+  Places at;
+  Flow flow;
+  Real more = 0;
+
+  void shift(const Moments& from, const Beside& by) {
+    at.shift(from.at, by);
+    flow.shift(from.flow, by);
+  }
+};
+inline bool is_empty(const Moments& moments) { return moments.at.n == 0; }
 
 /// u(y) = a + B y of one cell or, with weights, the sum of such of several; `weight` is the sum of these.
 struct AffineMap {
@@ -56,15 +81,22 @@ struct AffineMap {
   ByAxis a{};
   std::array<ByAxis, 3> b{};
 
-  void add(const AffineMap& from, Real factor, const ByAxis& z) {
-    weight += factor * from.weight;
-    for (std::size_t i = 0; i < 3; ++i) {
-      a[i] += factor * (from.a[i] - (from.b[i][0] * z[0] + from.b[i][1] * z[1] + from.b[i][2] * z[2]));
-      for (std::size_t j = 0; j < 3; ++j) b[i][j] += factor * from.b[i][j];
-    }
+  void shift(const AffineMap& from, const Beside& by) {
+    for (std::size_t i = 0; i < 3; ++i) a[i] -= by.w * by.z * from.b[i][by.axis];
   }
+  void add(const AffineMap& from, Real factor) { affine::add_weighted(*this, from, factor); }
   Real at(std::size_t i, const ByAxis& y) const { return a[i] + (b[i][0] * y[0] + b[i][1] * y[1] + b[i][2] * y[2]); }
 };
+
+/// Whether there is nothing to add.
+inline bool is_empty(const AffineMap& map) { return map.weight == 0; }
+
+/// Adds what is in a cell beside this one, in this one's coordinates.
+template <class T>
+void add_beside(T& to, const T& from, const Beside& by) {
+  affine::add_weighted(to, from, by.w);
+  if (by.z != 0) to.shift(from, by);
+}
 
 /// The places of a fit as it needs them: mean and inverse of the variance.
 struct Spread {

@@ -91,13 +91,16 @@ class ProjectionGrid {
   LocalId cell_of(const Vec3& p, std::size_t a) const {
     return std::min(static_cast<LocalId>(cells_to(p, a)), count_[a] - 1);
   }
-  /// The cell in which p is. Its corner is counted from that of the box, or, along periodic axes, where positions and
+  /// Tells that p is in plane k, which is where the other planes are counted from.
+  void set_plane(LocalId k, const Vec3& p) { before_ = cell_of(p, 0) - k; }
+  /// Where cell (k, r, c) is. Its corner is counted from that of the box, or, along periodic axes, where positions and
   /// this difference are exact, from itself.
-  CellPlace place_of(const Vec3& p) const {
+  CellPlace place_of(LocalId k, LocalId r, LocalId c) const {
     CellPlace place{origin_, {}};
+    const std::array<LocalId, 3> cell{before_ + k, r, c};
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = axis(a);
-      const Real corner = cell_of(p, a);
+      const Real corner = cell[a];
       const bool counted = !repeats_[a];
       (counted ? place.corner[b] : place.origin[b]) += counted ? corner : corner * size_[static_cast<Eigen::Index>(a)];
     }
@@ -118,6 +121,7 @@ class ProjectionGrid {
   Vec3 size_;
   std::array<Real, 3> origin_{}, per_length_{};
   LocalId planes_ = 0, columns_ = 0;
+  LocalId before_ = 0;  // the number of plane 0, the low ghost plane, from the start of the box
   std::array<std::size_t, 3> step_{};
   std::vector<LocalId> reach_;  // columns(k, r)
 };

@@ -26,11 +26,10 @@ void GridToParticles::resize() {
 }
 
 void GridToParticles::clear_row(LocalId k, LocalId r) {
-  const auto begin = static_cast<std::ptrdiff_t>(surface_.grid().index(k, r, 0));
-  const auto count = std::ptrdiff_t{surface_.grid().columns(k, r)} + 1;
-  std::fill_n(noise_.begin() + begin, count, Flow{});
-  for (auto* maps : {&noise_fit_, &cut_fit_, &damping_, &first_})
-    if (!maps->empty()) std::fill_n(maps->begin() + begin, count, AffineMap{});
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t begin = grid.index(k, r, 0), end = begin + static_cast<std::size_t>(grid.columns(k, r)) + 1;
+  for (std::size_t at = begin; at < end; ++at) noise_[at].n = noise_fit_[at].weight = 0;
+  for (std::size_t at = begin; at < end && !cut_fit_.empty(); ++at) cut_fit_[at].weight = 0;
 }
 
 // A dry cell right above water under gravity: the few particles in it follow the top cell.
@@ -40,7 +39,6 @@ bool GridToParticles::follows(std::size_t at) const {
 
 // The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise.
 Real GridToParticles::rate(std::size_t at) const {
-  if (!surface_.is_wet(at) && !follows(at)) return 0;
   const Real noise = noise_speed * step_.time * h_;
   return std::min(step_.time / noise_time, 1.0) / (1 + surface_.water().rest2(at) / (noise * noise));
 }
@@ -63,17 +61,17 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
 // F u of a particle is a + B y − weight u with the map of its cell.
 void GridToParticles::find_noise(LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
-  std::vector<AffineMap> memory;
   const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent(
-      grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return surface_.water().fit(at); },
-      [&](LocalId c, AffineMap sum) {
+  for_each_tent<AffineMap>(
+      grid, k, r, [&](std::size_t at) { return surface_.water().moments(at).at.n > 0; },
+      [&](std::size_t at) -> const AffineMap& { return surface_.water().fit(at); },
+      [&](LocalId c, const AffineMap& sum) {
         const std::size_t at = floor + static_cast<std::size_t>(c);
-        AffineMap map;
-        map.add(sum, per_tent, {});
-        first_[at] = map;
-        const CellMoments& m = surface_.water().moments(at);
-        Flow& noise = noise_[at];
+        AffineMap& map = first_[at] = {};
+        map.add(sum, per_tent);
+        const Moments& m = surface_.water().moments(at);
+        noise_[at].n = m.at.n;
+        Flow& noise = noise_[at].flow;
         for (std::size_t a = 0; a < 3; ++a) {
           noise.u[a] = map.a[a] * m.at.n + dot(map.b[a], m.at.y) - map.weight * m.flow.u[a];
           for (std::size_t b = 0; b < 3; ++b) {
@@ -86,40 +84,40 @@ void GridToParticles::find_noise(LocalId k, LocalId r) {
 
 void GridToParticles::fit_noise(LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
-  std::vector<Flow> memory;
   const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent(
-      grid, k, r, memory, [&](std::size_t at) -> const Flow& { return noise_[at]; },
-      [&](LocalId c, const Flow& around) {
+  for_each_tent<Noise>(
+      grid, k, r, [&](std::size_t at) { return noise_[at].n > 0 && (surface_.is_wet(at) || follows(at)); },
+      [&](std::size_t at) -> const Noise& { return noise_[at]; },
+      [&](LocalId c, const Noise& around) {
         const std::size_t at = floor + static_cast<std::size_t>(c);
         const Real fraction = rate(at);
         noise_fit_[at] = {};
-        noise_fit_[at].add(fit_of(surface_.water().spread(at), around), fraction, {});
+        noise_fit_[at].add(fit_of(surface_.water().spread(at), around.flow), fraction);
         if (!surface_.is_cut(at)) return;
         cut_fit_[at] = {};
-        cut_fit_[at].add(surface_.water().fit(at), std::min(cut_noise * fraction, 1.0), {});
+        cut_fit_[at].add(surface_.water().fit(at), std::min(cut_noise * fraction, 1.0));
       });
 }
 
 // −F F u of a particle of the cell, with the rates: −(a2 + B2 y − weight2 F u).
 void GridToParticles::find_damping(LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
-  std::vector<AffineMap> memory;
   const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent(
-      grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return noise_fit_[at]; },
+  const auto needed = [&](std::size_t at) { return noise_[at].n > 0; };
+  for_each_tent<AffineMap>(
+      grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return noise_fit_[at]; },
       [&](LocalId c, const AffineMap& sum) {
         const std::size_t at = floor + static_cast<std::size_t>(c);
         const Real kept = per_tent * sum.weight;
-        damping_[at] = {};
-        damping_[at].add(sum, -per_tent, {});
-        damping_[at].add(first_[at], kept, {});
-        damping_[at].weight = kept * first_[at].weight;
+        AffineMap& damping = damping_[at] = {};
+        damping.add(sum, -per_tent);
+        damping.add(first_[at], kept);
+        damping.weight = kept * first_[at].weight;
       });
   if (surface_.cuts() == nullptr || !surface_.cuts()->is_near_cut(k, r)) return;
-  for_each_tent(
-      grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return cut_fit_[at]; },
-      [&](LocalId c, const AffineMap& sum) { damping_[floor + static_cast<std::size_t>(c)].add(sum, per_tent, {}); });
+  for_each_tent<AffineMap>(
+      grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return cut_fit_[at]; },
+      [&](LocalId c, const AffineMap& sum) { damping_[floor + static_cast<std::size_t>(c)].add(sum, per_tent); });
 }
 
 // What takes the particles along with a wall, or with a solid.

@@ -52,6 +52,14 @@ class GridToParticles {
   bool follows(std::size_t at) const;
   void slip(std::size_t at, Faces& faces) const;
   Real through_closed(std::size_t a, std::size_t face) const;
+  // Of the particles of a cell, and whether there are any.
+  struct Noise {
+    Real n = 0;
+    Flow flow;
+
+    void shift(const Noise& from, const Beside& by) { flow.shift(from.flow, by); }
+    friend bool is_empty(const Noise& noise) { return noise.n == 0; }
+  };
   Real rate(std::size_t at) const;
   void find_noise(LocalId k, LocalId r);
   void fit_noise(LocalId k, LocalId r);
@@ -61,7 +69,7 @@ class GridToParticles {
   Real spacing_, h_;
   Step step_{};
   std::vector<AffineMap> first_;    // the filter's first pass, of own cells
-  std::vector<Flow> noise_;         // what it leaves
+  std::vector<Noise> noise_;        // what it leaves
   std::vector<AffineMap> noise_fit_, cut_fit_;  // fits of that and, in cut cells, of the motion itself, times their rates
   std::vector<AffineMap> damping_;  // of own cells; `weight` is what a particle loses of its own motion
 };

@@ -24,15 +24,19 @@ void ParticlesToGrid::resize() {
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
+// The rest of what a cell without particles has is not looked at.
 void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
-  const auto begin = static_cast<std::ptrdiff_t>(grid_.index(k, r, 0)), count = std::ptrdiff_t{grid_.columns(k, r)} + 1;
-  std::fill_n(sums_.begin() + begin, count, PlaneSums{});
-  std::fill_n(spread_.begin() + begin, count, Spread{});
-  std::fill_n(fit_.begin() + begin, count, AffineMap{});
+  const std::size_t begin = grid_.index(k, r, 0), end = begin + static_cast<std::size_t>(grid_.columns(k, r)) + 1;
+  for (std::size_t at = begin; at < end; ++at) {
+    sums_[at].volume = {};
+    sums_[at].moments.at.n = 0;
+    fit_[at].weight = 0;
+  }
   for (auto& u : displacement_) {
-    std::fill_n(u.begin() + begin, count, 0.0);
-    if (r + 1 == grid_.rows())
-      std::fill_n(u.begin() + begin + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
+    const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto count = static_cast<std::ptrdiff_t>(end - begin);
+    std::fill_n(first, count, 0.0);
+    if (r + 1 == grid_.rows()) std::fill_n(first + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
   }
 }
 
@@ -54,12 +58,11 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   if (grid_.repeats()[2]) grid_.repeat(displacement_[2]);
 }
 
-CellParticles ParticlesToGrid::particles_of(const CellOrder& order, const Motion& motion, LocalId k, LocalId r,
-                                            LocalId c) const {
+CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const {
   const LocalId cell = r * order.grid().columns() + c;
   const auto begin = static_cast<std::size_t>(order.start(k, cell) - order.low_ghosts());
   const auto end = static_cast<std::size_t>(order.start(k, cell + 1) - order.low_ghosts());
-  return {begin, end, begin < end ? grid_.place_of(motion.p[begin]) : CellPlace{}};
+  return {begin, end, grid_.place_of(k, r, c)};
 }
 
 void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion& motion) {
@@ -69,15 +72,15 @@ void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion&
   for (LocalId row = -beyond; row < rows + beyond; ++row) {
     const LocalId r = (row + rows) % rows;
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const CellParticles cell = particles_of(order, motion, k, r, c);
+      const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
       const CellSums sums = sum_cell(frame_, motion, cell);
       add_volume(k, row, c, sums);
       if (row != r) continue;
-      CellMoments& moments = sums_[grid_.index(k, r, c)].moments;
+      Moments& moments = sums_[grid_.index(k, r, c)].moments;
       moments.at = {static_cast<Real>(cell.end - cell.begin), sums.motion.y, sums.motion.yy};
       moments.flow = {sums.motion.u, sums.motion.uy};
-      moments.uu = sums.motion.uu;
+      moments.more = sums.motion.uu;
     }
   }
 }
@@ -101,43 +104,22 @@ Real ParticlesToGrid::volume(std::size_t at) const {
   return sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
 }
 
-namespace {
-
-// What a fit is made of.
-struct Around {
-  Places at;
-  Flow flow;
-  Real uu = 0;
-
-  void add(const CellMoments& from, Real weight, const ByAxis& z) {
-    add(Around{from.at, from.flow, from.uu}, weight, z);
-  }
-  void add(const Around& from, Real weight, const ByAxis& z) {
-    if (from.at.n == 0) return;
-    at.add(from.at, weight, z);
-    flow.add(from.flow, weight, z);
-    uu += weight * from.uu;
-  }
-};
-
-}  // namespace
-
 void ParticlesToGrid::fit_row(LocalId k, LocalId r) {
-  std::vector<Around> memory;
   const std::size_t floor = grid_.index(k, r, 0);
-  for_each_tent(
-      grid_, k, r, memory, [&](std::size_t at) -> const CellMoments& { return sums_[at].moments; },
-      [&](LocalId c, const Around& around) {
+  const auto moments_at = [&](std::size_t at) -> const Moments& { return sums_[at].moments; };
+  for_each_tent<Moments>(
+      grid_, k, r, [&](std::size_t at) { return sums_[at].moments.at.n > 0; }, moments_at,
+      [&](LocalId c, const Moments& around) {
         const std::size_t at = floor + static_cast<std::size_t>(c);
         spread_[at] = spread_of(around.at);
-        fit_[at] = fit_of(spread_[at], around.flow, around.uu, &rest2_[at]);
+        fit_[at] = fit_of(spread_[at], around.flow, around.more, &rest2_[at]);
       });
 }
 
 // The particles of a cell at one of its faces, whose middle is given in cells from the corner of that cell.
 ParticlesToGrid::FaceSum ParticlesToGrid::from_side(std::size_t a, std::size_t cell, bool below,
                                                     const ByAxis& middle) const {
-  const CellMoments& m = sums_[cell].moments;
+  const Moments& m = sums_[cell].moments;
   if (m.at.n == 0) return {};
   const std::size_t i = grid_.axis(a);
   const ByAxis& slope = fit_[cell].b[i];

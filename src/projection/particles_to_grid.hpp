@@ -25,13 +25,6 @@
 
 namespace trevi {
 
-/// What a cell's particles sum to.
-struct CellMoments {
-  Places at;
-  Flow flow;
-  Real uu = 0;  ///< Σ |u|², m²
-};
-
 class ParticlesToGrid {
  public:
   /// `spacing` of the start lattice, m: the edge of a particle's cube.
@@ -44,15 +37,16 @@ class ParticlesToGrid {
   /// All of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
 
-  /// The particles of a cell, in the order of storage.
-  CellParticles particles_of(const CellOrder& order, const Motion& motion, LocalId k, LocalId r, LocalId c) const;
+  /// The particles of a cell, in the order of storage; those that were in it when `order` was made.
+  CellParticles particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const;
 
   const CellFrame& frame() const { return frame_; }
   /// Volume of the water in an own cell, in cells.
   Real volume(std::size_t at) const;
-  const CellMoments& moments(std::size_t at) const { return sums_[at].moments; }
+  /// Of the particles of a cell; `more` is Σ |u|², m².
+  const Moments& moments(std::size_t at) const { return sums_[at].moments; }
   const Spread& spread(std::size_t at) const { return spread_[at]; }
-  /// Of own cells and of ghost planes; without particles around its weight is 0.
+  /// Of own cells and of ghost planes; the weight of a cell without particles is 0.
   const AffineMap& fit(std::size_t at) const { return fit_[at]; }
   /// Mean square of the motion that the fit leaves, m², of own cells.
   Real rest2(std::size_t at) const { return rest2_[at]; }
@@ -65,7 +59,7 @@ class ParticlesToGrid {
   // What the particles of a plane add: their volume to the plane below, to their own and to the plane above.
   struct PlaneSums {
     std::array<Real, 3> volume{};
-    CellMoments moments;
+    Moments moments;
   };
   // Weighted sums at a face.
   struct FaceSum {

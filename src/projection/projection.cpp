@@ -36,6 +36,7 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   const ScopedEvent timed(event_);
   const Real fall = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
   measure_rows(order, halo);
+  count_planes(order, motion.p);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
   pressure_.solve(surface_, halo, {fall, std::min(1.0, time / projection::return_time), rows_.depth()});
@@ -73,6 +74,14 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   if (cuts_) cuts_->measure(comm_, grid_, box_);
 }
 
+// From the particles, which say in which plane of the box they are. Without any, nothing asks for it.
+void Projection::count_planes(const CellOrder& order, std::span<const Vec3> p) {
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    const Range plane = order.owned_range(k - 1, k);
+    if (plane.size() > 0) return grid_.set_plane(k, p[static_cast<std::size_t>(plane.begin)]);
+  }
+}
+
 void Projection::clear_row(LocalId k, LocalId r) {
   particles_to_grid_.clear_row(k, r);
   surface_.clear_row(k, r);
@@ -85,7 +94,7 @@ template <class T>
 void Projection::displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r,
                               std::span<Vec4<T>> out) {
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-    const CellParticles cell = particles_to_grid_.particles_of(order, motion, k, r, c);
+    const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
     if (cell.begin == cell.end) continue;
     displace_cell(particles_to_grid_.frame(), motion, cell, grid_to_particles_.displacement_of(pressure_, k, r, c),
                   &out[cell.begin]);
@@ -97,10 +106,10 @@ void Projection::displace_row(const CellOrder& order, const Motion& motion, Loca
 
 // use(at, particles) for the owned cells that hold any.
 template <class Use>
-void Projection::for_each_cell(const CellOrder& order, const Motion& motion, const Use& use) const {
+void Projection::for_each_cell(const CellOrder& order, const Use& use) const {
   for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const CellParticles cell = particles_to_grid_.particles_of(order, motion, k, r, c);
+      const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
       if (cell.begin < cell.end) use(grid_.index(k, r, c), cell);
     }
   });
@@ -112,7 +121,7 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
   shift_filter_.find<T>(order, halo, swept.shifts, swept.compression);
   for_each_index({0, static_cast<LocalId>(out.size())}, [&](std::size_t i) { out[i] = Vec4<T>{}; });
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  for_each_cell(order, swept.shifts, [&](std::size_t at, const CellParticles& cell) {
+  for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
     for (std::size_t i = cell.begin; i < cell.end; ++i) {
       const Vec3 middle = 0.5 * (swept.shifts.x[i] + swept.shifts.p[i]);
       ByAxis y{};
@@ -130,7 +139,7 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
   const auto shift = [&](std::size_t i) { return Vec3(swept.shifts.p[i] - swept.shifts.x[i]); };
-  for_each_cell(order, swept.shifts, [&](std::size_t at, const CellParticles& cell) {
+  for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
     const AffineMap& fit = particles_to_grid_.fit(at);
     Vec3 mean = Vec3::Zero();
     Real weight = 0;

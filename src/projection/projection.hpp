@@ -52,9 +52,10 @@ class Projection {
 
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
+  void count_planes(const CellOrder& order, std::span<const Vec3> p);
   void clear_row(LocalId k, LocalId r);
   template <class Use>
-  void for_each_cell(const CellOrder& order, const Motion& motion, const Use& use) const;
+  void for_each_cell(const CellOrder& order, const Use& use) const;
   template <class T>
   void displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r, std::span<Vec4<T>> out);
 

@@ -14,10 +14,9 @@ void ShiftFilter::resize() {
 }
 
 void ShiftFilter::clear_row(LocalId k, LocalId r) {
-  const auto begin = static_cast<std::ptrdiff_t>(surface_.grid().index(k, r, 0));
-  const auto count = std::ptrdiff_t{surface_.grid().columns(k, r)} + 1;
-  std::fill_n(sums_.begin() + begin, count, Sums{});
-  std::fill_n(fit_.begin() + begin, count, AffineMap{});
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t begin = grid.index(k, r, 0), end = begin + static_cast<std::size_t>(grid.columns(k, r)) + 1;
+  for (std::size_t at = begin; at < end; ++at) sums_[at].at.n = fit_[at].weight = 0;
 }
 
 template <class T>
@@ -27,42 +26,40 @@ void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts,
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
   for_each_row(own, [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid.columns(k, r); ++c) {
-      const CellParticles cell = water.particles_of(order, shifts, k, r, c);
-      Sums& sums = sums_[grid.index(k, r, c)];
-      sums = {};
+      const CellParticles cell = water.particles_of(order, k, r, c);
+      Moments& sums = sums_[grid.index(k, r, c)];
       if (cell.begin == cell.end) continue;
+      sums.more = 0;
       const MotionSums motion = sum_motion(water.frame(), shifts, cell);
       const auto n = static_cast<Real>(cell.end - cell.begin);
       sums.at = {n, motion.y, motion.yy};
       sums.flow = {motion.u, motion.uy};
-      for (std::size_t i = cell.begin; i < cell.end; ++i) sums.compression += static_cast<Real>(compression[i]);
+      for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += static_cast<Real>(compression[i]);
     }
   });
   halo.start_planes(sums_, grid.step(0));
   halo.finish();
+  const auto needed = [&](std::size_t at) { return sums_[at].at.n > 0; };
   for_each_row(own, [&](LocalId k, LocalId r) {
-    std::vector<Sums> memory;
     const std::size_t floor = grid.index(k, r, 0);
-    for_each_tent(
-        grid, k, r, memory, [&](std::size_t at) -> const Sums& { return sums_[at]; },
-        [&](LocalId c, const Sums& around) {
+    for_each_tent<Moments>(
+        grid, k, r, needed, [&](std::size_t at) -> const Moments& { return sums_[at]; },
+        [&](LocalId c, const Moments& around) {
           const std::size_t at = floor + static_cast<std::size_t>(c);
-          const Real mean = around.at.n > 0 ? around.compression / around.at.n : 0;
+          const Real mean = around.more / around.at.n;
           kept_[at] = 1 - std::clamp((mean - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
-          fit_[at] = is_water(at) ? fit_of(spread_of(around.at), around.flow) : AffineMap{};
+          if (is_water(at)) fit_[at] = fit_of(spread_of(around.at), around.flow);
         });
   });
   halo.start_planes(fit_, grid.step(0));
   halo.finish();
   for_each_row(own, [&](LocalId k, LocalId r) {
-    std::vector<AffineMap> memory;
     const std::size_t floor = grid.index(k, r, 0);
-    for_each_tent(
-        grid, k, r, memory, [&](std::size_t at) -> const AffineMap& { return fit_[at]; },
+    for_each_tent<AffineMap>(
+        grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return fit_[at]; },
         [&](LocalId c, const AffineMap& sum) {
-          const std::size_t at = floor + static_cast<std::size_t>(c);
-          map_[at] = {};
-          if (sum.weight > 0) map_[at].add(sum, kept_[at] / sum.weight, {});
+          AffineMap& map = map_[floor + static_cast<std::size_t>(c)] = {};
+          if (sum.weight > 0) map.add(sum, kept_[floor + static_cast<std::size_t>(c)] / sum.weight);
         });
   });
 }

@@ -29,26 +29,14 @@ class ShiftFilter {
     return {map.at(0, y), map.at(1, y), map.at(2, y)};
   }
   std::size_t bytes() const {
-    return sums_.capacity() * sizeof(Sums) + (fit_.capacity() + map_.capacity()) * sizeof(AffineMap);
+    return sums_.capacity() * sizeof(Moments) + (fit_.capacity() + map_.capacity()) * sizeof(AffineMap);
   }
 
  private:
-  struct Sums {
-    Places at;
-    Flow flow;
-    Real compression = 0;  // Σ rho/rho0 − 1
-
-    void add(const Sums& from, Real weight, const ByAxis& z) {
-      if (from.at.n == 0) return;
-      at.add(from.at, weight, z);
-      flow.add(from.flow, weight, z);
-      compression += weight * from.compression;
-    }
-  };
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
 
   const FreeSurface& surface_;
-  std::vector<Sums> sums_;
+  std::vector<Moments> sums_;  // `more`: Σ rho/rho0 − 1
   std::vector<AffineMap> fit_, map_;
   std::vector<Real> kept_;  // fraction that is taken off
 };

@@ -123,10 +123,11 @@ class ReferenceParticlesToGrid {
   /// Whether no water is near.
   bool is_air(const Cell& c) const { return !cells_.repeats(2) && c.z() >= (*near_)[Cell(c.x(), c.y(), 0)]; }
 
-  /// Of what all particles around a cell have as `u` at y, which is counted from the corners of their own cells.
+  /// Of what all particles around a cell have as `u` at y, which is counted from the corners of their own cells. A cell
+  /// without particles has no fit.
   ReferenceFit fit_around(const Cell& c, const std::vector<Vec3>& y, const std::vector<Vec3>& u) const {
     std::vector<Sample> samples;
-    if (is_air(c)) return {};
+    if ((*members_)[c].empty()) return {};
     for_each_around(c, [&](const Cell& cell, const Vec3& offset, Real weight) {
       for (const std::size_t i : (*members_)[cell]) samples.push_back({weight, y[i] + offset, u[i]});
     });

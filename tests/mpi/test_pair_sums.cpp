@@ -17,11 +17,12 @@ constexpr Tensile tensile{0.03, 4, 0.25};
 /// What the loops see of a particle, in double precision: place in units of h as the records hold it.
 struct Seen {
   Vec3 place, velocity;
-  Real w;
+  Real w, weight;
 };
 
 Vec3 velocity_of(GlobalId id) { return Vec3(std::sin(0.1 * id), std::cos(0.7 * id), std::sin(1.3 * id)); }
 Real scalar_of(GlobalId id) { return std::cos(0.37 * id); }
+Real weight_of(GlobalId id) { return 1 + std::sin(0.53 * id); }
 Vec3 drift_of(GlobalId id) { return 0.3 * radius * velocity_of(3 * id); }
 
 /// Sums of one particle that a constraint with these kernels asks for, and of the absolute values of their terms.
@@ -47,8 +48,8 @@ struct ConstraintSums {
 
 /// The same of the velocity filters: Spiky's gradient, Poly6's value.
 struct FilterSums {
-  Vec3 curl = Vec3::Zero(), gradient = Vec3::Zero(), smoothing = Vec3::Zero();
-  Real scale = 0.01;
+  Vec3 curl = Vec3::Zero(), gradient = Vec3::Zero(), smoothing = Vec3::Zero(), weighted = Vec3::Zero();
+  Real second_moment = 0, scale = 0.01;
 
   void add(const Seen& i, const Seen& j) {
     const Vec3 d = i.place - j.place;
@@ -58,6 +59,8 @@ struct FilterSums {
     curl += (j.velocity - i.velocity).cross(along);
     gradient += (j.w - i.w) * along;
     smoothing += (j.velocity - i.velocity) * q * q * q;
+    weighted += (i.weight + j.weight) * (j.velocity - i.velocity) * q * q * q;
+    second_moment += u * u * q * q * q;
     scale += t * t + q * q * q;
   }
 };
@@ -84,13 +87,15 @@ struct Drifted : Distributed<T> {
     this->near.halo().exchange(this->near.records());
     for (const GlobalId particle : this->id) {
       const Vec3 v = velocity_of(particle);
-      velocity.push_back({static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), T{0}});
+      velocity.push_back({static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()),
+                          static_cast<T>(weight_of(particle))});
     }
   }
 
   Seen seen(std::size_t k) const {
     const Packed<T>& r = this->near.records()[k];
-    return {Vec3(r.x, r.y, r.z) / Packed<T>::units_per_h, vector_of(velocity[k]), static_cast<Real>(r.w)};
+    return {Vec3(r.x, r.y, r.z) / Packed<T>::units_per_h, vector_of(velocity[k]), static_cast<Real>(r.w),
+            static_cast<Real>(velocity[k].w)};
   }
 
   template <class Sums>
@@ -123,15 +128,20 @@ struct FoundByConstraint {
 
 template <class T>
 struct FoundByFilters {
-  std::vector<Vec4<T>> curl, gradient, smoothing;
+  std::vector<Vec4<T>> curl, gradient, smoothing, weighted;
+  std::vector<T> second_moment;
 
   FoundByFilters(const Drifted<T>& d, Range range) {
-    for (auto* field : {&curl, &gradient, &smoothing}) field->resize(static_cast<std::size_t>(range.size()));
+    const auto n = static_cast<std::size_t>(range.size());
+    for (auto* field : {&curl, &gradient, &smoothing, &weighted}) field->resize(n);
+    second_moment.resize(n);
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     const FilterLoops<T> loops = filter_loops<T>();
     loops.curl(pairs, range, d.velocity.data(), curl.data());
     loops.gradient(pairs, range, gradient.data());
     loops.smoothing(pairs, range, d.velocity.data(), smoothing.data());
+    loops.weighted_smoothing(pairs, range, d.velocity.data(), weighted.data());
+    loops.second_moment(pairs, range, second_moment.data());
   }
 };
 
@@ -167,6 +177,8 @@ void expect_brute_force(const Drifted<T>& d) {
     expect_near(found.curl[k], sums.curl, 3 * sums.scale);
     expect_near(found.gradient[k], sums.gradient, 2 * sums.scale);
     expect_near(found.smoothing[k], sums.smoothing, 3 * sums.scale);
+    expect_near(found.weighted[k], sums.weighted, 4 * 3 * sums.scale);
+    expect_near(Vec4<T>{found.second_moment[k], 0, 0, 0}, Vec3(sums.second_moment, 0, 0), sums.scale);
   }
 }
 
@@ -196,6 +208,8 @@ TYPED_TEST(PairSumsOf, DoNotDependOnTheRange) {
     const FoundByFilters<TypeParam> alone(d, {i, i + 1});
     const auto k = static_cast<std::size_t>(i);
     EXPECT_TRUE(same(alone.curl[0], filtered.curl[k]) && same(alone.smoothing[0], filtered.smoothing[k]));
+    EXPECT_TRUE(same(alone.weighted[0], filtered.weighted[k]));
+    EXPECT_EQ(alone.second_moment[0], filtered.second_moment[k]);
   }
   for (const Kernels& kernels : all_pairs_of_kernels()) {
     const FoundByConstraint<TypeParam> whole(d, kernels, {0, owned});

@@ -220,6 +220,67 @@ TEST(Reference, DefaultStepInAPeriodicTank) {
   }
 }
 
+/// The lattice of a scene's box or of a part of it, each coordinate off by up to 0.2 spacings.
+Cloud shaken_lattice(const Scene& scene, const Vec3& low, const Vec3& high) {
+  const Real spacing = scene.fluid.spacing;
+  const Cloud noise = random_cloud(4000, Box{Vec3::Constant(-0.2 * spacing), Vec3::Constant(0.2 * spacing)}, 0.3);
+  const Vec3 extent = scene.domain.max - scene.domain.min;
+  Cloud lattice;
+  for (Real x = 0.5; x < extent.x() / spacing; ++x) {
+    for (Real y = 0.5; y < extent.y() / spacing; ++y) {
+      for (Real z = 0.5; z < extent.z() / spacing; ++z) {
+        const Vec3 p = scene.domain.min + spacing * Vec3(x, y, z);
+        const std::size_t k = lattice.id.size();
+        if ((p.array() > low.array()).all() && (p.array() < high.array()).all())
+          lattice.add(noise.id[k], p + noise.position[k], noise.velocity[k]);
+      }
+    }
+  }
+  return lattice;
+}
+
+void expect_reference_of_cloud(const Scene& scene, const Cloud& cloud) {
+  for (const Deviation& d : deviations(scene, cloud)) {
+    EXPECT_LT(d.position, 1e-11);
+    EXPECT_LT(d.velocity, 1e-9);
+  }
+}
+
+// With gravity and without. Without a surface there are more cycles, nothing returns, and phi has its origin at its
+// largest value.
+TEST(Reference, DefaultStepOfClosedWater) {
+  for (const char* gravity : {"gravity.acceleration=[0.3, -0.2, -9.8]", "gravity.acceleration=[0, 0, 0]"}) {
+    for (const char* max : {"domain.max=[1.1, 1.0, 1.1]", "domain.max=[0.1, 0.6, 0.9]"}) {  // several columns; one
+      SCOPED_TRACE(std::string(gravity) + " " + max);
+      const Scene scene = scene_with(default_scene, {gravity, max, "time.cfl=0", "particles.0.max=[0.1, 0.5, 0.3]"});
+      expect_reference_of_cloud(scene, shaken_lattice(scene, scene.domain.min, scene.domain.max));
+    }
+  }
+}
+
+// In a closed box, half full of water that moves; and of water that touches nothing.
+TEST(Reference, DefaultStepWithoutGravity) {
+  const Scene scene = scene_with(default_scene, {"gravity.acceleration=[0, 0, 0]", "time.cfl=0"});
+  expect_reference_of_cloud(scene, sloping_pool(scene, 0.3, 0.8));
+  const Scene wide = scene_with(default_scene, {"gravity.acceleration=[0, 0, 0]", "time.cfl=0", "domain.min=[0, 0, 0]",
+                                                "domain.max=[2.2, 2.1, 2.0]"});
+  expect_reference_of_cloud(wide, shaken_lattice(wide, Vec3(0.6, 0.6, 0.6), Vec3(1.6, 1.3, 1.2)));
+}
+
+// Repeating along z, too; full and with a surface.
+TEST(Reference, DefaultStepWithoutGravityInAPeriodicBox) {
+  for (const char* axes : {"domain.periodic=['z']", "domain.periodic=['x', 'z']", "domain.periodic=['x', 'y', 'z']"}) {
+    for (const char* max : {"domain.max=[1.0, 1.0, 1.0]", "domain.max=[1.25, 1.25, 0.75]"}) {
+      SCOPED_TRACE(std::string(axes) + " " + max);
+      const Scene scene = scene_with(default_scene, {"gravity.acceleration=[0, 0, 0]", "time.cfl=0", axes, max,
+                                                     "domain.min=[0, 0, 0]", "fluid.kernel_radius=0.25"});
+      expect_reference_of_cloud(scene, shaken_lattice(scene, scene.domain.min, scene.domain.max));
+      expect_reference_of_cloud(scene, sloping_pool(scene, 0.3, 0.8));
+      expect_reference_of_cloud(scene, sloping_pool(scene, 0.9, 0.8));
+    }
+  }
+}
+
 TEST(Reference, DefaultStepWithAllFeatures) {
   expect_reference_of_pool(joined(joined(tensile, filters), {"walls.reflection='report'"}));
 }
