@@ -12,8 +12,12 @@ ITERATIONS = 4  # of the default, the first on the coarse grid
 CYCLES = 3  # of the coarse grid's multigrid
 SWEEPS = 4  # in a cycle on each level
 GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
-WATER = 8 * (3 + 2 * 5) + 8  # bytes of a coarse cell before the multigrid: volumes and moments, fill
-EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1)  # records, coarse move, lambda and place of each sweep over particles
+MOMENTS, FIT = 10 + 12 + 1, 13  # numbers of a cell's particles, and of an affine fit
+# Bytes of a cell of the projection beside the multigrid: volumes and moments, fit, fill; noise and its fit; shifts and theirs.
+WATER = 8 * ((3 + MOMENTS) + FIT + 1 + 13 + FIT + MOMENTS + FIT)
+WATER_EXCHANGES = 8  # heights of the water, and these
+# Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
+EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2
 REDUCTIONS = 4  # depth of the water, guard, two migrations
 GATHERS = 2 + CYCLES  # of the multigrid: cuts, links, and a right-hand side in each cycle
 LOOPS = 57  # of a step that threads share, without those of the levels of the multigrid
@@ -113,7 +117,7 @@ def plane_bytes(basin):
 
 def messages(basin, filters=0):
     """Through one cut in one direction and step, in the mean of both; two of them at the start of a run."""
-    return 1 + EXCHANGES + filters + 3 + sum(planes for _, planes in basin.levels())
+    return 1 + EXCHANGES + filters + WATER_EXCHANGES + sum(planes for _, planes in basin.levels())
 
 
 def share(parts, threads):

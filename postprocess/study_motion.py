@@ -25,6 +25,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, NamedTuple
 
+import counted_water
 import known_motion as known
 from known_motion import Motion, of_water, run_motion
 from known_water import Tank, pool, wave
@@ -207,11 +208,11 @@ def counts(cube_rates=(60, 240), dam_rates=(150, 480), long_rates=(60, 240)):
         text = (STRESS / f"{scene}.toml").read_text(encoding="utf-8")
         for rate in rates:
             settings = f"time.dt={1 / rate!r}", f"time.end={end}"
-            motion = known.counted(text, (0, 0, 0), high, spacing, settings, *when)
+            motion = counted_water.counted(text, (0, 0, 0), high, spacing, settings, *when)
             yield Case("count", f"{name}, {at(rate)}", motion, marks, {"spacing": spacing, "steps_per_second": rate})
     for rate in long_rates:
         yield Case("count", f"block of 6 x 4 x 4 m in a box of 12 x 4 x 8 m, {at(rate)}",
-                   known.falling_block((0, 0, 0), (12, 4, 8), (0, 0, 0), (6, 4, 4), 0.1, rate, 1.0), marks,
+                   counted_water.falling_block((0, 0, 0), (12, 4, 8), (0, 0, 0), (6, 4, 4), 0.1, rate, 1.0), marks,
                    {"spacing": 0.1, "steps_per_second": rate}, large=True)
 
 

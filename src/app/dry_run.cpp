@@ -49,8 +49,10 @@ BytesEach bytes_each(const Scene& scene) {
 // Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
 // levels of its multigrid have a third of the finest one's cells.
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
-  if (!scene.density.coarse_grid || !is_downward(scene.gravity.value_or(Vec3::Zero()))) return 0;
-  constexpr double sums = 13 * 8, fields = 2 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
+  const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
+  if (!scene.density.coarse_grid || !(gravity.isZero() || is_downward(gravity))) return 0;
+  // Moments of motion and shifts, spread, and the maps and noise that are made of them.
+  constexpr double sums = (26 + 23 + 10 + 6 * 13 + 13) * 8, fields = 4 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
   Real top = scene.domain.min.z();
   for (const ParticleSource& source : scene.particles)
     top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain.max.z());

@@ -38,25 +38,29 @@ Real longest_viscous_step(Real nu, Real spacing, Real h) {
   return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(kernel_named(Poly6::name), spacing, h));
 }
 
+Real least_second_moment(Real spacing, Real h) {
+  const Real without_order = h * h / (22 * spacing * spacing * spacing);
+  return std::min(1.0, without_order / lattice_laplacian_moment(spacing, h)) *
+         (1 - 3.0 / lattice_neighbours(spacing, h));
+}
+
 template <class T>
 KinematicViscosity<T>::KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity)
     : loops_(filter_loops<T>()), velocity_(std::move(velocity)) {
   const Real lattice = lattice_laplacian_moment(spacing, h);
   per_second_ = nu / lattice * Poly6::factor(h) / 2;
   moment_factor_ = static_cast<T>(h * h * Poly6::factor(h) / (6 * lattice));
-  usual_ = static_cast<T>(std::min(1.0, h * h / (22 * spacing * spacing * spacing * lattice)));
+  least_ = static_cast<T>(least_second_moment(spacing, h));
 }
 
 // M_lattice/M_i to the scalar of each velocity.
 template <class T>
 void KinematicViscosity<T>::weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const {
-  static const double lim = getenv("LIM") ? atof(getenv("LIM")) : 0.95;
-  const auto least = static_cast<T>(lim) * usual_;
   const auto moments = [&](Range part, T* out) { loops_.second_moment(pairs, part, out); };
   for_each_sum<T>(all, moments, [&](Range here, const T* sum) {
     for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
-      const T share = moment_factor_ * *sum;
-      velocities[i].w = 1 / (share < least ? usual_ : share);
+      const T moment = moment_factor_ * *sum;
+      velocities[i].w = moment < least_ ? 1 : 1 / moment;
     }
   });
 }

@@ -2,12 +2,14 @@
 // of each pair that makes the sum nu dt ∇²v, a step of explicit diffusion with the kinematic viscosity nu, for any step
 // and spacing:
 //   v_i += nu dt Σ_j ½ (1/M_i + 1/M_j) (v_j − v_i) W6(p_ij),  M_i = 1/6 Σ_j W6(p_ij) p_ij²
-// M_i is the second moment of the neighbours that the particle has, per axis; on the lattice it is that of the lattice
-// (lattice_laplacian_moment), in disordered water 5 % less with h = 2 s, s being the spacing. The mean of 1/M keeps
-// momentum, and makes the friction of a uniform shear exact in all of the water, whatever the particles' places. Where
-// neighbours are missing, at walls and surfaces, M_i is at least 0.9 of the lattice's, so that those that are there
-// do not stand in for them. Walls are frictionless: a vortex between walls a distance L apart is damped less by a share
-// of 2.5 s/L (tests/mpi/test_viscosity.cpp). Collective.
+// M_i is the second moment of the neighbours that the particle has, per axis: on the lattice that of the lattice
+// (lattice_laplacian_moment), in water without order 5 % less with h = 2 s, s being the spacing. As pairs take the mean
+// of 1/M they keep momentum, and the friction of a uniform shear is right in the mean of all directions, wherever the
+// particles are. Water in layers has up to 6 % more of the moment across them than along them with h = 2 s, and as much
+// more viscosity.
+//   Neighbours must not stand in for those that are missing at walls and surfaces: where M_i is below
+// least_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
+// apart is damped less by a share of 2.5 s/L (tests/mpi/test_viscosity.cpp). Collective.
 #pragma once
 
 #include "fluid/velocity_filter.hpp"
@@ -30,15 +32,18 @@ class XsphViscosity : public VelocityFilter<T> {
 };
 
 /// The longest step, s, in which this viscosity takes no velocity past the mean of its neighbours, i.e. c rho0 ≤ 1
-/// where the lattice is at rest density. Explicit diffusion is unstable from about twice that.
+/// where the lattice is at rest density. The sum has the particle itself, which is more than neighbours of the least
+/// M_i have too much. Explicit diffusion is unstable from about twice that.
 Real longest_viscous_step(Real nu, Real spacing, Real h);
+
+/// The M_i, over that of the lattice, below which neighbours are missing: that of the lattice or of water without
+/// order, h²/(22 s³), whichever is less, without the share of three neighbours, which is what M_i scatters by in
+/// flowing water.
+Real least_second_moment(Real spacing, Real h);
 
 template <class T>
 class KinematicViscosity : public VelocityFilter<T> {
  public:
-  /// The least M_i, of the lattice's.
-  static constexpr Real least_moment = 0.9;
-
   /// `nu` in m²/s.
   KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
@@ -49,9 +54,9 @@ class KinematicViscosity : public VelocityFilter<T> {
 
   Event event_{"XsphViscosity"};
   FilterLoops<T> loops_;
-  Real per_second_;   // 1/s
+  Real per_second_;
   T moment_factor_;  // makes M_i/M_lattice of the sum
-  T usual_;
+  T least_;
   std::shared_ptr<VelocityField<T>> velocity_;
 };
 

@@ -105,6 +105,16 @@ struct Spread {
   std::array<Real, 6> inverse{};
 };
 
+using Matrix3 = std::array<ByAxis, 3>;
+
+inline Matrix3 product(const Matrix3& a, const Matrix3& b) {
+  Matrix3 c{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+  }
+  return c;
+}
+
 inline Spread spread_of(const Places& places) {
   Spread s;
   s.n = places.n;
@@ -119,8 +129,15 @@ inline Spread spread_of(const Places& places) {
   const Real cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy;
   const Real least = 0.5 * projection::fit_damping * projection::fit_damping * projection::fit_damping;
   const Real per = 1 / std::max(xx * cxx + xy * cxy + xz * cxz, least);
-  s.inverse = {cxx * per,           (xx * zz - xz * xz) * per, (xx * yy - xy * xy) * per,
-               cxy * per,           cxz * per,                 (xy * xz - xx * yz) * per};
+  const Matrix3 once = {{{cxx * per, cxy * per, cxz * per},
+                         {cxy * per, (xx * zz - xz * xz) * per, (xy * xz - xx * yz) * per},
+                         {cxz * per, (xy * xz - xx * yz) * per, (xx * yy - xy * xy) * per}}};
+  // What the damping leaves out of a fit is fitted, too, twice: P + e P² + e² P³ with the damped inverse P. Where there is a
+  // variance the damping is gone to (e P)³, and where there is none the inverse is bounded by 3/e.
+  constexpr Real e = projection::fit_damping;
+  const Matrix3 twice = product(once, once), thrice = product(twice, once);
+  const auto sum = [&](std::size_t a, std::size_t b) { return once[a][b] + e * (twice[a][b] + e * thrice[a][b]); };
+  s.inverse = {sum(0, 0), sum(1, 1), sum(2, 2), sum(0, 1), sum(0, 2), sum(1, 2)};
   return s;
 }
 

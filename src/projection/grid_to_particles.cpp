@@ -155,7 +155,8 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
   const ParticlesToGrid& water = surface_.water();
-  const AffineMap& fit = water.fit(at);
+  // A wet cell without particles, below one that follows it, has no fit of this step.
+  const AffineMap fit = water.fit(at).weight > 0 ? water.fit(at) : AffineMap{};
   Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // of the solid's surface, out of it; and how it moves
   Real flux = 0, spread = 0;
   for (std::size_t a = 0; a < 3; ++a) {

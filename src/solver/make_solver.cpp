@@ -46,8 +46,7 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
     filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
     filters.back() = std::make_unique<MomentumKeeper<T>>(*parts.comm, std::move(filters.back()));
-  if (settings.viscosity)
-    filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
+  if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
   if (settings.kinematic_viscosity)
     filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, settings.fluid.spacing,
                                                               model.h, velocity));

@@ -139,8 +139,9 @@ class Reference {
     return act;
   }
 
-  /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. What
-  /// they do where the projection does not act becomes velocity. A shifted particle takes the velocity of where it goes.
+  /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. The
+  /// multipliers of these sweeps become velocity, too, where the projection does not act: at the final positions, and
+  /// without the tensile term and the walls' share. A shifted particle takes on the velocity of where it goes.
   void project_and_shift() {
     set_velocities();  // as if nothing acted
     const Momentum before = momentum();

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <algorithm>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -16,7 +18,7 @@ struct ReferenceFit {
   Real weight = 0;  ///< 1, or 0 where there is nothing to fit
   Vec3 a = Vec3::Zero();
   Eigen::Matrix3d b = Eigen::Matrix3d::Zero();
-  Real rest2 = 0;  ///< what the fit leaves, as the mean square, and the penalty of the slopes
+  Real rest2 = 0;  ///< mean of u · (u − fit), with a fit without penalty the mean square of what it leaves
 
   Vec3 at(const Vec3& y) const { return a + b * y; }
 };
@@ -26,8 +28,10 @@ struct Sample {
   Vec3 y, u;
 };
 
-/// Least squares Σ w |u − a − b y|² + 1e-3 |b|² Σ w: the variance of positions grows by 1e-3 in each direction.
+/// Least squares Σ w |u − a − b y|² + 1e-3 |b|² Σ w: the variance of positions grows by 1e-3 in each direction. What the
+/// penalty leaves out is fitted, too, `again` times (iterated Tikhonov regularisation).
 inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
+  constexpr int again = 2;
   ReferenceFit fit;
   if (samples.empty()) return fit;
   const auto rows = static_cast<Eigen::Index>(samples.size());
@@ -41,11 +45,16 @@ inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
     total += sample.weight;
   }
   left.bottomRightCorner<3, 3>() = std::sqrt(1e-3 * total) * Eigen::Matrix3d::Identity();
-  const Eigen::MatrixXd found = left.colPivHouseholderQr().solve(right);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> least_squares(left);
+  Eigen::MatrixXd found = Eigen::MatrixXd::Zero(4, 3), rest = right;
+  for (int k = 0; k <= again; ++k) {
+    found += least_squares.solve(rest);
+    rest.topRows(rows) = right.topRows(rows) - left.topRows(rows) * found;
+  }
   fit.weight = 1;
   fit.a = found.row(0);
   fit.b = found.bottomRows<3>().transpose();
-  fit.rest2 = (left * found - right).squaredNorm() / total;
+  fit.rest2 = std::max(right.cwiseProduct(rest).sum() / total, 0.0);
   return fit;
 }
 

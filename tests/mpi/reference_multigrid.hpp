@@ -76,7 +76,9 @@ class ReferenceMultigrid {
     return coarse;
   }
 
-  bool is_single(const Level& level) const { return level.width >= cells_.count.x() && level.width >= cells_.count.y(); }
+  bool is_single(const Level& level) const {
+    return level.width >= cells_.count.x() && level.width >= cells_.count.y();
+  }
 
   /// phi after `times` sweeps that go a share of the way to what each column would have beside the others as they are;
   /// where columns repeat, each end is beside the other. Nothing holds phi of a single closed column: it is counted

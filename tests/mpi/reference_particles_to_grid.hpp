@@ -28,7 +28,7 @@ class ReferenceParticlesToGrid {
   struct Particle {
     Vec3 way;      // from x to p, m
     Vec3 surface;  // where it counts as volume, in cells
-    Vec3 y, f;     // midway of its path, where its motion is seen; and at its beginning; in cells from the cell's corner
+    Vec3 y, f;     // midway of its path, where its motion is seen; and at its beginning; from the cell's corner
     Cell cell;     // of p
     bool in_flight = false;
   };

@@ -1,5 +1,5 @@
-// The projection by brute force, serially and over the whole box. Written from what the headers of src/projection say of
-// themselves and the constants of parameters.hpp; shares no code with them. Without obstacles. Not collective.
+// The projection by brute force, serially and over the whole box. Written from what the headers of src/projection say
+// of themselves and the constants of parameters.hpp; shares no code with them. Without obstacles. Not collective.
 #pragma once
 
 #include "reference_multigrid.hpp"
@@ -94,8 +94,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
       const bool on_floor = c.z() == 0 && (*fill_)[c] >= 0.2;
-      (*wet_)[c] = c.z() < (*reach_)[Cell(c.x(), c.y(), 0)] &&
-                   ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
+      (*wet_)[c] =
+          c.z() < (*reach_)[Cell(c.x(), c.y(), 0)] && ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
     });
     // Water under the ceiling has no surface.
     for_each_cell([&](const Cell& c) {
@@ -280,7 +280,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return {faded * u, faded};
   }
 
-  Real gravity_ = 0;  // m/s²
+  Real gravity_ = 0;     // m/s²
   bool closed_ = false;  // no water has a surface
   std::optional<CellArray<Real>> fill_, height_, phi_;
   std::optional<CellArray<char>> wet_;

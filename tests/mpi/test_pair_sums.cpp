@@ -87,8 +87,8 @@ struct Drifted : Distributed<T> {
     this->near.halo().exchange(this->near.records());
     for (const GlobalId particle : this->id) {
       const Vec3 v = velocity_of(particle);
-      velocity.push_back({static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()),
-                          static_cast<T>(weight_of(particle))});
+      velocity.push_back(
+          {static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), static_cast<T>(weight_of(particle))});
     }
   }
 

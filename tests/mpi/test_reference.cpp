@@ -250,11 +250,13 @@ void expect_reference_of_cloud(const Scene& scene, const Cloud& cloud) {
 // largest value.
 TEST(Reference, DefaultStepOfClosedWater) {
   for (const char* gravity : {"gravity.acceleration=[0.3, -0.2, -9.8]", "gravity.acceleration=[0, 0, 0]"}) {
-    for (const char* max : {"domain.max=[1.1, 1.0, 1.1]", "domain.max=[0.1, 0.6, 0.9]"}) {  // several columns; one
-      SCOPED_TRACE(std::string(gravity) + " " + max);
-      const Scene scene = scene_with(default_scene, {gravity, max, "time.cfl=0", "particles.0.max=[0.1, 0.5, 0.3]"});
-      expect_reference_of_cloud(scene, shaken_lattice(scene, scene.domain.min, scene.domain.max));
-    }
+    const std::vector<std::string> closed{gravity, "time.cfl=0", "particles.0.max=[0.1, 0.5, 0.3]"};
+    SCOPED_TRACE(gravity);
+    const Scene scene = scene_with(default_scene, joined(closed, {"domain.max=[1.1, 1.0, 1.1]"}));
+    expect_reference_of_cloud(scene, shaken_lattice(scene, scene.domain.min, scene.domain.max));
+    if (size_of(world) > 1) continue;  // a single column of cells is on a single rank
+    const Scene column = scene_with(default_scene, joined(closed, {"domain.max=[0.1, 0.6, 0.9]"}));
+    expect_reference_of_cloud(column, shaken_lattice(column, column.domain.min, column.domain.max));
   }
 }
 
@@ -270,7 +272,7 @@ TEST(Reference, DefaultStepWithoutGravity) {
 // Repeating along z, too; full and with a surface.
 TEST(Reference, DefaultStepWithoutGravityInAPeriodicBox) {
   for (const char* axes : {"domain.periodic=['z']", "domain.periodic=['x', 'z']", "domain.periodic=['x', 'y', 'z']"}) {
-    for (const char* max : {"domain.max=[1.0, 1.0, 1.0]", "domain.max=[1.25, 1.25, 0.75]"}) {
+    for (const char* max : {"domain.max=[1.25, 1.0, 1.0]", "domain.max=[1.5, 1.25, 0.75]"}) {
       SCOPED_TRACE(std::string(axes) + " " + max);
       const Scene scene = scene_with(default_scene, {"gravity.acceleration=[0, 0, 0]", "time.cfl=0", axes, max,
                                                      "domain.min=[0, 0, 0]", "fluid.kernel_radius=0.25"});

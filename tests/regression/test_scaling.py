@@ -78,11 +78,11 @@ class Model(unittest.TestCase):
 
     def test_traffic_is_that_of_test_traffic_cpp(self):
         basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
-        coarse = 36 * (112 + 8 * 15)
+        coarse = 36 * (8 * 102 + 8 * 15)
         heights = 4 * 2
-        self.assertEqual(exchange_bytes(basin), 64 + 8 * 80 * 16 + heights + coarse)
-        self.assertEqual(exchange_bytes(basin, filters=3), 64 + 11 * 80 * 16 + heights + coarse)
-        self.assertEqual(messages(basin), 1 + 8 + 3 + 15)
+        self.assertEqual(exchange_bytes(basin), 64 + 10 * 80 * 16 + heights + coarse)
+        self.assertEqual(exchange_bytes(basin, filters=3), 64 + 13 * 80 * 16 + heights + coarse)
+        self.assertEqual(messages(basin), 1 + 10 + 8 + 15)
 
     def test_slabs_end_at_one_plane_a_rank(self):
         basin = Basin(100, 100, 100)

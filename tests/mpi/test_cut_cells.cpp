@@ -1,4 +1,4 @@
-// What obstacles leave of the coarse grid's cells and faces, against brute sampling of all of them everywhere.
+// What obstacles leave of the projection's cells and faces, against brute sampling of all of them everywhere.
 #include <cmath>
 #include <random>
 
@@ -76,7 +76,9 @@ TEST(CutCells, SharesAreThoseOfAllObstacles) {
         const std::size_t at = m.grid.index(k, r, c);
         const Vec3 middle = m.solids.middle(k, r, c);
         const auto [distance, body] = m.nearest(middle);
-        if (std::abs(distance) < h / 2) EXPECT_EQ(m.solids.nearest(at), body);
+        if (std::abs(distance) < h / 2) {
+          EXPECT_EQ(m.solids.nearest(at), body);
+        }
         const Real open = m.open_share(middle, half);
         cut += open > 0 && open < 1;
         wrong_cell = std::max(wrong_cell, std::abs(m.solids.open(at) - open));
