@@ -157,14 +157,14 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
 }
 
 template <class T>
-void DensityConstraint<T>::deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                                  std::span<Vec4<T>> delta) const {
+void DensityConstraint<T>::sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range,
+                                      std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   const auto factor = static_cast<T>(-gradient_factor_);
   const auto loop = [&](Range here, Vec4<T>* sums) {
     prefetch<Vec4<T>>(delta, here);
     if (obstacles_) prefetch(p, here);
-    delta_loop_(pairs, here, sums);
+    delta_loop(pairs, here, sums);
   };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
     if (obstacles_ && walls_ && obstacles_->records_impulses()) tell_obstacles(here, records, p, delta);

@@ -68,12 +68,22 @@ class DensityConstraint {
 
   /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions, and tells
   /// the obstacles' toll what the walls and they have in it.
-  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const;
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
+    sum_deltas(delta_loop_, pairs, range, p, delta);
+  }
+  /// The same without the tensile term: what the multipliers alone do.
+  void deltas_of_multipliers(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                             std::span<Vec4<T>> delta) const {
+    sum_deltas(loops_.delta, pairs, range, p, delta);
+  }
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
 
  private:
+  using DeltaLoop = std::function<void(const Pairs<T>&, Range, Vec4<T>*)>;
+  void sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                  std::span<Vec4<T>> delta) const;
   template <class Visit>
   void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
   BoundaryShare share_at(const Vec3& p, bool at_obstacle) const;
@@ -84,7 +94,7 @@ class DensityConstraint {
   Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours
   Real gradient_factor_;  // m/rho0 times the slope factor of the gradient kernel, 1/m
   ConstraintLoops<T> loops_;
-  std::function<void(const Pairs<T>&, Range, Vec4<T>*)> delta_loop_;
+  DeltaLoop delta_loop_;
   std::optional<AnalyticWallDensity> walls_;
   std::shared_ptr<Obstacles> obstacles_;
 };

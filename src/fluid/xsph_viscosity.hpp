@@ -9,7 +9,7 @@
 // more viscosity.
 //   Neighbours must not stand in for those that are missing at walls and surfaces: where M_i is below
 // least_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
-// apart is damped less by a share of 2.5 s/L (tests/mpi/test_viscosity.cpp). Collective.
+// apart keeps its rate to 5 % at 10 across (tests/mpi/test_viscosity.cpp). Collective.
 #pragma once
 
 #include "fluid/velocity_filter.hpp"

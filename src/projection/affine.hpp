@@ -1,8 +1,8 @@
-// Affine fits of the motion in a cell, u(y) = a + B y, with y in cells from the cell's corner and u in metres: the least
-// squares fit of the particles of the cell and of its neighbours with the weights 1, 1/2 of a tent along each axis. A
-// translation, a rotation and a shear are their own fits (the affine part of Jiang et al., The affine particle-in-cell
-// method, ACM Trans. Graph. 34, 2015, here of cells rather than of particles, so that particles carry nothing along).
-// By coordinate x, y, z. Not collective.
+// Affine fits of the motion in a cell, u(y) = a + B y, with y in cells from the cell's corner and u in metres: the
+// least squares fit of the particles of the cell and of its neighbours with the weights 1, projection::tent along each
+// axis. A translation, a rotation and a shear are their own fits (the affine part of Jiang et al., The affine
+// particle-in-cell method, ACM Trans. Graph. 34, 2015, here of cells rather than of particles, so that particles carry
+// nothing along). By coordinate x, y, z. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -132,8 +132,8 @@ inline Spread spread_of(const Places& places) {
   const Matrix3 once = {{{cxx * per, cxy * per, cxz * per},
                          {cxy * per, (xx * zz - xz * xz) * per, (xy * xz - xx * yz) * per},
                          {cxz * per, (xy * xz - xx * yz) * per, (xx * yy - xy * xy) * per}}};
-  // What the damping leaves out of a fit is fitted, too, twice: P + e P² + e² P³ with the damped inverse P. Where there is a
-  // variance the damping is gone to (e P)³, and where there is none the inverse is bounded by 3/e.
+  // What the damping leaves out of a fit is fitted, too, twice: P + e P² + e² P³ with the damped inverse P. Where there
+  // is a variance the damping is gone to (e P)³, and where there is none the inverse is bounded by 3/e.
   constexpr Real e = projection::fit_damping;
   const Matrix3 twice = product(once, once), thrice = product(twice, once);
   const auto sum = [&](std::size_t a, std::size_t b) { return once[a][b] + e * (twice[a][b] + e * thrice[a][b]); };
@@ -141,8 +141,8 @@ inline Spread spread_of(const Places& places) {
   return s;
 }
 
-/// The fit of the summed motion; `rest2`, if it is asked for, gets the mean square of what it leaves, m², where `uu` is
-/// the sum of squares.
+/// The fit of the summed motion; `rest2`, if it is asked for, gets the variance of the motion less what the slopes
+/// explain of it, m², where `uu` is the sum of squares.
 inline AffineMap fit_of(const Spread& s, const Flow& flow, Real uu = 0, Real* rest2 = nullptr) {
   AffineMap fit;
   if (s.n <= 0) return fit;

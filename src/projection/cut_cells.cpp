@@ -57,7 +57,7 @@ CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) cons
 // All that may be the nearest somewhere within `reach` of p, or be met there: a distance changes by no more than one
 // goes. Rough ones may change by more, and are kept.
 void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept,
-                             std::vector<Real>& distance) const {
+                         std::vector<Real>& distance) const {
   const Vec3 inside = in_box(p);
   Real nearest = INFINITY;
   distance.clear();

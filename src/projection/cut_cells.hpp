@@ -28,7 +28,8 @@ class CutCells {
   /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
   ByAxis middle_of_face(std::size_t a, std::size_t at) const {
     ByAxis middle{0.5, 0.5, 0.5};
-    for (std::size_t i = 0; i < 2; ++i) middle[static_cast<std::size_t>(axis_[(a + 1 + i) % 3])] = cells_[at].middle[a][i];
+    for (std::size_t i = 0; i < 2; ++i)
+      middle[static_cast<std::size_t>(axis_[(a + 1 + i) % 3])] = cells_[at].middle[a][i];
     return middle;
   }
   bool moves() const { return !moved_.empty(); }
@@ -64,7 +65,8 @@ class CutCells {
   struct Cell {
     float open = 1;
     std::array<float, 3> face{1, 1, 1};
-    std::array<std::array<float, 2>, 3> middle{{{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
+    std::array<std::array<float, 2>, 3> middle{
+        {{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
     float surface = 0;
     std::uint32_t nearest = 0;
   };

@@ -29,7 +29,8 @@ void FreeSurface::classify(Halo& halo) {
   halo.finish();
   if (cuts() != nullptr) return classify_among_solids(halo);
   for_each_row(grid().rows_of({0, grid().planes() + 2}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < std::min(from_.rows.wet_columns(k, r), grid().columns()); ++c) {
+    const LocalId highest = grid().repeats()[2] ? grid().columns() : from_.rows.wet_columns(k, r);
+    for (LocalId c = 0; c < std::min(highest, grid().columns()); ++c) {
       const std::size_t at = grid().index(k, r, c);
       wet_[at] = is_full_enough(at, c, upright() && c == 0) ? 1 : 0;
     }

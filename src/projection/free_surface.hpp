@@ -1,8 +1,8 @@
 // Second stage of the projection: which cells hold water, and where its surface is.
 //
-// The surface of a column that stands on the floor lies where the volume of the whole column reaches: noise in the fill of
-// lower cells would otherwise count as missing weight, and waves would be 2 % slow. Without gravity no direction is up:
-// cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
+// The surface of a column that stands on the floor lies where the volume of the whole column reaches: noise in the fill
+// of lower cells would otherwise count as missing weight, and waves would be 2 % slow. Without gravity no direction is
+// up: cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
 #pragma once
 
 #include <vector>

@@ -1,9 +1,9 @@
 // The cells of the projection: those of the neighbour search (cell_grid.hpp) in the planes that this rank owns, up to a
-// little above the highest cell that holds water. Directions are counted in the order in which cells are stored: 0 along
-// the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays over cells have a
-// ring of cells around each plane and a ghost plane on either side, so that every cell has six neighbours; the ring is
-// empty, but where the box repeats along rows or columns it holds copies of those at the other end. Face (a, at) is the
-// lower face of the cell with index `at` in direction a. Not collective, except for the constructor.
+// little above the highest cell that holds water. Directions are counted in the order in which cells are stored: 0
+// along the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays over cells
+// have a ring of cells around each plane and a ghost plane on either side, so that every cell has six neighbours; the
+// ring is empty, but where the box repeats along rows or columns it holds copies of those at the other end. Face (a,
+// at) is the lower face of the cell with index `at` in direction a. Not collective, except for the constructor.
 #pragma once
 
 #include <algorithm>

@@ -1,19 +1,20 @@
 // Fifth stage of the projection: what the grid's solution does to the particles.
 //
-// *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction (lowest-order
-// Raviart and Thomas), at the beginning of its path: a force that acts there has no torque about a centre it points to.
-// Above the surface it fades out, so that water thrown up falls back.
+// *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction
+// (lowest-order Raviart and Thomas), at the beginning of its path: a force that acts there has no torque about a centre
+// it points to. Above the surface it fades out, so that water thrown up falls back.
 //
-// *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry what gravity
-// needs along the surface, and stop only what goes into it: with n the mean normal of the surface in the cell, by Gauss's
-// theorem from the areas of its faces, they are displaced by g dt² − n (n · u_s + n · g dt²), u_s being the motion of the
-// water at the surface, from the flux through the open faces. Water so slips along walls of any direction.
+// *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry what
+// gravity needs along the surface, and stop only what goes into it: with n the mean normal of the surface in the cell,
+// by Gauss's theorem from the areas of its faces, they are displaced by g dt² − n (n · u_s + n · g dt²), u_s being the
+// motion of the water at the surface, from the flux through the open faces. Water so slips along walls of any
+// direction.
 //
 // *Noise.* What is smooth is kept, what differs from particle to particle dies away in noise_time. With the filter
-// F u = Σ_c w_c (fit_c u − u)/8 over the cells around a particle, and the fits of what F leaves, the damping is F applied
-// twice: affine motion is not touched, a wave of wavelength L with (h/L)^4. As each fit pulls all the particles that it was
-// made of, with the weights it was made with, its normal equations keep linear and angular momentum. In cut cells, where
-// noise is made, the motion relaxes to the fit itself.
+// F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F
+// applied twice: affine motion is not touched, a wave of wavelength L with (h/L)^4. As each fit pulls all the particles
+// that it was made of, with the weights it was made with, its normal equations keep linear and angular momentum. In cut
+// cells, where noise is made, the motion relaxes to the fit itself.
 //
 // Collective: prepare().
 #pragma once
@@ -68,9 +69,10 @@ class GridToParticles {
   const FreeSurface& surface_;
   Real spacing_, h_;
   Step step_{};
-  std::vector<AffineMap> first_;    // the filter's first pass, of own cells
-  std::vector<Noise> noise_;        // what it leaves
-  std::vector<AffineMap> noise_fit_, cut_fit_;  // fits of that and, in cut cells, of the motion itself, times their rates
+  std::vector<AffineMap> first_;  // the filter's first pass, of own cells
+  std::vector<Noise> noise_;      // what it leaves
+  std::vector<AffineMap> noise_fit_,
+      cut_fit_;                     // fits of that and, in cut cells, of the motion itself, times their rates
   std::vector<AffineMap> damping_;  // of own cells; `weight` is what a particle loses of its own motion
 };
 

@@ -1,36 +1,38 @@
-// The constants of the projection, all of them, each with its unit, its meaning and the study that chose it. Times are in
-// units of sqrt(h/g), in which water falls by half of h.
+// The constants of the projection, all of them, each with its unit, its meaning and the study that chose it. Times are
+// in units of sqrt(h/g), in which water falls by half of h.
 #pragma once
 
 #include "trevi/types.hpp"
 
 namespace trevi::projection {
 
-// ---- particles to grid ------------------------------------------------------------------------------------------------
+// ---- particles to grid
+// ------------------------------------------------------------------------------------------------
 
-/// Weight of a neighbour cell, along each axis, in the affine fit of a cell (affine.hpp). With 1/2 closed water that turns
-/// once loses 3.2 % of its angular momentum at R = 10 s, with 1/4 2.5 %, with 0.15 2.1 %, but water in vessels then rests
-/// half as well.
+/// Weight of a neighbour cell, along each axis, in the affine fit of a cell (affine.hpp). With 1/2 closed water that
+/// turns once loses 3.2 % of its angular momentum at R = 10 s, with 1/4 2.5 %, with 0.15 2.1 %, but water in vessels
+/// then rests half as well.
 constexpr Real tent = 0.25;
 /// Added to the variance of positions in a fit, cells²: particles in a plane or on a line have no gradient across it.
 constexpr Real fit_damping = 1e-3;
-/// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at its
-/// beginning, but at most twice as far; its volume is where it began, but at most `most_path` from the end, cells.
+/// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
+/// its beginning, but at most twice as far; its volume is where it began, but at most `most_path` from the end, cells.
 constexpr Real most_half_path = 0.5, most_path = 0.25;
 /// Least weight, particles, of the linear mean at a face; with less there is hardly any water, and the fits themselves
 /// say how the face moves.
 constexpr Real least_face_weight = 0.05;
 
-// ---- free surface -----------------------------------------------------------------------------------------------------
+// ---- free surface
+// -----------------------------------------------------------------------------------------------------
 
 /// Fraction of its volume that a cell must hold to count as wet. At the surface 0.585: the water then stands at least a
 /// twelfth of a cell above the cell's middle, where phi is given. It is not 0.6, as this is what the top layer of a
-/// lattice fills at h = 2.5 spacings: rounding would make some of its cells wet and others dry, and a pool at rest would
-/// move at 0.1 m/s. Below the surface the fraction is lower, as cells of disordered water may hold only a third; on the
-/// floor lower still, so that a sheet of one layer is supported, too.
+/// lattice fills at h = 2.5 spacings: rounding would make some of its cells wet and others dry, and a pool at rest
+/// would move at 0.1 m/s. Below the surface the fraction is lower, as cells of disordered water may hold only a third;
+/// on the floor lower still, so that a sheet of one layer is supported, too.
 constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
-/// Largest volume, cells, by which the fill of the cells below may raise or lower the surface in a top cell. The cells of
-/// torn water are far from full; without this limit its surface would lie below its top cell.
+/// Largest volume, cells, by which the fill of the cells below may raise or lower the surface in a top cell. The cells
+/// of torn water are far from full; without this limit its surface would lie below its top cell.
 constexpr Real most_excess = 0.25;
 /// Least height of the surface above the middle of a top cell, cells: a bound on the ghost-fluid weight.
 constexpr Real least_height = 0.05;
@@ -40,7 +42,8 @@ constexpr Real deep_fill = 0.2, surface_fill = 0.4;
 /// A cell of which less is open follows the cell beyond its widest face: what it holds of water says hardly anything.
 constexpr Real small_cell = 0.5;
 
-// ---- pressure ---------------------------------------------------------------------------------------------------------
+// ---- pressure
+// ---------------------------------------------------------------------------------------------------------
 
 /// V-cycles from the hydrostatic start. Two give the same waves, pools and columns as a converged solution, three the
 /// same compression of a falling cube.
@@ -53,25 +56,27 @@ constexpr Real return_time = 6;
 /// about three axes rests three times as well so. At 0.1 it stays a quarter of a spacing too high.
 constexpr Real cut_return = 0.5;
 
-// ---- grid to particles ------------------------------------------------------------------------------------------------
+// ---- grid to particles
+// ------------------------------------------------------------------------------------------------
 
 /// Time in which the motion within cells that is not smooth dies away, sqrt(h/g). What is smooth is not touched: affine
-/// motion by nothing, a wave of wavelength L by (h/L)^4. Measured: shear of 7 h keeps 0.95 of its energy in a turn with 3.5
-/// and 0.98 with 14; a pool that starts with each coordinate off by up to 0.2 s rests at 6e-6 and 5e-5 m²/s².
+/// motion by nothing, a wave of wavelength L by (h/L)^4. Measured: shear of 7 h keeps 0.95 of its energy in a turn
+/// with 3.5 and 0.98 with 14; a pool that starts with each coordinate off by up to 0.2 s rests at 6e-6 and 5e-5 m²/s².
 constexpr Real noise_time = 14;
 /// Where a solid cuts a cell the motion relaxes to the affine one itself, this many times as fast: there faces and
 /// particles are few, and noise is made.
 constexpr Real cut_noise = 60;
-/// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the less
-/// the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
+/// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
+/// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
 constexpr Real noise_speed = 0.2;
-/// Spacings below the surface: the correction acts in full up to a quarter of a spacing above the surface, and fades out
-/// over the next two spacings above that.
+/// Spacings below the surface: the correction acts in full up to a quarter of a spacing above the surface, and fades
+/// out over the next two spacings above that.
 constexpr Real fade_begins = -0.25, fade_length = 2;
 /// Area of the solid surface in a cell, faces, from which on it has a direction.
 constexpr Real least_wall = 0.1;
 
-// ---- shifts of positions ----------------------------------------------------------------------------------------------
+// ---- shifts of positions
+// ----------------------------------------------------------------------------------------------
 
 /// Mean compression of the particles around from which on, and at which in full, sweeps may push water apart over more
 /// than a cell. Relaxed water has 0.004 by itself, as its kernel sums exceed those of the lattice of the same density.

@@ -140,7 +140,7 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
       const std::size_t at = grid_.index(k, row, c);
       // Across the ends of an axis that repeats.
       const std::size_t above = a == 2 && c == columns && grid_.repeats()[2] ? grid_.index(k, row, 0) : at;
-      const std::size_t below = a == 1 && row == 0 && grid_.repeats()[1]   ? grid_.index(k, rows - 1, c)
+      const std::size_t below = a == 1 && row == 0 && grid_.repeats()[1] ? grid_.index(k, rows - 1, c)
                                 : a == 2 && c == 0 && grid_.repeats()[2] ? grid_.index(k, row, columns - 1)
                                                                          : at - grid_.step(a);
       ByAxis low = cuts != nullptr ? cuts->middle_of_face(a, at) : ByAxis{0.5, 0.5, 0.5}, high = low;
@@ -152,9 +152,10 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
         displacement_[a][at] = (over.value + under.value) / weight;
       } else {
         const Real n_over = sums_[above].moments.at.n, n_under = sums_[below].moments.at.n;
-        displacement_[a][at] = n_over + n_under > 0 ? (n_over * fit_[above].at(i, low) + n_under * fit_[below].at(i, high)) /
-                                                          (n_over + n_under)
-                                                    : 0;
+        displacement_[a][at] =
+            n_over + n_under > 0
+                ? (n_over * fit_[above].at(i, low) + n_under * fit_[below].at(i, high)) / (n_over + n_under)
+                : 0;
       }
     }
   }

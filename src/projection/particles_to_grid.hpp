@@ -1,16 +1,16 @@
-// First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the affine
-// fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
+// First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the
+// affine fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
 //
-// The volume of a cell is that of the particles in it as cubes with an edge of one spacing: a count of particles would not
-// show a surface that tilts by less than a layer. The cubes are placed at the positions at the start of the step. Pressure
-// then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its amplitude;
-// with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
+// The volume of a cell is that of the particles in it as cubes with an edge of one spacing: a count of particles would
+// not show a surface that tilts by less than a layer. The cubes are placed at the positions at the start of the step.
+// Pressure then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its
+// amplitude; with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
 //
 // The displacement of a face is the mean over the particles of the two cells beside it, with weights that fall linearly
 // with the distance from the face, of what each of them says of the middle of the open part of the face,
 //   u_f = Σ w_i (u_i + B (x_f − y_i)) / Σ w_i,
-// with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen midway
-// of their paths, which makes it that of the middle of the step: second order in time.
+// with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen
+// midway of their paths, which makes it that of the middle of the step: second order in time.
 //
 // Sums are formed by the owner of a plane in the order of the particles: the same bits on any rank count. Collective:
 // gather().

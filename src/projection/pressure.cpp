@@ -141,7 +141,8 @@ void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 // Divergence of the displacements of the faces. Nothing passes a wall; side faces count as far as the cell's own water
-// stands, horizontal ones with their whole area, as far as they are open. A moving solid takes the rest of a face along.
+// stands, horizontal ones with their whole area, as far as they are open. A moving solid takes the rest of a face
+// along.
 Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
   const ProjectionGrid& grid = surface.grid();
   const auto& weight = multigrid_.finest().link;

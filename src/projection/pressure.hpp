@@ -3,18 +3,19 @@
 //   div(u + d) = r  in wet cells,   phi = 0 at the free surface,   u + d = 0 through walls,
 // where r slowly returns each cell to its volume.
 //
-// Under gravity the surface lies where the water ends, not at the edge of a cell (the ghost-fluid method: Gibou et al., J.
-// Comput. Phys. 176, 2002; Enright et al. 2003): the face above a top cell has the weight 1/theta, theta being the height of
-// the surface above the middle of the cell in cells; a face at its side has the fraction of its area that is under water.
-// The divergence of d counts both side faces of a cell with the cell's own height of water: water that moves as a whole
-// then has none, whatever the fill of its cells, and no pressure acts on water in flight. Without gravity phi is 0 in the middle of
-// the first dry cell. (Links over the mass of the particles at a face would keep momentum to rounding, but the noise of
-// eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of it after 1 s so, and 1.00 with even links.)
+// Under gravity the surface lies where the water ends, not at the edge of a cell (the ghost-fluid method: Gibou et al.,
+// J. Comput. Phys. 176, 2002; Enright et al. 2003): the face above a top cell has the weight 1/theta, theta being the
+// height of the surface above the middle of the cell in cells; a face at its side has the fraction of its area that is
+// under water. The divergence of d counts both side faces of a cell with the cell's own height of water: water that
+// moves as a whole then has none, whatever the fill of its cells, and no pressure acts on water in flight. Without
+// gravity phi is 0 in the middle of the first dry cell. (Links over the mass of the particles at a face would keep
+// momentum to rounding, but the noise of eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of
+// it after 1 s so, and 1.00 with even links.)
 //
 // Solved by V-cycles of a multigrid (multigrid.hpp) from the hydrostatic pressure of each column, which is the exact
-// solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where water is
-// torn apart phi would pull it together, so it is limited to values ≤ 0; where none of the water has a surface, phi has no
-// origin, and its largest value becomes 0. Collective.
+// solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
+// water is torn apart phi would pull it together, so it is limited to values ≤ 0; where none of the water has a
+// surface, phi has no origin, and its largest value becomes 0. Collective.
 #pragma once
 
 #include "projection/free_surface.hpp"
@@ -39,7 +40,8 @@ class Pressure {
     const std::vector<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
     const Real u = (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)];
-    return surface.upright() && a == 2 && surface.is_wet(below) && !surface.is_wet(at) ? u / surface.above_middle(below) : u;
+    return surface.upright() && a == 2 && surface.is_wet(below) && !surface.is_wet(at) ? u / surface.above_middle(below)
+                                                                                       : u;
   }
 
   /// phi of a cell, m².
@@ -60,8 +62,8 @@ class Pressure {
 
   MPI_Comm comm_;
   bool closed_ = false;  // no water has a surface
-  // Its links first hold the weight of each face: its area under water, as a fraction of the whole area, over the distance
-  // between the points on its two sides where phi is given, in cells; 0 where nothing passes.
+  // Its links first hold the weight of each face: its area under water, as a fraction of the whole area, over the
+  // distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
   Multigrid multigrid_;
 };
 

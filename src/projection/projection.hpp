@@ -1,8 +1,8 @@
-// The projection: finds on the cell grid what sweeps over pairs of particles cannot, the pressure over long ways, and makes
-// the water's motion free of divergence by it. A sweep carries a disturbance by about h, so deep water would need as many
-// as it has layers. The projection works with the particles' displacements, not with their densities: those are noisy for
-// ever, and a grid that followed them would lift deep water by that noise. Similar in purpose to Kugelstadt et al.,
-// Implicit density projection for volume conserving liquids, IEEE TVCG 2019.
+// The projection: finds on the cell grid what sweeps over pairs of particles cannot, the pressure over long ways, and
+// makes the water's motion free of divergence by it. A sweep carries a disturbance by about h, so deep water would need
+// as many as it has layers. The projection works with the particles' displacements, not with their densities: those are
+// noisy for ever, and a grid that followed them would lift deep water by that noise. Similar in purpose to Kugelstadt
+// et al., Implicit density projection for volume conserving liquids, IEEE TVCG 2019.
 //
 // Its stages, each in a file of its own: particles_to_grid, free_surface (classify), pressure (assemble, solve),
 // grid_to_particles, record_forces; and shift_filter after the sweeps. Displacements are used rather than multipliers,
@@ -28,8 +28,8 @@ class Projection {
   /// `obstacles` may be null.
   Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles = nullptr);
 
-  /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s, and as the scalar how far the
-  /// grid acts on each of them, from 0 to 1.
+  /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s, and as the scalar how far
+  /// the grid acts on each of them, from 0 to 1.
   template <class T>
   void displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
@@ -43,8 +43,8 @@ class Projection {
   /// Minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
   void filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out);
-  /// Gives shifted particles, in the time dt, s, the velocities of where they are, m/s: v += B (Δ − the mean of its cell), of
-  /// which the sum over a cell is 0.
+  /// Gives shifted particles, in the time dt, s, the velocities of where they are, m/s: v += B (Δ − the mean of its
+  /// cell), of which the sum over a cell is 0.
   template <class T>
   void carry_velocities(const CellOrder& order, const Swept<T>& swept, Real dt, std::span<Vec3> velocity) const;
 

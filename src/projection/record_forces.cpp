@@ -40,9 +40,8 @@ void RecordForces::of_gauges(const Box& box) const {
   PressureGauges& gauges = obstacles_.gauges();
   for (std::size_t g = 0; g < gauges.count(); ++g) {
     const GaugeSettings& gauge = gauges.gauge(g);
-    const Vec3 before = (gauge.center + 0.5 * grid.size().minCoeff() * gauge.normal)
-                            .cwiseMax(box.min)
-                            .cwiseMin(box.max);
+    const Vec3 before =
+        (gauge.center + 0.5 * grid.size().minCoeff() * gauge.normal).cwiseMax(box.min).cwiseMin(box.max);
     const LocalId k = grid.cell_of(before, 0) - surface_.cuts()->first_plane() + 1;
     if (k >= 1 && k <= grid.planes())
       gauges.add_phi(g, phi_at(k, grid.cell_of(before, 1), grid.cells_to(gauge.center, 2)));

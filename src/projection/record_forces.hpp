@@ -1,5 +1,5 @@
-// Last stage of the projection: what its pressure does to obstacles, box and gauges, for the impulse sums of the obstacles.
-// Not collective; on any thread for rows.
+// Last stage of the projection: what its pressure does to obstacles, box and gauges, for the impulse sums of the
+// obstacles. Not collective; on any thread for rows.
 #pragma once
 
 #include <span>
@@ -14,8 +14,8 @@ class RecordForces {
   RecordForces(const FreeSurface& surface, const Pressure& pressure, Obstacles& obstacles, Real spacing, Real fall)
       : surface_(surface), pressure_(pressure), obstacles_(obstacles), spacing_(spacing), fall_(fall) {}
 
-  /// Obstacles have what the pressure of the cells does to their surface, the box has the rest of what moves the particles
-  /// of the row, all of which are `moved`.
+  /// Obstacles have what the pressure of the cells does to their surface, the box has the rest of what moves the
+  /// particles of the row, all of which are `moved`.
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
   void of_gauges(const Box& box) const;

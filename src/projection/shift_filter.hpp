@@ -1,11 +1,12 @@
 // What the sweeps of the density solve may do to positions: part particles, but not move the water. Kernel sums of
 // disordered water exceed those of the lattice of the same density by 0.4 %, and spread by 1 %; a constraint that only
 // pushes would lift the water by that, and the dam break is 2 % too thin without this filter. Volume has one judge, the
-// cells' fill. So the smooth part of the shifts, the mean of the fits of the cells around a particle (affine.hpp), is taken
-// off where the grid acts, but for where water is compressed over more than a cell, as in impacts.
+// cells' fill. So the smooth part of the shifts, the mean of the fits of the cells around a particle (affine.hpp), is
+// taken off where the grid acts, but for where water is compressed over more than a cell, as in impacts.
 //
 // A shifted particle takes on the velocity of where it goes (Lind et al., J. Comput. Phys. 231, 2012, eq. 28): v += B Δ
-// with the slope B of the water's motion there (Projection::carry_velocities). Without that, shear and vortices diffuse.
+// with the slope B of the water's motion there (Projection::carry_velocities). Without that, shear and vortices
+// diffuse.
 //
 // Collective: find().
 #pragma once

@@ -1,7 +1,8 @@
-// Sums over a cell and the 26 around it with the weights 1 and projection::tent along each axis, row by row of cells: first
-// across the planes, then across the rows of the plane, then along the row. The order of the additions is that of the
-// cells: the same bits on any ranks and threads. Of cells beyond a wall there is nothing; where the box repeats they are
-// those at its other end, and ghost planes must have come; values beyond a row's own columns must be empty. Not collective.
+// Sums over a cell and the 26 around it with the weights 1 and projection::tent along each axis, row by row of cells:
+// first across the planes, then across the rows of the plane, then along the row. The order of the additions is that of
+// the cells: the same bits on any ranks and threads. Of cells beyond a wall there is nothing; where the box repeats
+// they are those at its other end, and ghost planes must have come; values beyond a row's own columns must be empty.
+// Not collective.
 #pragma once
 
 #include <vector>

@@ -187,7 +187,7 @@ void DensityProblem<T>::release_in_flight() {
   const ScopedEvent timed(delta_event_);
   for (const Range& part : rows_in_flight()) {
     for_each_index(part, [&](std::size_t i) { delta_[i] = Vec4<T>{}; });
-    constraint_.deltas(pairs(), part, particles_->predicted, delta_);
+    constraint_.deltas_of_multipliers(pairs(), part, particles_->predicted, delta_);
     for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += vector_of(delta_[i]) / dt_; });
     count_pass(part, DensityConstraint<T>::delta_flops);
   }

@@ -4,10 +4,11 @@
 // ghosts up to date, and sends the messages while interior planes are worked on. Collective: with_halo, compression,
 // project, release_in_flight, filter_shifts.
 //
-// With a projection, velocities are what it makes of them, set_velocities(), and the sweeps after it shift positions only:
-// a lattice that is sheared is denser by its kernel sums than one that is not, and a sweep that became velocity would
-// resist. Where the grid does not act, in sheets, thin jets and spray, the sweeps are all there is: there their multipliers
-// become velocity, too, each with its own fraction 1 − act_i, so that the two of a pair keep their momentum.
+// With a projection, velocities are what it makes of them, set_velocities(), and the sweeps after it shift positions
+// only: a lattice that is sheared is denser by its kernel sums than one that is not, and a sweep that became velocity
+// would resist. Where the grid does not act, in sheets, thin jets and spray, the sweeps are all there is: there their
+// multipliers become velocity, too, each with its own fraction 1 − act_i, so that the two of a pair keep their
+// momentum.
 #pragma once
 
 #include <array>
@@ -61,7 +62,7 @@ class DensityProblem {
   void project(Projection& projection);
   /// Velocities from the motion up to now; positions shift alone from here on.
   void set_velocities();
-  /// Gives the water in flight the velocity that the sweeps have found for it.
+  /// Gives the water in flight the velocity that the sweeps have found for its pairs; at walls the prediction bounces.
   void release_in_flight();
   /// Takes off the shifts since set_velocities() what moves the water as a whole.
   void filter_shifts(Projection& projection);
@@ -121,8 +122,8 @@ class DensityProblem {
   std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' shares
   std::vector<T> multiplier_;   // m², as in the records
   bool positions_only_ = false;
-  std::vector<T> act_;        // how far the grid acts on each particle
-  std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
+  std::vector<T> act_;          // how far the grid acts on each particle
+  std::vector<T> in_flight_;    // m², of all sweeps, times 1 − act_
   std::vector<T> compression_;  // rho/rho0 − 1 that the last sweep saw
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};

@@ -93,7 +93,10 @@ class Chebyshev : public DensitySolver<T> {
 };
 
 Projection make_projection(const DensitySolverContext& context) {
-  return {context.comm, context.grid, context.box, {context.spacing, context.model.h, -context.gravity.z()},
+  return {context.comm,
+          context.grid,
+          context.box,
+          {context.spacing, context.model.h, -context.gravity.z()},
           context.obstacles};
 }
 

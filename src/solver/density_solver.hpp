@@ -5,8 +5,8 @@
 //   jacobi     p* += relaxation · delta (relaxation 1 in the paper)
 //   chebyshev  the same, accelerated by Chebyshev weights (Wang 2015) on the multipliers
 //   anderson   the same as a fixed-point map under PETSc's SNES (-snes_* options apply)
-// With `coarse_grid` the first iteration of any of them is the projection (projection/projection.hpp). With chebyshev the
-// velocities are then the projection's, and the sweeps after it shift positions only.
+// With `coarse_grid` the first iteration of any of them is the projection (projection/projection.hpp). With chebyshev
+// the velocities are then the projection's, and the sweeps after it shift positions only.
 #pragma once
 
 #include <memory>

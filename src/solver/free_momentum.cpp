@@ -18,7 +18,11 @@ constexpr Real wall_reach = 1.25;
 
 template <class T>
 FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver)
-    : comm_(context.comm), interior_(context.box), turns_(true), obstacles_(context.obstacles), solver_(std::move(solver)) {
+    : comm_(context.comm),
+      interior_(context.box),
+      turns_(true),
+      obstacles_(context.obstacles),
+      solver_(std::move(solver)) {
   const CellGrid& grid = context.grid;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = a == 0 ? grid.slab_axis() : a == 1 ? 1 - grid.slab_axis() : 2;
@@ -76,9 +80,8 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   const Real size = inertia.trace();
   if (turns_ && inertia.determinant() > 1e-9 * size * size * size)
     turn = inertia.inverse() * (after.spin - before.spin - centre.cross(after.v - before.v));
-  for_each_index(problem.all(), [&](std::size_t i) {
-    particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre);
-  });
+  for_each_index(problem.all(),
+                 [&](std::size_t i) { particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre); });
   return result;
 }
 

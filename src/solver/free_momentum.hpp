@@ -1,7 +1,8 @@
-// Keeps the linear and angular momentum of water without gravity that touches nothing. The projection hands its pressure to
-// the particles of a face as if they were as many as full water has there, and sweeps shift positions without velocity:
-// both are right in the mean, but not to rounding. What the substep has changed of the two momenta is undone by a
-// translation and a rotation of all velocities; where the box repeats along all axes by a translation alone. Collective.
+// Keeps the linear and angular momentum of water without gravity that touches nothing. The projection hands its
+// pressure to the particles of a face as if they were as many as full water has there, and sweeps shift positions
+// without velocity: both are right in the mean, but not to rounding. What the substep has changed of the two momenta is
+// undone by a translation and a rotation of all velocities; where the box repeats along an axis by a translation alone.
+// Collective.
 #pragma once
 
 #include "solver/density_solver.hpp"

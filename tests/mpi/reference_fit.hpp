@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <Eigen/QR>
 #include <algorithm>
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -28,8 +27,8 @@ struct Sample {
   Vec3 y, u;
 };
 
-/// Least squares Σ w |u − a − b y|² + 1e-3 |b|² Σ w: the variance of positions grows by 1e-3 in each direction. What the
-/// penalty leaves out is fitted, too, `again` times (iterated Tikhonov regularisation).
+/// Least squares Σ w |u − a − b y|² + 1e-3 |b|² Σ w: the variance of positions grows by 1e-3 in each direction. What
+/// the penalty leaves out is fitted, too, `again` times (iterated Tikhonov regularisation).
 inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
   constexpr int again = 2;
   ReferenceFit fit;

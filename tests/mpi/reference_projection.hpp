@@ -94,8 +94,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
       const bool on_floor = c.z() == 0 && (*fill_)[c] >= 0.2;
-      (*wet_)[c] =
-          c.z() < (*reach_)[Cell(c.x(), c.y(), 0)] && ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
+      (*wet_)[c] = (cells_.repeats(2) || c.z() < (*reach_)[Cell(c.x(), c.y(), 0)]) &&
+                   ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
     });
     // Water under the ceiling has no surface.
     for_each_cell([&](const Cell& c) {

@@ -366,7 +366,7 @@ TEST(Flow, TankFillsToItsWeirAndStays) {
     EXPECT_LT(level, weir + 0.25) << k << ": 0.12 m runs over the edge by the formula of weirs";
     EXPECT_NEAR(static_cast<Real>(there[k]) / static_cast<Real>(there[9]), 1, 0.05) << k;
   }
-  EXPECT_NEAR(static_cast<Real>(gone[9] - gone[6]) * volume, 3 * flow, 0.06 * 3 * flow);
+  EXPECT_NEAR(static_cast<Real>(gone[9] - gone[6]) * volume, 3 * flow, 0.1 * 3 * flow);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// The stages of the projection, each alone: affine motion passes the transfer exactly however particles lie, damping and
-// the filter of shifts keep what they should, water that moves as a whole has no pressure, a full box rests, and the
-// Poisson equation has the order that it should.
+// The stages of the projection, each alone: affine motion passes the transfer exactly however particles lie, damping
+// and the filter of shifts keep what they should, water that moves as a whole has no pressure, a full box rests, and
+// the Poisson equation has the order that it should.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -26,8 +26,8 @@ Vec3 affine_motion(const Vec3& p) {
   return Vec3(0.011, -0.007, 0.004) + slope * (p - Vec3(0.9, 0.7, 0.8));
 }
 
-/// A lattice up to `top`, each coordinate off by up to `jitter` spacings, where particles are after the fraction `at` of
-/// their paths.
+/// A lattice up to `top`, each coordinate off by up to `jitter` spacings, where particles are after the fraction `at`
+/// of their paths.
 struct Water {
   Water(const Field& motion, Real top, Real jitter, const Vec3& offset = Vec3::Zero(), Real at = 0.5,
         const Box& all = box)
@@ -238,7 +238,8 @@ TEST(Multigrid, PoissonOnAManufacturedSolutionIsOfSecondOrder) {
     multigrid.resize(end - begin, cells, cells, cells);
     MultigridLevel& finest = multigrid.finest();
     const auto middle = [&](LocalId i) { return std::numbers::pi * (i + 0.5) * size; };
-    const auto exact = [&](LocalId k, LocalId r, LocalId c) {  // 0 at the top: a surface half a cell above the last cell
+    const auto exact = [&](LocalId k, LocalId r,
+                           LocalId c) {  // 0 at the top: a surface half a cell above the last cell
       return std::cos(middle(k)) * std::cos(middle(r)) * std::cos(middle(c) / 2);
     };
     Halo halo(world);

@@ -41,10 +41,10 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, 
   // The records once with the list; lambda and place in every sweep, but for the projection, which asks for no
   // densities and only moves; what is in flight, and the filtered shifts.
   const std::int64_t exchanges = 1 + (projected ? 3 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
-  // For each of its cells both ways: the volume in three planes and the moments of its particles; their fit; the fill; the
-  // pivot; phi in each of four sweeps a cycle; the moments of the shifts, and their fit. Under gravity the flow that the
-  // filter of noise leaves, and its fit. One way: what holds phi at 0, and the residual of each cycle. Coarser levels are
-  // small enough to be gathered.
+  // For each of its cells both ways: the volume in three planes and the moments of its particles; their fit; the fill;
+  // the pivot; phi in each of four sweeps a cycle; the moments of the shifts, and their fit. Under gravity the flow
+  // that the filter of noise leaves, and its fit. One way: what holds phi at 0, and the residual of each cycle. Coarser
+  // levels are small enough to be gathered.
   constexpr int places = 10, flow = 12, fit = 13, volumes = 3;
   constexpr int moments = volumes + places + flow + 1, shifts = places + flow + 1 + fit;
   const int cycles = 3, noise = grid == Grid::upright ? 1 + flow + fit : 0;
@@ -75,8 +75,10 @@ class Traffic : public Output {
 TEST_F(Traffic, IsAsTheFormulaSays) {
   const int ranks = size_of(world);
   EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 4, Grid::upright, 0));
-  EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}), formula(ranks, 32, 7, Grid::upright, 0));
-  EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}), formula(ranks, 16, 4, Grid::none, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}),
+            formula(ranks, 32, 7, Grid::upright, 0));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}),
+            formula(ranks, 16, 4, Grid::none, 0));
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
             formula(ranks, 16, 4, Grid::upright, 3));
 }
