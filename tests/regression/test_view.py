@@ -66,11 +66,11 @@ class Keys(ViewTest):
         last = viewer.settled()
         self.assertGreater(changed(first, last), 0.1)
         viewer.press("Left", f"step {STEPS - 2}, paused")
-        self.assertGreater(changed(last, viewer.settled()), 0.005)  # the pool is calm by then
+        self.assertGreater(changed(last, viewer.settled()), 0.02)
         viewer.press("Home", "step 0, paused")
         self.assertEqual(changed(first, viewer.settled()), 0)
         viewer.press("Right", "step 2, paused")
-        self.assertGreater(changed(first, viewer.settled()), 0.02)
+        self.assertGreater(changed(first, viewer.settled()), 0.005)  # two steps of a jet that begins
 
     def test_playing(self):
         viewer = self.viewer(self.run_folder, "--paused", "--speed", "0.25")
