@@ -213,7 +213,7 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
 
 std::size_t GridToParticles::bytes() const {
   return (first_.capacity() + noise_fit_.capacity() + cut_fit_.capacity() + damping_.capacity()) * sizeof(AffineMap) +
-         noise_.capacity() * sizeof(Flow);
+         noise_.capacity() * sizeof(Noise);
 }
 
 }  // namespace trevi

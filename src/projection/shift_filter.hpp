@@ -30,7 +30,8 @@ class ShiftFilter {
     return {map.at(0, y), map.at(1, y), map.at(2, y)};
   }
   std::size_t bytes() const {
-    return sums_.capacity() * sizeof(Moments) + (fit_.capacity() + map_.capacity()) * sizeof(AffineMap);
+    return sums_.capacity() * sizeof(Moments) + (fit_.capacity() + map_.capacity()) * sizeof(AffineMap) +
+           kept_.capacity() * sizeof(Real);
   }
 
  private:
