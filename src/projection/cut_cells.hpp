@@ -1,8 +1,8 @@
 // What obstacles leave of the cells and the faces of the grid: fractions of volume and of area that are open to
-// water, by samples of the signed distance a quarter of a cell apart (Batty et al. 2007), and how far a moving solid
-// goes through the rest of a face. A thin sheet between the middles of two cells closes the face between them wherever
-// it stands, as pressure must not pass it. Worked out once for obstacles that stand, in each substep for others.
-// Arrays are those of ProjectionGrid. Collective: measure().
+// water, from samples of the signed distance a quarter of a cell apart, linear about each (Batty et al. 2007), and how
+// far a moving solid goes through the rest of a face. A thin sheet between the middles of two cells closes the face
+// between them wherever it stands, as pressure must not pass it. Worked out once for obstacles that stand, in each
+// substep for others. Arrays are those of ProjectionGrid. Collective: measure().
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 
 #include "base/threads.hpp"
 #include "fluid/obstacles/obstacles.hpp"
+#include "projection/clipped_cell.hpp"
 #include "projection/grid.hpp"
 
 namespace trevi {
@@ -85,6 +86,15 @@ class CutCells {
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
+  // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
+  static constexpr Real looked_at = 1.7;
+  // In each direction of a cell.
+  static constexpr int samples = 4;
+  static Real sample(int k) { return (k + 0.5) / samples; }
+  // Signed distances at the samples of a square, m.
+  using SquareOfDistances = std::array<std::array<Real, samples>, samples>;
+  SquareOfDistances distances_on(const Vec3& corner, Eigen::Index a, Real along, const Bodies& bodies) const;
+  SquarePart open_part(const SquareOfDistances& distance, int i, int j) const;
   template <class Visit>
   void for_each_row_near(const ProjectionGrid& grid, const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;

@@ -1,0 +1,167 @@
+// The geometry of one cell: what of its faces and of its volume is open.
+#include <algorithm>
+#include <cmath>
+
+#include "projection/cut_cells.hpp"
+
+namespace trevi {
+
+namespace {
+
+// A cell with less open volume counts as solid. It may hold no particle, but a sliver that is left out of a cell at a
+// curved wall makes a rigid rotation seem to have a divergence there, and that brakes the water.
+constexpr Real least_open = 2e-4;
+
+}  // namespace
+
+// Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is
+// open.
+bool CutCells::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const {
+  for (const std::size_t k : bodies) {
+    const Body& body = obstacles_.body(k);
+    const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
+    if (!body.may_cross(begin, end)) continue;
+    const auto part = body.first_contact({{begin, from}, {end, to}});
+    if (!part) continue;
+    const Vec3 contact = begin + *part * (end - begin);
+    if (body.shape().distance(contact - size_.maxCoeff() * body.shape().normal(contact)) > 0) return true;
+  }
+  return false;
+}
+
+// Whether one can go through a face at a point of it from the middle of one cell to that of the other; where a middle
+// is in a solid, from the far side of its cell, so that a sheet in the very middle of a cell is noticed.
+bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const {
+  const Vec3 step = Vec3::Unit(static_cast<Eigen::Index>(a));
+  Vec3 low = place(on_face - step / 2), high = place(on_face + step / 2);
+  if (nearest_at(low, bodies).distance < 0) low = place(on_face - step);
+  if (nearest_at(high, bodies).distance < 0) high = place(on_face + step);
+  if (nearest_at(low, bodies).distance < 0 || nearest_at(high, bodies).distance < 0) return true;
+  return !meets_sheet(low, high, bodies);
+}
+
+// The part of the sample (i, j) of a square in which the distance is positive, linear about its middle.
+SquarePart CutCells::open_part(const SquareOfDistances& distance, int i, int j) const {
+  const Real width = size_.maxCoeff() / samples;
+  const auto at = [&](int k, int l) {
+    return distance[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)] / width;
+  };
+  const int left = std::max(i - 1, 0), right = std::min(i + 1, samples - 1);
+  const int low = std::max(j - 1, 0), high = std::min(j + 1, samples - 1);
+  return clipped_square(at(i, j),
+                        {(at(right, j) - at(left, j)) / (right - left), (at(i, high) - at(i, low)) / (high - low)});
+}
+
+// At the samples of a square across direction a of a cell, `along` cells from its corner.
+CutCells::SquareOfDistances CutCells::distances_on(const Vec3& corner, Eigen::Index a, Real along,
+                                                   const Bodies& bodies) const {
+  SquareOfDistances distance{};
+  for (int i = 0; i < samples; ++i) {
+    for (int j = 0; j < samples; ++j) {
+      Vec3 p = corner;
+      p[a] += along;
+      p[(a + 1) % 3] += sample(i);
+      p[(a + 2) % 3] += sample(j);
+      distance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = nearest_at(place(p), bodies).distance;
+    }
+  }
+  return distance;
+}
+
+// `corner` of the cell, in cells; its lower face in direction a.
+void CutCells::measure_face(std::size_t a, const Vec3& corner, const Bodies& bodies, Cell& cell) const {
+  const auto b = static_cast<Eigen::Index>(a), u = (b + 1) % 3, v = (b + 2) % 3;
+  Vec3 middle = corner;
+  middle[u] += 0.5;
+  middle[v] += 0.5;
+  const Real far = nearest_at(place(middle), bodies).distance;
+  const Real reach = 1.5 * size_.maxCoeff();  // to where is_passage() looks
+  if (std::abs(far) > reach) {
+    cell.face[a] = far > 0 ? 1 : 0;
+    return;
+  }
+  const SquareOfDistances distance = distances_on(corner, b, 0, bodies);
+  Real sum = 0;
+  std::array<Real, 2> moment{};
+  for (int i = 0; i < samples; ++i) {
+    for (int j = 0; j < samples; ++j) {
+      const SquarePart part = open_part(distance, i, j);
+      Vec3 on_face = corner;
+      on_face[u] += sample(i);
+      on_face[v] += sample(j);
+      if (part.area <= 0 || !is_passage(a, on_face, bodies)) continue;
+      sum += part.area;
+      moment[0] += part.area * sample(i) + part.moment[0] / samples;
+      moment[1] += part.area * sample(j) + part.moment[1] / samples;
+    }
+  }
+  cell.face[a] = static_cast<float>(sum / (samples * samples));
+  for (std::size_t i = 0; i < 2 && sum > 0; ++i) cell.middle[a][i] = static_cast<float>(moment[i] / sum);
+}
+
+// From each sample near the surface straight to it; each counts as far as the surface there lies flat, since it is the
+// upward pressure that needs the height.
+Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
+  const Real width = size_.maxCoeff() / samples, step = width / 100;
+  Real sum = 0, weight = 0;
+  for (int i = 0; i < samples * samples * samples; ++i) {
+    const Vec3 in_cell(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
+    const Vec3 p = place(corner + in_cell), up = step * Vec3::UnitZ();
+    const Real d = nearest_at(p, bodies).distance, w = std::max(1 - std::abs(d) / width, 0.0);
+    if (w == 0) continue;
+    const Real slope = (nearest_at(p + up, bodies).distance - nearest_at(p - up, bodies).distance) / (2 * step);
+    sum += w * std::abs(slope) * ((in_cell.z() - 0.5) * size_.z() - d * slope);
+    weight += w * std::abs(slope);
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
+// Linear in each sample, as the faces.
+Real CutCells::open_at(const Vec3& corner, const Bodies& bodies) const {
+  const Real width = size_.maxCoeff() / samples;
+  std::array<SquareOfDistances, samples> distance{};
+  for (int k = 0; k < samples; ++k) distance[static_cast<std::size_t>(k)] = distances_on(corner, 2, sample(k), bodies);
+  Real sum = 0;
+  for (int i = 0; i < samples * samples * samples; ++i) {
+    const std::array<int, 3> here{i / samples / samples, i / samples % samples, i % samples};
+    const auto at = [&](const std::array<int, 3>& p) {
+      return distance[static_cast<std::size_t>(p[0])][static_cast<std::size_t>(p[1])][static_cast<std::size_t>(p[2])] /
+             width;
+    };
+    std::array<Real, 3> slope{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      std::array<int, 3> low = here, high = here;
+      low[a] = std::max(low[a] - 1, 0);
+      high[a] = std::min(high[a] + 1, samples - 1);
+      slope[a] = (at(high) - at(low)) / (high[a] - low[a]);
+    }
+    sum += clipped_cube(at(here), slope);
+  }
+  return sum / (samples * samples * samples);
+}
+
+CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) const {
+  Cell cell;
+  const Vec3 middle = place(corner + Vec3::Constant(0.5));
+  const Nearest far = nearest_at(middle, candidates.of_row);
+  cell.nearest = static_cast<std::uint32_t>(far.body);
+  if (std::abs(far.distance) > 2 * size_.maxCoeff()) {  // no face of it comes within reach of is_passage()
+    cell.open = far.distance > 0 ? 1 : 0;
+    cell.face.fill(cell.open);
+    return cell;
+  }
+  const Bodies& bodies = candidates.of_cell;
+  keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
+  for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, bodies, cell);
+  // Surfaces a little outside of the cell count where a face of it is closed.
+  if (std::abs(far.distance) < 0.75 * size_.norm()) cell.surface = static_cast<float>(surface_at(corner, bodies));
+  if (std::abs(far.distance) > size_.norm() / 2) {
+    cell.open = far.distance > 0 ? 1 : 0;
+    return cell;
+  }
+  const Real open = open_at(corner, bodies);
+  cell.open = open < least_open ? 0 : static_cast<float>(open);
+  return cell;
+}
+
+}  // namespace trevi
