@@ -14,7 +14,7 @@ SWEEPS = 4  # in a cycle on each level
 GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
 MOMENTS, FIT = 10 + 12 + 1, 13  # numbers of a cell's particles, and of an affine fit
 # Bytes of a cell of the projection beside the multigrid: volumes and moments, fit, fill; noise and its fit; shifts and theirs.
-WATER = 8 * ((3 + MOMENTS) + FIT + 1 + 13 + FIT + MOMENTS + FIT)
+WATER = 8 * ((3 + MOMENTS) + FIT + 1 + 12 + FIT + MOMENTS + FIT)
 WATER_EXCHANGES = 8  # heights of the water, and these
 # Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "projection/tent.hpp"
+#include "projection/row_fits.hpp"
 
 namespace trevi {
 
@@ -10,26 +10,28 @@ using namespace projection;
 
 namespace {
 
-constexpr Real per_tent = 1 / ((1 + 2 * tent) * (1 + 2 * tent) * (1 + 2 * tent));
-
-Real dot(const ByAxis& a, const ByAxis& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+AffineMap times(AffineMap map, Real factor) {
+  map.weight *= factor;
+  for (std::size_t i = 0; i < 3; ++i) {
+    map.a[i] *= factor;
+    for (Real& slope : map.b[i]) slope *= factor;
+  }
+  return map;
+}
 
 }  // namespace
 
 void GridToParticles::resize() {
-  const std::size_t cells = surface_.grid().cells();
-  first_.assign(cells, {});
-  noise_.assign(cells, {});
-  noise_fit_.assign(cells, {});
-  damping_.assign(cells, {});
-  if (surface_.cuts() != nullptr) cut_fit_.assign(cells, {});
+  const ProjectionGrid& grid = surface_.grid();
+  for (CellFields* field : {&noise_, &noise_fit_, &damping_}) field->resize(grid);
+  if (surface_.cuts() != nullptr) cut_fit_.resize(grid);
 }
 
-void GridToParticles::clear_row(LocalId k, LocalId r) {
-  const ProjectionGrid& grid = surface_.grid();
-  const std::size_t begin = grid.index(k, r, 0), end = begin + static_cast<std::size_t>(grid.columns(k, r)) + 1;
-  for (std::size_t at = begin; at < end; ++at) noise_[at].n = noise_fit_[at].weight = 0;
-  for (std::size_t at = begin; at < end && !cut_fit_.empty(); ++at) cut_fit_[at].weight = 0;
+void GridToParticles::clear_row(LocalId k, LocalId r, LocalId columns) {
+  const Range lost{columns, surface_.grid().columns(k, r)};
+  noise_.clear(k, r, lost);
+  noise_fit_.clear(k, r, lost);
+  if (surface_.cuts() != nullptr) cut_fit_.clear(k, r, lost);
 }
 
 // A dry cell right above water under gravity: the few particles in it follow the top cell.
@@ -49,75 +51,53 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface_.grid();
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
   for_each_row(own, [&](LocalId k, LocalId r) { find_noise(k, r); });
-  halo.start_planes(noise_, grid.step(0));
+  halo.start_planes(noise_.planes(), noise_.per_plane());
   halo.finish();
   for_each_row(own, [&](LocalId k, LocalId r) { fit_noise(k, r); });
-  halo.start_planes(noise_fit_, grid.step(0));
-  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_, grid.step(0));
+  halo.start_planes(noise_fit_.planes(), noise_fit_.per_plane());
+  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.planes(), cut_fit_.per_plane());
   halo.finish();
   for_each_row(own, [&](LocalId k, LocalId r) { find_damping(k, r); });
 }
 
-// F u of a particle is a + B y − weight u with the map of its cell.
 void GridToParticles::find_noise(LocalId k, LocalId r) {
-  const ProjectionGrid& grid = surface_.grid();
-  const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent<AffineMap>(
-      grid, k, r, [&](std::size_t at) { return surface_.water().moments(at).at.n > 0; },
-      [&](std::size_t at) -> const AffineMap& { return surface_.water().fit(at); },
-      [&](LocalId c, const AffineMap& sum) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        AffineMap& map = first_[at] = {};
-        map.add(sum, per_tent);
-        const Moments& m = surface_.water().moments(at);
-        noise_[at].n = m.at.n;
-        Flow& noise = noise_[at].flow;
-        for (std::size_t a = 0; a < 3; ++a) {
-          noise.u[a] = map.a[a] * m.at.n + dot(map.b[a], m.at.y) - map.weight * m.flow.u[a];
-          for (std::size_t b = 0; b < 3; ++b) {
-            const ByAxis second{m.at.second(b, 0), m.at.second(b, 1), m.at.second(b, 2)};
-            noise.uy[a][b] = map.a[a] * m.at.y[b] + dot(map.b[a], second) - map.weight * m.flow.uy[a][b];
-          }
-        }
-      });
+  const ParticlesToGrid& water = surface_.water();
+  const LocalId columns = water.filled_columns(k, r);
+  noise_.clear(k, r, {columns, surface_.grid().columns(k, r)});
+  filter_motion(rows_around(surface_.grid(), water.fits(), k, r, columns), row_of(water.all_moments(), k, r),
+                row_of(noise_, k, r));
 }
 
 void GridToParticles::fit_noise(LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
+  const ParticlesToGrid& water = surface_.water();
+  const LocalId columns = water.filled_columns(k, r);
   const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent<Noise>(
-      grid, k, r, [&](std::size_t at) { return noise_[at].n > 0 && (surface_.is_wet(at) || follows(at)); },
-      [&](std::size_t at) -> const Noise& { return noise_[at]; },
-      [&](LocalId c, const Noise& around) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        const Real fraction = rate(at);
-        noise_fit_[at] = {};
-        noise_fit_[at].add(fit_of(surface_.water().spread(at), around.flow), fraction);
-        if (!surface_.is_cut(at)) return;
-        cut_fit_[at] = {};
-        cut_fit_[at].add(surface_.water().fit(at), std::min(cut_noise * fraction, 1.0));
-      });
+  const Real* const n = water.all_moments().row(k, r);
+  static thread_local std::vector<Real> rates;
+  rates.assign(static_cast<std::size_t>(grid.columns()) + CellFields::padding, 0.0);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c)
+    if (n[c] > 0 && (surface_.is_wet(floor + c) || follows(floor + c))) rates[c] = rate(floor + c);
+  noise_fit_.clear(k, r, {columns, grid.columns(k, r)});
+  fit_flow(rows_around(grid, noise_, k, r, columns),
+           {row_of(water.spreads(), k, r), rates.data(), row_of(noise_fit_, k, r)});
+  if (surface_.cuts() == nullptr) return;
+  cut_fit_.clear(k, r, {0, grid.columns(k, r)});
+  for (LocalId c = 0; c < columns; ++c) {
+    const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
+      cut_fit_.set(k, r, c, times(water.fit(at), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
+  }
 }
 
-// −F F u of a particle of the cell, with the rates: −(a2 + B2 y − weight2 F u).
 void GridToParticles::find_damping(LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
-  const std::size_t floor = grid.index(k, r, 0);
-  const auto needed = [&](std::size_t at) { return noise_[at].n > 0; };
-  for_each_tent<AffineMap>(
-      grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return noise_fit_[at]; },
-      [&](LocalId c, const AffineMap& sum) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        const Real kept = per_tent * sum.weight;
-        AffineMap& damping = damping_[at] = {};
-        damping.add(sum, -per_tent);
-        damping.add(first_[at], kept);
-        damping.weight = kept * first_[at].weight;
-      });
-  if (surface_.cuts() == nullptr || !surface_.cuts()->is_near_cut(k, r)) return;
-  for_each_tent<AffineMap>(
-      grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return cut_fit_[at]; },
-      [&](LocalId c, const AffineMap& sum) { damping_[floor + static_cast<std::size_t>(c)].add(sum, per_tent); });
+  const ParticlesToGrid& water = surface_.water();
+  const LocalId columns = water.filled_columns(k, r);
+  damp_noise(rows_around(grid, noise_fit_, k, r, columns), rows_around(grid, water.fits(), k, r, columns),
+             row_of(damping_, k, r));
+  if (surface_.cuts() != nullptr && surface_.cuts()->is_near_cut(k, r))
+    add_maps(rows_around(grid, cut_fit_, k, r, columns), row_of(damping_, k, r));
 }
 
 // What takes the particles along with a wall, or with a solid.
@@ -200,9 +180,10 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
   if (!surface_.upright()) return by;
-  by.offset = damping_[at].a;
-  by.slope = damping_[at].b;
-  by.own = damping_[at].weight;
+  const auto damping = damping_.cell<AffineMap>(at);
+  by.offset = damping.a;
+  by.slope = damping.b;
+  by.own = damping.weight;
   if (above || surface_.is_top(at)) {
     by.surface = above ? c - 1 + surface_.height(at - 1) : c + surface_.height(at);
     by.at_surface = 1 - fade_begins / fade_length;
@@ -212,8 +193,7 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
 }
 
 std::size_t GridToParticles::bytes() const {
-  return (first_.capacity() + noise_fit_.capacity() + cut_fit_.capacity() + damping_.capacity()) * sizeof(AffineMap) +
-         noise_.capacity() * sizeof(Noise);
+  return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes() + damping_.bytes();
 }
 
 }  // namespace trevi

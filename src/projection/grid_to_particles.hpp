@@ -34,7 +34,8 @@ class GridToParticles {
   };
   /// Memory for the grid as it is now.
   void resize();
-  void clear_row(LocalId k, LocalId r);
+  /// What row (k, r) no longer has of its columns when it keeps `columns`.
+  void clear_row(LocalId k, LocalId r, LocalId columns);
   /// Finds the damping of noise. Not needed without gravity: nothing makes noise there.
   void prepare(Halo& halo, const Step& step);
   /// How the particles of cell (k, r, c) are displaced.
@@ -53,14 +54,6 @@ class GridToParticles {
   bool follows(std::size_t at) const;
   void slip(std::size_t at, Faces& faces) const;
   Real through_closed(std::size_t a, std::size_t face) const;
-  // Of the particles of a cell, and whether there are any.
-  struct Noise {
-    Real n = 0;
-    Flow flow;
-
-    void shift(const Noise& from, const Beside& by) { flow.shift(from.flow, by); }
-    friend bool is_empty(const Noise& noise) { return noise.n == 0; }
-  };
   Real rate(std::size_t at) const;
   void find_noise(LocalId k, LocalId r);
   void fit_noise(LocalId k, LocalId r);
@@ -69,11 +62,10 @@ class GridToParticles {
   const FreeSurface& surface_;
   Real spacing_, h_;
   Step step_{};
-  std::vector<AffineMap> first_;  // the filter's first pass, of own cells
-  std::vector<Noise> noise_;      // what it leaves
-  std::vector<AffineMap> noise_fit_,
-      cut_fit_;                     // fits of that and, in cut cells, of the motion itself, times their rates
-  std::vector<AffineMap> damping_;  // of own cells; `weight` is what a particle loses of its own motion
+  CellFields noise_{numbers::flow};     // what the filter's first pass leaves
+  CellFields noise_fit_{numbers::map};  // the fit of that, times the rate of its cell
+  CellFields cut_fit_{numbers::map};    // in cut cells that of the motion itself, times its rate
+  CellFields damping_{numbers::map};    // of own cells; `weight` is what a particle loses of its own motion
 };
 
 }  // namespace trevi

@@ -1,8 +1,33 @@
 #include "projection/particles_to_grid.hpp"
 
-#include "projection/tent.hpp"
+#include "projection/row_fits.hpp"
 
 namespace trevi {
+
+namespace {
+
+Moments moments_of(const CellParticles& cell, const MotionSums& sums) {
+  return {{static_cast<Real>(cell.end - cell.begin), sums.y, sums.yy}, {sums.u, sums.uy}, sums.uu};
+}
+
+// The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
+class FaceMiddles {
+ public:
+  void find(std::size_t a, std::size_t first, std::size_t count, const CutCells* cuts) {
+    for (auto& of_axis : middle_) of_axis.assign(count + CellFields::padding, 0.5);
+    if (cuts == nullptr) return;
+    for (std::size_t c = 0; c < count; ++c) {
+      const ByAxis middle = cuts->middle_of_face(a, first + c);
+      for (std::size_t b = 0; b < 3; ++b) middle_[b][c] = middle[b];
+    }
+  }
+  std::array<const Real*, 3> rows() const { return {middle_[0].data(), middle_[1].data(), middle_[2].data()}; }
+
+ private:
+  std::array<std::vector<Real>, 3> middle_;
+};
+
+}  // namespace
 
 ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : grid_(grid), frame_{} {
   frame_.per_length = grid_.per_length();
@@ -17,24 +42,19 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : gri
 }
 
 void ParticlesToGrid::resize() {
-  sums_.assign(grid_.cells(), {});
-  spread_.assign(grid_.cells(), {});
-  fit_.assign(grid_.cells(), {});
+  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
   rest2_.assign(grid_.cells(), 0.0);
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
-// The rest of what a cell without particles has is not looked at.
-void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
-  const std::size_t begin = grid_.index(k, r, 0), end = begin + static_cast<std::size_t>(grid_.columns(k, r)) + 1;
-  for (std::size_t at = begin; at < end; ++at) {
-    sums_[at].volume = {};
-    sums_[at].moments.at.n = 0;
-    fit_[at].weight = 0;
-  }
+void ParticlesToGrid::clear_row(LocalId k, LocalId r, LocalId columns) {
+  const Range lost{columns, grid_.columns(k, r)};
+  sums_.clear(k, r, lost);
+  fit_.clear(k, r, lost);
+  const std::size_t begin = grid_.index(k, r, 0);
   for (auto& u : displacement_) {
     const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto count = static_cast<std::ptrdiff_t>(end - begin);
+    const auto count = std::ptrdiff_t{grid_.columns(k, r)} + 1;
     std::fill_n(first, count, 0.0);
     if (r + 1 == grid_.rows()) std::fill_n(first + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
   }
@@ -43,10 +63,10 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
   for_each_part({1, planes + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion); });
-  halo.start_planes(sums_, grid_.step(0));
+  halo.start_planes(sums_.planes(), sums_.per_plane());
   halo.finish();
   for_each_row(grid_.rows_of({1, planes + 1}), [&](LocalId k, LocalId r) { fit_row(k, r); });
-  halo.start_planes(fit_, grid_.step(0));
+  halo.start_planes(fit_.planes(), fit_.per_plane());
   halo.finish();
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
@@ -67,6 +87,7 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
 
 void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion& motion) {
   const LocalId rows = grid_.rows(), beyond = grid_.repeats()[1] ? 1 : 0;
+  for (LocalId r = 0; r < rows; ++r) sums_.clear(k, r, {0, grid_.columns(k, r)});
   // Where rows repeat, the last one is also before the first, and the first beyond the last: each row is then added to
   // in the same order.
   for (LocalId row = -beyond; row < rows + beyond; ++row) {
@@ -76,12 +97,9 @@ void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion&
       if (cell.begin == cell.end) continue;
       const CellSums sums = sum_cell(frame_, motion, cell);
       add_volume(k, row, c, sums);
-      if (row != r) continue;
-      Moments& moments = sums_[grid_.index(k, r, c)].moments;
-      moments.at = {static_cast<Real>(cell.end - cell.begin), sums.motion.y, sums.motion.yy};
-      moments.flow = {sums.motion.u, sums.motion.uy};
-      moments.more = sums.motion.uu;
+      if (row == r) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
+    if (row == r) sums_.repeat(grid_, k, r);
   }
 }
 
@@ -89,83 +107,58 @@ void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, const CellSums
   const bool along_x = grid_.axis(0) == 0, repeats = grid_.repeats()[2];
   for (LocalId row = std::max(r - 1, 0); row <= std::min(r + 1, grid_.rows() - 1); ++row) {
     const LocalId columns = grid_.columns(k, row);
-    for (LocalId column = c - 1; column <= c + 1; ++column) {
-      if (!repeats && (column < 0 || column >= columns)) continue;
-      auto& volume = sums_[grid_.index(k, row, repeats ? (column + columns) % columns : column)].volume;
-      const auto i = static_cast<std::size_t>(row - r + 1), j = static_cast<std::size_t>(column - c + 1);
-      for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
+    const auto i = static_cast<std::size_t>(row - r + 1);
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+      Real* const volume = sums_.row(k, row) + (volumes + plane) * sums_.width();
+      const ByAxis& more = along_x ? sums.volume[plane][i] : sums.volume[i][plane];
+      for (LocalId column = c - 1; column <= c + 1; ++column) {
+        if (!repeats && (column < 0 || column >= columns)) continue;
+        volume[repeats ? (column + columns) % columns : column] += more[static_cast<std::size_t>(column - c + 1)];
+      }
     }
   }
 }
 
-Real ParticlesToGrid::volume(std::size_t at) const {
-  const std::size_t plane = grid_.step(0);
-  return sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
+void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes_of_row) const {
+  const auto added_by = [&](LocalId plane, std::size_t to) {
+    return sums_.row(plane, r) + (volumes + to) * sums_.width();
+  };
+  const Real *below = added_by(k - 1, 2), *own = added_by(k, 1), *above = added_by(k + 1, 0);
+  for (std::size_t c = 0; c < volumes_of_row.size(); ++c) volumes_of_row[c] = below[c] + own[c] + above[c];
 }
 
 void ParticlesToGrid::fit_row(LocalId k, LocalId r) {
-  const std::size_t floor = grid_.index(k, r, 0);
-  const auto moments_at = [&](std::size_t at) -> const Moments& { return sums_[at].moments; };
-  for_each_tent<Moments>(
-      grid_, k, r, [&](std::size_t at) { return sums_[at].moments.at.n > 0; }, moments_at,
-      [&](LocalId c, const Moments& around) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        spread_[at] = spread_of(around.at);
-        fit_[at] = fit_of(spread_[at], around.flow, around.more, &rest2_[at]);
-      });
-}
-
-// The particles of a cell at one of its faces, whose middle is given in cells from the corner of that cell.
-ParticlesToGrid::FaceSum ParticlesToGrid::from_side(std::size_t a, std::size_t cell, bool below,
-                                                    const ByAxis& middle) const {
-  const Moments& m = sums_[cell].moments;
-  if (m.at.n == 0) return {};
-  const std::size_t i = grid_.axis(a);
-  const ByAxis& slope = fit_[cell].b[i];
-  const Real sign = below ? 1 : -1, weight = (below ? 0 : m.at.n) + sign * m.at.y[i];
-  Real value = (below ? 0 : m.flow.u[i]) + sign * m.flow.uy[i][i];
-  for (std::size_t j = 0; j < 3; ++j)
-    value += slope[j] * (middle[j] * weight - ((below ? 0 : m.at.y[j]) + sign * m.at.second(i, j)));
-  return {weight, value};
+  const LocalId columns = filled_columns(k, r);
+  fit_.clear(k, r, {columns, grid_.columns(k, r)});
+  fit_motion(rows_around(grid_, sums_, k, r, columns),
+             {row_of(fit_, k, r), row_of(spread_, k, r), &rest2_[grid_.index(k, r, 0)]});
+  fit_.repeat(grid_, k, r);
 }
 
 // Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column.
 void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
-  const LocalId columns = std::max(grid_.columns(k, r), a == 0 ? grid_.columns(k - 1, r) : 0);
   const LocalId rows = grid_.rows(), last_row = a == 1 && r + 1 == rows && !grid_.repeats()[1] ? r + 1 : r;
-  const std::size_t i = grid_.axis(a);
+  const LocalId columns = std::max(grid_.columns(k, r), a == 0 ? grid_.columns(k - 1, r) : 0);
+  const auto count = static_cast<std::size_t>(columns + (a == 2 ? 1 : 0));
+  static thread_local FaceMiddles middles;
   for (LocalId row = r; row <= last_row; ++row) {
-    for (LocalId c = 0; c < columns + (a == 2 ? 1 : 0); ++c) {
-      const std::size_t at = grid_.index(k, row, c);
-      // Across the ends of an axis that repeats.
-      const std::size_t above = a == 2 && c == columns && grid_.repeats()[2] ? grid_.index(k, row, 0) : at;
-      const std::size_t below = a == 1 && row == 0 && grid_.repeats()[1] ? grid_.index(k, rows - 1, c)
-                                : a == 2 && c == 0 && grid_.repeats()[2] ? grid_.index(k, row, columns - 1)
-                                                                         : at - grid_.step(a);
-      ByAxis low = cuts != nullptr ? cuts->middle_of_face(a, at) : ByAxis{0.5, 0.5, 0.5}, high = low;
-      low[i] = 0;
-      high[i] = 1;
-      const FaceSum over = from_side(a, above, false, low), under = from_side(a, below, true, high);
-      const Real weight = over.weight + under.weight;
-      if (weight >= projection::least_face_weight) {
-        displacement_[a][at] = (over.value + under.value) / weight;
-      } else {
-        const Real n_over = sums_[above].moments.at.n, n_under = sums_[below].moments.at.n;
-        displacement_[a][at] =
-            n_over + n_under > 0
-                ? (n_over * fit_[above].at(i, low) + n_under * fit_[below].at(i, high)) / (n_over + n_under)
-                : 0;
-      }
-    }
+    const std::size_t first = grid_.index(k, row, 0);
+    middles.find(a, first, count, cuts);
+    const LocalId row_below = a != 1 ? row : row == 0 && grid_.repeats()[1] ? rows - 1 : row - 1;
+    const auto below = [&](const CellFields& field) {
+      const ConstCellRow there = row_of(field, a == 0 ? k - 1 : k, row_below);
+      return ConstCellRow{there.first - (a == 2 ? 1 : 0), there.width};
+    };
+    const auto above = [&](const CellFields& field) { return row_of(field, k, row); };
+    displace_faces({below(sums_), above(sums_), below(fit_), above(fit_), grid_.axis(a), middles.rows()}, count,
+                   &displacement_[a][first]);
   }
 }
 
 std::size_t ParticlesToGrid::bytes() const {
   std::size_t values = rest2_.capacity();
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + sums_.capacity() * sizeof(PlaneSums) + spread_.capacity() * sizeof(Spread) +
-         fit_.capacity() * sizeof(AffineMap);
+  return values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
 }
 
 }  // namespace trevi

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "projection/cell_shifts.hpp"
 #include "projection/record_forces.hpp"
 
 namespace trevi {
@@ -68,8 +69,9 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   }
   // The ghost planes, too: where the box ends nothing is received.
   for_each_row(grid_.rows_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
-    clear_row(k, r);
-    grid_.set_columns(k, r, cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r));
+    const LocalId columns = cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r);
+    clear_row(k, r, std::min(columns, grid_.columns()));
+    grid_.set_columns(k, r, columns);
   });
   if (cuts_) cuts_->measure(comm_, grid_, box_);
 }
@@ -82,11 +84,11 @@ void Projection::count_planes(const CellOrder& order, std::span<const Vec3> p) {
   }
 }
 
-void Projection::clear_row(LocalId k, LocalId r) {
-  particles_to_grid_.clear_row(k, r);
+void Projection::clear_row(LocalId k, LocalId r, LocalId columns) {
+  particles_to_grid_.clear_row(k, r, columns);
   surface_.clear_row(k, r);
-  grid_to_particles_.clear_row(k, r);
-  shift_filter_.clear_row(k, r);
+  grid_to_particles_.clear_row(k, r, columns);
+  shift_filter_.clear_row(k, r, columns);
 }
 
 // Particles above the row's cells are in flight.
@@ -120,16 +122,8 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
   const ScopedEvent timed(event_);
   shift_filter_.find<T>(order, halo, swept.shifts, swept.compression);
   for_each_index({0, static_cast<LocalId>(out.size())}, [&](std::size_t i) { out[i] = Vec4<T>{}; });
-  const ByAxis& per_length = particles_to_grid_.frame().per_length;
   for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
-    for (std::size_t i = cell.begin; i < cell.end; ++i) {
-      const Vec3 middle = 0.5 * (swept.shifts.x[i] + swept.shifts.p[i]);
-      ByAxis y{};
-      for (std::size_t a = 0; a < 3; ++a)
-        y[a] = (middle[static_cast<Eigen::Index>(a)] - cell.place.origin[a]) * per_length[a] - cell.place.corner[a];
-      const Vec3 smooth = static_cast<Real>(swept.act[i]) * shift_filter_.smooth(at, y);
-      out[i] = {static_cast<T>(-smooth.x()), static_cast<T>(-smooth.y()), static_cast<T>(-smooth.z()), 0};
-    }
+    take_smooth(particles_to_grid_.frame(), swept.shifts, cell, shift_filter_.smooth(at), swept.act, &out[cell.begin]);
   });
 }
 
@@ -138,24 +132,12 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
                                   std::span<Vec3> velocity) const {
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  const auto shift = [&](std::size_t i) { return Vec3(swept.shifts.p[i] - swept.shifts.x[i]); };
   for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
-    const AffineMap& fit = particles_to_grid_.fit(at);
-    Vec3 mean = Vec3::Zero();
-    Real weight = 0;
-    for (std::size_t i = cell.begin; i < cell.end; ++i) {
-      mean += static_cast<Real>(swept.act[i]) * shift(i);
-      weight += static_cast<Real>(swept.act[i]);
+    std::array<ByAxis, 3> slope = particles_to_grid_.fit(at).b;
+    for (ByAxis& of_axis : slope) {
+      for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;
     }
-    if (weight == 0) return;
-    mean /= weight;
-    Eigen::Matrix3d slope;  // 1/s
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t b = 0; b < 3; ++b)
-        slope(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = fit.b[a][b] * per_length[b] / dt;
-    }
-    for (std::size_t i = cell.begin; i < cell.end; ++i)
-      velocity[i] += static_cast<Real>(swept.act[i]) * (slope * (shift(i) - mean));
+    carry_cell(swept.shifts, cell, slope, swept.act, velocity);
   });
 }
 

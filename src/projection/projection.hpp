@@ -53,7 +53,7 @@ class Projection {
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
   void count_planes(const CellOrder& order, std::span<const Vec3> p);
-  void clear_row(LocalId k, LocalId r);
+  void clear_row(LocalId k, LocalId r, LocalId columns);
   template <class Use>
   void for_each_cell(const CellOrder& order, const Use& use) const;
   template <class T>

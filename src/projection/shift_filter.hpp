@@ -20,26 +20,24 @@ class ShiftFilter {
   explicit ShiftFilter(const FreeSurface& surface) : surface_(surface) {}
 
   void resize();
-  void clear_row(LocalId k, LocalId r);
+  /// What row (k, r) no longer has of its columns when it keeps `columns`.
+  void clear_row(LocalId k, LocalId r, LocalId columns);
   /// Of shifts of the owned particles, and of their compression rho/rho0 − 1.
   template <class T>
   void find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression);
-  /// What is taken off the shift of a particle of the cell that is at y, m, where the grid acts in full.
-  Vec3 smooth(std::size_t at, const ByAxis& y) const {
-    const AffineMap& map = map_[at];
-    return {map.at(0, y), map.at(1, y), map.at(2, y)};
-  }
-  std::size_t bytes() const {
-    return sums_.capacity() * sizeof(Moments) + (fit_.capacity() + map_.capacity()) * sizeof(AffineMap) +
-           kept_.capacity() * sizeof(Real);
-  }
+  /// What is taken off the shifts of the particles of a cell where the grid acts in full.
+  AffineMap smooth(std::size_t at) const { return map_.cell<AffineMap>(at); }
+  std::size_t bytes() const { return sums_.bytes() + fit_.bytes() + map_.bytes() + kept_.capacity() * sizeof(Real); }
 
  private:
+  template <class T>
+  void sum_row(const CellOrder& order, LocalId k, LocalId r, const Motion& shifts, std::span<const T> compression);
+  void fit_row(LocalId k, LocalId r);
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
 
   const FreeSurface& surface_;
-  std::vector<Moments> sums_;  // `more`: Σ rho/rho0 − 1
-  std::vector<AffineMap> fit_, map_;
+  CellFields sums_{numbers::moments};  // `more`: Σ rho/rho0 − 1
+  CellFields fit_{numbers::map}, map_{numbers::map};
   std::vector<Real> kept_;  // fraction that is taken off
 };
 

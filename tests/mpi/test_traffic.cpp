@@ -47,7 +47,7 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, 
   // levels are small enough to be gathered.
   constexpr int places = 10, flow = 12, fit = 13, volumes = 3;
   constexpr int moments = volumes + places + flow + 1, shifts = places + flow + 1 + fit;
-  const int cycles = 3, noise = grid == Grid::upright ? 1 + flow + fit : 0;
+  const int cycles = 3, noise = grid == Grid::upright ? flow + fit : 0;
   const int both_ways = moments + fit + 1 + 1 + 4 * cycles + noise + shifts, one_way = 1 + cycles;
   const std::int64_t cell = 8 * both_ways + 4 * one_way;
   const std::int64_t heights = 4 * rows;  // of the water
