@@ -41,10 +41,10 @@ struct AffineMap {
   Real at(std::size_t i, const ByAxis& y) const { return a[i] + (b[i][0] * y[0] + b[i][1] * y[1] + b[i][2] * y[2]); }
 };
 
-/// The numbers of a cell, as CellFields have them: Moments, an AffineMap, a Flow, and the places of a fit as it needs
-/// them: 1 over the weight, mean, and inverse of the variance.
+/// How many numbers a cell has in CellFields: Moments, an AffineMap, a Flow; and of the places of a fit, as it needs
+/// them, 1 over the weight, mean, and inverse of the variance, and the mean square of the motion that the fit leaves, m².
 namespace numbers {
-constexpr std::size_t moments = 23, map = 13, flow = 12, spread = 10;
+constexpr std::size_t moments = 23, map = 13, flow = 12, spread = 11;
 static_assert(sizeof(Moments) == moments * sizeof(Real) && sizeof(AffineMap) == map * sizeof(Real) &&
               sizeof(Flow) == flow * sizeof(Real));
 }  // namespace numbers

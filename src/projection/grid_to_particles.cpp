@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "projection/row_fits.hpp"
-
 namespace trevi {
 
 using namespace projection;
@@ -39,10 +37,11 @@ bool GridToParticles::follows(std::size_t at) const {
   return surface_.upright() && !surface_.is_wet(at) && surface_.is_wet(at - 1) && !surface_.is_solid(at - 1);
 }
 
-// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise.
-Real GridToParticles::rate(std::size_t at) const {
+// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise. `rest2`: the mean
+// square of the motion that the fit leaves, m².
+Real GridToParticles::rate(Real rest2) const {
   const Real noise = noise_speed * step_.time * h_;
-  return std::min(step_.time / noise_time, 1.0) / (1 + surface_.water().rest2(at) / (noise * noise));
+  return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
 }
 
 void GridToParticles::prepare(Halo& halo, const Step& step) {
@@ -50,54 +49,58 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) { find_noise(k, r); });
-  halo.start_planes(noise_.planes(), noise_.per_plane());
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); });
+  halo.start_planes(noise_.values(), noise_.per_plane());
   halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) { fit_noise(k, r); });
-  halo.start_planes(noise_fit_.planes(), noise_fit_.per_plane());
-  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.planes(), cut_fit_.per_plane());
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); });
+  halo.start_planes(noise_fit_.values(), noise_fit_.per_plane());
+  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.values(), cut_fit_.per_plane());
   halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) { find_damping(k, r); });
+  for_each_row_with<TentMemories>(
+      own, [&](TentMemories& memories, LocalId k, LocalId r) { find_damping(memories, k, r); });
 }
 
-void GridToParticles::find_noise(LocalId k, LocalId r) {
+void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
   const ParticlesToGrid& water = surface_.water();
   const LocalId columns = water.filled_columns(k, r);
   noise_.clear(k, r, {columns, surface_.grid().columns(k, r)});
-  filter_motion(rows_around(surface_.grid(), water.fits(), k, r, columns), row_of(water.all_moments(), k, r),
-                row_of(noise_, k, r));
+  filter_motion(rows_around(surface_.grid(), water.fits(), {k, r, columns}, memory), water.all_moments().row(k, r),
+                water.all_moments().numbers(), noise_.row(k, r));
 }
 
-void GridToParticles::fit_noise(LocalId k, LocalId r) {
+void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
   const LocalId columns = water.filled_columns(k, r);
   const std::size_t floor = grid.index(k, r, 0);
-  const Real* const n = water.all_moments().row(k, r);
   static thread_local std::vector<Real> rates;
-  rates.assign(static_cast<std::size_t>(grid.columns()) + CellFields::padding, 0.0);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c)
-    if (n[c] > 0 && (surface_.is_wet(floor + c) || follows(floor + c))) rates[c] = rate(floor + c);
+  rates.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
+  for (LocalId c = 0; c < columns; ++c) {
+    const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (water.all_moments().number(0, k, r, c) > 0 && (surface_.is_wet(at) || follows(at)))
+      rates[static_cast<std::size_t>(c)] = rate(water.spreads().number(numbers::spread - 1, k, r, c));
+  }
   noise_fit_.clear(k, r, {columns, grid.columns(k, r)});
-  fit_flow(rows_around(grid, noise_, k, r, columns),
-           {row_of(water.spreads(), k, r), rates.data(), row_of(noise_fit_, k, r)});
+  fit_flow(rows_around(grid, noise_, {k, r, columns}, memory),
+           {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
   if (surface_.cuts() == nullptr) return;
   cut_fit_.clear(k, r, {0, grid.columns(k, r)});
   for (LocalId c = 0; c < columns; ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
-      cut_fit_.set(k, r, c, times(water.fit(at), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
+      cut_fit_.set(k, r, c, times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
   }
 }
 
-void GridToParticles::find_damping(LocalId k, LocalId r) {
+void GridToParticles::find_damping(TentMemories& memories, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
   const LocalId columns = water.filled_columns(k, r);
-  damp_noise(rows_around(grid, noise_fit_, k, r, columns), rows_around(grid, water.fits(), k, r, columns),
-             row_of(damping_, k, r));
+  const RowPlace row{k, r, columns};
+  damp_noise(rows_around(grid, noise_fit_, row, memories[0]), rows_around(grid, water.fits(), row, memories[1]),
+             damping_.row(k, r));
   if (surface_.cuts() != nullptr && surface_.cuts()->is_near_cut(k, r))
-    add_maps(rows_around(grid, cut_fit_, k, r, columns), row_of(damping_, k, r));
+    add_maps(rows_around(grid, cut_fit_, row, memories[2]), damping_.row(k, r));
 }
 
 // What takes the particles along with a wall, or with a solid.
@@ -180,7 +183,7 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
   if (!surface_.upright()) return by;
-  const auto damping = damping_.cell<AffineMap>(at);
+  const auto damping = damping_.cell<AffineMap>(k, r, c);
   by.offset = damping.a;
   by.slope = damping.b;
   by.own = damping.weight;

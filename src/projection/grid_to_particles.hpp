@@ -54,10 +54,12 @@ class GridToParticles {
   bool follows(std::size_t at) const;
   void slip(std::size_t at, Faces& faces) const;
   Real through_closed(std::size_t a, std::size_t face) const;
-  Real rate(std::size_t at) const;
-  void find_noise(LocalId k, LocalId r);
-  void fit_noise(LocalId k, LocalId r);
-  void find_damping(LocalId k, LocalId r);
+  Real rate(Real rest2) const;
+  void find_noise(TentMemory& memory, LocalId k, LocalId r);
+  void fit_noise(TentMemory& memory, LocalId k, LocalId r);
+  // Of the fits of noise, of the motion, and of that in cut cells.
+  using TentMemories = std::array<TentMemory, 3>;
+  void find_damping(TentMemories& memories, LocalId k, LocalId r);
 
   const FreeSurface& surface_;
   Real spacing_, h_;

@@ -1,7 +1,5 @@
 #include "projection/particles_to_grid.hpp"
 
-#include "projection/row_fits.hpp"
-
 namespace trevi {
 
 namespace {
@@ -14,7 +12,7 @@ Moments moments_of(const CellParticles& cell, const MotionSums& sums) {
 class FaceMiddles {
  public:
   void find(std::size_t a, std::size_t first, std::size_t count, const CutCells* cuts) {
-    for (auto& of_axis : middle_) of_axis.assign(count + CellFields::padding, 0.5);
+    for (auto& of_axis : middle_) of_axis.assign(count + 2 * EightCells::count, 0.5);
     if (cuts == nullptr) return;
     for (std::size_t c = 0; c < count; ++c) {
       const ByAxis middle = cuts->middle_of_face(a, first + c);
@@ -43,7 +41,6 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : gri
 
 void ParticlesToGrid::resize() {
   for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
-  rest2_.assign(grid_.cells(), 0.0);
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
@@ -63,10 +60,11 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r, LocalId columns) {
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
   for_each_part({1, planes + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion); });
-  halo.start_planes(sums_.planes(), sums_.per_plane());
+  halo.start_planes(sums_.values(), sums_.per_plane());
   halo.finish();
-  for_each_row(grid_.rows_of({1, planes + 1}), [&](LocalId k, LocalId r) { fit_row(k, r); });
-  halo.start_planes(fit_.planes(), fit_.per_plane());
+  for_each_row_with<TentMemory>(grid_.rows_of({1, planes + 1}),
+                                [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
+  halo.start_planes(fit_.values(), fit_.per_plane());
   halo.finish();
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
@@ -99,7 +97,6 @@ void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion&
       add_volume(k, row, c, sums);
       if (row == r) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
-    if (row == r) sums_.repeat(grid_, k, r);
   }
 }
 
@@ -108,31 +105,29 @@ void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, const CellSums
   for (LocalId row = std::max(r - 1, 0); row <= std::min(r + 1, grid_.rows() - 1); ++row) {
     const LocalId columns = grid_.columns(k, row);
     const auto i = static_cast<std::size_t>(row - r + 1);
-    for (std::size_t plane = 0; plane < 3; ++plane) {
-      Real* const volume = sums_.row(k, row) + (volumes + plane) * sums_.width();
-      const ByAxis& more = along_x ? sums.volume[plane][i] : sums.volume[i][plane];
-      for (LocalId column = c - 1; column <= c + 1; ++column) {
-        if (!repeats && (column < 0 || column >= columns)) continue;
-        volume[repeats ? (column + columns) % columns : column] += more[static_cast<std::size_t>(column - c + 1)];
-      }
+    for (LocalId column = c - 1; column <= c + 1; ++column) {
+      if (!repeats && (column < 0 || column >= columns)) continue;
+      Real* const volume = &sums_.number(volumes, k, row, repeats ? (column + columns) % columns : column);
+      const auto j = static_cast<std::size_t>(column - c + 1);
+      for (std::size_t plane = 0; plane < 3; ++plane)
+        volume[plane * EightCells::count] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
     }
   }
 }
 
 void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes_of_row) const {
-  const auto added_by = [&](LocalId plane, std::size_t to) {
-    return sums_.row(plane, r) + (volumes + to) * sums_.width();
-  };
-  const Real *below = added_by(k - 1, 2), *own = added_by(k, 1), *above = added_by(k + 1, 0);
-  for (std::size_t c = 0; c < volumes_of_row.size(); ++c) volumes_of_row[c] = below[c] + own[c] + above[c];
+  LocalId c = 0;
+  for (Real& volume : volumes_of_row) {
+    volume = sums_.number(volumes + 2, k - 1, r, c) + sums_.number(volumes + 1, k, r, c) +
+             sums_.number(volumes, k + 1, r, c);
+    ++c;
+  }
 }
 
-void ParticlesToGrid::fit_row(LocalId k, LocalId r) {
+void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
   const LocalId columns = filled_columns(k, r);
   fit_.clear(k, r, {columns, grid_.columns(k, r)});
-  fit_motion(rows_around(grid_, sums_, k, r, columns),
-             {row_of(fit_, k, r), row_of(spread_, k, r), &rest2_[grid_.index(k, r, 0)]});
-  fit_.repeat(grid_, k, r);
+  fit_motion(rows_around(grid_, sums_, {k, r, columns}, memory), {fit_.row(k, r), spread_.row(k, r)});
 }
 
 // Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column.
@@ -145,18 +140,21 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
     const std::size_t first = grid_.index(k, row, 0);
     middles.find(a, first, count, cuts);
     const LocalId row_below = a != 1 ? row : row == 0 && grid_.repeats()[1] ? rows - 1 : row - 1;
-    const auto below = [&](const CellFields& field) {
-      const ConstCellRow there = row_of(field, a == 0 ? k - 1 : k, row_below);
-      return ConstCellRow{there.first - (a == 2 ? 1 : 0), there.width};
-    };
-    const auto above = [&](const CellFields& field) { return row_of(field, k, row); };
-    displace_faces({below(sums_), above(sums_), below(fit_), above(fit_), grid_.axis(a), middles.rows()}, count,
-                   &displacement_[a][first]);
+    const LocalId plane_below = a == 0 ? k - 1 : k;
+    const std::size_t numbers = sums_.numbers();
+    const std::size_t repeating = grid_.repeats()[2] ? static_cast<std::size_t>(columns) : 0;
+    displace_faces({{sums_.row(plane_below, row_below), fit_.row(plane_below, row_below), numbers},
+                    {sums_.row(k, row), fit_.row(k, row), numbers},
+                    grid_.axis(a),
+                    middles.rows(),
+                    a == 2,
+                    repeating},
+                   count, &displacement_[a][first]);
   }
 }
 
 std::size_t ParticlesToGrid::bytes() const {
-  std::size_t values = rest2_.capacity();
+  std::size_t values = 0;
   for (const auto& u : displacement_) values += u.capacity();
   return values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
 }

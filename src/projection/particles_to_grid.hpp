@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "domain/halo.hpp"
-#include "projection/cell_fields.hpp"
 #include "projection/cut_cells.hpp"
+#include "projection/row_fits.hpp"
 
 namespace trevi {
 
@@ -53,13 +53,10 @@ class ParticlesToGrid {
   AffineMap fit(std::size_t at) const { return fit_.cell<AffineMap>(at); }
   /// Columns of a row up to the highest cell that holds particles.
   LocalId filled_columns(LocalId k, LocalId r) const {
-    const Real* n = sums_.row(k, r);
     LocalId columns = grid_.columns(k, r);
-    while (columns > 0 && n[columns - 1] == 0) --columns;
+    while (columns > 0 && sums_.number(0, k, r, columns - 1) == 0) --columns;
     return columns;
   }
-  /// Mean square of the motion that the fit leaves, m², of own cells.
-  Real rest2(std::size_t at) const { return rest2_[at]; }
   /// Displacement of the water at face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
@@ -70,13 +67,12 @@ class ParticlesToGrid {
   static constexpr std::size_t volumes = numbers::moments;
   void sum_plane(const CellOrder& order, LocalId k, const Motion& motion);
   void add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums);
-  void fit_row(LocalId k, LocalId r);
+  void fit_row(TentMemory& memory, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
   CellFields sums_{volumes + 3}, spread_{numbers::spread}, fit_{numbers::map};
-  std::vector<Real> rest2_;
   std::array<std::vector<Real>, 3> displacement_;
 };
 

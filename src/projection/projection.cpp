@@ -106,13 +106,13 @@ void Projection::displace_row(const CellOrder& order, const Motion& motion, Loca
   std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
 }
 
-// use(at, particles) for the owned cells that hold any.
+// use(k, r, c, particles) for the owned cells that hold any.
 template <class Use>
 void Projection::for_each_cell(const CellOrder& order, const Use& use) const {
   for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
-      if (cell.begin < cell.end) use(grid_.index(k, r, c), cell);
+      if (cell.begin < cell.end) use(k, r, c, cell);
     }
   });
 }
@@ -122,8 +122,8 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
   const ScopedEvent timed(event_);
   shift_filter_.find<T>(order, halo, swept.shifts, swept.compression);
   for_each_index({0, static_cast<LocalId>(out.size())}, [&](std::size_t i) { out[i] = Vec4<T>{}; });
-  for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
-    take_smooth(particles_to_grid_.frame(), swept.shifts, cell, shift_filter_.smooth(at), swept.act, &out[cell.begin]);
+  for_each_cell(order, [&](LocalId k, LocalId r, LocalId c, const CellParticles& cell) {
+    take_smooth(particles_to_grid_.frame(), swept.shifts, cell, shift_filter_.smooth(k, r, c), swept.act, &out[cell.begin]);
   });
 }
 
@@ -132,8 +132,8 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
                                   std::span<Vec3> velocity) const {
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
-    std::array<ByAxis, 3> slope = particles_to_grid_.fit(at).b;
+  for_each_cell(order, [&](LocalId k, LocalId r, LocalId c, const CellParticles& cell) {
+    std::array<ByAxis, 3> slope = particles_to_grid_.fits().cell<AffineMap>(k, r, c).b;
     for (ByAxis& of_axis : slope) {
       for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;
     }

@@ -13,50 +13,68 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// What the particles of the cell at one side of a face say of it: their weight and weighted sum, and, where that is
-// little, their number and what their fit says, times the number.
-struct Side {
-  V weight, value, n, fitted;
+// What the particles of the cells at one side of a row of faces say of them: their weight and weighted sum, and, where
+// that is little, their number and what their fit says, times the number.
+struct Sides {
+  std::vector<Real> weight, value, n, fitted;
+  template <class Use>
+  HWY_INLINE void for_each(const Use& use) {
+    use(weight), use(value), use(n), use(fitted);
+  }
 };
 
 // The place of Σ y_a y_b among the moments.
 constexpr std::size_t second(std::size_t a, std::size_t b) { return 4 + (a == b ? a : a + b + 2); }
 
-// `middle` of the face in cells from the corner of that cell. The weight of a particle falls from 1 at the face to 0 a
-// cell away.
+// Of the cells of a row, for faces from number `first` on. The weight of a particle falls from 1 at the face to 0 a cell
+// away.
 template <bool below>
-HWY_INLINE Side side_of(const ConstCellRow& moments, const ConstCellRow& fit, std::size_t i, const V3& middle) {
-  const auto weighted = [&](std::size_t sum, std::size_t with_y) {
-    return below ? load(moments, with_y) : hn::Sub(load(moments, sum), load(moments, with_y));
-  };
-  const V n = load(moments, 0), weight = weighted(0, 1 + i);
-  V value = weighted(10 + i, 13 + 4 * i), at = load(fit, 1 + i);
-  for (std::size_t j = 0; j < 3; ++j) {
-    const V slope = load(fit, 4 + 3 * i + j);
-    value = hn::MulAdd(slope, hn::MulSub(middle[j], weight, weighted(1 + j, second(i, j))), value);
-    at = hn::MulAdd(slope, middle[j], at);
+HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t count, Sides& sides) {
+  const RowBeside& row = below ? faces.below : faces.above;
+  const std::size_t i = faces.axis;
+  sides.for_each([&](std::vector<Real>& of) { of.assign(first + count + 2 * most_lanes, 0.0); });
+  for (Part part{0, count}; part.begin < part.end; ++part) {
+    const Numbers<> moments{part.of(row.moments, row.numbers)}, fit{part.of(row.fit, numbers::map)};
+    const std::size_t face = first + part.begin;
+    const auto weighted = [&](std::size_t sum, std::size_t with_y) {
+      return below ? moments[with_y] : hn::Sub(moments[sum], moments[with_y]);
+    };
+    const V weight = weighted(0, 1 + i);
+    V value = weighted(10 + i, 13 + 4 * i), at = fit[1 + i];
+    for (std::size_t j = 0; j < 3; ++j) {
+      const V middle = j == i ? set(below ? 1 : 0) : hn::LoadU(Wide(), faces.middle[j] + face);
+      const V slope = fit[4 + 3 * i + j];
+      value = hn::MulAdd(slope, hn::MulSub(middle, weight, weighted(1 + j, second(i, j))), value);
+      at = hn::MulAdd(slope, middle, at);
+    }
+    const auto write_side = [&](V v, std::vector<Real>& of) { hn::StoreU(v, Wide(), of.data() + face); };
+    write_side(weight, sides.weight);
+    write_side(value, sides.value);
+    write_side(moments[0], sides.n);
+    write_side(hn::Mul(moments[0], at), sides.fitted);
   }
-  return {weight, value, n, hn::Mul(n, at)};
 }
 
-HWY_INLINE ConstCellRow from(const ConstCellRow& row, std::size_t c) { return {row.first + c, row.width}; }
-
+// Along a row the cell below a face is the one before.
 void displace_faces_of(const FaceRow& faces, std::size_t count, Real* out) {
+  static thread_local Sides over, under;
+  const std::size_t cells = count - (faces.along ? 1 : 0), columns = faces.repeating_columns;
+  find_sides<false>(faces, 0, cells, over);
+  find_sides<true>(faces, count - cells, cells, under);
+  if (faces.along && columns > 0) {
+    over.for_each([&](std::vector<Real>& of) { of[columns] = of[0]; });
+    under.for_each([&](std::vector<Real>& of) { of[0] = of[columns]; });
+  }
   const V zero = set(0), one = set(1);
-  for (Part part{0, count}; part.begin < count; part.begin += hn::Lanes(Wide())) {
-    const std::size_t c = part.begin, i = faces.axis;
-    V3 low = zeros();
-    for (std::size_t a = 0; a < 3; ++a) low[a] = load(faces.middle[a], part);
-    V3 high = low;
-    low[i] = zero;
-    high[i] = one;
-    const Side over = side_of<false>(from(faces.moments_above, c), from(faces.fit_above, c), i, low);
-    const Side under = side_of<true>(from(faces.moments_below, c), from(faces.fit_below, c), i, high);
-    const V weight = hn::Add(over.weight, under.weight), n = hn::Add(over.n, under.n);
+  for (Part part{0, count}; part.begin < part.end; ++part) {
+    const auto sum = [&](const std::vector<Real>& a, const std::vector<Real>& b) {
+      return hn::Add(load(a.data(), part), load(b.data(), part));
+    };
+    const V weight = sum(over.weight, under.weight), n = sum(over.n, under.n);
     const auto enough = hn::Ge(weight, set(projection::least_face_weight)), any = hn::Gt(n, zero);
-    const V sum = hn::IfThenElse(enough, hn::Add(over.value, under.value), hn::Add(over.fitted, under.fitted));
+    const V value = hn::IfThenElse(enough, sum(over.value, under.value), sum(over.fitted, under.fitted));
     const V of = hn::IfThenElse(enough, weight, hn::IfThenElse(any, n, one));
-    store(hn::IfThenElseZero(any, hn::Div(sum, of)), part, {out, 0}, 0);
+    store(hn::IfThenElseZero(any, hn::Div(value, of)), part, out);
   }
 }
 

@@ -50,12 +50,12 @@ HWY_INLINE Symmetric inverse_of(const Symmetric& v) {
 }
 
 // Where there is nothing numbers are finite.
-HWY_INLINE SpreadVectors spread_of(const ConstCellRow& places) {
-  const V n = load(places, 0), per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
+HWY_INLINE SpreadVectors spread_of(const Numbers<>& places) {
+  const V n = places[0], per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
   V3 mean = zeros();
-  for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(load(places, 1 + a), per_n);
+  for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(places[1 + a], per_n);
   const auto variance = [&](std::size_t q, V a, V b) {
-    return hn::NegMulAdd(a, b, hn::Mul(load(places, 4 + q), per_n));
+    return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n));
   };
   // Rounding may leave a variance of a single particle below what is added.
   const V least = set(projection::fit_damping);
@@ -71,14 +71,14 @@ struct FitVectors {
   V explained;  // of the mean square of the motion
 };
 
-HWY_INLINE FitVectors fit_of(const SpreadVectors& s, const ConstCellRow& flow) {
+HWY_INLINE FitVectors fit_of(const SpreadVectors& s, const Numbers<>& flow) {
   FitVectors fit{zeros(), {zeros(), zeros(), zeros()}, set(0)};
   const Symmetric& p = s.inverse;
   for (std::size_t i = 0; i < 3; ++i) {
-    const V mean = hn::Mul(load(flow, i), s.per_n);
+    const V mean = hn::Mul(flow[i], s.per_n);
     V3 covariance = zeros();
     for (std::size_t j = 0; j < 3; ++j)
-      covariance[j] = hn::NegMulAdd(mean, s.mean[j], hn::Mul(load(flow, 3 + 3 * i + j), s.per_n));
+      covariance[j] = hn::NegMulAdd(mean, s.mean[j], hn::Mul(flow[3 + 3 * i + j], s.per_n));
     const V x = covariance[0], y = covariance[1], z = covariance[2];
     fit.b[i] = {dot(x, y, z, p[0], p[3], p[4]), dot(x, y, z, p[3], p[1], p[5]), dot(x, y, z, p[4], p[5], p[2])};
     fit.a[i] = hn::Sub(mean, dot(fit.b[i][0], fit.b[i][1], fit.b[i][2], s.mean[0], s.mean[1], s.mean[2]));
@@ -87,112 +87,110 @@ HWY_INLINE FitVectors fit_of(const SpreadVectors& s, const ConstCellRow& flow) {
   return fit;
 }
 
-HWY_INLINE void store(const FitVectors& fit, V factor, const Part& part, const CellRow& out) {
-  store(factor, part, out, 0);
+HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {
+  write(factor, map, 0);
   for (std::size_t i = 0; i < 3; ++i) {
-    store(hn::Mul(factor, fit.a[i]), part, out, 1 + i);
-    for (std::size_t j = 0; j < 3; ++j) store(hn::Mul(factor, fit.b[i][j]), part, out, 4 + 3 * i + j);
+    write(hn::Mul(factor, fit.a[i]), map, 1 + i);
+    for (std::size_t j = 0; j < 3; ++j) write(hn::Mul(factor, fit.b[i][j]), map, 4 + 3 * i + j);
   }
 }
 
 // 1 where a cell holds particles, else 0.
-HWY_INLINE V holds_any(const RowsAround& moments, std::size_t c) {
-  const V n = hn::LoadU(Wide(), moments.first[1][1] + c);
+HWY_INLINE V holds_any(const RowsAround& moments, const Part& part) {
+  const V n = hn::Load(Wide(), part.of(moments.first[1][1], moments.numbers));
   return hn::IfThenElse(hn::Gt(n, set(0)), set(1), set(0));
 }
 
 void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
-  const ConstCellRow sums = sum_across<MomentSums>(moments, row_memory(0));
-  for (Part part{0, moments.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+  const TenCells* const sums = sum_across<MomentSums>(moments);
+  for (Part part{0, moments.columns}; part.begin < part.end; ++part) {
     const TentSums<MomentSums> around(sums, part);
-    const SpreadVectors spread = spread_of(around.row());
-    const FitVectors fit = fit_of(spread, around.row(10));
-    store(fit, holds_any(moments, part.begin), part, out.fit);
-    store(spread.per_n, part, out.spread, 0);
-    for (std::size_t a = 0; a < 3; ++a) store(spread.mean[a], part, out.spread, 1 + a);
-    for (std::size_t q = 0; q < 6; ++q) store(spread.inverse[q], part, out.spread, 4 + q);
-    const V rest = hn::Sub(hn::Mul(load(around.row(), 22), spread.per_n), fit.explained);
-    store(hn::Max(rest, set(0)), part, {out.rest2, 0}, 0);
+    const SpreadVectors spread = spread_of(around.from());
+    const FitVectors fit = fit_of(spread, around.from(10));
+    write(fit, holds_any(moments, part), part.of(out.fit, numbers::map));
+    Real* const places = part.of(out.spread, numbers::spread);
+    write(spread.per_n, places, 0);
+    for (std::size_t a = 0; a < 3; ++a) write(spread.mean[a], places, 1 + a);
+    for (std::size_t q = 0; q < 6; ++q) write(spread.inverse[q], places, 4 + q);
+    write(hn::Max(hn::MulSub(around.from()[22], spread.per_n, fit.explained), set(0)), places, 10);
   }
 }
 
 void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
-  const ConstCellRow sums = sum_across<MomentSums>(moments, row_memory(0));
-  for (Part part{0, moments.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+  const TenCells* const sums = sum_across<MomentSums>(moments);
+  for (Part part{0, moments.columns}; part.begin < part.end; ++part) {
     const TentSums<MomentSums> around(sums, part);
-    const SpreadVectors spread = spread_of(around.row());
-    store(fit_of(spread, around.row(10)), load(out.factor, part), part, out.fit);
-    store(hn::Mul(load(around.row(), 22), spread.per_n), part, {out.mean, 0}, 0);
+    const SpreadVectors spread = spread_of(around.from());
+    write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit, numbers::map));
+    store(hn::Mul(around.from()[22], spread.per_n), part, out.mean);
   }
 }
 
-void filter_motion_of(const RowsAround& maps, const ConstCellRow& moments, const CellRow& flow) {
-  const ConstCellRow sums = sum_across<MapSums>(maps, row_memory(0));
-  for (Part part{0, maps.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
+  const TenCells* const sums = sum_across<MapSums>(maps);
+  for (Part part{0, maps.columns}; part.begin < part.end; ++part) {
     const TentSums<MapSums> around(sums, part);
-    const ConstCellRow map = around.row(), own{moments.first + part.begin, moments.width};
-    const V weight = hn::Mul(load(map, 0), set(per_tent)), n = load(own, 0);
-    const V3 y = {load(own, 1), load(own, 2), load(own, 3)};
-    const Symmetric yy = {load(own, 4), load(own, 5), load(own, 6), load(own, 7), load(own, 8), load(own, 9)};
+    const Numbers<> map = around.from(), own{part.of(moments, of_moments)};
+    Real* const out = part.of(flow, numbers::flow);
+    const V weight = hn::Mul(map[0], set(per_tent)), n = own[0];
+    const V3 y = {own[1], own[2], own[3]};
+    const Symmetric yy = {own[4], own[5], own[6], own[7], own[8], own[9]};
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto scaled = [&](std::size_t q) { return hn::Mul(load(map, q), set(per_tent)); };
-      const V a = scaled(1 + i), x = scaled(4 + 3 * i), z = scaled(6 + 3 * i), b = scaled(5 + 3 * i);
-      const auto less = [&](V sum, std::size_t q) { return hn::NegMulAdd(weight, load(own, 10 + q), sum); };
-      store(less(hn::MulAdd(a, n, dot(x, b, z, y[0], y[1], y[2])), i), part, flow, i);
+      const auto scaled = [&](std::size_t q) { return hn::Mul(map[q], set(per_tent)); };
+      const V a = scaled(1 + i), x = scaled(4 + 3 * i), b = scaled(5 + 3 * i), z = scaled(6 + 3 * i);
+      const auto less = [&](V sum, std::size_t q) { return hn::NegMulAdd(weight, own[10 + q], sum); };
+      write(less(hn::MulAdd(a, n, dot(x, b, z, y[0], y[1], y[2])), i), out, i);
       const V3 slopes = {dot(x, b, z, yy[0], yy[3], yy[4]), dot(x, b, z, yy[3], yy[1], yy[5]),
                          dot(x, b, z, yy[4], yy[5], yy[2])};
       for (std::size_t j = 0; j < 3; ++j)
-        store(less(hn::MulAdd(a, y[j], slopes[j]), 3 + 3 * i + j), part, flow, 3 + 3 * i + j);
+        write(less(hn::MulAdd(a, y[j], slopes[j]), 3 + 3 * i + j), out, 3 + 3 * i + j);
     }
   }
 }
 
 void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
-  const ConstCellRow sums = sum_across<FlowSums>(flow, row_memory(0));
-  for (Part part{0, flow.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+  const TenCells* const sums = sum_across<FlowSums>(flow);
+  for (Part part{0, flow.columns}; part.begin < part.end; ++part) {
     const TentSums<FlowSums> around(sums, part);
-    const ConstCellRow places{out.spread.first + part.begin, out.spread.width};
-    const SpreadVectors spread = {load(places, 0),
-                                  {load(places, 1), load(places, 2), load(places, 3)},
-                                  {load(places, 4), load(places, 5), load(places, 6), load(places, 7), load(places, 8),
-                                   load(places, 9)}};
-    store(fit_of(spread, around.row()), load(out.factor, part), part, out.fit);
+    const Numbers<> places{part.of(out.spread, numbers::spread)};
+    const SpreadVectors spread = {places[0],
+                                  {places[1], places[2], places[3]},
+                                  {places[4], places[5], places[6], places[7], places[8], places[9]}};
+    write(fit_of(spread, around.from()), load(out.factor, part), part.of(out.fit, numbers::map));
   }
 }
 
-void damp_noise_of(const RowsAround& noise, const RowsAround& maps, const CellRow& damping) {
-  const ConstCellRow noise_sums = sum_across<MapSums>(noise, row_memory(0));
-  const ConstCellRow map_sums = sum_across<MapSums>(maps, row_memory(1));
-  for (Part part{0, noise.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
+  const TenCells *const noise_sums = sum_across<MapSums>(noise), *const map_sums = sum_across<MapSums>(maps);
+  for (Part part{0, noise.columns}; part.begin < part.end; ++part) {
     const TentSums<MapSums> second(noise_sums, part), first(map_sums, part);
-    const V whole = set(per_tent), kept = hn::Mul(hn::Mul(whole, whole), load(second.row(), 0));
-    store(hn::Mul(kept, load(first.row(), 0)), part, damping, 0);
-    for (std::size_t q = 1; q < numbers::map; ++q) {
-      const V taken = hn::Mul(whole, load(second.row(), q));
-      store(hn::MulSub(kept, load(first.row(), q), taken), part, damping, q);
-    }
+    Real* const out = part.of(damping, numbers::map);
+    const V whole = set(per_tent), kept = hn::Mul(hn::Mul(whole, whole), second.from()[0]);
+    write(hn::Mul(kept, first.from()[0]), out, 0);
+    for (std::size_t q = 1; q < numbers::map; ++q)
+      write(hn::MulSub(kept, first.from()[q], hn::Mul(whole, second.from()[q])), out, q);
   }
 }
 
-void add_maps_of(const RowsAround& maps, const CellRow& sum) {
-  const ConstCellRow sums = sum_across<MapSums>(maps, row_memory(0));
-  for (Part part{0, maps.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+void add_maps_of(const RowsAround& maps, EightCells* sum) {
+  const TenCells* const sums = sum_across<MapSums>(maps);
+  for (Part part{0, maps.columns}; part.begin < part.end; ++part) {
     const TentSums<MapSums> around(sums, part);
-    for (std::size_t q = 0; q < numbers::map; ++q) {
-      const V before = load(sum.first + q * sum.width, part);
-      store(hn::MulAdd(set(per_tent), load(around.row(), q), before), part, sum, q);
-    }
+    Real* const out = part.of(sum, numbers::map);
+    for (std::size_t q = 0; q < numbers::map; ++q)
+      write(hn::MulAdd(set(per_tent), around.from()[q], Numbers<>{out}[q]), out, q);
   }
 }
 
-void average_maps_of(const RowsAround& maps, const Real* factor, const CellRow& mean) {
-  const ConstCellRow sums = sum_across<MapSums>(maps, row_memory(0));
-  for (Part part{0, maps.columns}; part.begin < part.end; part.begin += hn::Lanes(Wide())) {
+void average_maps_of(const RowsAround& maps, const Real* factor, EightCells* mean) {
+  const TenCells* const sums = sum_across<MapSums>(maps);
+  for (Part part{0, maps.columns}; part.begin < part.end; ++part) {
     const TentSums<MapSums> around(sums, part);
-    const V weight = load(around.row(), 0);
+    Real* const out = part.of(mean, numbers::map);
+    const V weight = around.from()[0];
     const auto any = hn::Gt(weight, set(0));
     const V share = hn::IfThenElseZero(any, hn::Div(load(factor, part), hn::IfThenElse(any, weight, set(1))));
-    for (std::size_t q = 0; q < numbers::map; ++q) store(hn::Mul(share, load(around.row(), q)), part, mean, q);
+    for (std::size_t q = 0; q < numbers::map; ++q) write(hn::Mul(share, around.from()[q]), out, q);
   }
 }
 
@@ -211,35 +209,39 @@ HWY_EXPORT(damp_noise_of);
 HWY_EXPORT(add_maps_of);
 HWY_EXPORT(average_maps_of);
 
-RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, LocalId k, LocalId r, LocalId columns) {
+RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, const RowPlace& row, TentMemory& memory) {
   const LocalId rows = grid.rows();
   const bool repeats = grid.repeats()[2];
-  if (repeats) columns = grid.columns();
+  const LocalId columns = repeats ? grid.columns() : row.columns;
   RowsAround around{{},
-                    field.width(),
+                    field.numbers(),
+                    row.k,
+                    row.r,
                     {grid.axis(0), grid.axis(1)},
                     static_cast<std::size_t>(columns),
                     static_cast<std::size_t>(std::min(columns + 1, grid.columns())),
-                    repeats};
+                    static_cast<std::size_t>(grid.columns()),
+                    repeats,
+                    memory};
   for (LocalId i = 0; i < 3; ++i) {
-    const LocalId row = grid.repeats()[1] ? (r - 1 + i + rows) % rows : r - 1 + i;
+    const LocalId r = grid.repeats()[1] ? (row.r - 1 + i + rows) % rows : row.r - 1 + i;
     for (LocalId j = 0; j < 3; ++j)
-      around.first[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = field.row(k - 1 + j, row);
+      around.first[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = field.row(row.k - 1 + j, r);
   }
   return around;
 }
 
 void fit_motion(const RowsAround& moments, const MotionFits& out) { HWY_DYNAMIC_DISPATCH(fit_motion_of)(moments, out); }
 void fit_shifts(const RowsAround& moments, const ShiftFits& out) { HWY_DYNAMIC_DISPATCH(fit_shifts_of)(moments, out); }
-void filter_motion(const RowsAround& maps, const ConstCellRow& moments, const CellRow& flow) {
-  HWY_DYNAMIC_DISPATCH(filter_motion_of)(maps, moments, flow);
+void filter_motion(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
+  HWY_DYNAMIC_DISPATCH(filter_motion_of)(maps, moments, of_moments, flow);
 }
 void fit_flow(const RowsAround& flow, const FlowFits& out) { HWY_DYNAMIC_DISPATCH(fit_flow_of)(flow, out); }
-void damp_noise(const RowsAround& noise, const RowsAround& maps, const CellRow& damping) {
+void damp_noise(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
   HWY_DYNAMIC_DISPATCH(damp_noise_of)(noise, maps, damping);
 }
-void add_maps(const RowsAround& maps, const CellRow& sum) { HWY_DYNAMIC_DISPATCH(add_maps_of)(maps, sum); }
-void average_maps(const RowsAround& maps, const Real* factor, const CellRow& mean) {
+void add_maps(const RowsAround& maps, EightCells* sum) { HWY_DYNAMIC_DISPATCH(add_maps_of)(maps, sum); }
+void average_maps(const RowsAround& maps, const Real* factor, EightCells* mean) {
   HWY_DYNAMIC_DISPATCH(average_maps_of)(maps, factor, mean);
 }
 

@@ -1,14 +1,12 @@
 #include "projection/shift_filter.hpp"
 
-#include "projection/row_fits.hpp"
-
 namespace trevi {
 
 using namespace projection;
 
 void ShiftFilter::resize() {
   for (CellFields* field : {&sums_, &fit_, &map_}) field->resize(surface_.grid());
-  kept_.assign(surface_.grid().cells() + CellFields::padding, 0.0);
+  kept_.assign(surface_.grid().cells() + EightCells::count, 0.0);
 }
 
 void ShiftFilter::clear_row(LocalId k, LocalId r, LocalId columns) {
@@ -23,14 +21,14 @@ void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts,
   const ParticlesToGrid& water = surface_.water();
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
   for_each_row(own, [&](LocalId k, LocalId r) { sum_row(order, k, r, shifts, compression); });
-  halo.start_planes(sums_.planes(), sums_.per_plane());
+  halo.start_planes(sums_.values(), sums_.per_plane());
   halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) { fit_row(k, r); });
-  halo.start_planes(fit_.planes(), fit_.per_plane());
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
+  halo.start_planes(fit_.values(), fit_.per_plane());
   halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) {
-    average_maps(rows_around(grid, fit_, k, r, water.filled_columns(k, r)), &kept_[grid.index(k, r, 0)],
-                 row_of(map_, k, r));
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) {
+    average_maps(rows_around(grid, fit_, {k, r, water.filled_columns(k, r)}, memory), &kept_[grid.index(k, r, 0)],
+                 map_.row(k, r));
   });
 }
 
@@ -50,16 +48,18 @@ void ShiftFilter::sum_row(const CellOrder& order, LocalId k, LocalId r, const Mo
   }
 }
 
-void ShiftFilter::fit_row(LocalId k, LocalId r) {
+void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
   const LocalId columns = surface_.water().filled_columns(k, r);
   const std::size_t floor = grid.index(k, r, 0);
-  const Real* const n = sums_.row(k, r);
   static thread_local std::vector<Real> water;
-  water.assign(static_cast<std::size_t>(grid.columns()) + CellFields::padding, 0.0);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c) water[c] = n[c] > 0 && is_water(floor + c) ? 1 : 0;
+  water.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
+  for (LocalId c = 0; c < columns; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    water[i] = sums_.number(0, k, r, c) > 0 && is_water(floor + i) ? 1 : 0;
+  }
   fit_.clear(k, r, {columns, grid.columns(k, r)});
-  fit_shifts(rows_around(grid, sums_, k, r, columns), {row_of(fit_, k, r), water.data(), &kept_[floor]});
+  fit_shifts(rows_around(grid, sums_, {k, r, columns}, memory), {fit_.row(k, r), water.data(), &kept_[floor]});
   for (std::size_t at = floor; at < floor + static_cast<std::size_t>(columns); ++at)
     kept_[at] = 1 - std::clamp((kept_[at] - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
 }

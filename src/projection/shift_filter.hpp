@@ -26,13 +26,13 @@ class ShiftFilter {
   template <class T>
   void find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression);
   /// What is taken off the shifts of the particles of a cell where the grid acts in full.
-  AffineMap smooth(std::size_t at) const { return map_.cell<AffineMap>(at); }
+  AffineMap smooth(LocalId k, LocalId r, LocalId c) const { return map_.cell<AffineMap>(k, r, c); }
   std::size_t bytes() const { return sums_.bytes() + fit_.bytes() + map_.bytes() + kept_.capacity() * sizeof(Real); }
 
  private:
   template <class T>
   void sum_row(const CellOrder& order, LocalId k, LocalId r, const Motion& shifts, std::span<const T> compression);
-  void fit_row(LocalId k, LocalId r);
+  void fit_row(TentMemory& memory, LocalId k, LocalId r);
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
 
   const FreeSurface& surface_;
