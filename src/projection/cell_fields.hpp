@@ -18,6 +18,16 @@ struct alignas(64) EightCells {
   Real of[count];
 };
 
+/// The first numbers of a cell of a row, of `numbers` each, as those of a T.
+template <class T>
+T cell_of(const EightCells* row, std::size_t numbers, LocalId c) {
+  constexpr LocalId eight = EightCells::count;
+  T value;
+  const EightCells* const from = row + static_cast<std::size_t>(c / eight) * numbers;
+  for (std::size_t q = 0; q < sizeof(T) / sizeof(Real); ++q) reinterpret_cast<Real*>(&value)[q] = from[q].of[c % eight];
+  return value;
+}
+
 class CellFields {
  public:
   /// `numbers` of each cell.
@@ -49,12 +59,12 @@ class CellFields {
   /// The first numbers of a cell as those of a T.
   template <class T>
   T cell(LocalId k, LocalId r, LocalId c) const {
-    return cell_of<T>(row(k, r), c);
+    return cell_of<T>(row(k, r), numbers_, c);
   }
   /// The same for few cells only.
   template <class T>
   T cell(std::size_t at) const {
-    return cell_of<T>(&values_[at / width_ * row_], static_cast<LocalId>(at % width_) - 1);
+    return cell_of<T>(&values_[at / width_ * row_], numbers_, static_cast<LocalId>(at % width_) - 1);
   }
   template <class T>
   void set(LocalId k, LocalId r, LocalId c, const T& value) {
@@ -63,6 +73,8 @@ class CellFields {
       to[q].of[lane(c)] = reinterpret_cast<const Real*>(&value)[q];
   }
 
+  /// Memory of one row.
+  std::size_t per_row() const { return row_; }
   /// To exchange planes.
   std::vector<EightCells>& values() { return values_; }
   std::size_t per_plane() const { return rows_ * row_; }
@@ -76,14 +88,6 @@ class CellFields {
   }
   std::size_t eight(LocalId c) const { return static_cast<std::size_t>(c / eight_cells) * numbers_; }
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c % eight_cells); }
-  template <class T>
-  T cell_of(const EightCells* row, LocalId c) const {
-    T value;
-    const EightCells* const from = row + eight(c);
-    for (std::size_t q = 0; q < sizeof(T) / sizeof(Real); ++q) reinterpret_cast<Real*>(&value)[q] = from[q].of[lane(c)];
-    return value;
-  }
-
   std::size_t numbers_, width_ = 1, rows_ = 0, row_ = 0;
   std::vector<EightCells> values_;
 };

@@ -21,7 +21,7 @@ AffineMap times(AffineMap map, Real factor) {
 
 void GridToParticles::resize() {
   const ProjectionGrid& grid = surface_.grid();
-  for (CellFields* field : {&noise_, &noise_fit_, &damping_}) field->resize(grid);
+  for (CellFields* field : {&noise_, &noise_fit_}) field->resize(grid);
   if (surface_.cuts() != nullptr) cut_fit_.resize(grid);
 }
 
@@ -56,8 +56,6 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   halo.start_planes(noise_fit_.values(), noise_fit_.per_plane());
   if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.values(), cut_fit_.per_plane());
   halo.finish();
-  for_each_row_with<TentMemories>(
-      own, [&](TentMemories& memories, LocalId k, LocalId r) { find_damping(memories, k, r); });
 }
 
 void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
@@ -92,15 +90,17 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   }
 }
 
-void GridToParticles::find_damping(TentMemories& memories, LocalId k, LocalId r) {
+void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const {
+  if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
-  const LocalId columns = water.filled_columns(k, r);
-  const RowPlace row{k, r, columns};
-  damp_noise(rows_around(grid, noise_fit_, row, memories[0]), rows_around(grid, water.fits(), row, memories[1]),
-             damping_.row(k, r));
+  const RowPlace row{k, r, water.filled_columns(k, r)};
+  auto& [of_noise, of_motion, of_cut] = damping.memories;
+  damping.row.resize(noise_fit_.per_row());
+  damp_noise(rows_around(grid, noise_fit_, row, of_noise), rows_around(grid, water.fits(), row, of_motion),
+             damping.row.data());
   if (surface_.cuts() != nullptr && surface_.cuts()->is_near_cut(k, r))
-    add_maps(rows_around(grid, cut_fit_, row, memories[2]), damping_.row(k, r));
+    add_maps(rows_around(grid, cut_fit_, row, of_cut), damping.row.data());
 }
 
 // What takes the particles along with a wall, or with a solid.
@@ -167,7 +167,8 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
+CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
+                                                  LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   const bool above = follows(at);
@@ -183,10 +184,10 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
   if (!surface_.upright()) return by;
-  const auto damping = damping_.cell<AffineMap>(k, r, c);
-  by.offset = damping.a;
-  by.slope = damping.b;
-  by.own = damping.weight;
+  const auto map = cell_of<AffineMap>(damping.row.data(), numbers::map, c);
+  by.offset = map.a;
+  by.slope = map.b;
+  by.own = map.weight;
   if (above || surface_.is_top(at)) {
     by.surface = above ? c - 1 + surface_.height(at - 1) : c + surface_.height(at);
     by.at_surface = 1 - fade_begins / fade_length;
@@ -196,7 +197,7 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
 }
 
 std::size_t GridToParticles::bytes() const {
-  return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes() + damping_.bytes();
+  return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes();
 }
 
 }  // namespace trevi

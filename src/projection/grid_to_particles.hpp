@@ -36,10 +36,20 @@ class GridToParticles {
   void resize();
   /// What row (k, r) no longer has of its columns when it keeps `columns`.
   void clear_row(LocalId k, LocalId r, LocalId columns);
-  /// Finds the damping of noise. Not needed without gravity: nothing makes noise there.
+  /// Finds noise and its fits. Not needed without gravity: nothing makes noise there.
   void prepare(Halo& halo, const Step& step);
+  /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each part
+  /// of a loop of threads, in which rows come in their order.
+  struct Damping {
+    std::vector<EightCells> row;
+    std::array<TentMemory, 3> memories;  // of the fits of noise, of the motion, and of that in cut cells
+  };
+  void find_damping(Damping& damping, LocalId k, LocalId r) const;
   /// How the particles of cell (k, r, c) are displaced.
-  CellDisplacement displacement_of(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
+  CellDisplacement displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
+                                   LocalId c) const;
+  /// Memory of fits, once all particles are displaced.
+  CellFields& free_fits() { return noise_fit_; }
 
   std::size_t bytes() const;
 
@@ -57,9 +67,6 @@ class GridToParticles {
   Real rate(Real rest2) const;
   void find_noise(TentMemory& memory, LocalId k, LocalId r);
   void fit_noise(TentMemory& memory, LocalId k, LocalId r);
-  // Of the fits of noise, of the motion, and of that in cut cells.
-  using TentMemories = std::array<TentMemory, 3>;
-  void find_damping(TentMemories& memories, LocalId k, LocalId r);
 
   const FreeSurface& surface_;
   Real spacing_, h_;
@@ -67,7 +74,6 @@ class GridToParticles {
   CellFields noise_{numbers::flow};     // what the filter's first pass leaves
   CellFields noise_fit_{numbers::map};  // the fit of that, times the rate of its cell
   CellFields cut_fit_{numbers::map};    // in cut cells that of the motion itself, times its rate
-  CellFields damping_{numbers::map};    // of own cells; `weight` is what a particle loses of its own motion
 };
 
 }  // namespace trevi

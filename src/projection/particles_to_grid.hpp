@@ -45,6 +45,8 @@ class ParticlesToGrid {
   /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits of
   /// the motion around; the weight of a cell without particles is 0.
   const CellFields& all_moments() const { return sums_; }
+  /// Memory of moments, once those of the motion are no longer needed.
+  CellFields& free_moments() { return sums_; }
   const CellFields& fits() const { return fit_; }
   /// Of the places that own cells with particles have fits of.
   const CellFields& spreads() const { return spread_; }

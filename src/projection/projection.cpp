@@ -28,7 +28,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
       surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
       pressure_(comm, grid_.repeats()),
       grid_to_particles_(surface_, model.spacing, model.h),
-      shift_filter_(surface_),
+      shift_filter_(surface_, {particles_to_grid_.free_moments(), grid_to_particles_.free_fits()}),
       obstacles_(obstacles) {}
 
 template <class T>
@@ -42,10 +42,17 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   surface_.classify(halo);
   pressure_.solve(surface_, halo, {fall, std::min(1.0, time / projection::return_time), rows_.depth()});
   grid_to_particles_.prepare(halo, {fall, time});
-  const LocalId rows = grid_.rows();
-  for_each_part(order.planes() * rows,
-                [&](LocalId row) { displace_row<T>(order, motion, row / rows + 1, row % rows, out); });
+  for_each_row_with<GridToParticles::Damping>(
+      own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
+        grid_to_particles_.find_damping(damping, k, r);
+        for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+          displace_cell(particles_to_grid_.frame(), motion, cell,
+                        grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
+        });
+        leave_flying<T>(order, k, r, out);
+      });
   if (obstacles_ == nullptr) return;
+  const LocalId rows = grid_.rows();
   const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, fall);
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows, columns = order.grid().columns();
@@ -88,42 +95,35 @@ void Projection::clear_row(LocalId k, LocalId r, LocalId columns) {
   particles_to_grid_.clear_row(k, r, columns);
   surface_.clear_row(k, r);
   grid_to_particles_.clear_row(k, r, columns);
-  shift_filter_.clear_row(k, r, columns);
 }
 
-// Particles above the row's cells are in flight.
-template <class T>
-void Projection::displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r,
-                              std::span<Vec4<T>> out) {
+// use(c, particles) for the cells of a row that hold any.
+template <class Use>
+void Projection::for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
-    if (cell.begin == cell.end) continue;
-    displace_cell(particles_to_grid_.frame(), motion, cell, grid_to_particles_.displacement_of(pressure_, k, r, c),
-                  &out[cell.begin]);
+    if (cell.begin < cell.end) use(c, cell);
   }
+}
+
+// Particles above a row's cells are in flight.
+template <class T>
+void Projection::leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const {
   const LocalId columns = order.grid().columns();
   const LocalId flying = order.start(k, r * columns + grid_.columns(k, r)), end = order.start(k, (r + 1) * columns);
   std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
 }
 
-// use(k, r, c, particles) for the owned cells that hold any.
-template <class Use>
-void Projection::for_each_cell(const CellOrder& order, const Use& use) const {
-  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
-      if (cell.begin < cell.end) use(k, r, c, cell);
-    }
-  });
-}
-
 template <class T>
 void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  shift_filter_.find<T>(order, halo, swept.shifts, swept.compression);
-  for_each_index({0, static_cast<LocalId>(out.size())}, [&](std::size_t i) { out[i] = Vec4<T>{}; });
-  for_each_cell(order, [&](LocalId k, LocalId r, LocalId c, const CellParticles& cell) {
-    take_smooth(particles_to_grid_.frame(), swept.shifts, cell, shift_filter_.smooth(k, r, c), swept.act, &out[cell.begin]);
+  shift_filter_.find(order, halo, swept.shifts, swept.densities);
+  for_each_row_with<ShiftFilter::Smooth>(own_rows(), [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
+    shift_filter_.find_smooth(smooth, k, r);
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      take_smooth(particles_to_grid_.frame(), swept.shifts, cell, smooth.at(c), swept.act, &out[cell.begin]);
+    });
+    leave_flying<T>(order, k, r, out);
   });
 }
 
@@ -132,12 +132,14 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
                                   std::span<Vec3> velocity) const {
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  for_each_cell(order, [&](LocalId k, LocalId r, LocalId c, const CellParticles& cell) {
-    std::array<ByAxis, 3> slope = particles_to_grid_.fits().cell<AffineMap>(k, r, c).b;
-    for (ByAxis& of_axis : slope) {
-      for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;
-    }
-    carry_cell(swept.shifts, cell, slope, swept.act, velocity);
+  for_each_row(own_rows(), [&](LocalId k, LocalId r) {
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      std::array<ByAxis, 3> slope = particles_to_grid_.fits().cell<AffineMap>(k, r, c).b;
+      for (ByAxis& of_axis : slope) {
+        for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;
+      }
+      carry_cell(swept.shifts, cell, slope, swept.act, velocity);
+    });
   });
 }
 

@@ -209,7 +209,7 @@ HWY_EXPORT(damp_noise_of);
 HWY_EXPORT(add_maps_of);
 HWY_EXPORT(average_maps_of);
 
-RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, const RowPlace& row, TentMemory& memory) {
+RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory) {
   const LocalId rows = grid.rows();
   const bool repeats = grid.repeats()[2];
   const LocalId columns = repeats ? grid.columns() : row.columns;

@@ -57,7 +57,7 @@ struct RowsAround {
 struct RowPlace {
   LocalId k, r, columns;
 };
-RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, const RowPlace& row, TentMemory& memory);
+RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory);
 
 /// Fits of the moments around cells, and their spread, where `more` is Σ |u|². A cell without particles has neither.
 struct MotionFits {

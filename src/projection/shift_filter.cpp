@@ -4,37 +4,28 @@ namespace trevi {
 
 using namespace projection;
 
-void ShiftFilter::resize() {
-  for (CellFields* field : {&sums_, &fit_, &map_}) field->resize(surface_.grid());
-  kept_.assign(surface_.grid().cells() + EightCells::count, 0.0);
-}
+void ShiftFilter::resize() { kept_.assign(surface_.grid().cells() + EightCells::count, 0.0); }
 
-void ShiftFilter::clear_row(LocalId k, LocalId r, LocalId columns) {
-  const Range lost{columns, surface_.grid().columns(k, r)};
-  sums_.clear(k, r, lost);
-  fit_.clear(k, r, lost);
-}
-
-template <class T>
-void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression) {
+void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, const Densities& densities) {
   const ProjectionGrid& grid = surface_.grid();
-  const ParticlesToGrid& water = surface_.water();
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) { sum_row(order, k, r, shifts, compression); });
+  for_each_row(own, [&](LocalId k, LocalId r) { sum_row(order, k, r, shifts, densities); });
   halo.start_planes(sums_.values(), sums_.per_plane());
   halo.finish();
   for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
   halo.start_planes(fit_.values(), fit_.per_plane());
   halo.finish();
-  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) {
-    average_maps(rows_around(grid, fit_, {k, r, water.filled_columns(k, r)}, memory), &kept_[grid.index(k, r, 0)],
-                 map_.row(k, r));
-  });
 }
 
-template <class T>
+void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
+  const ProjectionGrid& grid = surface_.grid();
+  smooth.row.resize(fit_.per_row());
+  average_maps(rows_around(grid, fit_, {k, r, surface_.water().filled_columns(k, r)}, smooth.memory),
+               &kept_[grid.index(k, r, 0)], smooth.row.data());
+}
+
 void ShiftFilter::sum_row(const CellOrder& order, LocalId k, LocalId r, const Motion& shifts,
-                          std::span<const T> compression) {
+                          const Densities& densities) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
   sums_.clear(k, r, {0, grid.columns(k, r)});
@@ -43,7 +34,8 @@ void ShiftFilter::sum_row(const CellOrder& order, LocalId k, LocalId r, const Mo
     if (cell.begin == cell.end) continue;
     const MotionSums motion = sum_motion(water.frame(), shifts, cell);
     Moments sums{{static_cast<Real>(cell.end - cell.begin), motion.y, motion.yy}, {motion.u, motion.uy}, 0};
-    for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += static_cast<Real>(compression[i]);
+    for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += densities.rho[i];
+    sums.more = sums.more / densities.rest - sums.at.n;
     sums_.set(k, r, c, sums);
   }
 }
@@ -63,8 +55,5 @@ void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
   for (std::size_t at = floor; at < floor + static_cast<std::size_t>(columns); ++at)
     kept_[at] = 1 - std::clamp((kept_[at] - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
 }
-
-template void ShiftFilter::find(const CellOrder&, Halo&, const Motion&, std::span<const float>);
-template void ShiftFilter::find(const CellOrder&, Halo&, const Motion&, std::span<const double>);
 
 }  // namespace trevi

@@ -194,13 +194,15 @@ TEST(GridToParticles, DampingKeepsMomenta) {
     surface.classify(water.near.halo());
     back.prepare(water.near.halo(), {0, 0.1});
     none.solve(surface, water.near.halo(), {0, 0, 1});
+    GridToParticles::Damping damping;
     std::array<Real, 8> sums{};  // impulse, torque, size, energy that is taken
     for (LocalId k = 1; k <= grid.planes(); ++k) {
       for (LocalId r = 0; r < grid.rows(); ++r) {
+        back.find_damping(damping, k, r);
         for (LocalId c = 0; c < grid.columns(); ++c) {
           const CellParticles cell = transfer.particles_of(water.near.order(), k, r, c);
           if (cell.begin == cell.end) continue;
-          CellDisplacement by = back.displacement_of(none, k, r, c);
+          CellDisplacement by = back.displacement_of(none, damping, k, r, c);
           by.low = by.rise = {};
           by.fade = 0;
           by.at_surface = 1;
