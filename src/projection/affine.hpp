@@ -42,7 +42,8 @@ struct AffineMap {
 };
 
 /// How many numbers a cell has in CellFields: Moments, an AffineMap, a Flow; and of the places of a fit, as it needs
-/// them, 1 over the weight, mean, and inverse of the variance, and the mean square of the motion that the fit leaves, m².
+/// them, 1 over the weight, mean, and inverse of the variance, and the mean square of the motion that the fit leaves,
+/// m².
 namespace numbers {
 constexpr std::size_t moments = 23, map = 13, flow = 12, spread = 11;
 static_assert(sizeof(Moments) == moments * sizeof(Real) && sizeof(AffineMap) == map * sizeof(Real) &&

@@ -1,7 +1,7 @@
 // Numbers of the cells of the projection's grid, several of each cell, laid out for loops over the cells of a row: of a
-// row eight cells after another, of these first the first number of all, then the second of all. Planes, and the ring of
-// rows around each, are those of ProjectionGrid. What lies beyond a row's own columns is 0: whoever writes a row writes
-// all of its cells, and clears those that it no longer has. Not collective.
+// row eight cells after another, of these first the first number of all, then the second of all. Planes, and the ring
+// of rows around each, are those of ProjectionGrid. What lies beyond a row's own columns is 0: whoever writes a row
+// writes all of its cells, and clears those that it no longer has. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -47,13 +47,27 @@ class CellFields {
   /// Number q of a cell.
   Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
   Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
+  /// From the lowest eight cells of a row to those of cell c.
+  std::size_t eight(LocalId c) const { return static_cast<std::size_t>(c / eight_cells) * numbers_; }
+  /// Clears the lowest `columns` cells of a row but for `kept`.
+  void clear_around(LocalId k, LocalId r, Range kept, LocalId columns) {
+    clear(k, r, {0, kept.begin});
+    clear(k, r, {kept.end, columns});
+  }
   /// Clears the cells [columns) of a row; there may be none.
   void clear(LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end;) {
-      const auto end = std::min(columns.end, (c / eight_cells + 1) * eight_cells);
-      for (EightCells *q = row(k, r) + eight(c), *last = q + numbers_; q != last; ++q)
-        std::fill_n(q->of + lane(c), end - c, 0.0);
-      c = end;
+      EightCells* const from = row(k, r) + eight(c);
+      if (c % eight_cells == 0 && c + eight_cells <= columns.end) {  // all numbers of as many as there are
+        const LocalId whole = (columns.end - c) / eight_cells;
+        std::fill_n(from->of, static_cast<std::size_t>(whole * eight_cells) * numbers_, 0.0);
+        c += whole * eight_cells;
+      } else {
+        const LocalId end = std::min(columns.end, (c / eight_cells + 1) * eight_cells);
+        for (std::size_t q = 0; q < numbers_; ++q)
+          for (LocalId i = c; i < end; ++i) from[q].of[lane(i)] = 0;
+        c = end;
+      }
     }
   }
   /// The first numbers of a cell as those of a T.
@@ -86,7 +100,6 @@ class CellFields {
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * rows_ + static_cast<std::size_t>(r + 1);
   }
-  std::size_t eight(LocalId c) const { return static_cast<std::size_t>(c / eight_cells) * numbers_; }
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c % eight_cells); }
   std::size_t numbers_, width_ = 1, rows_ = 0, row_ = 0;
   std::vector<EightCells> values_;

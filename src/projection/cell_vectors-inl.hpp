@@ -124,10 +124,33 @@ HWY_INLINE void fold_four(const Real (*lanes)[virtual_lanes], std::size_t q, dou
   }
 }
 
+// Of two quantities: the sums of lanes that are four apart, of the one and then of the other.
+HWY_INLINE V halves(const double* one, const double* other) {
+  const Wide d;
+  const V a = hn::Load(d, one), b = hn::Load(d, other);
+  return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
+}
+// Even and odd lanes of four quantities: the first of a, the first of b, the second of a, the second of b.
+HWY_INLINE V quarters(V a, V b) {
+  return hn::Add(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a), hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a)));
+}
+HWY_INLINE void fold_eight(const Real (*lanes)[virtual_lanes], std::size_t q, double* out) {
+  if constexpr (hn::MaxLanes(Wide()) < virtual_lanes) {
+    fold_four(lanes, q, out);
+    fold_four(lanes, q + 4, out + 4);
+  } else {
+    const Wide d;
+    const auto of = [&](std::size_t i) { return halves(lanes[q + i], lanes[q + i + 4]); };
+    const V first = quarters(of(0), of(2)), second = quarters(of(1), of(3));
+    hn::StoreU(hn::Add(hn::InterleaveLower(d, first, second), hn::InterleaveUpper(d, first, second)), d, out);
+  }
+}
+
 template <std::size_t count>
 HWY_INLINE void fold_all(const Real (*lanes)[virtual_lanes], double* out) {
-  constexpr std::size_t fours = count / 4 * 4;
-  for (std::size_t q = 0; q < fours; q += 4) fold_four(lanes, q, out + q);
+  constexpr std::size_t eights = count / 8 * 8, fours = count / 4 * 4;
+  for (std::size_t q = 0; q < eights; q += 8) fold_eight(lanes, q, out + q);
+  if constexpr (fours > eights) fold_four(lanes, eights, out + eights);
   if constexpr (count % 4 >= 2) fold_two(lanes, fours, out + fours);
   if constexpr (count % 2 == 1) {
     const auto last = folded(lanes[count - 1]);

@@ -37,8 +37,8 @@ bool GridToParticles::follows(std::size_t at) const {
   return surface_.upright() && !surface_.is_wet(at) && surface_.is_wet(at - 1) && !surface_.is_solid(at - 1);
 }
 
-// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise. `rest2`: the mean
-// square of the motion that the fit leaves, m².
+// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise. `rest2`: the
+// mean square of the motion that the fit leaves, m².
 Real GridToParticles::rate(Real rest2) const {
   const Real noise = noise_speed * step_.time * h_;
   return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
@@ -60,33 +60,35 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
 
 void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
   const ParticlesToGrid& water = surface_.water();
-  const LocalId columns = water.filled_columns(k, r);
-  noise_.clear(k, r, {columns, surface_.grid().columns(k, r)});
-  filter_motion(rows_around(surface_.grid(), water.fits(), {k, r, columns}, memory), water.all_moments().row(k, r),
+  const Range cells = water.filled(k, r);
+  noise_.clear_around(k, r, cells, surface_.grid().columns(k, r));
+  filter_motion(rows_around(surface_.grid(), water.fits(), {k, r, cells}, memory), water.all_moments().row(k, r),
                 water.all_moments().numbers(), noise_.row(k, r));
 }
 
 void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
-  const LocalId columns = water.filled_columns(k, r);
+  const Range cells = water.filled(k, r);
   const std::size_t floor = grid.index(k, r, 0);
   static thread_local std::vector<Real> rates;
   rates.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
-  for (LocalId c = 0; c < columns; ++c) {
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (water.all_moments().number(0, k, r, c) > 0 && (surface_.is_wet(at) || follows(at)))
       rates[static_cast<std::size_t>(c)] = rate(water.spreads().number(numbers::spread - 1, k, r, c));
   }
-  noise_fit_.clear(k, r, {columns, grid.columns(k, r)});
-  fit_flow(rows_around(grid, noise_, {k, r, columns}, memory),
+  noise_fit_.clear_around(k, r, cells, grid.columns(k, r));
+  fit_flow(rows_around(grid, noise_, {k, r, cells}, memory),
            {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
   if (surface_.cuts() == nullptr) return;
   cut_fit_.clear(k, r, {0, grid.columns(k, r)});
-  for (LocalId c = 0; c < columns; ++c) {
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
-      cut_fit_.set(k, r, c, times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
+      cut_fit_.set(
+          k, r, c,
+          times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
   }
 }
 
@@ -94,7 +96,7 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
   if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
-  const RowPlace row{k, r, water.filled_columns(k, r)};
+  const RowPlace row{k, r, water.filled(k, r)};
   auto& [of_noise, of_motion, of_cut] = damping.memories;
   damping.row.resize(noise_fit_.per_row());
   damp_noise(rows_around(grid, noise_fit_, row, of_noise), rows_around(grid, water.fits(), row, of_motion),
@@ -167,8 +169,8 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
-                                                  LocalId c) const {
+CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
+                                                  LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   const bool above = follows(at);
@@ -196,8 +198,6 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, cons
   return by;
 }
 
-std::size_t GridToParticles::bytes() const {
-  return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes();
-}
+std::size_t GridToParticles::bytes() const { return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes(); }
 
 }  // namespace trevi

@@ -38,8 +38,8 @@ class GridToParticles {
   void clear_row(LocalId k, LocalId r, LocalId columns);
   /// Finds noise and its fits. Not needed without gravity: nothing makes noise there.
   void prepare(Halo& halo, const Step& step);
-  /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each part
-  /// of a loop of threads, in which rows come in their order.
+  /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
+  /// part of a loop of threads, in which rows come in their order.
   struct Damping {
     std::vector<EightCells> row;
     std::array<TentMemory, 3> memories;  // of the fits of noise, of the motion, and of that in cut cells

@@ -8,6 +8,11 @@ Moments moments_of(const CellParticles& cell, const MotionSums& sums) {
   return {{static_cast<Real>(cell.end - cell.begin), sums.y, sums.yy}, {sums.u, sums.uy}, sums.uu};
 }
 
+Range joined(Range a, Range b) {
+  if (a.size() == 0) return b;
+  return b.size() == 0 ? a : Range{std::min(a.begin, b.begin), std::max(a.end, b.end)};
+}
+
 // The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
 class FaceMiddles {
  public:
@@ -41,6 +46,7 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : gri
 
 void ParticlesToGrid::resize() {
   for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
+  filled_.assign(row_index(grid_.planes() + 2, 0), {});
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
@@ -62,6 +68,7 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   for_each_part({1, planes + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion); });
   halo.start_planes(sums_.values(), sums_.per_plane());
   halo.finish();
+  for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
   for_each_row_with<TentMemory>(grid_.rows_of({1, planes + 1}),
                                 [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
   halo.start_planes(fit_.values(), fit_.per_plane());
@@ -124,31 +131,41 @@ void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes
   }
 }
 
-void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
-  const LocalId columns = filled_columns(k, r);
-  fit_.clear(k, r, {columns, grid_.columns(k, r)});
-  fit_motion(rows_around(grid_, sums_, {k, r, columns}, memory), {fit_.row(k, r), spread_.row(k, r)});
+// Of ghost planes not all rows are known to hold nothing above their columns.
+void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
+  const auto holds_any = [&](LocalId c) { return sums_.number(0, k, r, c) > 0; };
+  Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
+  while (filled.end > 0 && !holds_any(filled.end - 1)) --filled.end;
+  while (filled.begin < filled.end && !holds_any(filled.begin)) ++filled.begin;
 }
 
-// Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column.
+void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
+  fit_.clear_around(k, r, filled(k, r), grid_.columns(k, r));
+  fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r)});
+}
+
+// Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far
+// as there are particles beside them.
 void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
   const LocalId rows = grid_.rows(), last_row = a == 1 && r + 1 == rows && !grid_.repeats()[1] ? r + 1 : r;
-  const LocalId columns = std::max(grid_.columns(k, r), a == 0 ? grid_.columns(k - 1, r) : 0);
-  const auto count = static_cast<std::size_t>(columns + (a == 2 ? 1 : 0));
   static thread_local FaceMiddles middles;
   for (LocalId row = r; row <= last_row; ++row) {
-    const std::size_t first = grid_.index(k, row, 0);
-    middles.find(a, first, count, cuts);
-    const LocalId row_below = a != 1 ? row : row == 0 && grid_.repeats()[1] ? rows - 1 : row - 1;
     const LocalId plane_below = a == 0 ? k - 1 : k;
-    const std::size_t numbers = sums_.numbers();
-    const std::size_t repeating = grid_.repeats()[2] ? static_cast<std::size_t>(columns) : 0;
-    displace_faces({{sums_.row(plane_below, row_below), fit_.row(plane_below, row_below), numbers},
-                    {sums_.row(k, row), fit_.row(k, row), numbers},
-                    grid_.axis(a),
-                    middles.rows(),
-                    a == 2,
-                    repeating},
+    const LocalId row_below = a != 1 ? row : row == 0 && grid_.repeats()[1] ? rows - 1 : row - 1;
+    const Range cells =
+        joined(row < rows ? filled(k, row) : Range{}, row_below >= 0 ? filled(plane_below, row_below) : Range{});
+    if (cells.size() == 0) continue;
+    constexpr LocalId eight = EightCells::count;
+    const bool whole = a == 2 && grid_.repeats()[2];
+    const LocalId begin = whole ? 0 : cells.begin / eight * eight, end = whole ? grid_.columns() : cells.end;
+    const auto count = static_cast<std::size_t>(end - begin + (a == 2 ? 1 : 0));
+    const std::size_t first = grid_.index(k, row, begin);
+    middles.find(a, first, count, cuts);
+    const auto beside = [&](LocalId plane, LocalId of) {
+      return RowBeside{sums_.row(plane, of) + sums_.eight(begin), fit_.row(plane, of) + fit_.eight(begin),
+                       sums_.numbers()};
+    };
+    displace_faces({beside(plane_below, row_below), beside(k, row), grid_.axis(a), middles.rows(), a == 2, whole},
                    count, &displacement_[a][first]);
   }
 }
@@ -156,7 +173,7 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
 std::size_t ParticlesToGrid::bytes() const {
   std::size_t values = 0;
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
+  return filled_.capacity() * sizeof(Range) + values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
 }
 
 }  // namespace trevi

@@ -42,8 +42,8 @@ class ParticlesToGrid {
   const CellFrame& frame() const { return frame_; }
   /// Volumes of the water in the cells of an own row, in cells.
   void find_volumes(LocalId k, LocalId r, std::span<Real> volumes) const;
-  /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits of
-  /// the motion around; the weight of a cell without particles is 0.
+  /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits
+  /// of the motion around; the weight of a cell without particles is 0.
   const CellFields& all_moments() const { return sums_; }
   /// Memory of moments, once those of the motion are no longer needed.
   CellFields& free_moments() { return sums_; }
@@ -53,12 +53,8 @@ class ParticlesToGrid {
   /// Those of one cell.
   Moments moments(std::size_t at) const { return sums_.cell<Moments>(at); }
   AffineMap fit(std::size_t at) const { return fit_.cell<AffineMap>(at); }
-  /// Columns of a row up to the highest cell that holds particles.
-  LocalId filled_columns(LocalId k, LocalId r) const {
-    LocalId columns = grid_.columns(k, r);
-    while (columns > 0 && sums_.number(0, k, r, columns - 1) == 0) --columns;
-    return columns;
-  }
+  /// The columns of a row from the lowest to the highest cell that holds particles.
+  Range filled(LocalId k, LocalId r) const { return filled_[row_index(k, r)]; }
   /// Displacement of the water at face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
@@ -69,12 +65,17 @@ class ParticlesToGrid {
   static constexpr std::size_t volumes = numbers::moments;
   void sum_plane(const CellOrder& order, LocalId k, const Motion& motion);
   void add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums);
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.rows()) + static_cast<std::size_t>(r);
+  }
+  void find_filled(LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
   CellFields sums_{volumes + 3}, spread_{numbers::spread}, fit_{numbers::map};
+  std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;
 };
 

@@ -42,15 +42,14 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   surface_.classify(halo);
   pressure_.solve(surface_, halo, {fall, std::min(1.0, time / projection::return_time), rows_.depth()});
   grid_to_particles_.prepare(halo, {fall, time});
-  for_each_row_with<GridToParticles::Damping>(
-      own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
-        grid_to_particles_.find_damping(damping, k, r);
-        for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
-          displace_cell(particles_to_grid_.frame(), motion, cell,
-                        grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
-        });
-        leave_flying<T>(order, k, r, out);
-      });
+  for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
+    grid_to_particles_.find_damping(damping, k, r);
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      displace_cell(particles_to_grid_.frame(), motion, cell,
+                    grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
+    });
+    leave_flying<T>(order, k, r, out);
+  });
   if (obstacles_ == nullptr) return;
   const LocalId rows = grid_.rows();
   const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, fall);

@@ -26,8 +26,8 @@ struct Sides {
 // The place of Σ y_a y_b among the moments.
 constexpr std::size_t second(std::size_t a, std::size_t b) { return 4 + (a == b ? a : a + b + 2); }
 
-// Of the cells of a row, for faces from number `first` on. The weight of a particle falls from 1 at the face to 0 a cell
-// away.
+// Of the cells of a row, for faces from number `first` on. The weight of a particle falls from 1 at the face to 0 a
+// cell away.
 template <bool below>
 HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t count, Sides& sides) {
   const RowBeside& row = below ? faces.below : faces.above;
@@ -58,12 +58,12 @@ HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t 
 // Along a row the cell below a face is the one before.
 void displace_faces_of(const FaceRow& faces, std::size_t count, Real* out) {
   static thread_local Sides over, under;
-  const std::size_t cells = count - (faces.along ? 1 : 0), columns = faces.repeating_columns;
+  const std::size_t cells = count - (faces.along ? 1 : 0);
   find_sides<false>(faces, 0, cells, over);
   find_sides<true>(faces, count - cells, cells, under);
-  if (faces.along && columns > 0) {
-    over.for_each([&](std::vector<Real>& of) { of[columns] = of[0]; });
-    under.for_each([&](std::vector<Real>& of) { of[0] = of[columns]; });
+  if (faces.repeats) {
+    over.for_each([&](std::vector<Real>& of) { of[cells] = of[0]; });
+    under.for_each([&](std::vector<Real>& of) { of[0] = of[cells]; });
   }
   const V zero = set(0), one = set(1);
   for (Part part{0, count}; part.begin < part.end; ++part) {

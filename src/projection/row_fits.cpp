@@ -54,9 +54,7 @@ HWY_INLINE SpreadVectors spread_of(const Numbers<>& places) {
   const V n = places[0], per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
   V3 mean = zeros();
   for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(places[1 + a], per_n);
-  const auto variance = [&](std::size_t q, V a, V b) {
-    return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n));
-  };
+  const auto variance = [&](std::size_t q, V a, V b) { return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n)); };
   // Rounding may leave a variance of a single particle below what is added.
   const V least = set(projection::fit_damping);
   const auto own = [&](std::size_t a) { return hn::Max(hn::Add(variance(a, mean[a], mean[a]), least), least); };
@@ -103,7 +101,7 @@ HWY_INLINE V holds_any(const RowsAround& moments, const Part& part) {
 
 void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
   const TenCells* const sums = sum_across<MomentSums>(moments);
-  for (Part part{0, moments.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     const TentSums<MomentSums> around(sums, part);
     const SpreadVectors spread = spread_of(around.from());
     const FitVectors fit = fit_of(spread, around.from(10));
@@ -118,7 +116,7 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
 
 void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
   const TenCells* const sums = sum_across<MomentSums>(moments);
-  for (Part part{0, moments.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     const TentSums<MomentSums> around(sums, part);
     const SpreadVectors spread = spread_of(around.from());
     write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit, numbers::map));
@@ -128,7 +126,7 @@ void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
 
 void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
   const TenCells* const sums = sum_across<MapSums>(maps);
-  for (Part part{0, maps.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(maps); part.begin < part.end; ++part) {
     const TentSums<MapSums> around(sums, part);
     const Numbers<> map = around.from(), own{part.of(moments, of_moments)};
     Real* const out = part.of(flow, numbers::flow);
@@ -150,7 +148,7 @@ void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::si
 
 void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
   const TenCells* const sums = sum_across<FlowSums>(flow);
-  for (Part part{0, flow.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(flow); part.begin < part.end; ++part) {
     const TentSums<FlowSums> around(sums, part);
     const Numbers<> places{part.of(out.spread, numbers::spread)};
     const SpreadVectors spread = {places[0],
@@ -162,7 +160,7 @@ void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
 
 void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
   const TenCells *const noise_sums = sum_across<MapSums>(noise), *const map_sums = sum_across<MapSums>(maps);
-  for (Part part{0, noise.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(noise); part.begin < part.end; ++part) {
     const TentSums<MapSums> second(noise_sums, part), first(map_sums, part);
     Real* const out = part.of(damping, numbers::map);
     const V whole = set(per_tent), kept = hn::Mul(hn::Mul(whole, whole), second.from()[0]);
@@ -174,7 +172,7 @@ void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* 
 
 void add_maps_of(const RowsAround& maps, EightCells* sum) {
   const TenCells* const sums = sum_across<MapSums>(maps);
-  for (Part part{0, maps.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(maps); part.begin < part.end; ++part) {
     const TentSums<MapSums> around(sums, part);
     Real* const out = part.of(sum, numbers::map);
     for (std::size_t q = 0; q < numbers::map; ++q)
@@ -184,7 +182,7 @@ void add_maps_of(const RowsAround& maps, EightCells* sum) {
 
 void average_maps_of(const RowsAround& maps, const Real* factor, EightCells* mean) {
   const TenCells* const sums = sum_across<MapSums>(maps);
-  for (Part part{0, maps.columns}; part.begin < part.end; ++part) {
+  for (Part part = cells_of(maps); part.begin < part.end; ++part) {
     const TentSums<MapSums> around(sums, part);
     Real* const out = part.of(mean, numbers::map);
     const V weight = around.from()[0];
@@ -212,14 +210,13 @@ HWY_EXPORT(average_maps_of);
 RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory) {
   const LocalId rows = grid.rows();
   const bool repeats = grid.repeats()[2];
-  const LocalId columns = repeats ? grid.columns() : row.columns;
   RowsAround around{{},
                     field.numbers(),
                     row.k,
                     row.r,
                     {grid.axis(0), grid.axis(1)},
-                    static_cast<std::size_t>(columns),
-                    static_cast<std::size_t>(std::min(columns + 1, grid.columns())),
+                    static_cast<std::size_t>(repeats ? 0 : row.cells.begin),
+                    static_cast<std::size_t>(repeats ? grid.columns() : row.cells.end),
                     static_cast<std::size_t>(grid.columns()),
                     repeats,
                     memory};

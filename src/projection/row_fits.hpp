@@ -14,10 +14,10 @@ namespace trevi {
 /// around. One for each field, and for each part of a loop of threads.
 class TentMemory {
  public:
-  /// Of row r of plane k; there are sums of the lowest `filled` cells.
+  /// Of the cells [begin, end) of row r of plane k.
   struct Row {
     LocalId k = -1, r = -1;
-    std::size_t filled = 0;
+    std::size_t begin = 0, end = 0;
     std::vector<EightCells> values;
   };
   /// Eight cells of a row, with those before and after them.
@@ -27,7 +27,7 @@ class TentMemory {
   /// Memory for that row, or what it holds already, with as many `numbers` of each cell.
   Row& row(LocalId k, LocalId r, std::size_t numbers, std::size_t columns) {
     Row& row = rows_[static_cast<std::size_t>((r + 3) % 3)];
-    if (row.k != k || row.r != r) row = {k, r, 0, std::move(row.values)};
+    if (row.k != k || row.r != r) row = {k, r, 0, 0, std::move(row.values)};
     row.values.resize(eights(columns) * numbers);
     return row;
   }
@@ -43,19 +43,20 @@ class TentMemory {
   std::vector<TenCells> sums_;
 };
 
-/// The lowest `columns` cells of row (k, r), and the rows around it.
+/// The cells [begin, end) of row (k, r), and the rows around it.
 struct RowsAround {
   std::array<std::array<const EightCells*, 3>, 3> first;  // of rows r − 1 to r + 1, of planes k − 1 to k + 1 each
   std::size_t numbers;                                    // of a cell
   LocalId k, r;
-  std::array<std::size_t, 2> axis;      // the coordinate across planes, and across rows
-  std::size_t columns, filled, highest;  // in `filled` cells there may be something; of `highest` there is memory
-  bool repeats;                         // along the row
+  std::array<std::size_t, 2> axis;  // the coordinate across planes, and across rows
+  std::size_t begin, end, columns;  // of `columns` there is memory
+  bool repeats;                     // along the row
   TentMemory& memory;
 };
-/// A row of a plane, and how many of its columns hold anything.
+/// Cells of a row; none others of it hold anything.
 struct RowPlace {
-  LocalId k, r, columns;
+  LocalId k, r;
+  Range cells;
 };
 RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory);
 
@@ -99,14 +100,13 @@ struct RowBeside {
   std::size_t numbers;  // of a cell, among them its moments
 };
 /// Two rows with faces between them, and the middles of the faces' open parts, in cells from the corner of the cell
-/// above, by coordinate. Along a row, where both are the same one, the face below a cell has its number; `columns` cells
-/// of it repeat, if any.
+/// above, by coordinate. Along a row, where both are the same one, the face below a cell has its number; the whole row
+/// may repeat.
 struct FaceRow {
   RowBeside below, above;
   std::size_t axis;
   std::array<const Real*, 3> middle;
-  bool along;
-  std::size_t repeating_columns;
+  bool along, repeats;
 };
 /// Displacements of the water at `count` faces, m (particles_to_grid.hpp).
 void displace_faces(const FaceRow& faces, std::size_t count, Real* out);

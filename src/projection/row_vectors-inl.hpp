@@ -122,31 +122,51 @@ HWY_INLINE void add_beside(std::size_t axis, const Cells& cells) {
 using TenCells = TentMemory::TenCells;
 constexpr std::size_t in_ten = sizeof(TenCells) / sizeof(Real);
 
-// Across the planes, as far as that has not been done for a row before.
+/// Whole eights of cells are worked on.
+HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / most_lanes * most_lanes, rows.end}; }
+/// With one more at either end, and all of the last eight.
+HWY_INLINE Part cells_around(const RowsAround& rows) {
+  const std::size_t begin = rows.begin - (rows.begin > 0 ? 1 : 0), end = std::min(rows.end + 1, rows.columns);
+  return {begin / most_lanes * most_lanes, (end + most_lanes - 1) / most_lanes * most_lanes};
+}
+
 template <class Sums>
-HWY_INLINE const EightCells* sum_planes(const RowsAround& rows, std::size_t i) {
-  TentMemory::Row& row = rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.highest);
-  EightCells* const out = row.values.data();
-  Part part{row.filled, rows.filled};
+HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, Part part, EightCells* out) {
   for (; part.begin < part.end; ++part) {
     const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(rows.first[i][j], rows.numbers)}; };
     add_beside<Sums>(rows.axis[0],
                      Beside<most_lanes, most_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
   }
-  row.filled = part.begin;
+}
+
+// Row i of those around, across the planes, as far as that has not been done for a row before.
+template <class Sums>
+HWY_INLINE const EightCells* planes_of(const RowsAround& rows, std::size_t i) {
+  TentMemory::Row& row = rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.columns);
+  EightCells* const out = row.values.data();
+  const Part needed = cells_around(rows);
+  if (row.begin == row.end) row.begin = row.end = needed.begin;
+  if (needed.begin < row.begin) sum_planes<Sums>(rows, i, {needed.begin, row.begin}, out);
+  row.begin = std::min(row.begin, needed.begin);
+  if (needed.end > row.end) {
+    sum_planes<Sums>(rows, i, {row.end, needed.end}, out);
+    row.end = needed.end;
+  }
   return out;
 }
 
 // What eight cells need of those before and after them, and of the other end where the row repeats.
 template <std::size_t count>
 HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
-  const std::size_t eights = (rows.filled + most_lanes - 1) / most_lanes, last = (rows.columns - 1) / most_lanes;
-  for (std::size_t j = 0; j < eights; ++j) {
+  const Part cells = cells_around(rows);
+  const std::size_t first = cells.begin / most_lanes, end = cells.end / most_lanes;
+  for (std::size_t j = first; j < end; ++j) {
     for (std::size_t q = j * count; q < (j + 1) * count; ++q) {
-      sums[q].of[0] = j > 0 ? sums[q - count].of[most_lanes] : 0;
-      sums[q].of[most_lanes + 1] = j + 1 < eights ? sums[q + count].of[1] : 0;
+      sums[q].of[0] = j > first ? sums[q - count].of[most_lanes] : 0;
+      sums[q].of[most_lanes + 1] = j + 1 < end ? sums[q + count].of[1] : 0;
     }
   }
+  const std::size_t last = (rows.columns - 1) / most_lanes;
   for (std::size_t q = 0; q < count && rows.repeats; ++q) {
     Real* const highest = sums[last * count + q].of + (rows.columns - last * most_lanes);
     sums[q].of[0] = highest[0];
@@ -157,10 +177,10 @@ HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
 /// Sums over the rows around; null where no cell is asked for.
 template <class Sums>
 HWY_INLINE const TenCells* sum_across(const RowsAround& rows) {
-  if (rows.columns == 0) return nullptr;
-  const EightCells* const across[3] = {sum_planes<Sums>(rows, 0), sum_planes<Sums>(rows, 1), sum_planes<Sums>(rows, 2)};
-  TenCells* const sums = rows.memory.sums(Sums::count, rows.highest).data();
-  for (Part part{0, rows.filled}; part.begin < part.end; ++part) {
+  if (rows.begin == rows.end) return nullptr;
+  const EightCells* const across[3] = {planes_of<Sums>(rows, 0), planes_of<Sums>(rows, 1), planes_of<Sums>(rows, 2)};
+  TenCells* const sums = rows.memory.sums(Sums::count, rows.columns).data();
+  for (Part part = cells_around(rows); part.begin < part.end; ++part) {
     const auto of_row = [&](std::size_t i) { return Numbers<>{part.of(across[i], Sums::count)}; };
     Real* const out = sums[part.begin / most_lanes * Sums::count].of + part.begin % most_lanes + 1;
     add_beside<Sums>(rows.axis[1], Beside<most_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});

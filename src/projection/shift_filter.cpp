@@ -20,7 +20,7 @@ void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts,
 void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
   const ProjectionGrid& grid = surface_.grid();
   smooth.row.resize(fit_.per_row());
-  average_maps(rows_around(grid, fit_, {k, r, surface_.water().filled_columns(k, r)}, smooth.memory),
+  average_maps(rows_around(grid, fit_, {k, r, surface_.water().filled(k, r)}, smooth.memory),
                &kept_[grid.index(k, r, 0)], smooth.row.data());
 }
 
@@ -42,18 +42,20 @@ void ShiftFilter::sum_row(const CellOrder& order, LocalId k, LocalId r, const Mo
 
 void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
-  const LocalId columns = surface_.water().filled_columns(k, r);
+  const Range cells = surface_.water().filled(k, r);
   const std::size_t floor = grid.index(k, r, 0);
   static thread_local std::vector<Real> water;
   water.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
-  for (LocalId c = 0; c < columns; ++c) {
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
     const auto i = static_cast<std::size_t>(c);
     water[i] = sums_.number(0, k, r, c) > 0 && is_water(floor + i) ? 1 : 0;
   }
-  fit_.clear(k, r, {columns, grid.columns(k, r)});
-  fit_shifts(rows_around(grid, sums_, {k, r, columns}, memory), {fit_.row(k, r), water.data(), &kept_[floor]});
-  for (std::size_t at = floor; at < floor + static_cast<std::size_t>(columns); ++at)
-    kept_[at] = 1 - std::clamp((kept_[at] - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
+  fit_.clear_around(k, r, cells, grid.columns(k, r));
+  fit_shifts(rows_around(grid, sums_, {k, r, cells}, memory), {fit_.row(k, r), water.data(), &kept_[floor]});
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    Real& kept = kept_[floor + static_cast<std::size_t>(c)];
+    kept = 1 - std::clamp((kept - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
+  }
 }
 
 }  // namespace trevi

@@ -33,8 +33,8 @@ class ShiftFilter {
   void resize();
   /// Of shifts of the owned particles, and of their densities over that at rest.
   void find(const CellOrder& order, Halo& halo, const Motion& shifts, const Densities& densities);
-  /// What is taken off the shifts of the particles in a row of cells where the grid acts in full. One for each part of a
-  /// loop of threads, in which rows come in their order.
+  /// What is taken off the shifts of the particles in a row of cells where the grid acts in full. One for each part of
+  /// a loop of threads, in which rows come in their order.
   struct Smooth {
     std::vector<EightCells> row;
     TentMemory memory;
