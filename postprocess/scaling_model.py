@@ -13,8 +13,9 @@ CYCLES = 3  # of the coarse grid's multigrid
 SWEEPS = 4  # in a cycle on each level
 GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
 MOMENTS, FIT = 10 + 12 + 1, 13  # numbers of a cell's particles, and of an affine fit
-# Bytes of a cell of the projection beside the multigrid: volumes and moments, fit, fill; noise and its fit; shifts and theirs.
-WATER = 8 * ((3 + MOMENTS) + FIT + 1 + 13 + FIT + MOMENTS + FIT)
+# Bytes of a cell of the projection beside the multigrid: volumes and moments, fit; noise and its fit; shifts, in the memory
+# of moments, and theirs. And its fill.
+FIELDS, FILL = 8 * (2 * (3 + MOMENTS) + 3 * FIT + 12), 8
 WATER_EXCHANGES = 8  # heights of the water, and these
 # Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2
@@ -100,10 +101,12 @@ class Step(NamedTuple):
 def exchange_bytes(basin, filters=0):
     """Bytes through one cut in one direction and step: counts, records, coarse planes. The same formula as in
     tests/mpi/test_traffic.cpp, in the mean of both directions. `filters`: exchanges of the velocity filters."""
-    coarse = WATER * (basin.width / 2 + 2) + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())
+    rows = basin.width / 2 + 2
+    fields = FIELDS * rows * math.ceil(basin.columns() / 8) * 8  # columns eight at a time
+    coarse = FILL * rows + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())
     heights = 4 * basin.width / 2
     records = (EXCHANGES - 1 + filters) * plane_bytes(basin)
-    return rebuild_bytes(basin) + records + heights + coarse * (basin.columns() + 2)
+    return rebuild_bytes(basin) + records + heights + fields + coarse * (basin.columns() + 2)
 
 
 def rebuild_bytes(basin):

@@ -31,6 +31,17 @@ void for_each_row(const CellRows& cells, const Work& work) {
   });
 }
 
+/// work(state, k, r) likewise, with a State of its own for rows that come one after the other.
+template <class State, class Work>
+void for_each_row_with(const CellRows& cells, const Work& work) {
+  const LocalId rows = cells.rows;
+  const Range all{cells.planes.begin * rows, cells.planes.end * rows};
+  for_each_part(all, rows_at_a_time(cells.columns), [&](Range part) {
+    State state;
+    for (LocalId i = part.begin; i < part.end; ++i) work(state, i / rows, i % rows);
+  });
+}
+
 /// Where rows repeat, beyond those at the ends of each plane: copies of those at its other end. `field`: planes of
 /// `rows` rows of `columns` cells with a ring of one around each.
 template <class T>

@@ -21,9 +21,7 @@ void FreeSurface::clear_row(LocalId k, LocalId r) {
 
 void FreeSurface::classify(Halo& halo) {
   for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
-    const std::size_t floor = grid().index(k, r, 0);
-    for (std::size_t at = floor; at < floor + static_cast<std::size_t>(grid().columns(k, r)); ++at)
-      fill_[at] = water().volume(at);
+    water().find_volumes(k, r, {&fill_[grid().index(k, r, 0)], static_cast<std::size_t>(grid().columns(k, r))});
   });
   halo.start_planes(fill_, grid().step(0));
   halo.finish();

@@ -9,6 +9,7 @@
 
 #include "domain/halo.hpp"
 #include "projection/active_rows.hpp"
+#include "projection/parameters.hpp"
 #include "projection/particles_to_grid.hpp"
 
 namespace trevi {

@@ -2,34 +2,34 @@
 
 #include <cmath>
 
-#include "projection/tent.hpp"
-
 namespace trevi {
 
 using namespace projection;
 
 namespace {
 
-constexpr Real per_tent = 1 / ((1 + 2 * tent) * (1 + 2 * tent) * (1 + 2 * tent));
-
-Real dot(const ByAxis& a, const ByAxis& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+AffineMap times(AffineMap map, Real factor) {
+  map.weight *= factor;
+  for (std::size_t i = 0; i < 3; ++i) {
+    map.a[i] *= factor;
+    for (Real& slope : map.b[i]) slope *= factor;
+  }
+  return map;
+}
 
 }  // namespace
 
 void GridToParticles::resize() {
-  const std::size_t cells = surface_.grid().cells();
-  first_.assign(cells, {});
-  noise_.assign(cells, {});
-  noise_fit_.assign(cells, {});
-  damping_.assign(cells, {});
-  if (surface_.cuts() != nullptr) cut_fit_.assign(cells, {});
+  const ProjectionGrid& grid = surface_.grid();
+  for (CellFields* field : {&noise_, &noise_fit_}) field->resize(grid);
+  if (surface_.cuts() != nullptr) cut_fit_.resize(grid);
 }
 
-void GridToParticles::clear_row(LocalId k, LocalId r) {
-  const ProjectionGrid& grid = surface_.grid();
-  const std::size_t begin = grid.index(k, r, 0), end = begin + static_cast<std::size_t>(grid.columns(k, r)) + 1;
-  for (std::size_t at = begin; at < end; ++at) noise_[at].n = noise_fit_[at].weight = 0;
-  for (std::size_t at = begin; at < end && !cut_fit_.empty(); ++at) cut_fit_[at].weight = 0;
+void GridToParticles::clear_row(LocalId k, LocalId r, LocalId columns) {
+  const Range lost{columns, surface_.grid().columns(k, r)};
+  noise_.clear(k, r, lost);
+  noise_fit_.clear(k, r, lost);
+  if (surface_.cuts() != nullptr) cut_fit_.clear(k, r, lost);
 }
 
 // A dry cell right above water under gravity: the few particles in it follow the top cell.
@@ -37,10 +37,11 @@ bool GridToParticles::follows(std::size_t at) const {
   return surface_.upright() && !surface_.is_wet(at) && surface_.is_wet(at - 1) && !surface_.is_solid(at - 1);
 }
 
-// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise.
-Real GridToParticles::rate(std::size_t at) const {
+// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise. `rest2`: the
+// mean square of the motion that the fit leaves, m².
+Real GridToParticles::rate(Real rest2) const {
   const Real noise = noise_speed * step_.time * h_;
-  return std::min(step_.time / noise_time, 1.0) / (1 + surface_.water().rest2(at) / (noise * noise));
+  return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
 }
 
 void GridToParticles::prepare(Halo& halo, const Step& step) {
@@ -48,76 +49,60 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
   const CellRows own = grid.rows_of({1, grid.planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) { find_noise(k, r); });
-  halo.start_planes(noise_, grid.step(0));
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); });
+  halo.start_planes(noise_.values(), noise_.per_plane());
   halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) { fit_noise(k, r); });
-  halo.start_planes(noise_fit_, grid.step(0));
-  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_, grid.step(0));
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); });
+  halo.start_planes(noise_fit_.values(), noise_fit_.per_plane());
+  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.values(), cut_fit_.per_plane());
   halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) { find_damping(k, r); });
 }
 
-// F u of a particle is a + B y − weight u with the map of its cell.
-void GridToParticles::find_noise(LocalId k, LocalId r) {
-  const ProjectionGrid& grid = surface_.grid();
-  const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent<AffineMap>(
-      grid, k, r, [&](std::size_t at) { return surface_.water().moments(at).at.n > 0; },
-      [&](std::size_t at) -> const AffineMap& { return surface_.water().fit(at); },
-      [&](LocalId c, const AffineMap& sum) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        AffineMap& map = first_[at] = {};
-        map.add(sum, per_tent);
-        const Moments& m = surface_.water().moments(at);
-        noise_[at].n = m.at.n;
-        Flow& noise = noise_[at].flow;
-        for (std::size_t a = 0; a < 3; ++a) {
-          noise.u[a] = map.a[a] * m.at.n + dot(map.b[a], m.at.y) - map.weight * m.flow.u[a];
-          for (std::size_t b = 0; b < 3; ++b) {
-            const ByAxis second{m.at.second(b, 0), m.at.second(b, 1), m.at.second(b, 2)};
-            noise.uy[a][b] = map.a[a] * m.at.y[b] + dot(map.b[a], second) - map.weight * m.flow.uy[a][b];
-          }
-        }
-      });
+void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
+  const ParticlesToGrid& water = surface_.water();
+  const Range cells = water.filled(k, r);
+  noise_.clear_around(k, r, cells, surface_.grid().columns(k, r));
+  filter_motion(rows_around(surface_.grid(), water.fits(), {k, r, cells}, memory), water.all_moments().row(k, r),
+                water.all_moments().numbers(), noise_.row(k, r));
 }
 
-void GridToParticles::fit_noise(LocalId k, LocalId r) {
+void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface_.grid();
+  const ParticlesToGrid& water = surface_.water();
+  const Range cells = water.filled(k, r);
   const std::size_t floor = grid.index(k, r, 0);
-  for_each_tent<Noise>(
-      grid, k, r, [&](std::size_t at) { return noise_[at].n > 0 && (surface_.is_wet(at) || follows(at)); },
-      [&](std::size_t at) -> const Noise& { return noise_[at]; },
-      [&](LocalId c, const Noise& around) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        const Real fraction = rate(at);
-        noise_fit_[at] = {};
-        noise_fit_[at].add(fit_of(surface_.water().spread(at), around.flow), fraction);
-        if (!surface_.is_cut(at)) return;
-        cut_fit_[at] = {};
-        cut_fit_[at].add(surface_.water().fit(at), std::min(cut_noise * fraction, 1.0));
-      });
+  static thread_local std::vector<Real> rates;
+  rates.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (water.all_moments().number(0, k, r, c) > 0 && (surface_.is_wet(at) || follows(at)))
+      rates[static_cast<std::size_t>(c)] = rate(water.spreads().number(numbers::spread - 1, k, r, c));
+  }
+  noise_fit_.clear_around(k, r, cells, grid.columns(k, r));
+  fit_flow(rows_around(grid, noise_, {k, r, cells}, memory),
+           {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
+  if (surface_.cuts() == nullptr) return;
+  cut_fit_.clear(k, r, {0, grid.columns(k, r)});
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
+      cut_fit_.set(
+          k, r, c,
+          times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
+  }
 }
 
-// −F F u of a particle of the cell, with the rates: −(a2 + B2 y − weight2 F u).
-void GridToParticles::find_damping(LocalId k, LocalId r) {
+void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const {
+  if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
-  const std::size_t floor = grid.index(k, r, 0);
-  const auto needed = [&](std::size_t at) { return noise_[at].n > 0; };
-  for_each_tent<AffineMap>(
-      grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return noise_fit_[at]; },
-      [&](LocalId c, const AffineMap& sum) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        const Real kept = per_tent * sum.weight;
-        AffineMap& damping = damping_[at] = {};
-        damping.add(sum, -per_tent);
-        damping.add(first_[at], kept);
-        damping.weight = kept * first_[at].weight;
-      });
-  if (surface_.cuts() == nullptr || !surface_.cuts()->is_near_cut(k, r)) return;
-  for_each_tent<AffineMap>(
-      grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return cut_fit_[at]; },
-      [&](LocalId c, const AffineMap& sum) { damping_[floor + static_cast<std::size_t>(c)].add(sum, per_tent); });
+  const ParticlesToGrid& water = surface_.water();
+  const RowPlace row{k, r, water.filled(k, r)};
+  auto& [of_noise, of_motion, of_cut] = damping.memories;
+  damping.row.resize(noise_fit_.per_row());
+  damp_noise(rows_around(grid, noise_fit_, row, of_noise), rows_around(grid, water.fits(), row, of_motion),
+             damping.row.data());
+  if (surface_.cuts() != nullptr && surface_.cuts()->is_near_cut(k, r))
+    add_maps(rows_around(grid, cut_fit_, row, of_cut), damping.row.data());
 }
 
 // What takes the particles along with a wall, or with a solid.
@@ -184,7 +169,8 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
+CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
+                                                  LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   const bool above = follows(at);
@@ -200,9 +186,10 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
   if (!surface_.upright()) return by;
-  by.offset = damping_[at].a;
-  by.slope = damping_[at].b;
-  by.own = damping_[at].weight;
+  const auto map = cell_of<AffineMap>(damping.row.data(), numbers::map, c);
+  by.offset = map.a;
+  by.slope = map.b;
+  by.own = map.weight;
   if (above || surface_.is_top(at)) {
     by.surface = above ? c - 1 + surface_.height(at - 1) : c + surface_.height(at);
     by.at_surface = 1 - fade_begins / fade_length;
@@ -211,9 +198,6 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, Loca
   return by;
 }
 
-std::size_t GridToParticles::bytes() const {
-  return (first_.capacity() + noise_fit_.capacity() + cut_fit_.capacity() + damping_.capacity()) * sizeof(AffineMap) +
-         noise_.capacity() * sizeof(Noise);
-}
+std::size_t GridToParticles::bytes() const { return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes(); }
 
 }  // namespace trevi

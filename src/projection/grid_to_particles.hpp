@@ -34,11 +34,22 @@ class GridToParticles {
   };
   /// Memory for the grid as it is now.
   void resize();
-  void clear_row(LocalId k, LocalId r);
-  /// Finds the damping of noise. Not needed without gravity: nothing makes noise there.
+  /// What row (k, r) no longer has of its columns when it keeps `columns`.
+  void clear_row(LocalId k, LocalId r, LocalId columns);
+  /// Finds noise and its fits. Not needed without gravity: nothing makes noise there.
   void prepare(Halo& halo, const Step& step);
+  /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
+  /// part of a loop of threads, in which rows come in their order.
+  struct Damping {
+    std::vector<EightCells> row;
+    std::array<TentMemory, 3> memories;  // of the fits of noise, of the motion, and of that in cut cells
+  };
+  void find_damping(Damping& damping, LocalId k, LocalId r) const;
   /// How the particles of cell (k, r, c) are displaced.
-  CellDisplacement displacement_of(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
+  CellDisplacement displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
+                                   LocalId c) const;
+  /// Memory of fits, once all particles are displaced.
+  CellFields& free_fits() { return noise_fit_; }
 
   std::size_t bytes() const;
 
@@ -53,27 +64,16 @@ class GridToParticles {
   bool follows(std::size_t at) const;
   void slip(std::size_t at, Faces& faces) const;
   Real through_closed(std::size_t a, std::size_t face) const;
-  // Of the particles of a cell, and whether there are any.
-  struct Noise {
-    Real n = 0;
-    Flow flow;
-
-    void shift(const Noise& from, const Beside& by) { flow.shift(from.flow, by); }
-    friend bool is_empty(const Noise& noise) { return noise.n == 0; }
-  };
-  Real rate(std::size_t at) const;
-  void find_noise(LocalId k, LocalId r);
-  void fit_noise(LocalId k, LocalId r);
-  void find_damping(LocalId k, LocalId r);
+  Real rate(Real rest2) const;
+  void find_noise(TentMemory& memory, LocalId k, LocalId r);
+  void fit_noise(TentMemory& memory, LocalId k, LocalId r);
 
   const FreeSurface& surface_;
   Real spacing_, h_;
   Step step_{};
-  std::vector<AffineMap> first_;  // the filter's first pass, of own cells
-  std::vector<Noise> noise_;      // what it leaves
-  std::vector<AffineMap> noise_fit_,
-      cut_fit_;                     // fits of that and, in cut cells, of the motion itself, times their rates
-  std::vector<AffineMap> damping_;  // of own cells; `weight` is what a particle loses of its own motion
+  CellFields noise_{numbers::flow};     // what the filter's first pass leaves
+  CellFields noise_fit_{numbers::map};  // the fit of that, times the rate of its cell
+  CellFields cut_fit_{numbers::map};    // in cut cells that of the motion itself, times its rate
 };
 
 }  // namespace trevi

@@ -1,8 +1,36 @@
 #include "projection/particles_to_grid.hpp"
 
-#include "projection/tent.hpp"
-
 namespace trevi {
+
+namespace {
+
+Moments moments_of(const CellParticles& cell, const MotionSums& sums) {
+  return {{static_cast<Real>(cell.end - cell.begin), sums.y, sums.yy}, {sums.u, sums.uy}, sums.uu};
+}
+
+Range joined(Range a, Range b) {
+  if (a.size() == 0) return b;
+  return b.size() == 0 ? a : Range{std::min(a.begin, b.begin), std::max(a.end, b.end)};
+}
+
+// The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
+class FaceMiddles {
+ public:
+  void find(std::size_t a, std::size_t first, std::size_t count, const CutCells* cuts) {
+    for (auto& of_axis : middle_) of_axis.assign(count + 2 * EightCells::count, 0.5);
+    if (cuts == nullptr) return;
+    for (std::size_t c = 0; c < count; ++c) {
+      const ByAxis middle = cuts->middle_of_face(a, first + c);
+      for (std::size_t b = 0; b < 3; ++b) middle_[b][c] = middle[b];
+    }
+  }
+  std::array<const Real*, 3> rows() const { return {middle_[0].data(), middle_[1].data(), middle_[2].data()}; }
+
+ private:
+  std::array<std::vector<Real>, 3> middle_;
+};
+
+}  // namespace
 
 ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : grid_(grid), frame_{} {
   frame_.per_length = grid_.per_length();
@@ -17,24 +45,19 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : gri
 }
 
 void ParticlesToGrid::resize() {
-  sums_.assign(grid_.cells(), {});
-  spread_.assign(grid_.cells(), {});
-  fit_.assign(grid_.cells(), {});
-  rest2_.assign(grid_.cells(), 0.0);
+  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
+  filled_.assign(row_index(grid_.planes() + 2, 0), {});
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
-// The rest of what a cell without particles has is not looked at.
-void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
-  const std::size_t begin = grid_.index(k, r, 0), end = begin + static_cast<std::size_t>(grid_.columns(k, r)) + 1;
-  for (std::size_t at = begin; at < end; ++at) {
-    sums_[at].volume = {};
-    sums_[at].moments.at.n = 0;
-    fit_[at].weight = 0;
-  }
+void ParticlesToGrid::clear_row(LocalId k, LocalId r, LocalId columns) {
+  const Range lost{columns, grid_.columns(k, r)};
+  sums_.clear(k, r, lost);
+  fit_.clear(k, r, lost);
+  const std::size_t begin = grid_.index(k, r, 0);
   for (auto& u : displacement_) {
     const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto count = static_cast<std::ptrdiff_t>(end - begin);
+    const auto count = std::ptrdiff_t{grid_.columns(k, r)} + 1;
     std::fill_n(first, count, 0.0);
     if (r + 1 == grid_.rows()) std::fill_n(first + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
   }
@@ -43,10 +66,12 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
   for_each_part({1, planes + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion); });
-  halo.start_planes(sums_, grid_.step(0));
+  halo.start_planes(sums_.values(), sums_.per_plane());
   halo.finish();
-  for_each_row(grid_.rows_of({1, planes + 1}), [&](LocalId k, LocalId r) { fit_row(k, r); });
-  halo.start_planes(fit_, grid_.step(0));
+  for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
+  for_each_row_with<TentMemory>(grid_.rows_of({1, planes + 1}),
+                                [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
+  halo.start_planes(fit_.values(), fit_.per_plane());
   halo.finish();
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
@@ -67,6 +92,7 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
 
 void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion& motion) {
   const LocalId rows = grid_.rows(), beyond = grid_.repeats()[1] ? 1 : 0;
+  for (LocalId r = 0; r < rows; ++r) sums_.clear(k, r, {0, grid_.columns(k, r)});
   // Where rows repeat, the last one is also before the first, and the first beyond the last: each row is then added to
   // in the same order.
   for (LocalId row = -beyond; row < rows + beyond; ++row) {
@@ -76,11 +102,7 @@ void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion&
       if (cell.begin == cell.end) continue;
       const CellSums sums = sum_cell(frame_, motion, cell);
       add_volume(k, row, c, sums);
-      if (row != r) continue;
-      Moments& moments = sums_[grid_.index(k, r, c)].moments;
-      moments.at = {static_cast<Real>(cell.end - cell.begin), sums.motion.y, sums.motion.yy};
-      moments.flow = {sums.motion.u, sums.motion.uy};
-      moments.more = sums.motion.uu;
+      if (row == r) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
   }
 }
@@ -89,83 +111,69 @@ void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, const CellSums
   const bool along_x = grid_.axis(0) == 0, repeats = grid_.repeats()[2];
   for (LocalId row = std::max(r - 1, 0); row <= std::min(r + 1, grid_.rows() - 1); ++row) {
     const LocalId columns = grid_.columns(k, row);
+    const auto i = static_cast<std::size_t>(row - r + 1);
     for (LocalId column = c - 1; column <= c + 1; ++column) {
       if (!repeats && (column < 0 || column >= columns)) continue;
-      auto& volume = sums_[grid_.index(k, row, repeats ? (column + columns) % columns : column)].volume;
-      const auto i = static_cast<std::size_t>(row - r + 1), j = static_cast<std::size_t>(column - c + 1);
+      Real* const volume = &sums_.number(volumes, k, row, repeats ? (column + columns) % columns : column);
+      const auto j = static_cast<std::size_t>(column - c + 1);
       for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
+        volume[plane * EightCells::count] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
     }
   }
 }
 
-Real ParticlesToGrid::volume(std::size_t at) const {
-  const std::size_t plane = grid_.step(0);
-  return sums_[at - plane].volume[2] + sums_[at].volume[1] + sums_[at + plane].volume[0];
+void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes_of_row) const {
+  LocalId c = 0;
+  for (Real& volume : volumes_of_row) {
+    volume = sums_.number(volumes + 2, k - 1, r, c) + sums_.number(volumes + 1, k, r, c) +
+             sums_.number(volumes, k + 1, r, c);
+    ++c;
+  }
 }
 
-void ParticlesToGrid::fit_row(LocalId k, LocalId r) {
-  const std::size_t floor = grid_.index(k, r, 0);
-  const auto moments_at = [&](std::size_t at) -> const Moments& { return sums_[at].moments; };
-  for_each_tent<Moments>(
-      grid_, k, r, [&](std::size_t at) { return sums_[at].moments.at.n > 0; }, moments_at,
-      [&](LocalId c, const Moments& around) {
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        spread_[at] = spread_of(around.at);
-        fit_[at] = fit_of(spread_[at], around.flow, around.more, &rest2_[at]);
-      });
+// Of ghost planes not all rows are known to hold nothing above their columns.
+void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
+  const auto holds_any = [&](LocalId c) { return sums_.number(0, k, r, c) > 0; };
+  Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
+  while (filled.end > 0 && !holds_any(filled.end - 1)) --filled.end;
+  while (filled.begin < filled.end && !holds_any(filled.begin)) ++filled.begin;
 }
 
-// The particles of a cell at one of its faces, whose middle is given in cells from the corner of that cell.
-ParticlesToGrid::FaceSum ParticlesToGrid::from_side(std::size_t a, std::size_t cell, bool below,
-                                                    const ByAxis& middle) const {
-  const Moments& m = sums_[cell].moments;
-  if (m.at.n == 0) return {};
-  const std::size_t i = grid_.axis(a);
-  const ByAxis& slope = fit_[cell].b[i];
-  const Real sign = below ? 1 : -1, weight = (below ? 0 : m.at.n) + sign * m.at.y[i];
-  Real value = (below ? 0 : m.flow.u[i]) + sign * m.flow.uy[i][i];
-  for (std::size_t j = 0; j < 3; ++j)
-    value += slope[j] * (middle[j] * weight - ((below ? 0 : m.at.y[j]) + sign * m.at.second(i, j)));
-  return {weight, value};
+void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
+  fit_.clear_around(k, r, filled(k, r), grid_.columns(k, r));
+  fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r)});
 }
 
-// Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column.
+// Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far
+// as there are particles beside them.
 void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
-  const LocalId columns = std::max(grid_.columns(k, r), a == 0 ? grid_.columns(k - 1, r) : 0);
   const LocalId rows = grid_.rows(), last_row = a == 1 && r + 1 == rows && !grid_.repeats()[1] ? r + 1 : r;
-  const std::size_t i = grid_.axis(a);
+  static thread_local FaceMiddles middles;
   for (LocalId row = r; row <= last_row; ++row) {
-    for (LocalId c = 0; c < columns + (a == 2 ? 1 : 0); ++c) {
-      const std::size_t at = grid_.index(k, row, c);
-      // Across the ends of an axis that repeats.
-      const std::size_t above = a == 2 && c == columns && grid_.repeats()[2] ? grid_.index(k, row, 0) : at;
-      const std::size_t below = a == 1 && row == 0 && grid_.repeats()[1] ? grid_.index(k, rows - 1, c)
-                                : a == 2 && c == 0 && grid_.repeats()[2] ? grid_.index(k, row, columns - 1)
-                                                                         : at - grid_.step(a);
-      ByAxis low = cuts != nullptr ? cuts->middle_of_face(a, at) : ByAxis{0.5, 0.5, 0.5}, high = low;
-      low[i] = 0;
-      high[i] = 1;
-      const FaceSum over = from_side(a, above, false, low), under = from_side(a, below, true, high);
-      const Real weight = over.weight + under.weight;
-      if (weight >= projection::least_face_weight) {
-        displacement_[a][at] = (over.value + under.value) / weight;
-      } else {
-        const Real n_over = sums_[above].moments.at.n, n_under = sums_[below].moments.at.n;
-        displacement_[a][at] =
-            n_over + n_under > 0
-                ? (n_over * fit_[above].at(i, low) + n_under * fit_[below].at(i, high)) / (n_over + n_under)
-                : 0;
-      }
-    }
+    const LocalId plane_below = a == 0 ? k - 1 : k;
+    const LocalId row_below = a != 1 ? row : row == 0 && grid_.repeats()[1] ? rows - 1 : row - 1;
+    const Range cells =
+        joined(row < rows ? filled(k, row) : Range{}, row_below >= 0 ? filled(plane_below, row_below) : Range{});
+    if (cells.size() == 0) continue;
+    constexpr LocalId eight = EightCells::count;
+    const bool whole = a == 2 && grid_.repeats()[2];
+    const LocalId begin = whole ? 0 : cells.begin / eight * eight, end = whole ? grid_.columns() : cells.end;
+    const auto count = static_cast<std::size_t>(end - begin + (a == 2 ? 1 : 0));
+    const std::size_t first = grid_.index(k, row, begin);
+    middles.find(a, first, count, cuts);
+    const auto beside = [&](LocalId plane, LocalId of) {
+      return RowBeside{sums_.row(plane, of) + sums_.eight(begin), fit_.row(plane, of) + fit_.eight(begin),
+                       sums_.numbers()};
+    };
+    displace_faces({beside(plane_below, row_below), beside(k, row), grid_.axis(a), middles.rows(), a == 2, whole},
+                   count, &displacement_[a][first]);
   }
 }
 
 std::size_t ParticlesToGrid::bytes() const {
-  std::size_t values = rest2_.capacity();
+  std::size_t values = 0;
   for (const auto& u : displacement_) values += u.capacity();
-  return values * sizeof(Real) + sums_.capacity() * sizeof(PlaneSums) + spread_.capacity() * sizeof(Spread) +
-         fit_.capacity() * sizeof(AffineMap);
+  return filled_.capacity() * sizeof(Range) + values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
 }
 
 }  // namespace trevi

@@ -19,9 +19,8 @@
 #include <vector>
 
 #include "domain/halo.hpp"
-#include "projection/affine.hpp"
 #include "projection/cut_cells.hpp"
-#include "projection/grid.hpp"
+#include "projection/row_fits.hpp"
 
 namespace trevi {
 
@@ -32,8 +31,8 @@ class ParticlesToGrid {
 
   /// Memory for the grid as it is now. To be called when its size has changed.
   void resize();
-  /// Forgets the last step in row (k, r), as far as its columns went.
-  void clear_row(LocalId k, LocalId r);
+  /// Forgets the last step in row (k, r), as far as its columns went; it keeps `columns`.
+  void clear_row(LocalId k, LocalId r, LocalId columns);
   /// All of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
 
@@ -41,42 +40,42 @@ class ParticlesToGrid {
   CellParticles particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const;
 
   const CellFrame& frame() const { return frame_; }
-  /// Volume of the water in an own cell, in cells.
-  Real volume(std::size_t at) const;
-  /// Of the particles of a cell; `more` is Σ |u|², m².
-  const Moments& moments(std::size_t at) const { return sums_[at].moments; }
-  const Spread& spread(std::size_t at) const { return spread_[at]; }
-  /// Of own cells and of ghost planes; the weight of a cell without particles is 0.
-  const AffineMap& fit(std::size_t at) const { return fit_[at]; }
-  /// Mean square of the motion that the fit leaves, m², of own cells.
-  Real rest2(std::size_t at) const { return rest2_[at]; }
+  /// Volumes of the water in the cells of an own row, in cells.
+  void find_volumes(LocalId k, LocalId r, std::span<Real> volumes) const;
+  /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits
+  /// of the motion around; the weight of a cell without particles is 0.
+  const CellFields& all_moments() const { return sums_; }
+  /// Memory of moments, once those of the motion are no longer needed.
+  CellFields& free_moments() { return sums_; }
+  const CellFields& fits() const { return fit_; }
+  /// Of the places that own cells with particles have fits of.
+  const CellFields& spreads() const { return spread_; }
+  /// Those of one cell.
+  Moments moments(std::size_t at) const { return sums_.cell<Moments>(at); }
+  AffineMap fit(std::size_t at) const { return fit_.cell<AffineMap>(at); }
+  /// The columns of a row from the lowest to the highest cell that holds particles.
+  Range filled(LocalId k, LocalId r) const { return filled_[row_index(k, r)]; }
   /// Displacement of the water at face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
   std::size_t bytes() const;
 
  private:
-  // What the particles of a plane add: their volume to the plane below, to their own and to the plane above.
-  struct PlaneSums {
-    std::array<Real, 3> volume{};
-    Moments moments;
-  };
-  // Weighted sums at a face.
-  struct FaceSum {
-    Real weight = 0, value = 0;
-  };
+  // After the moments of a cell's particles: the volume that those of its plane add below it, to itself and above it.
+  static constexpr std::size_t volumes = numbers::moments;
   void sum_plane(const CellOrder& order, LocalId k, const Motion& motion);
   void add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums);
-  void fit_row(LocalId k, LocalId r);
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.rows()) + static_cast<std::size_t>(r);
+  }
+  void find_filled(LocalId k, LocalId r);
+  void fit_row(TentMemory& memory, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
-  FaceSum from_side(std::size_t a, std::size_t cell, bool below, const ByAxis& middle) const;
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
-  std::vector<PlaneSums> sums_;
-  std::vector<Spread> spread_;
-  std::vector<AffineMap> fit_;
-  std::vector<Real> rest2_;
+  CellFields sums_{volumes + 3}, spread_{numbers::spread}, fit_{numbers::map};
+  std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;
 };
 

@@ -105,7 +105,7 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
   if (surface.upright()) {
     if (surface.is_top(at)) fraction *= std::min(2 * surface.fill(at + 1), 1.0);
   } else {
-    const Moments& m = surface.water().moments(at);
+    const Moments m = surface.water().moments(at);
     Real way = 0;
     for (std::size_t a = 0; a < 3; ++a) way += std::pow(m.flow.u[a] * grid.per_length()[a], 2);
     fraction = m.at.n > 0 ? std::min(std::sqrt(way) / m.at.n / return_time, 1.0) : 0;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "projection/cell_shifts.hpp"
 #include "projection/record_forces.hpp"
 
 namespace trevi {
@@ -27,7 +28,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
       surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
       pressure_(comm, grid_.repeats()),
       grid_to_particles_(surface_, model.spacing, model.h),
-      shift_filter_(surface_),
+      shift_filter_(surface_, {particles_to_grid_.free_moments(), grid_to_particles_.free_fits()}),
       obstacles_(obstacles) {}
 
 template <class T>
@@ -41,10 +42,16 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   surface_.classify(halo);
   pressure_.solve(surface_, halo, {fall, std::min(1.0, time / projection::return_time), rows_.depth()});
   grid_to_particles_.prepare(halo, {fall, time});
-  const LocalId rows = grid_.rows();
-  for_each_part(order.planes() * rows,
-                [&](LocalId row) { displace_row<T>(order, motion, row / rows + 1, row % rows, out); });
+  for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
+    grid_to_particles_.find_damping(damping, k, r);
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      displace_cell(particles_to_grid_.frame(), motion, cell,
+                    grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
+    });
+    leave_flying<T>(order, k, r, out);
+  });
   if (obstacles_ == nullptr) return;
+  const LocalId rows = grid_.rows();
   const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, fall);
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows, columns = order.grid().columns();
@@ -68,8 +75,9 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   }
   // The ghost planes, too: where the box ends nothing is received.
   for_each_row(grid_.rows_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
-    clear_row(k, r);
-    grid_.set_columns(k, r, cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r));
+    const LocalId columns = cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r);
+    clear_row(k, r, std::min(columns, grid_.columns()));
+    grid_.set_columns(k, r, columns);
   });
   if (cuts_) cuts_->measure(comm_, grid_, box_);
 }
@@ -82,54 +90,39 @@ void Projection::count_planes(const CellOrder& order, std::span<const Vec3> p) {
   }
 }
 
-void Projection::clear_row(LocalId k, LocalId r) {
-  particles_to_grid_.clear_row(k, r);
+void Projection::clear_row(LocalId k, LocalId r, LocalId columns) {
+  particles_to_grid_.clear_row(k, r, columns);
   surface_.clear_row(k, r);
-  grid_to_particles_.clear_row(k, r);
-  shift_filter_.clear_row(k, r);
+  grid_to_particles_.clear_row(k, r, columns);
 }
 
-// Particles above the row's cells are in flight.
-template <class T>
-void Projection::displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r,
-                              std::span<Vec4<T>> out) {
+// use(c, particles) for the cells of a row that hold any.
+template <class Use>
+void Projection::for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
-    if (cell.begin == cell.end) continue;
-    displace_cell(particles_to_grid_.frame(), motion, cell, grid_to_particles_.displacement_of(pressure_, k, r, c),
-                  &out[cell.begin]);
+    if (cell.begin < cell.end) use(c, cell);
   }
+}
+
+// Particles above a row's cells are in flight.
+template <class T>
+void Projection::leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const {
   const LocalId columns = order.grid().columns();
   const LocalId flying = order.start(k, r * columns + grid_.columns(k, r)), end = order.start(k, (r + 1) * columns);
   std::fill_n(out.begin() + (flying - order.low_ghosts()), end - flying, Vec4<T>{});
 }
 
-// use(at, particles) for the owned cells that hold any.
-template <class Use>
-void Projection::for_each_cell(const CellOrder& order, const Use& use) const {
-  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
-      if (cell.begin < cell.end) use(grid_.index(k, r, c), cell);
-    }
-  });
-}
-
 template <class T>
 void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  shift_filter_.find<T>(order, halo, swept.shifts, swept.compression);
-  for_each_index({0, static_cast<LocalId>(out.size())}, [&](std::size_t i) { out[i] = Vec4<T>{}; });
-  const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
-    for (std::size_t i = cell.begin; i < cell.end; ++i) {
-      const Vec3 middle = 0.5 * (swept.shifts.x[i] + swept.shifts.p[i]);
-      ByAxis y{};
-      for (std::size_t a = 0; a < 3; ++a)
-        y[a] = (middle[static_cast<Eigen::Index>(a)] - cell.place.origin[a]) * per_length[a] - cell.place.corner[a];
-      const Vec3 smooth = static_cast<Real>(swept.act[i]) * shift_filter_.smooth(at, y);
-      out[i] = {static_cast<T>(-smooth.x()), static_cast<T>(-smooth.y()), static_cast<T>(-smooth.z()), 0};
-    }
+  shift_filter_.find(order, halo, swept.shifts, swept.densities);
+  for_each_row_with<ShiftFilter::Smooth>(own_rows(), [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
+    shift_filter_.find_smooth(smooth, k, r);
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      take_smooth(particles_to_grid_.frame(), swept.shifts, cell, smooth.at(c), swept.act, &out[cell.begin]);
+    });
+    leave_flying<T>(order, k, r, out);
   });
 }
 
@@ -138,24 +131,14 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
                                   std::span<Vec3> velocity) const {
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  const auto shift = [&](std::size_t i) { return Vec3(swept.shifts.p[i] - swept.shifts.x[i]); };
-  for_each_cell(order, [&](std::size_t at, const CellParticles& cell) {
-    const AffineMap& fit = particles_to_grid_.fit(at);
-    Vec3 mean = Vec3::Zero();
-    Real weight = 0;
-    for (std::size_t i = cell.begin; i < cell.end; ++i) {
-      mean += static_cast<Real>(swept.act[i]) * shift(i);
-      weight += static_cast<Real>(swept.act[i]);
-    }
-    if (weight == 0) return;
-    mean /= weight;
-    Eigen::Matrix3d slope;  // 1/s
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t b = 0; b < 3; ++b)
-        slope(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = fit.b[a][b] * per_length[b] / dt;
-    }
-    for (std::size_t i = cell.begin; i < cell.end; ++i)
-      velocity[i] += static_cast<Real>(swept.act[i]) * (slope * (shift(i) - mean));
+  for_each_row(own_rows(), [&](LocalId k, LocalId r) {
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      std::array<ByAxis, 3> slope = particles_to_grid_.fits().cell<AffineMap>(k, r, c).b;
+      for (ByAxis& of_axis : slope) {
+        for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;
+      }
+      carry_cell(swept.shifts, cell, slope, swept.act, velocity);
+    });
   });
 }
 

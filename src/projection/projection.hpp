@@ -34,11 +34,12 @@ class Projection {
   void displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
   /// What the sweeps after that have done: shifts of positions from x to p, where the grid acts (0 to 1), and the
-  /// compression rho/rho0 − 1 that they have seen last.
+  /// densities that they have seen last.
   template <class T>
   struct Swept {
     Motion shifts;
-    std::span<const T> act, compression;
+    std::span<const T> act;
+    Densities densities;
   };
   /// Minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
@@ -53,11 +54,12 @@ class Projection {
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
   void count_planes(const CellOrder& order, std::span<const Vec3> p);
-  void clear_row(LocalId k, LocalId r);
+  void clear_row(LocalId k, LocalId r, LocalId columns);
+  CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
   template <class Use>
-  void for_each_cell(const CellOrder& order, const Use& use) const;
+  void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const;
   template <class T>
-  void displace_row(const CellOrder& order, const Motion& motion, LocalId k, LocalId r, std::span<Vec4<T>> out);
+  void leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const;
 
   Event event_{"CoarseGrid"};
   MPI_Comm comm_;

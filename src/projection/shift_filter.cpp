@@ -1,70 +1,61 @@
 #include "projection/shift_filter.hpp"
 
-#include "projection/tent.hpp"
-
 namespace trevi {
 
 using namespace projection;
 
-void ShiftFilter::resize() {
-  sums_.assign(surface_.grid().cells(), {});
-  fit_.assign(surface_.grid().cells(), {});
-  map_.assign(surface_.grid().cells(), {});
-  kept_.assign(surface_.grid().cells(), 0.0);
-}
+void ShiftFilter::resize() { kept_.assign(surface_.grid().cells() + EightCells::count, 0.0); }
 
-void ShiftFilter::clear_row(LocalId k, LocalId r) {
+void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, const Densities& densities) {
   const ProjectionGrid& grid = surface_.grid();
-  const std::size_t begin = grid.index(k, r, 0), end = begin + static_cast<std::size_t>(grid.columns(k, r)) + 1;
-  for (std::size_t at = begin; at < end; ++at) sums_[at].at.n = fit_[at].weight = 0;
+  const CellRows own = grid.rows_of({1, grid.planes() + 1});
+  for_each_row(own, [&](LocalId k, LocalId r) { sum_row(order, k, r, shifts, densities); });
+  halo.start_planes(sums_.values(), sums_.per_plane());
+  halo.finish();
+  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
+  halo.start_planes(fit_.values(), fit_.per_plane());
+  halo.finish();
 }
 
-template <class T>
-void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression) {
+void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
+  const ProjectionGrid& grid = surface_.grid();
+  smooth.row.resize(fit_.per_row());
+  average_maps(rows_around(grid, fit_, {k, r, surface_.water().filled(k, r)}, smooth.memory),
+               &kept_[grid.index(k, r, 0)], smooth.row.data());
+}
+
+void ShiftFilter::sum_row(const CellOrder& order, LocalId k, LocalId r, const Motion& shifts,
+                          const Densities& densities) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
-  const CellRows own = grid.rows_of({1, grid.planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
-      const CellParticles cell = water.particles_of(order, k, r, c);
-      Moments& sums = sums_[grid.index(k, r, c)];
-      if (cell.begin == cell.end) continue;
-      sums.more = 0;
-      const MotionSums motion = sum_motion(water.frame(), shifts, cell);
-      const auto n = static_cast<Real>(cell.end - cell.begin);
-      sums.at = {n, motion.y, motion.yy};
-      sums.flow = {motion.u, motion.uy};
-      for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += static_cast<Real>(compression[i]);
-    }
-  });
-  halo.start_planes(sums_, grid.step(0));
-  halo.finish();
-  const auto needed = [&](std::size_t at) { return sums_[at].at.n > 0; };
-  for_each_row(own, [&](LocalId k, LocalId r) {
-    const std::size_t floor = grid.index(k, r, 0);
-    for_each_tent<Moments>(
-        grid, k, r, needed, [&](std::size_t at) -> const Moments& { return sums_[at]; },
-        [&](LocalId c, const Moments& around) {
-          const std::size_t at = floor + static_cast<std::size_t>(c);
-          const Real mean = around.more / around.at.n;
-          kept_[at] = 1 - std::clamp((mean - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
-          if (is_water(at)) fit_[at] = fit_of(spread_of(around.at), around.flow);
-        });
-  });
-  halo.start_planes(fit_, grid.step(0));
-  halo.finish();
-  for_each_row(own, [&](LocalId k, LocalId r) {
-    const std::size_t floor = grid.index(k, r, 0);
-    for_each_tent<AffineMap>(
-        grid, k, r, needed, [&](std::size_t at) -> const AffineMap& { return fit_[at]; },
-        [&](LocalId c, const AffineMap& sum) {
-          AffineMap& map = map_[floor + static_cast<std::size_t>(c)] = {};
-          if (sum.weight > 0) map.add(sum, kept_[floor + static_cast<std::size_t>(c)] / sum.weight);
-        });
-  });
+  sums_.clear(k, r, {0, grid.columns(k, r)});
+  for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+    const CellParticles cell = water.particles_of(order, k, r, c);
+    if (cell.begin == cell.end) continue;
+    const MotionSums motion = sum_motion(water.frame(), shifts, cell);
+    Moments sums{{static_cast<Real>(cell.end - cell.begin), motion.y, motion.yy}, {motion.u, motion.uy}, 0};
+    for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += densities.rho[i];
+    sums.more = sums.more / densities.rest - sums.at.n;
+    sums_.set(k, r, c, sums);
+  }
 }
 
-template void ShiftFilter::find(const CellOrder&, Halo&, const Motion&, std::span<const float>);
-template void ShiftFilter::find(const CellOrder&, Halo&, const Motion&, std::span<const double>);
+void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
+  const ProjectionGrid& grid = surface_.grid();
+  const Range cells = surface_.water().filled(k, r);
+  const std::size_t floor = grid.index(k, r, 0);
+  static thread_local std::vector<Real> water;
+  water.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    water[i] = sums_.number(0, k, r, c) > 0 && is_water(floor + i) ? 1 : 0;
+  }
+  fit_.clear_around(k, r, cells, grid.columns(k, r));
+  fit_shifts(rows_around(grid, sums_, {k, r, cells}, memory), {fit_.row(k, r), water.data(), &kept_[floor]});
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    Real& kept = kept_[floor + static_cast<std::size_t>(c)];
+    kept = 1 - std::clamp((kept - swelling_begins) / (swelling_full - swelling_begins), 0.0, 1.0);
+  }
+}
 
 }  // namespace trevi

@@ -15,31 +15,42 @@
 
 namespace trevi {
 
+/// Densities of the owned particles, kg/m³, and that at rest.
+struct Densities {
+  std::span<const Real> rho;
+  Real rest;
+};
+
 class ShiftFilter {
  public:
-  explicit ShiftFilter(const FreeSurface& surface) : surface_(surface) {}
+  /// Memory of the stages before the sweeps, which they no longer need.
+  struct Memory {
+    CellFields &moments, &fits;
+  };
+  ShiftFilter(const FreeSurface& surface, const Memory& memory)
+      : surface_(surface), sums_(memory.moments), fit_(memory.fits) {}
 
   void resize();
-  void clear_row(LocalId k, LocalId r);
-  /// Of shifts of the owned particles, and of their compression rho/rho0 − 1.
-  template <class T>
-  void find(const CellOrder& order, Halo& halo, const Motion& shifts, std::span<const T> compression);
-  /// What is taken off the shift of a particle of the cell that is at y, m, where the grid acts in full.
-  Vec3 smooth(std::size_t at, const ByAxis& y) const {
-    const AffineMap& map = map_[at];
-    return {map.at(0, y), map.at(1, y), map.at(2, y)};
-  }
-  std::size_t bytes() const {
-    return sums_.capacity() * sizeof(Moments) + (fit_.capacity() + map_.capacity()) * sizeof(AffineMap) +
-           kept_.capacity() * sizeof(Real);
-  }
+  /// Of shifts of the owned particles, and of their densities over that at rest.
+  void find(const CellOrder& order, Halo& halo, const Motion& shifts, const Densities& densities);
+  /// What is taken off the shifts of the particles in a row of cells where the grid acts in full. One for each part of
+  /// a loop of threads, in which rows come in their order.
+  struct Smooth {
+    std::vector<EightCells> row;
+    TentMemory memory;
+    AffineMap at(LocalId c) const { return cell_of<AffineMap>(row.data(), numbers::map, c); }
+  };
+  void find_smooth(Smooth& smooth, LocalId k, LocalId r) const;
+  std::size_t bytes() const { return kept_.capacity() * sizeof(Real); }
 
  private:
+  void sum_row(const CellOrder& order, LocalId k, LocalId r, const Motion& shifts, const Densities& densities);
+  void fit_row(TentMemory& memory, LocalId k, LocalId r);
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
 
   const FreeSurface& surface_;
-  std::vector<Moments> sums_;  // `more`: Σ rho/rho0 − 1
-  std::vector<AffineMap> fit_, map_;
+  CellFields& sums_;  // `more`: Σ rho/rho0 − 1
+  CellFields& fit_;
   std::vector<Real> kept_;  // fraction that is taken off
 };
 

@@ -99,7 +99,7 @@ class DensityProblem {
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const {
     return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) +
-           (multiplier_.capacity() + act_.capacity() + in_flight_.capacity() + compression_.capacity()) * sizeof(T);
+           (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
   }
 
  private:
@@ -122,9 +122,8 @@ class DensityProblem {
   std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' shares
   std::vector<T> multiplier_;   // m², as in the records
   bool positions_only_ = false;
-  std::vector<T> act_;          // how far the grid acts on each particle
-  std::vector<T> in_flight_;    // m², of all sweeps, times 1 − act_
-  std::vector<T> compression_;  // rho/rho0 − 1 that the last sweep saw
+  std::vector<T> act_;        // how far the grid acts on each particle
+  std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "cloud.hpp"
@@ -112,8 +113,11 @@ TEST(ParticlesToGrid, VolumeIsThatOfTheParticles) {
   const Transferred at(water);
   Real volume = 0;
   for (LocalId k = 1; k <= at.grid.planes(); ++k)
-    for (LocalId r = 0; r < at.grid.rows(); ++r)
-      for (LocalId c = 0; c < at.grid.columns(); ++c) volume += at.transfer.volume(at.grid.index(k, r, c));
+    for (LocalId r = 0; r < at.grid.rows(); ++r) {
+      std::vector<Real> volumes(static_cast<std::size_t>(at.grid.columns()));
+      at.transfer.find_volumes(k, r, volumes);
+      volume += std::accumulate(volumes.begin(), volumes.end(), 0.0);
+    }
   Real all = 0;
   MPI_Allreduce(&volume, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   const auto particles = static_cast<Real>(sum_over_ranks(world, GlobalId{water.particles.size()}));
@@ -190,13 +194,15 @@ TEST(GridToParticles, DampingKeepsMomenta) {
     surface.classify(water.near.halo());
     back.prepare(water.near.halo(), {0, 0.1});
     none.solve(surface, water.near.halo(), {0, 0, 1});
+    GridToParticles::Damping damping;
     std::array<Real, 8> sums{};  // impulse, torque, size, energy that is taken
     for (LocalId k = 1; k <= grid.planes(); ++k) {
       for (LocalId r = 0; r < grid.rows(); ++r) {
+        back.find_damping(damping, k, r);
         for (LocalId c = 0; c < grid.columns(); ++c) {
           const CellParticles cell = transfer.particles_of(water.near.order(), k, r, c);
           if (cell.begin == cell.end) continue;
-          CellDisplacement by = back.displacement_of(none, k, r, c);
+          CellDisplacement by = back.displacement_of(none, damping, k, r, c);
           by.low = by.rise = {};
           by.fade = 0;
           by.at_surface = 1;

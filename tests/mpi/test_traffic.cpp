@@ -13,6 +13,8 @@ namespace {
 // multiple of four, and a ring.
 constexpr int rows = 2, columns = 8, water_columns = 5, coarse_columns = (water_columns + 2 + 3) / 4 * 4;
 constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (coarse_columns + 2);
+// Fields of several numbers of a cell have a ring of rows only, and columns eight at a time.
+constexpr std::int64_t field_cells_per_plane = (rows + 2) * ((coarse_columns + 7) / 8 * 8);
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
 const std::string still_scene = R"(
@@ -41,18 +43,19 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, 
   // The records once with the list; lambda and place in every sweep, but for the projection, which asks for no
   // densities and only moves; what is in flight, and the filtered shifts.
   const std::int64_t exchanges = 1 + (projected ? 3 + 2 * (iterations - 1) : 2 * iterations) + filter_exchanges;
-  // For each of its cells both ways: the volume in three planes and the moments of its particles; their fit; the fill;
-  // the pivot; phi in each of four sweeps a cycle; the moments of the shifts, and their fit. Under gravity the flow
-  // that the filter of noise leaves, and its fit. One way: what holds phi at 0, and the residual of each cycle. Coarser
-  // levels are small enough to be gathered.
-  constexpr int places = 10, flow = 12, fit = 13, volumes = 3;
-  constexpr int moments = volumes + places + flow + 1, shifts = places + flow + 1 + fit;
-  const int cycles = 3, noise = grid == Grid::upright ? 1 + flow + fit : 0;
-  const int both_ways = moments + fit + 1 + 1 + 4 * cycles + noise + shifts, one_way = 1 + cycles;
+  // For each cell of the fields both ways: the volume in three planes and the moments of its particles; their fit; the
+  // moments of the shifts, in the same memory, and their fit. Under gravity the flow that the filter of noise leaves,
+  // and its fit.
+  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1 + volumes;
+  const int noise = grid == Grid::upright ? flow + fit : 0;
+  const std::int64_t field_cell = 8 * (moments + fit + noise + moments + fit);
+  // For each cell that has a single one both ways: the fill; the pivot; phi in each of four sweeps a cycle. One way:
+  // what holds phi at 0, and the residual of each cycle. Coarser levels are small enough to be gathered.
+  const int cycles = 3, both_ways = 1 + 1 + 4 * cycles, one_way = 1 + cycles;
   const std::int64_t cell = 8 * both_ways + 4 * one_way;
   const std::int64_t heights = 4 * rows;  // of the water
   return messages * (counts + exchanges * particles_per_plane * record +
-                     (projected ? heights + coarse_cells_per_plane * cell : 0));
+                     (projected ? heights + coarse_cells_per_plane * cell + field_cells_per_plane * field_cell : 0));
 }
 
 class Traffic : public Output {

@@ -78,7 +78,7 @@ class Model(unittest.TestCase):
 
     def test_traffic_is_that_of_test_traffic_cpp(self):
         basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
-        coarse = 36 * (8 * 102 + 8 * 15)
+        coarse = 32 * 8 * 103 + 36 * (8 * 1 + 8 * 15)
         heights = 4 * 2
         self.assertEqual(exchange_bytes(basin), 64 + 10 * 80 * 16 + heights + coarse)
         self.assertEqual(exchange_bytes(basin, filters=3), 64 + 13 * 80 * 16 + heights + coarse)

@@ -1,0 +1,108 @@
+// Numbers of the cells of the projection's grid, several of each cell, laid out for loops over the cells of a row: of a
+// row eight cells after another, of these first the first number of all, then the second of all. Planes, and the ring
+// of rows around each, are those of ProjectionGrid. What lies beyond a row's own columns is 0: whoever writes a row
+// writes all of its cells, and clears those that it no longer has. Not collective.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "projection/affine.hpp"
+#include "projection/grid.hpp"
+
+namespace trevi {
+
+/// One number of eight cells of a row.
+struct alignas(64) EightCells {
+  static constexpr std::size_t count = 8;
+  Real of[count];
+};
+
+/// The first numbers of a cell of a row, of `numbers` each, as those of a T.
+template <class T>
+T cell_of(const EightCells* row, std::size_t numbers, LocalId c) {
+  constexpr LocalId eight = EightCells::count;
+  T value;
+  const EightCells* const from = row + static_cast<std::size_t>(c / eight) * numbers;
+  for (std::size_t q = 0; q < sizeof(T) / sizeof(Real); ++q) reinterpret_cast<Real*>(&value)[q] = from[q].of[c % eight];
+  return value;
+}
+
+class CellFields {
+ public:
+  /// `numbers` of each cell.
+  explicit CellFields(std::size_t numbers) : numbers_(numbers) {}
+
+  /// Memory for the grid as it is now, all of it 0.
+  void resize(const ProjectionGrid& grid) {
+    width_ = grid.step(1);
+    rows_ = grid.step(0) / width_;
+    row_ = (static_cast<std::size_t>(grid.columns()) + EightCells::count - 1) / EightCells::count * numbers_;
+    values_.assign(grid.cells() / width_ * row_, {});
+  }
+
+  /// The first number of the lowest cells of row (k, r); −1 and rows() are the rows of the ring.
+  EightCells* row(LocalId k, LocalId r) { return &values_[row_index(k, r) * row_]; }
+  const EightCells* row(LocalId k, LocalId r) const { return &values_[row_index(k, r) * row_]; }
+  /// Number q of a cell.
+  Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
+  Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
+  /// From the lowest eight cells of a row to those of cell c.
+  std::size_t eight(LocalId c) const { return static_cast<std::size_t>(c / eight_cells) * numbers_; }
+  /// Clears the lowest `columns` cells of a row but for `kept`.
+  void clear_around(LocalId k, LocalId r, Range kept, LocalId columns) {
+    clear(k, r, {0, kept.begin});
+    clear(k, r, {kept.end, columns});
+  }
+  /// Clears the cells [columns) of a row; there may be none.
+  void clear(LocalId k, LocalId r, Range columns) {
+    for (LocalId c = columns.begin; c < columns.end;) {
+      EightCells* const from = row(k, r) + eight(c);
+      if (c % eight_cells == 0 && c + eight_cells <= columns.end) {  // all numbers of as many as there are
+        const LocalId whole = (columns.end - c) / eight_cells;
+        std::fill_n(from->of, static_cast<std::size_t>(whole * eight_cells) * numbers_, 0.0);
+        c += whole * eight_cells;
+      } else {
+        const LocalId end = std::min(columns.end, (c / eight_cells + 1) * eight_cells);
+        for (std::size_t q = 0; q < numbers_; ++q)
+          for (LocalId i = c; i < end; ++i) from[q].of[lane(i)] = 0;
+        c = end;
+      }
+    }
+  }
+  /// The first numbers of a cell as those of a T.
+  template <class T>
+  T cell(LocalId k, LocalId r, LocalId c) const {
+    return cell_of<T>(row(k, r), numbers_, c);
+  }
+  /// The same for few cells only.
+  template <class T>
+  T cell(std::size_t at) const {
+    return cell_of<T>(&values_[at / width_ * row_], numbers_, static_cast<LocalId>(at % width_) - 1);
+  }
+  template <class T>
+  void set(LocalId k, LocalId r, LocalId c, const T& value) {
+    EightCells* const to = row(k, r) + eight(c);
+    for (std::size_t q = 0; q < sizeof(T) / sizeof(Real); ++q)
+      to[q].of[lane(c)] = reinterpret_cast<const Real*>(&value)[q];
+  }
+
+  /// Memory of one row.
+  std::size_t per_row() const { return row_; }
+  /// To exchange planes.
+  std::vector<EightCells>& values() { return values_; }
+  std::size_t per_plane() const { return rows_ * row_; }
+  std::size_t numbers() const { return numbers_; }
+  std::size_t bytes() const { return values_.capacity() * sizeof(EightCells); }
+
+ private:
+  static constexpr LocalId eight_cells = EightCells::count;
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * rows_ + static_cast<std::size_t>(r + 1);
+  }
+  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c % eight_cells); }
+  std::size_t numbers_, width_ = 1, rows_ = 0, row_ = 0;
+  std::vector<EightCells> values_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,164 @@
+// Vectors of particles of a cell, and sums over them. Included once per instruction set.
+#if defined(TREVI_PROJECTION_CELL_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREVI_PROJECTION_CELL_VECTORS_INL
+#undef TREVI_PROJECTION_CELL_VECTORS_INL
+#else
+#define TREVI_PROJECTION_CELL_VECTORS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "projection/cell_sums.hpp"
+#include "projection/parameters.hpp"
+#include "projection/vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+HWY_INLINE V clamp(V v, Real low, Real high) { return hn::Min(hn::Max(v, set(low)), set(high)); }
+
+// A vector of particles of a cell; lanes of `valid` hold one.
+struct Particles8 {
+  V3 path;     // p − x, m
+  V3 surface;  // surface position, in cells from the corner of the cell
+  V3 y, f;     // MotionSums
+};
+
+HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
+  V3 v = zeros();
+  if (i + hn::Lanes(Wide()) <= field.size()) {
+    hn::LoadInterleaved3(Wide(), field[i].data(), v[0], v[1], v[2]);
+  } else {  // whole vectors are read, so the last particles need something behind them
+    std::array<Vec3, most_lanes> last;
+    last.fill(Vec3::Zero());
+    if (i < field.size()) std::copy(field.begin() + static_cast<std::ptrdiff_t>(i), field.end(), last.begin());
+    hn::LoadInterleaved3(Wide(), last[0].data(), v[0], v[1], v[2]);
+  }
+  return v;
+}
+
+HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
+  constexpr Real most_half = projection::most_half_path, most = projection::most_path;
+  const V3 p = load(motion.p, i), x = load(motion.x, i);
+  Particles8 particles{zeros(), zeros(), zeros(), zeros()};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
+    const V here = hn::Sub(in_cells, set(cell.place.corner[a]));
+    particles.path[a] = hn::Sub(p[a], x[a]);
+    const V half = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -most_half, most_half);
+    particles.y[a] = hn::Sub(here, half);
+    particles.f[a] = hn::Sub(particles.y[a], half);
+    particles.surface[a] = hn::Sub(here, clamp(hn::Add(half, half), -most, most));
+  }
+  return particles;
+}
+
+template <class T>
+HWY_INLINE auto narrowed(V v) {
+  if constexpr (sizeof(T) == sizeof(double)) {
+    return v;
+  } else {
+    return hn::DemoteTo(hn::Rebind<T, Wide>(), v);
+  }
+}
+
+// Vectors and scalars of particles.
+struct Vec4s {
+  V3 u;
+  V w;
+};
+// Those of the first `count` particles.
+template <class T>
+HWY_INLINE void store_vectors(const Vec4s& v, std::size_t count, Vec4<T>* out) {
+  const hn::Rebind<T, Wide> d;
+  const auto x = narrowed<T>(v.u[0]), y = narrowed<T>(v.u[1]), z = narrowed<T>(v.u[2]), w = narrowed<T>(v.w);
+  if (count >= hn::Lanes(d)) return hn::StoreInterleaved4(x, y, z, w, d, &out->x);
+  std::array<Vec4<T>, most_lanes> last;
+  hn::StoreInterleaved4(x, y, z, w, d, &last[0].x);
+  std::copy_n(last.begin(), count, out);
+}
+
+// Particle k of a cell is added to lane k modulo 8, on every processor.
+constexpr std::size_t virtual_lanes = 8;
+
+// first: nothing has been added to these lanes before.
+template <bool first>
+HWY_INLINE void add_to_lanes(Real* at, V v) {
+  const Wide d;
+  hn::Store(first ? v : hn::Add(hn::Load(d, at), v), d, at);
+}
+
+// The sums over the virtual lanes of quantities, in the same order on every processor.
+using Two = hn::FixedTag<double, 2>;
+HWY_INLINE auto folded(const double* lane) {
+  const Two d;
+  return hn::Add(hn::Add(hn::Load(d, lane), hn::Load(d, lane + 4)),
+                 hn::Add(hn::Load(d, lane + 2), hn::Load(d, lane + 6)));
+}
+HWY_INLINE void fold_two(const Real (*lanes)[virtual_lanes], std::size_t q, double* out) {
+  const Two d;
+  const auto a = folded(lanes[q]), b = folded(lanes[q + 1]);
+  hn::StoreU(hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)), d, out);
+}
+
+using Four = hn::CappedTag<double, 4>;
+// Of two quantities: even and odd lanes of the one, then of the other.
+HWY_INLINE auto even_and_odd(const double* one, const double* other) {
+  const Four d;
+  const auto a = hn::Add(hn::Load(d, one), hn::Load(d, one + 4));
+  const auto b = hn::Add(hn::Load(d, other), hn::Load(d, other + 4));
+  return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
+}
+HWY_INLINE void fold_four(const Real (*lanes)[virtual_lanes], std::size_t q, double* out) {
+  if constexpr (hn::MaxLanes(Four()) < 4) {
+    fold_two(lanes, q, out);
+    fold_two(lanes, q + 2, out + 2);
+  } else {
+    const Four d;
+    const auto first = even_and_odd(lanes[q], lanes[q + 2]);
+    const auto second = even_and_odd(lanes[q + 1], lanes[q + 3]);
+    hn::StoreU(hn::Add(hn::InterleaveLower(d, first, second), hn::InterleaveUpper(d, first, second)), d, out);
+  }
+}
+
+// Of two quantities: the sums of lanes that are four apart, of the one and then of the other.
+HWY_INLINE V halves(const double* one, const double* other) {
+  const Wide d;
+  const V a = hn::Load(d, one), b = hn::Load(d, other);
+  return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
+}
+// Even and odd lanes of four quantities: the first of a, the first of b, the second of a, the second of b.
+HWY_INLINE V quarters(V a, V b) {
+  return hn::Add(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a), hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a)));
+}
+HWY_INLINE void fold_eight(const Real (*lanes)[virtual_lanes], std::size_t q, double* out) {
+  if constexpr (hn::MaxLanes(Wide()) < virtual_lanes) {
+    fold_four(lanes, q, out);
+    fold_four(lanes, q + 4, out + 4);
+  } else {
+    const Wide d;
+    const auto of = [&](std::size_t i) { return halves(lanes[q + i], lanes[q + i + 4]); };
+    const V first = quarters(of(0), of(2)), second = quarters(of(1), of(3));
+    hn::StoreU(hn::Add(hn::InterleaveLower(d, first, second), hn::InterleaveUpper(d, first, second)), d, out);
+  }
+}
+
+template <std::size_t count>
+HWY_INLINE void fold_all(const Real (*lanes)[virtual_lanes], double* out) {
+  constexpr std::size_t eights = count / 8 * 8, fours = count / 4 * 4;
+  for (std::size_t q = 0; q < eights; q += 8) fold_eight(lanes, q, out + q);
+  if constexpr (fours > eights) fold_four(lanes, eights, out + eights);
+  if constexpr (count % 4 >= 2) fold_two(lanes, fours, out + fours);
+  if constexpr (count % 2 == 1) {
+    const auto last = folded(lanes[count - 1]);
+    out[count - 1] = hn::GetLane(hn::Add(last, hn::InterleaveUpper(Two(), last, last)));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,246 @@
+// Compiled once per instruction set (Highway's foreach_target), chosen at run time.
+#include "projection/row_fits.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "projection/row_fits.cpp"
+#include <hwy/foreach_target.h>
+// Highway wants its own headers after foreach_target.
+#include <hwy/highway.h>
+
+#include "projection/row_vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+constexpr Real per_tent = 1 / ((1 + 2 * projection::tent) * (1 + 2 * projection::tent) * (1 + 2 * projection::tent));
+
+// What a fit needs to know of places.
+struct SpreadVectors {
+  V per_n;
+  V3 mean;
+  std::array<V, 6> inverse;  // of the variance: xx, yy, zz, xy, xz, yz
+};
+
+using Symmetric = std::array<V, 6>;
+HWY_INLINE V dot(V a, V b, V c, V x, V y, V z) { return hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z))); }
+// Of matrices that commute.
+HWY_INLINE Symmetric product(const Symmetric& a, const Symmetric& b) {
+  return {dot(a[0], a[3], a[4], b[0], b[3], b[4]), dot(a[3], a[1], a[5], b[3], b[1], b[5]),
+          dot(a[4], a[5], a[2], b[4], b[5], b[2]), dot(a[0], a[3], a[4], b[3], b[1], b[5]),
+          dot(a[0], a[3], a[4], b[4], b[5], b[2]), dot(a[3], a[1], a[5], b[4], b[5], b[2])};
+}
+
+// The inverse P of a variance that has got the damping e. What that leaves out of a fit is fitted, too, twice:
+// P + e P² + e² P³. Where there is a variance the damping is gone to (e P)³, and where there is none the inverse is
+// bounded by 3/e.
+HWY_INLINE Symmetric inverse_of(const Symmetric& v) {
+  constexpr Real e = projection::fit_damping;
+  const V xx = v[0], yy = v[1], zz = v[2], xy = v[3], xz = v[4], yz = v[5];
+  const auto minor = [](V a, V b, V c, V d) { return hn::NegMulAdd(c, d, hn::Mul(a, b)); };
+  Symmetric once = {minor(yy, zz, yz, yz), minor(xx, zz, xz, xz), minor(xx, yy, xy, xy),
+                    minor(xz, yz, xy, zz), minor(xy, yz, xz, yy), minor(xy, xz, xx, yz)};
+  const V determinant = dot(xx, xy, xz, once[0], once[3], once[4]);
+  const V per = hn::Div(set(1), hn::Max(determinant, set(0.5 * e * e * e)));
+  for (V& one : once) one = hn::Mul(one, per);
+  const Symmetric twice = product(once, once), thrice = product(twice, once);
+  Symmetric sum = once;
+  for (std::size_t q = 0; q < 6; ++q) sum[q] = hn::MulAdd(set(e), hn::MulAdd(set(e), thrice[q], twice[q]), once[q]);
+  return sum;
+}
+
+// Where there is nothing numbers are finite.
+HWY_INLINE SpreadVectors spread_of(const Numbers<>& places) {
+  const V n = places[0], per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
+  V3 mean = zeros();
+  for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(places[1 + a], per_n);
+  const auto variance = [&](std::size_t q, V a, V b) { return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n)); };
+  // Rounding may leave a variance of a single particle below what is added.
+  const V least = set(projection::fit_damping);
+  const auto own = [&](std::size_t a) { return hn::Max(hn::Add(variance(a, mean[a], mean[a]), least), least); };
+  return {per_n, mean,
+          inverse_of({own(0), own(1), own(2), variance(3, mean[0], mean[1]), variance(4, mean[0], mean[2]),
+                      variance(5, mean[1], mean[2])})};
+}
+
+struct FitVectors {
+  V3 a;
+  std::array<V3, 3> b;
+  V explained;  // of the mean square of the motion
+};
+
+HWY_INLINE FitVectors fit_of(const SpreadVectors& s, const Numbers<>& flow) {
+  FitVectors fit{zeros(), {zeros(), zeros(), zeros()}, set(0)};
+  const Symmetric& p = s.inverse;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const V mean = hn::Mul(flow[i], s.per_n);
+    V3 covariance = zeros();
+    for (std::size_t j = 0; j < 3; ++j)
+      covariance[j] = hn::NegMulAdd(mean, s.mean[j], hn::Mul(flow[3 + 3 * i + j], s.per_n));
+    const V x = covariance[0], y = covariance[1], z = covariance[2];
+    fit.b[i] = {dot(x, y, z, p[0], p[3], p[4]), dot(x, y, z, p[3], p[1], p[5]), dot(x, y, z, p[4], p[5], p[2])};
+    fit.a[i] = hn::Sub(mean, dot(fit.b[i][0], fit.b[i][1], fit.b[i][2], s.mean[0], s.mean[1], s.mean[2]));
+    fit.explained = hn::Add(hn::MulAdd(mean, mean, fit.explained), dot(fit.b[i][0], fit.b[i][1], fit.b[i][2], x, y, z));
+  }
+  return fit;
+}
+
+HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {
+  write(factor, map, 0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    write(hn::Mul(factor, fit.a[i]), map, 1 + i);
+    for (std::size_t j = 0; j < 3; ++j) write(hn::Mul(factor, fit.b[i][j]), map, 4 + 3 * i + j);
+  }
+}
+
+// 1 where a cell holds particles, else 0.
+HWY_INLINE V holds_any(const RowsAround& moments, const Part& part) {
+  const V n = hn::Load(Wide(), part.of(moments.first[1][1], moments.numbers));
+  return hn::IfThenElse(hn::Gt(n, set(0)), set(1), set(0));
+}
+
+void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
+  const TenCells* const sums = sum_across<MomentSums>(moments);
+  for (Part part = cells_of(moments); part.begin < part.end; ++part) {
+    const TentSums<MomentSums> around(sums, part);
+    const SpreadVectors spread = spread_of(around.from());
+    const FitVectors fit = fit_of(spread, around.from(10));
+    write(fit, holds_any(moments, part), part.of(out.fit, numbers::map));
+    Real* const places = part.of(out.spread, numbers::spread);
+    write(spread.per_n, places, 0);
+    for (std::size_t a = 0; a < 3; ++a) write(spread.mean[a], places, 1 + a);
+    for (std::size_t q = 0; q < 6; ++q) write(spread.inverse[q], places, 4 + q);
+    write(hn::Max(hn::MulSub(around.from()[22], spread.per_n, fit.explained), set(0)), places, 10);
+  }
+}
+
+void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
+  const TenCells* const sums = sum_across<MomentSums>(moments);
+  for (Part part = cells_of(moments); part.begin < part.end; ++part) {
+    const TentSums<MomentSums> around(sums, part);
+    const SpreadVectors spread = spread_of(around.from());
+    write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit, numbers::map));
+    store(hn::Mul(around.from()[22], spread.per_n), part, out.mean);
+  }
+}
+
+void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
+  const TenCells* const sums = sum_across<MapSums>(maps);
+  for (Part part = cells_of(maps); part.begin < part.end; ++part) {
+    const TentSums<MapSums> around(sums, part);
+    const Numbers<> map = around.from(), own{part.of(moments, of_moments)};
+    Real* const out = part.of(flow, numbers::flow);
+    const V weight = hn::Mul(map[0], set(per_tent)), n = own[0];
+    const V3 y = {own[1], own[2], own[3]};
+    const Symmetric yy = {own[4], own[5], own[6], own[7], own[8], own[9]};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto scaled = [&](std::size_t q) { return hn::Mul(map[q], set(per_tent)); };
+      const V a = scaled(1 + i), x = scaled(4 + 3 * i), b = scaled(5 + 3 * i), z = scaled(6 + 3 * i);
+      const auto less = [&](V sum, std::size_t q) { return hn::NegMulAdd(weight, own[10 + q], sum); };
+      write(less(hn::MulAdd(a, n, dot(x, b, z, y[0], y[1], y[2])), i), out, i);
+      const V3 slopes = {dot(x, b, z, yy[0], yy[3], yy[4]), dot(x, b, z, yy[3], yy[1], yy[5]),
+                         dot(x, b, z, yy[4], yy[5], yy[2])};
+      for (std::size_t j = 0; j < 3; ++j)
+        write(less(hn::MulAdd(a, y[j], slopes[j]), 3 + 3 * i + j), out, 3 + 3 * i + j);
+    }
+  }
+}
+
+void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
+  const TenCells* const sums = sum_across<FlowSums>(flow);
+  for (Part part = cells_of(flow); part.begin < part.end; ++part) {
+    const TentSums<FlowSums> around(sums, part);
+    const Numbers<> places{part.of(out.spread, numbers::spread)};
+    const SpreadVectors spread = {places[0],
+                                  {places[1], places[2], places[3]},
+                                  {places[4], places[5], places[6], places[7], places[8], places[9]}};
+    write(fit_of(spread, around.from()), load(out.factor, part), part.of(out.fit, numbers::map));
+  }
+}
+
+void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
+  const TenCells *const noise_sums = sum_across<MapSums>(noise), *const map_sums = sum_across<MapSums>(maps);
+  for (Part part = cells_of(noise); part.begin < part.end; ++part) {
+    const TentSums<MapSums> second(noise_sums, part), first(map_sums, part);
+    Real* const out = part.of(damping, numbers::map);
+    const V whole = set(per_tent), kept = hn::Mul(hn::Mul(whole, whole), second.from()[0]);
+    write(hn::Mul(kept, first.from()[0]), out, 0);
+    for (std::size_t q = 1; q < numbers::map; ++q)
+      write(hn::MulSub(kept, first.from()[q], hn::Mul(whole, second.from()[q])), out, q);
+  }
+}
+
+void add_maps_of(const RowsAround& maps, EightCells* sum) {
+  const TenCells* const sums = sum_across<MapSums>(maps);
+  for (Part part = cells_of(maps); part.begin < part.end; ++part) {
+    const TentSums<MapSums> around(sums, part);
+    Real* const out = part.of(sum, numbers::map);
+    for (std::size_t q = 0; q < numbers::map; ++q)
+      write(hn::MulAdd(set(per_tent), around.from()[q], Numbers<>{out}[q]), out, q);
+  }
+}
+
+void average_maps_of(const RowsAround& maps, const Real* factor, EightCells* mean) {
+  const TenCells* const sums = sum_across<MapSums>(maps);
+  for (Part part = cells_of(maps); part.begin < part.end; ++part) {
+    const TentSums<MapSums> around(sums, part);
+    Real* const out = part.of(mean, numbers::map);
+    const V weight = around.from()[0];
+    const auto any = hn::Gt(weight, set(0));
+    const V share = hn::IfThenElseZero(any, hn::Div(load(factor, part), hn::IfThenElse(any, weight, set(1))));
+    for (std::size_t q = 0; q < numbers::map; ++q) write(hn::Mul(share, around.from()[q]), out, q);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace trevi {
+
+HWY_EXPORT(fit_motion_of);
+HWY_EXPORT(fit_shifts_of);
+HWY_EXPORT(filter_motion_of);
+HWY_EXPORT(fit_flow_of);
+HWY_EXPORT(damp_noise_of);
+HWY_EXPORT(add_maps_of);
+HWY_EXPORT(average_maps_of);
+
+RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory) {
+  const LocalId rows = grid.rows();
+  const bool repeats = grid.repeats()[2];
+  RowsAround around{{},
+                    field.numbers(),
+                    row.k,
+                    row.r,
+                    {grid.axis(0), grid.axis(1)},
+                    static_cast<std::size_t>(repeats ? 0 : row.cells.begin),
+                    static_cast<std::size_t>(repeats ? grid.columns() : row.cells.end),
+                    static_cast<std::size_t>(grid.columns()),
+                    repeats,
+                    memory};
+  for (LocalId i = 0; i < 3; ++i) {
+    const LocalId r = grid.repeats()[1] ? (row.r - 1 + i + rows) % rows : row.r - 1 + i;
+    for (LocalId j = 0; j < 3; ++j)
+      around.first[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = field.row(row.k - 1 + j, r);
+  }
+  return around;
+}
+
+void fit_motion(const RowsAround& moments, const MotionFits& out) { HWY_DYNAMIC_DISPATCH(fit_motion_of)(moments, out); }
+void fit_shifts(const RowsAround& moments, const ShiftFits& out) { HWY_DYNAMIC_DISPATCH(fit_shifts_of)(moments, out); }
+void filter_motion(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
+  HWY_DYNAMIC_DISPATCH(filter_motion_of)(maps, moments, of_moments, flow);
+}
+void fit_flow(const RowsAround& flow, const FlowFits& out) { HWY_DYNAMIC_DISPATCH(fit_flow_of)(flow, out); }
+void damp_noise(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
+  HWY_DYNAMIC_DISPATCH(damp_noise_of)(noise, maps, damping);
+}
+void add_maps(const RowsAround& maps, EightCells* sum) { HWY_DYNAMIC_DISPATCH(add_maps_of)(maps, sum); }
+void average_maps(const RowsAround& maps, const Real* factor, EightCells* mean) {
+  HWY_DYNAMIC_DISPATCH(average_maps_of)(maps, factor, mean);
+}
+
+}  // namespace trevi
+#endif

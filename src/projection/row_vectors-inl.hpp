@@ -1,0 +1,210 @@
+// Vectors of cells of a row, and the tents over them. Included once per instruction set.
+#if defined(TREVI_PROJECTION_ROW_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREVI_PROJECTION_ROW_VECTORS_INL
+#undef TREVI_PROJECTION_ROW_VECTORS_INL
+#else
+#define TREVI_PROJECTION_ROW_VECTORS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+
+#include "projection/parameters.hpp"
+#include "projection/row_fits.hpp"
+#include "projection/vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+/// The next cells of a row, as many as a vector has lanes. Where a row is one of EightCells, whole vectors are written.
+struct Part {
+  std::size_t begin, end;
+  HWY_INLINE Part& operator++() {
+    begin += hn::Lanes(Wide());
+    return *this;
+  }
+  HWY_INLINE const Real* of(const EightCells* row, std::size_t numbers) const {
+    return row[begin / most_lanes * numbers].of + begin % most_lanes;
+  }
+  HWY_INLINE Real* of(EightCells* row, std::size_t numbers) const {
+    return row[begin / most_lanes * numbers].of + begin % most_lanes;
+  }
+};
+HWY_INLINE V load(const Real* row, const Part& part) { return hn::LoadU(Wide(), row + part.begin); }
+/// Nothing beyond the end is written: it may be another thread's.
+HWY_INLINE void store(V v, const Part& part, Real* row) {
+  const Wide d;
+  Real* const to = row + part.begin;
+  if (part.begin + hn::Lanes(d) <= part.end) return hn::StoreU(v, d, to);
+  alignas(64) Real last[most_lanes];
+  hn::Store(v, d, last);
+  std::copy_n(last, part.end - part.begin, to);
+}
+
+/// Numbers of cells that lie `stride` apart.
+template <std::size_t stride = most_lanes>
+struct Numbers {
+  const Real* first;
+  HWY_INLINE V operator[](std::size_t q) const { return hn::LoadU(Wide(), first + q * stride); }
+};
+HWY_INLINE void write(V v, Real* numbers, std::size_t q) { hn::Store(v, Wide(), numbers + q * most_lanes); }
+
+// Cells beside one another along coordinate axis b: the sums over them, of which those below and above have the weight
+// w and coordinates of their own, one cell less and one more. Each number in its turn is
+// own + w (low + high + what the coordinates make of other numbers).
+template <std::size_t from, std::size_t to>
+struct Beside {
+  Numbers<from> low, own, high;
+  Real* out;
+  HWY_INLINE V difference(std::size_t q) const { return hn::Sub(high[q], low[q]); }
+  HWY_INLINE V sum(std::size_t q) const { return hn::Add(high[q], low[q]); }
+  HWY_INLINE void write(std::size_t q, V beside) const {
+    hn::StoreU(hn::MulAdd(set(projection::tent), beside, own[q]), Wide(), out + q * to);
+  }
+};
+
+// Numbers of Moments, of a Flow and of an AffineMap.
+struct FlowSums {
+  static constexpr std::size_t count = numbers::flow;
+  template <std::size_t b, std::size_t first = 0, class Cells>
+  static HWY_INLINE void add(const Cells& cells) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t uy = first + 3 + 3 * a;
+      cells.write(first + a, cells.sum(first + a));
+      const V shift = cells.difference(first + a);
+      for (std::size_t j = 0; j < 3; ++j)
+        cells.write(uy + j, j == b ? hn::Add(cells.sum(uy + j), shift) : cells.sum(uy + j));
+    }
+  }
+};
+struct MomentSums {
+  static constexpr std::size_t count = numbers::moments;
+  template <std::size_t b, class Cells>
+  static HWY_INLINE void add(const Cells& cells) {
+    constexpr std::size_t c = (b + 1) % 3, d = (b + 2) % 3;
+    const V n = cells.sum(0), more = cells.difference(0);
+    const V3 shift = {cells.difference(1), cells.difference(2), cells.difference(3)};
+    cells.write(0, n);
+    cells.write(1 + b, hn::Add(cells.sum(1 + b), more));
+    cells.write(1 + c, cells.sum(1 + c));
+    cells.write(1 + d, cells.sum(1 + d));
+    cells.write(4 + b, hn::Add(cells.sum(4 + b), hn::MulAdd(set(2), shift[b], n)));
+    cells.write(4 + c, cells.sum(4 + c));
+    cells.write(4 + d, cells.sum(4 + d));
+    cells.write(4 + b + c + 2, hn::Add(cells.sum(4 + b + c + 2), shift[c]));
+    cells.write(4 + b + d + 2, hn::Add(cells.sum(4 + b + d + 2), shift[d]));
+    cells.write(4 + c + d + 2, cells.sum(4 + c + d + 2));
+    FlowSums::add<b, 10>(cells);
+    cells.write(22, cells.sum(22));
+  }
+};
+struct MapSums {
+  static constexpr std::size_t count = numbers::map;
+  template <std::size_t b, class Cells>
+  static HWY_INLINE void add(const Cells& cells) {
+    cells.write(0, cells.sum(0));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t slope = 4 + 3 * a;
+      cells.write(1 + a, hn::Sub(cells.sum(1 + a), cells.difference(slope + b)));
+      for (std::size_t j = 0; j < 3; ++j) cells.write(slope + j, cells.sum(slope + j));
+    }
+  }
+};
+
+template <class Sums, class Cells>
+HWY_INLINE void add_beside(std::size_t axis, const Cells& cells) {
+  return axis == 0 ? Sums::template add<0>(cells) : Sums::template add<1>(cells);
+}
+
+using TenCells = TentMemory::TenCells;
+constexpr std::size_t in_ten = sizeof(TenCells) / sizeof(Real);
+
+/// Whole eights of cells are worked on.
+HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / most_lanes * most_lanes, rows.end}; }
+/// With one more at either end, and all of the last eight.
+HWY_INLINE Part cells_around(const RowsAround& rows) {
+  const std::size_t begin = rows.begin - (rows.begin > 0 ? 1 : 0), end = std::min(rows.end + 1, rows.columns);
+  return {begin / most_lanes * most_lanes, (end + most_lanes - 1) / most_lanes * most_lanes};
+}
+
+template <class Sums>
+HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, Part part, EightCells* out) {
+  for (; part.begin < part.end; ++part) {
+    const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(rows.first[i][j], rows.numbers)}; };
+    add_beside<Sums>(rows.axis[0],
+                     Beside<most_lanes, most_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
+  }
+}
+
+// Row i of those around, across the planes, as far as that has not been done for a row before.
+template <class Sums>
+HWY_INLINE const EightCells* planes_of(const RowsAround& rows, std::size_t i) {
+  TentMemory::Row& row = rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.columns);
+  EightCells* const out = row.values.data();
+  const Part needed = cells_around(rows);
+  if (row.begin == row.end) row.begin = row.end = needed.begin;
+  if (needed.begin < row.begin) sum_planes<Sums>(rows, i, {needed.begin, row.begin}, out);
+  row.begin = std::min(row.begin, needed.begin);
+  if (needed.end > row.end) {
+    sum_planes<Sums>(rows, i, {row.end, needed.end}, out);
+    row.end = needed.end;
+  }
+  return out;
+}
+
+// What eight cells need of those before and after them, and of the other end where the row repeats.
+template <std::size_t count>
+HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
+  const Part cells = cells_around(rows);
+  const std::size_t first = cells.begin / most_lanes, end = cells.end / most_lanes;
+  for (std::size_t j = first; j < end; ++j) {
+    for (std::size_t q = j * count; q < (j + 1) * count; ++q) {
+      sums[q].of[0] = j > first ? sums[q - count].of[most_lanes] : 0;
+      sums[q].of[most_lanes + 1] = j + 1 < end ? sums[q + count].of[1] : 0;
+    }
+  }
+  const std::size_t last = (rows.columns - 1) / most_lanes;
+  for (std::size_t q = 0; q < count && rows.repeats; ++q) {
+    Real* const highest = sums[last * count + q].of + (rows.columns - last * most_lanes);
+    sums[q].of[0] = highest[0];
+    highest[1] = sums[q].of[1];
+  }
+}
+
+/// Sums over the rows around; null where no cell is asked for.
+template <class Sums>
+HWY_INLINE const TenCells* sum_across(const RowsAround& rows) {
+  if (rows.begin == rows.end) return nullptr;
+  const EightCells* const across[3] = {planes_of<Sums>(rows, 0), planes_of<Sums>(rows, 1), planes_of<Sums>(rows, 2)};
+  TenCells* const sums = rows.memory.sums(Sums::count, rows.columns).data();
+  for (Part part = cells_around(rows); part.begin < part.end; ++part) {
+    const auto of_row = [&](std::size_t i) { return Numbers<>{part.of(across[i], Sums::count)}; };
+    Real* const out = sums[part.begin / most_lanes * Sums::count].of + part.begin % most_lanes + 1;
+    add_beside<Sums>(rows.axis[1], Beside<most_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});
+  }
+  join_eights<Sums::count>(rows, sums);
+  return sums;
+}
+
+/// The tents of the next cells.
+template <class Sums>
+class TentSums {
+ public:
+  HWY_INLINE TentSums(const TenCells* sums, const Part& part) {
+    const Real* const low = sums[part.begin / most_lanes * Sums::count].of + part.begin % most_lanes;
+    Sums::template add<2>(Beside<in_ten, most_lanes>{{low}, {low + 1}, {low + 2}, value_});
+  }
+  /// From number q on.
+  HWY_INLINE Numbers<> from(std::size_t q = 0) const { return {value_ + q * most_lanes}; }
+
+ private:
+  alignas(64) Real value_[Sums::count * most_lanes];
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,33 @@
+// Vectors of the projection's loops: doubles, at most eight at a time. Included once per instruction set.
+#if defined(TREVI_PROJECTION_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREVI_PROJECTION_VECTORS_INL
+#undef TREVI_PROJECTION_VECTORS_INL
+#else
+#define TREVI_PROJECTION_VECTORS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <array>
+
+#include "trevi/types.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t most_lanes = 8;
+using Wide = hn::CappedTag<double, most_lanes>;
+using V = hn::Vec<Wide>;
+using V3 = std::array<V, 3>;
+
+HWY_INLINE V set(Real a) { return hn::Set(Wide(), a); }
+// Always made with values: the default constructor would not be of this instruction set.
+HWY_INLINE V3 zeros() { return {hn::Zero(Wide()), hn::Zero(Wide()), hn::Zero(Wide())}; }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+#endif
