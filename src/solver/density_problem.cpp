@@ -113,6 +113,7 @@ void DensityProblem<T>::project(Projection& projection) {
   projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, delta_);
   resize_tightly(act_, delta_.size());
   resize_tightly(in_flight_, delta_.size());
+  resize_tightly(swept_rho_, delta_.size());
   for_each_index(near_.all(), [&](std::size_t i) {
     act_[i] = delta_[i].w;
     in_flight_[i] = 0;
@@ -132,7 +133,10 @@ void DensityProblem<T>::set_velocities() {
 
 template <class T>
 void DensityProblem<T>::note_sweep() {
-  for_each_index(near_.all(), [&](std::size_t i) { in_flight_[i] += (1 - act_[i]) * multiplier_[i]; });
+  for_each_index(near_.all(), [&](std::size_t i) {
+    in_flight_[i] += (1 - act_[i]) * multiplier_[i];
+    swept_rho_[i] = rho_[i];
+  });
 }
 
 // Rows of cells that have a multiplier in or beside them.
@@ -191,7 +195,7 @@ void DensityProblem<T>::release_in_flight() {
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
   const typename Projection::Swept<T> swept{
-      {particles_->position, particles_->predicted}, act_, {rho_, constraint_.model().rest_density}};
+      {particles_->position, particles_->predicted}, act_, {swept_rho_, constraint_.model().rest_density}};
   projection.filter_shifts<T>(near_.order(), near_.halo(), swept, delta_);
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);

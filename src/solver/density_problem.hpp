@@ -98,7 +98,7 @@ class DensityProblem {
   /// included.
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const {
-    return rho_.capacity() * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) +
+    return (rho_.capacity() + swept_rho_.capacity()) * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) +
            (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
   }
 
@@ -122,8 +122,9 @@ class DensityProblem {
   std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' shares
   std::vector<T> multiplier_;   // m², as in the records
   bool positions_only_ = false;
-  std::vector<T> act_;        // how far the grid acts on each particle
-  std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
+  std::vector<T> act_;           // how far the grid acts on each particle
+  std::vector<T> in_flight_;     // m², of all sweeps, times 1 − act_
+  std::vector<Real> swept_rho_;  // kg/m³, that the last sweep saw: a tolerance may have asked for later ones
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};
