@@ -37,7 +37,8 @@ BytesEach bytes_each(const Scene& scene) {
   double ghost = quad;
   double cell = 2 * 4;  // counts and starts
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
-  if (scene.density.coarse_grid) owned += 2 * quad / 4;  // what the sweeps after the projection are told
+  if (scene.density.coarse_grid)
+    owned += 2 * quad / 4 + 8;  // what the sweeps after the projection are told, and densities that they saw
   if (scene.vorticity) owned += quad, ghost += quad;
   if (scene.vorticity && scene.vorticity_form == VorticityForm::projected) owned += 24;  // velocities before it
   if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)

@@ -10,8 +10,8 @@ namespace trevi::projection {
 // ------------------------------------------------------------------------------------------------
 
 /// Weight of a neighbour cell, along each axis, in the affine fit of a cell (affine.hpp). With 1/2 closed water that
-/// turns once loses 3.2 % of its angular momentum at R = 10 s, with 1/4 2.5 %, with 0.15 2.1 %, but water in vessels
-/// then rests half as well.
+/// turns once loses 0.2 % of its angular momentum at R = 10 s and 1/60 s, with 1/4 and 0.15 nothing measurable; water
+/// in vessels rested half as well with 0.15 as with 1/2, when cut cells were not yet exact.
 constexpr Real tent = 0.25;
 /// Added to the variance of positions in a fit, cells²: particles in a plane or on a line have no gradient across it.
 constexpr Real fit_damping = 1e-3;

@@ -149,7 +149,7 @@ struct Vessel {
 };
 
 // Nothing of it passes the wall, so what enters a cell leaves it: else every cell at the wall would brake the water.
-// Here cells are left out, too, of which the vessel leaves a sliver.
+// That holds beside cells, too, of which the vessel leaves only a sliver.
 TEST(CutCells, ARigidRotationHasNoDivergenceInAVessel) {
   for (const ShapeKind shape : {ShapeKind::cylinder, ShapeKind::sphere}) {
     for (const Real radius : {0.53, 0.8, 0.97}) {
