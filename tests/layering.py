@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Checks the rooms of Trevi: who includes whom, which libraries show where, file lengths, top-level folders.
+"""Checks the modules of Trevi: who includes whom, which libraries show where, file lengths, top-level folders.
 
-The rules (ARCHITECTURE.md): a room includes only itself and lower rooms; no circular includes; a public header (those of
-include/trevi, listed below with their room) includes public headers only; mpi.h and petsc*.h in headers of parallel/ and
+The rules (ARCHITECTURE.md): a module includes only itself and lower modules; no circular includes; a public header (those of
+include/trevi, listed below with their module) includes public headers only; mpi.h and petsc*.h in headers of parallel/ and
 domain/ only; HDF5 and VTK only in src/io, VTK in src/view, too, which alone may draw (X11, VTK's rendering); sndfile
 only in src/music/*.cpp; ZeroMQ only in src/live and src/view; no file over 400 lines; no other folders at the top than
 the known ones.
@@ -16,11 +16,12 @@ import tempfile
 from collections import namedtuple
 from pathlib import Path
 
-ROOMS = ["base", "parallel", "particles", "domain", "fluid", "projection", "solver", "music", "io", "live", "app", "view"]
-PUBLIC = {  # header of the library: its room
+MODULES = ["base", "parallel", "particles", "domain", "kernels", "boundary", "fluid", "multigrid", "projection",
+           "solver", "music", "io", "live", "scene", "app", "view"]
+PUBLIC = {  # header of the library: its module
     "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",
-    "settings": "fluid", "obstacle": "fluid", "forcing": "fluid", "observer": "solver", "solver": "solver", "scene": "app",
+    "settings": "particles", "obstacle": "particles", "forcing": "particles", "observer": "solver", "solver": "solver", "scene": "scene",
 }
 FOLDERS = {"jobs", "inputs", "postprocess", "tests", "src", "include"}
 MAX_LINES = 400
@@ -53,14 +54,12 @@ def read_includes(path):
     return found
 
 
-def room_of(file):
-    """Room of a path from the project's root ("src/fluid/x.cpp"), None when it is in none. src/main.cpp is app."""
+def module_of(file):
+    """Module of a path from the project's root ("src/fluid/x.cpp"), None when it is in none."""
     parts = file.split("/")
-    if file == "src/main.cpp":
-        return "app"
     if parts[:2] == ["include", "trevi"]:
         return PUBLIC.get(parts[2].removesuffix(".hpp")) if len(parts) == 3 else None
-    return parts[1] if len(parts) > 2 and parts[1] in ROOMS else None
+    return parts[1] if len(parts) > 2 and parts[1] in MODULES else None
 
 
 class Tree:
@@ -82,19 +81,19 @@ class Tree:
 
 def check_layers(tree):
     for file, includes in tree.includes.items():
-        own = room_of(file)
+        own = module_of(file)
         if own is None:
-            yield file, 1, f"is in no room; they are {', '.join(ROOMS)}"
+            yield file, 1, f"is in no module; they are {', '.join(MODULES)}"
             continue
         for line, name in includes:
             target = tree.resolve(file, name)
             if target is None:
                 continue
-            other = room_of(target)
+            other = module_of(target)
             if other is None:
-                yield file, line, f"{name} is in no room"
-            elif ROOMS.index(other) > ROOMS.index(own):
-                yield file, line, f"{own} includes {name}, which is in a higher room"
+                yield file, line, f"{name} is in no module"
+            elif MODULES.index(other) > MODULES.index(own):
+                yield file, line, f"{own} includes {name}, which is in a higher module"
             elif file.startswith("include/") and target.startswith("src/"):
                 yield file, line, f"the public header includes {name}, which is not public"
 
@@ -109,7 +108,7 @@ def check_public(tree):
         reached.add(file)
         todo += [tree.resolve(file, include.name) for include in tree.includes[file]]
     for file in tree.includes:
-        if file.startswith("include/") and room_of(file) and file not in reached:
+        if file.startswith("include/") and module_of(file) and file not in reached:
             yield file, 1, "no program that uses the library needs it; keep it beside its source"
 
 
@@ -117,7 +116,7 @@ def check_libraries(tree):
     for file, includes in tree.includes.items():
         for line, name in includes:
             base = name.split("/")[-1]
-            if file.endswith(".hpp") and MPI.match(base) and room_of(file) not in ("parallel", "domain"):
+            if file.endswith(".hpp") and MPI.match(base) and module_of(file) not in ("parallel", "domain"):
                 yield file, line, f"{name} in a header outside parallel/ and domain/"
             for library, (header, allowed) in LIBRARIES.items():
                 if header.match(base) and not allowed.match(file):
@@ -176,28 +175,29 @@ GOOD = {
     "include/trevi/session.hpp": '#include <mpi.h>\n#include "trevi/types.hpp"\n',
     "include/trevi/solver.hpp": '#include "trevi/session.hpp"\n#include "trevi/types.hpp"\n',
     "include/trevi/scene.hpp": "".join(f'#include "trevi/{name}.hpp"\n' for name in ("box", "forcing", "particles")),
+    "src/base/bits.hpp": "\n",
     "src/domain/halo.hpp": "#include <petscvec.h>\n",
     "src/fluid/kernel.hpp": '// #include "trevi/scene.hpp"\n/*\n#include <hdf5.h>\n*/\n#include "trevi/types.hpp"\n',
     "src/music/music.cpp": '#include <sndfile.h>\n#include "table.hpp"\n',
     "src/music/table.hpp": '#include "fluid/kernel.hpp"\n',
-    "src/io/vtu.cpp": "#include <vtkPoints.h>\n#include <hdf5.h>\n",
+    "src/io/frames/vtu.cpp": "#include <vtkPoints.h>\n#include <hdf5.h>\n",
     "src/solver/step.cpp": '#include <mpi.h>\n#include "fluid/kernel.hpp"\n',
     "src/live/link.cpp": "#include <zmq.hpp>\n",
     "src/view/window.cpp": "#include <vtkRenderer.h>\n#include <zmq.hpp>\n",
-    "src/main.cpp": '#include "trevi/scene.hpp"\n',
+    "src/app/main.cpp": '#include "trevi/scene.hpp"\n',
     "jobs/run.sh": "\n" * MAX_LINES,
     ".gitignore": "build/\n/out\n",
     "build/x": "", "out/x": "", ".ci/run": "",
 }
 BAD = [  # file, text, the line and a word of the violation
-    ("include/trevi/box.hpp", '#pragma once\n#include "trevi/settings.hpp"\n', 2, "higher room"),
-    ("include/trevi/forcing.hpp", '#include "fluid/kernel.hpp"\n', 1, "not public"),
-    ("include/trevi/extra.hpp", "\n", 1, "in no room"),
+    ("include/trevi/box.hpp", '#pragma once\n#include "trevi/settings.hpp"\n', 2, "higher module"),
+    ("include/trevi/forcing.hpp", '#include "base/bits.hpp"\n', 1, "not public"),
+    ("include/trevi/extra.hpp", "\n", 1, "in no module"),
     ("include/trevi/particles.hpp", "#include <mpi.h>\n", 1, "mpi.h"),
     ("include/trevi/observer.hpp", "\n", 1, "no program"),
-    ("src/fluid/up.cpp", '#include "../solver/private.hpp"\n', 1, "higher room"),
-    ("src/solver/odd.cpp", '\n\n  #  include "trevi/extras/odd.hpp"\n', 3, "in no room"),
-    ("src/stray.cpp", "\n", 1, "in no room"),
+    ("src/fluid/up.cpp", '#include "../solver/private.hpp"\n', 1, "higher module"),
+    ("src/solver/odd.cpp", '\n\n  #  include "trevi/extras/odd.hpp"\n', 3, "in no module"),
+    ("src/stray.cpp", "\n", 1, "in no module"),
     ("src/fluid/mpi.hpp", "#include <mpi.h>\n", 1, "mpi.h"),
     ("src/solver/petsc.hpp", "#include <petscvec.h>\n", 1, "petscvec.h"),
     ("src/app/hdf.hpp", "#include <hdf5.h>\n", 1, "HDF5"),
@@ -205,7 +205,7 @@ BAD = [  # file, text, the line and a word of the violation
     ("src/music/sound.hpp", "#include <sndfile.h>\n", 1, "sndfile"),
     ("src/io/draw.cpp", "#include <vtkRenderer.h>\n", 1, "rendering"),
     ("src/app/line.cpp", "#include <zmq.hpp>\n", 1, "ZeroMQ"),
-    ("src/app/peep.cpp", '#include "../view/peephole.hpp"\n', 1, "higher room"),
+    ("src/app/peep.cpp", '#include "../view/peephole.hpp"\n', 1, "higher module"),
     ("src/domain/b.hpp", '#include "domain/a.hpp"\n', 1, "circular"),
     ("src/fluid/long.cpp", "\n" * (MAX_LINES + 1), MAX_LINES + 1, "401 lines"),
     ("docs/manual.txt", "", 1, "unknown folder"),

@@ -2,7 +2,7 @@
 // length. Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which is the
 // same on any rank count. Ghosts exist only in the packed records of the pair loops (packed.hpp), not here. The one
 // list of fields is for_each_field, which migration uses; sorting uses for_each_kept_field, as velocities are about to
-// be overwritten then. The fields that are written to files: src/io/fields.hpp.
+// be overwritten then. The fields that are written to files: src/io/frames/fields.hpp.
 #pragma once
 
 #include <cassert>

@@ -4,22 +4,20 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/initial_particles.hpp"
-#include "app/obstacle_files.hpp"
-#include "app/scene_changes.hpp"
-#include "app/scene_place.hpp"
-#include "fluid/density.hpp"
-#include "fluid/fountain.hpp"
-#include "io/gauge_series.hpp"
-#include "io/obstacle_series.hpp"
-#include "io/output_directory.hpp"
-#include "io/series.hpp"
-#include "io/vtkhdf.hpp"
-#include "io/vtu.hpp"
+#include "fluid/constraint/density.hpp"
+#include "io/frames/vtkhdf.hpp"
+#include "io/frames/vtu.hpp"
+#include "io/run_directory/output_directory.hpp"
+#include "io/tables/gauge_series.hpp"
+#include "io/tables/obstacle_series.hpp"
+#include "io/tables/series.hpp"
 #include "live/live_view.hpp"
 #include "music/music.hpp"
 #include "parallel/reductions.hpp"
-#include "solver/open_flow.hpp"
+#include "scene/initial_particles.hpp"
+#include "scene/make_flow.hpp"
+#include "scene/obstacle_files.hpp"
+#include "scene/scene_changes.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -114,37 +112,6 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   return observers;
 }
 
-// Pumps that follow standard input share it.
-std::unique_ptr<Pump> make_pump(MPI_Comm comm, const Scene& scene, const PumpSettings& settings, const char* key,
-                                std::shared_ptr<LiveSound>& live) {
-  if (!settings.music) return std::make_unique<ConstantPump>(settings.speed);
-  return told_at(scene, settings.line, key, [&] { return make_music_pump(comm, *settings.music, live); });
-}
-
-std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene,
-                                                     std::shared_ptr<LiveSound>& live) {
-  std::vector<std::unique_ptr<Forcing>> forcings;
-  int index = 0;
-  for (const FountainSettings& fountain : scene.fountains) {
-    forcings.push_back(std::make_unique<Fountain>(fountain,
-                                                  make_pump(comm, scene, fountain, "[[fountain]] music", live),
-                                                  scene.domain.min.z(), scene.seed, index++));
-  }
-  return forcings;
-}
-
-std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
-                                    std::shared_ptr<LiveSound>& live) {
-  if (scene.inlets.empty() && scene.drains.empty()) return nullptr;
-  OpenFlow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing};
-  auto index = static_cast<int>(scene.fountains.size());
-  for (const InletSettings& inlet : scene.inlets) {
-    parts.inlets.push_back(std::make_shared<Inlet>(inlet, make_pump(comm, scene, inlet, "[[inlet]] music", live),
-                                                   scene.fluid.spacing, scene.seed, index++));
-  }
-  return std::make_shared<OpenFlow>(std::move(parts), std::move(state));
-}
-
 }  // namespace
 
 CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
@@ -166,16 +133,6 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
     if (scene.periodic[a] && gravity[static_cast<Eigen::Index>(a)] != 0) return nullptr;
   const Real g = gravity.norm();
   return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
-}
-
-std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene) {
-  std::shared_ptr<LiveSound> live;
-  return make_fountains(comm, scene, live);
-}
-
-std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene) {
-  std::shared_ptr<LiveSound> live;
-  return make_flow(comm, scene, std::nullopt, live);
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "app/command_line.hpp"
-#include "io/checkpoint.hpp"
-#include "io/energy_rise.hpp"
-#include "io/output_lock.hpp"
+#include "io/hdf5/checkpoint.hpp"
+#include "io/run_directory/output_lock.hpp"
+#include "io/tables/energy_rise.hpp"
 #include "live/viewer_link.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/session.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "io/progress.hpp"
+#include "io/run_directory/progress.hpp"
 
 namespace trevi {
 

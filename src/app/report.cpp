@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <system_error>
 
-#include "app/envelope.hpp"
+#include "app/preflight/envelope.hpp"
 #include "base/simd.hpp"
-#include "io/hdf5_rows.hpp"
-#include "io/run_report.hpp"
-#include "io/vtu.hpp"
+#include "io/frames/vtu.hpp"
+#include "io/hdf5/hdf5_rows.hpp"
+#include "io/run_directory/run_report.hpp"
 #include "parallel/log.hpp"
 #include "parallel/reductions.hpp"
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "app/launch.hpp"
-#include "io/checkpoint.hpp"
-#include "io/energy_rise.hpp"
-#include "io/output_lock.hpp"
+#include "io/hdf5/checkpoint.hpp"
+#include "io/run_directory/output_lock.hpp"
+#include "io/tables/energy_rise.hpp"
 #include "trevi/error.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/session.hpp"

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include "io/checkpoint.hpp"
-#include "io/files.hpp"
-#include "io/output_directory.hpp"
+#include "io/hdf5/checkpoint.hpp"
+#include "io/run_directory/files.hpp"
+#include "io/run_directory/output_directory.hpp"
 #include "parallel/collective.hpp"
 
 namespace trevi {

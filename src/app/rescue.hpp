@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "io/checkpoint.hpp"
+#include "io/hdf5/checkpoint.hpp"
 #include "trevi/session.hpp"
 #include "trevi/solver.hpp"
 

@@ -6,11 +6,11 @@
 #include <cctype>
 #include <string_view>
 
-#include "app/free_places.hpp"
-#include "app/scene_changes.hpp"
 #include "base/damaged_file.hpp"
-#include "io/output_directory.hpp"
+#include "io/run_directory/output_directory.hpp"
 #include "parallel/collective.hpp"
+#include "scene/free_places.hpp"
+#include "scene/scene_changes.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "io/checkpoint.hpp"
+#include "io/hdf5/checkpoint.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/session.hpp"
 

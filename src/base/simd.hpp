@@ -1,6 +1,6 @@
 // Which instruction set the pair loops use. One binary holds them for SSE2/SSE4, AVX2, AVX-512 (NEON on Arm) and picks
-// one at run time. Sums have the same structure on all of them (fluid/pair_traversal-inl.hpp), so that all with a fused
-// multiply-add give the same bits. All ranks use the same instruction set, as the others agree to rounding only.
+// one at run time. Sums have the same structure on all of them (fluid/pairs/pair_traversal-inl.hpp), so that all with a
+// fused multiply-add give the same bits. All ranks use the same instruction set, as the others agree to rounding only.
 #pragma once
 
 #include <cstdint>

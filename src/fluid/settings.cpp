@@ -1,7 +1,7 @@
 #include "trevi/settings.hpp"
 
-#include "fluid/density.hpp"
-#include "fluid/kernels.hpp"
+#include "fluid/constraint/density.hpp"
+#include "kernels/kernels.hpp"
 
 namespace trevi {
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "io/visible.hpp"
+#include "io/frames/visible.hpp"
 #include "parallel/collective.hpp"
 #include "parallel/reductions.hpp"
 

@@ -1,15 +1,15 @@
 // An observer that shows the run to a viewer and lets it steer: pause, single steps, stop.
 // Frames are on credit: one is gathered and sent only after the viewer has seen the last one, so the run never waits
-// for a slow viewer, and only what can be seen is sent (io/visible.hpp). A pause holds all ranks here, between two
-// steps, asleep but for a look at the link every few milliseconds; it ends with the viewer's wish, with the viewer, or
-// when the run is asked to stop by other means (a signal, the stop file, the wall limit). Invariant: it never changes
-// the particles, and all ranks do the same, as rank 0 tells them every step what to do. Collective.
+// for a slow viewer, and only what can be seen is sent (io/frames/visible.hpp). A pause holds all ranks here, between
+// two steps, asleep but for a look at the link every few milliseconds; it ends with the viewer's wish, with the viewer,
+// or when the run is asked to stop by other means (a signal, the stop file, the wall limit). Invariant: it never
+// changes the particles, and all ranks do the same, as rank 0 tells them every step what to do. Collective.
 #pragma once
 
 #include <functional>
 #include <memory>
 
-#include "io/colour.hpp"
+#include "io/frames/colour.hpp"
 #include "live/viewer_link.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/requests.hpp"

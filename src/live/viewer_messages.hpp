@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "io/viewed_frame.hpp"
+#include "io/frames/viewed_frame.hpp"
 
 namespace trevi {
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "fluid/fountain.hpp"
+#include "fluid/forcings/fountain.hpp"
 #include "trevi/forcing.hpp"
 #include "trevi/session.hpp"
 #include "trevi/settings.hpp"

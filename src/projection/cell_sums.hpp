@@ -6,7 +6,7 @@
 #include <array>
 #include <span>
 
-#include "fluid/pair_sums.hpp"
+#include "fluid/pairs/pair_sums.hpp"
 
 namespace trevi {
 

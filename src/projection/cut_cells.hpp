@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/threads.hpp"
-#include "fluid/obstacles/obstacles.hpp"
+#include "boundary/obstacles/obstacles.hpp"
 #include "projection/clipped_cell.hpp"
 #include "projection/grid.hpp"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "domain/slabs.hpp"
+#include "multigrid/cell_rows.hpp"
 #include "particles/cell_grid.hpp"
-#include "projection/cell_rows.hpp"
 #include "projection/cell_sums.hpp"
 #include "trevi/box.hpp"
 #include "trevi/session.hpp"

@@ -18,8 +18,8 @@
 // surface, phi has no origin, and its largest value becomes 0. Collective.
 #pragma once
 
+#include "multigrid/multigrid.hpp"
 #include "projection/free_surface.hpp"
-#include "projection/multigrid.hpp"
 
 namespace trevi {
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <span>
 
-#include "fluid/density.hpp"
+#include "fluid/constraint/density.hpp"
 #include "parallel/log.hpp"
 #include "projection/grid_to_particles.hpp"
 #include "projection/shift_filter.hpp"

@@ -7,7 +7,7 @@
 
 #include "base/growth.hpp"
 #include "base/hash.hpp"
-#include "fluid/particle_loops.hpp"
+#include "fluid/pairs/particle_loops.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {

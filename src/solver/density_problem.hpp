@@ -14,10 +14,10 @@
 #include <array>
 
 #include "base/threads.hpp"
+#include "boundary/walls.hpp"
+#include "boundary/wrap.hpp"
 #include "domain/neighbourhood.hpp"
-#include "domain/wrap.hpp"
-#include "fluid/density.hpp"
-#include "fluid/walls.hpp"
+#include "fluid/constraint/density.hpp"
 #include "projection/projection.hpp"
 
 namespace trevi {

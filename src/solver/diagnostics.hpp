@@ -5,7 +5,7 @@
 #pragma once
 
 #include "domain/balance.hpp"
-#include "fluid/density.hpp"
+#include "fluid/constraint/density.hpp"
 #include "particles/neighbour_list.hpp"
 #include "trevi/box.hpp"
 #include "trevi/observer.hpp"

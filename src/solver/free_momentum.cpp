@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 
 #include "base/threads.hpp"
-#include "fluid/obstacles/obstacles.hpp"
+#include "boundary/obstacles/obstacles.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "fluid/walls.hpp"
+#include "boundary/walls.hpp"
 #include "parallel/vote.hpp"
 #include "trevi/particles.hpp"
 

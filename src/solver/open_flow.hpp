@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "domain/slabs.hpp"
-#include "fluid/inlet.hpp"
+#include "fluid/forcings/inlet.hpp"
 #include "parallel/vote.hpp"
 #include "particles/cell_grid.hpp"
 #include "trevi/box.hpp"

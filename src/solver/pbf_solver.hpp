@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "boundary/wrap.hpp"
 #include "domain/balance.hpp"
-#include "domain/wrap.hpp"
-#include "fluid/velocity_filter.hpp"
+#include "fluid/filters/velocity_filter.hpp"
 #include "solver/guard.hpp"
 #include "solver/open_flow.hpp"
 #include "solver/reporter.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/viewed_frame.hpp"
+#include "io/frames/viewed_frame.hpp"
 #include "trevi/colour.hpp"
 
 namespace trevi {

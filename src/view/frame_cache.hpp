@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "io/viewed_frame.hpp"
+#include "io/frames/viewed_frame.hpp"
 
 namespace trevi {
 

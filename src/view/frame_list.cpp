@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "io/files.hpp"
+#include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {

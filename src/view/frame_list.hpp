@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/frame_list_file.hpp"
+#include "io/frames/frame_list_file.hpp"
 
 namespace trevi {
 

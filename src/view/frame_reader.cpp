@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "io/colour.hpp"
-#include "io/files.hpp"
-#include "io/visible.hpp"
+#include "io/frames/colour.hpp"
+#include "io/frames/visible.hpp"
+#include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {

@@ -1,11 +1,11 @@
 // Reads one frame of a directory into what the painter draws: only particles that can be seen, thinned to a budget
-// (io/visible.hpp), in rank order. A frame without ids is thinned by the index in the file, which is not the same
-// particle in each frame. May be called from any one thread at a time.
+// (io/frames/visible.hpp), in rank order. A frame without ids is thinned by the index in the file, which is not the
+// same particle in each frame. May be called from any one thread at a time.
 #pragma once
 
 #include <string>
 
-#include "io/viewed_frame.hpp"
+#include "io/frames/viewed_frame.hpp"
 #include "view/frame_list.hpp"
 
 namespace trevi {

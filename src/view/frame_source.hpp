@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "io/viewed_frame.hpp"
+#include "io/frames/viewed_frame.hpp"
 
 namespace trevi {
 

@@ -1,5 +1,5 @@
 // VTKHDF frames. A partition is a rank that had particles.
-#include "io/hdf5_reader.hpp"
+#include "io/hdf5/hdf5_reader.hpp"
 #include "trevi/error.hpp"
 #include "view/frame_reader.hpp"
 

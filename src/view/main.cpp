@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/memory.hpp"
-#include "io/files.hpp"
+#include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
 #include "view/live_source.hpp"
 #include "view/playback.hpp"

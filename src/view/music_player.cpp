@@ -10,7 +10,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "io/files.hpp"
+#include "io/run_directory/files.hpp"
 
 namespace trevi {
 

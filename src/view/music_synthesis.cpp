@@ -4,7 +4,7 @@
 #include <numbers>
 #include <set>
 
-#include "io/files.hpp"
+#include "io/run_directory/files.hpp"
 #include "music/sound.hpp"
 #include "view/music_player.hpp"
 

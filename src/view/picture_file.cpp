@@ -6,7 +6,7 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
-#include "io/files.hpp"
+#include "io/run_directory/files.hpp"
 
 namespace trevi {
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "io/files.hpp"
-#include "io/hdf5_reader.hpp"
+#include "io/hdf5/hdf5_reader.hpp"
+#include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
 #include "view/frame_reader.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/viewed_frame.hpp"
+#include "io/frames/viewed_frame.hpp"
 #include "trevi/scene.hpp"
 #include "view/frame_list.hpp"
 

@@ -18,8 +18,8 @@
 #include <regex>
 
 #include "base/memory.hpp"
-#include "io/files.hpp"
-#include "io/vtk_error_text.hpp"
+#include "io/frames/vtk_error_text.hpp"
+#include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
 #include "view/frame_reader.hpp"
 

@@ -13,11 +13,11 @@
 #include <random>
 #include <string>
 
-#include "io/checkpoint.hpp"
-#include "io/files.hpp"
-#include "io/output_directory.hpp"
-#include "io/vtkhdf.hpp"
-#include "io/vtu.hpp"
+#include "io/frames/vtkhdf.hpp"
+#include "io/frames/vtu.hpp"
+#include "io/hdf5/checkpoint.hpp"
+#include "io/run_directory/files.hpp"
+#include "io/run_directory/output_directory.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 

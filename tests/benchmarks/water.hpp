@@ -9,7 +9,7 @@
 #include <random>
 
 #include "domain/neighbourhood.hpp"
-#include "fluid/pair_sums.hpp"
+#include "fluid/pairs/pair_sums.hpp"
 
 namespace trevi::bench {
 

@@ -8,10 +8,10 @@
 #include <limits>
 #include <thread>
 
-#include "io/checkpoint.hpp"
-#include "io/hdf5_reader.hpp"
-#include "io/id_order.hpp"
-#include "io/particle_file.hpp"
+#include "io/hdf5/checkpoint.hpp"
+#include "io/hdf5/hdf5_reader.hpp"
+#include "io/hdf5/id_order.hpp"
+#include "io/hdf5/particle_file.hpp"
 #include "output_fixture.hpp"
 
 namespace trevi {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
+#include "boundary/obstacles/obstacles.hpp"
 #include "cloud.hpp"
-#include "fluid/obstacles/obstacles.hpp"
 #include "particles/cell_grid.hpp"
 #include "projection/cut_cells.hpp"
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <sstream>
 
+#include "boundary/gauges.hpp"
 #include "cloud.hpp"
-#include "fluid/obstacles/gauges.hpp"
-#include "io/gauge_series.hpp"
+#include "io/tables/gauge_series.hpp"
 #include "output_fixture.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"

@@ -5,13 +5,13 @@
 
 #include <numeric>
 
-#include "app/initial_particles.hpp"
-#include "app/lattice.hpp"
-#include "io/hdf5_reader.hpp"
-#include "io/hdf5_writer.hpp"
-#include "io/id_order.hpp"
+#include "io/hdf5/hdf5_reader.hpp"
+#include "io/hdf5/hdf5_writer.hpp"
+#include "io/hdf5/id_order.hpp"
 #include "output_fixture.hpp"
 #include "parallel/reductions.hpp"
+#include "scene/initial_particles.hpp"
+#include "scene/lattice.hpp"
 #include "trevi/forcing.hpp"
 
 namespace trevi::test {

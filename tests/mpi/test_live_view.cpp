@@ -3,7 +3,7 @@
 #include <set>
 
 #include "distributed.hpp"
-#include "io/visible.hpp"
+#include "io/frames/visible.hpp"
 #include "live/live_view.hpp"
 
 namespace trevi {

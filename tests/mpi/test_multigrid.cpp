@@ -7,7 +7,7 @@
 
 #include "base/threads.hpp"
 #include "cloud.hpp"
-#include "projection/multigrid.hpp"
+#include "multigrid/multigrid.hpp"
 
 namespace trevi::test {
 namespace {

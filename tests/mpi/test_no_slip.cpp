@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "boundary/obstacles/obstacles.hpp"
 #include "cloud.hpp"
-#include "fluid/density.hpp"
-#include "fluid/obstacles/obstacles.hpp"
+#include "fluid/constraint/density.hpp"
 #include "kept_run.hpp"
 #include "output_fixture.hpp"
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <random>
 
-#include "fluid/obstacles/obstacles.hpp"
-#include "fluid/obstacles/tessellation.hpp"
+#include "boundary/geometry/tessellation.hpp"
+#include "boundary/obstacles/obstacles.hpp"
 
 namespace trevi {
 namespace {

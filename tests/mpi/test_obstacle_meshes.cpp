@@ -4,12 +4,12 @@
 #include <map>
 #include <random>
 
+#include "boundary/geometry/closed_mesh.hpp"
+#include "boundary/geometry/distance_grid.hpp"
+#include "boundary/geometry/mesh_shape.hpp"
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/tessellation.hpp"
 #include "cloud.hpp"
-#include "fluid/obstacles/closed_mesh.hpp"
-#include "fluid/obstacles/distance_grid.hpp"
-#include "fluid/obstacles/mesh_shape.hpp"
-#include "fluid/obstacles/pose.hpp"
-#include "fluid/obstacles/tessellation.hpp"
 #include "output_fixture.hpp"
 #include "parallel/reductions.hpp"
 #include "trevi/scene.hpp"

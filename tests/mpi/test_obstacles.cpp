@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "fluid/obstacles/obstacles.hpp"
+#include "boundary/obstacles/obstacles.hpp"
 
 namespace trevi {
 namespace {

@@ -7,15 +7,15 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "io/colour.hpp"
-#include "io/files.hpp"
-#include "io/frame_list_file.hpp"
-#include "io/id_order.hpp"
-#include "io/output_directory.hpp"
-#include "io/progress.hpp"
-#include "io/run_report.hpp"
-#include "io/series.hpp"
-#include "io/vtkhdf.hpp"
+#include "io/frames/colour.hpp"
+#include "io/frames/frame_list_file.hpp"
+#include "io/frames/vtkhdf.hpp"
+#include "io/hdf5/id_order.hpp"
+#include "io/run_directory/files.hpp"
+#include "io/run_directory/output_directory.hpp"
+#include "io/run_directory/progress.hpp"
+#include "io/run_directory/run_report.hpp"
+#include "io/tables/series.hpp"
 #include "output_fixture.hpp"
 #include "parallel/collective.hpp"
 

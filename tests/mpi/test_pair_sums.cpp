@@ -7,7 +7,7 @@
 
 #include "base/simd.hpp"
 #include "distributed.hpp"
-#include "fluid/pair_sums.hpp"
+#include "fluid/pairs/pair_sums.hpp"
 
 namespace trevi::test {
 namespace {

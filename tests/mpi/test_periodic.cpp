@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "boundary/wrap.hpp"
 #include "cloud.hpp"
 #include "domain/migrate.hpp"
 #include "domain/neighbourhood.hpp"
-#include "domain/wrap.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi::test {

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "distributed.hpp"
-#include "fluid/density.hpp"
-#include "fluid/floor_friction.hpp"
-#include "fluid/fountain.hpp"
-#include "fluid/gravity.hpp"
+#include "fluid/constraint/density.hpp"
+#include "fluid/forcings/floor_friction.hpp"
+#include "fluid/forcings/fountain.hpp"
+#include "fluid/forcings/gravity.hpp"
 #include "trevi/forcing.hpp"
 
 namespace trevi::test {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "boundary/obstacles/body.hpp"
 #include "cloud.hpp"
-#include "fluid/density.hpp"
-#include "fluid/obstacles/body.hpp"
+#include "fluid/constraint/density.hpp"
 #include "kept_run.hpp"
 #include "output_fixture.hpp"
 
@@ -179,8 +179,8 @@ inside = true
   EXPECT_GT(run.nearest(), -1e-9);
 }
 
-// Three layers whose lattice lies anyhow to the walls, the third in cells of air above those of the surface, and a heap on
-// them: the water sloshes for long, as nothing damps waves, but its energy never grows.
+// Three layers whose lattice lies anyhow to the walls, the third in cells of air above those of the surface, and a heap
+// on them: the water sloshes for long, as nothing damps waves, but its energy never grows.
 TEST(Vessels, TopLayersInCellsOfAirCalm) {
   VesselRun run(world, R"(
 [domain]

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "distributed.hpp"
-#include "fluid/kernels/poly6-inl.hpp"
-#include "fluid/xsph_viscosity.hpp"
+#include "fluid/filters/xsph_viscosity.hpp"
+#include "kernels/poly6-inl.hpp"
 
 namespace trevi::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "io/blowup.hpp"
-#include "io/vtkhdf.hpp"
+#include "io/frames/blowup.hpp"
+#include "io/frames/vtkhdf.hpp"
 #include "output_fixture.hpp"
 
 namespace trevi {

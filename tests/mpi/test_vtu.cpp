@@ -14,9 +14,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "io/files.hpp"
-#include "io/vtk_compressor.hpp"
-#include "io/vtu.hpp"
+#include "io/frames/vtk_compressor.hpp"
+#include "io/frames/vtu.hpp"
+#include "io/run_directory/files.hpp"
 #include "output_fixture.hpp"
 #include "parallel/collective.hpp"
 

@@ -9,9 +9,9 @@
 #include <random>
 #include <string>
 
-#include "io/checkpoint.hpp"
-#include "io/files.hpp"
-#include "io/hdf5_rows.hpp"
+#include "io/hdf5/checkpoint.hpp"
+#include "io/hdf5/hdf5_rows.hpp"
+#include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/scene_changes.hpp"
+#include "scene/scene_changes.hpp"
 #include "trevi/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {

@@ -150,7 +150,7 @@ def assignments(name):
 
 
 def largest_eigenvalue(spacing, h):
-    """mu of a Jacobi sweep with Spiky in both places, mass calibrated and epsilon 1 (src/fluid/kernels.hpp)."""
+    """mu of a Jacobi sweep with Spiky in both places, mass calibrated and epsilon 1 (src/kernels/kernels.hpp)."""
     reach = range(-math.ceil(h / spacing), math.ceil(h / spacing) + 1)
     places = [tuple(spacing * n for n in r) for r in itertools.product(reach, repeat=3)]
     near = [(r, math.hypot(*r)) for r in places if math.hypot(*r) < h]

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <numeric>
 
-#include "app/advice.hpp"
 #include "app/launch.hpp"
-#include "app/run_cost.hpp"
+#include "app/preflight/advice.hpp"
+#include "app/preflight/run_cost.hpp"
 
 namespace trevi {
 namespace {

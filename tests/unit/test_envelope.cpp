@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "app/envelope.hpp"
+#include "app/preflight/envelope.hpp"
 #include "scene_text.hpp"
 
 namespace trevi::test {

@@ -7,8 +7,8 @@
 #include <map>
 #include <numbers>
 
-#include "fluid/density.hpp"
-#include "fluid/kernels.hpp"
+#include "fluid/constraint/density.hpp"
+#include "kernels/kernels.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {

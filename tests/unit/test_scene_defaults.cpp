@@ -5,7 +5,7 @@
 #include <set>
 #include <sstream>
 
-#include "fluid/kernels.hpp"
+#include "kernels/kernels.hpp"
 #include "scene_defaults.hpp"
 #include "scene_text.hpp"
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <set>
 
-#include "io/visible.hpp"
+#include "io/frames/visible.hpp"
 
 namespace trevi {
 namespace {

@@ -1,13 +1,13 @@
 // The walls' share of density against brute-force sums over the lattice that would go on behind them; its gradient
 // against central differences; and how it falls with the distance.
-#include "fluid/wall_density.hpp"
+#include "boundary/wall_density.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "fluid/kernels.hpp"
+#include "kernels/kernels.hpp"
 
 namespace trevi {
 namespace {

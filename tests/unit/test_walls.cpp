@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "fluid/walls.hpp"
+#include "boundary/walls.hpp"
 
 namespace trevi {
 namespace {

@@ -1,0 +1,137 @@
+#include "app/preflight/advice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace trevi {
+
+namespace {
+
+using Advice = std::vector<std::string>;
+
+bool all_blocks(const Scene& scene) {
+  return std::all_of(scene.particles.begin(), scene.particles.end(),
+                     [](const ParticleSource& source) { return source.type == ParticleSource::Type::block; });
+}
+
+// A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
+void look_at_walls(const Scene& scene, const ParticleSource& block, Advice& advice) {
+  const Real s = scene.fluid.spacing;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Real low = block.min[axis], high = block.max[axis], wide = scene.domain.max[axis] - scene.domain.min[axis];
+    if (low - scene.domain.min[axis] > 0.5 * s || scene.domain.max[axis] - high > 0.5 * s) continue;
+    const Real gap = (scene.domain.max[axis] - low) / s - std::round((high - low) / s);
+    if (gap > -0.05 && gap < 0.35) continue;
+    advice.push_back(fmt::format(
+        "the water of line {} goes from wall to wall along {}, {:.4g} spacings: its lattice does not fit, and "
+        "it moves at once; give the box a whole number of spacings, for example spacing = {:.6g}",
+        block.line, axis == 0 ? "x" : "y", wide / s, wide / std::round(wide / s)));
+  }
+}
+
+void look_at_overlaps(const Scene& scene, Advice& advice) {
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const ParticleSource &a = scene.particles[i], &b = scene.particles[j];
+      const Vec3 common = a.max.cwiseMin(b.max) - a.min.cwiseMax(b.min);
+      if (common.minCoeff() < 0.5 * scene.fluid.spacing) continue;
+      advice.push_back(fmt::format(
+          "the blocks of lines {} and {} overlap: water is twice as dense there and flies apart; move one of them",
+          b.line, a.line));
+    }
+  }
+}
+
+bool shows_colours(const std::optional<FrameSettings>& frames) {
+  return frames && std::find(frames->fields.begin(), frames->fields.end(), "rgb") != frames->fields.end();
+}
+
+void look_at_colours(const Scene& scene, Advice& advice) {
+  const OutputSettings& output = scene.output;
+  if (!scene.colour || (!output.vtu && !output.vtkhdf)) return;
+  if (shows_colours(output.vtu) || shows_colours(output.vtkhdf)) return;
+  advice.emplace_back("[colour] by: no frame shows it; add \"rgb\" to the fields of [output.vtu] or [output.vtkhdf]");
+}
+
+// Whether a lattice of spacing s has a point within the radius of (x, y), where it extends.
+bool holds_water(const Scene& scene, const FountainSettings& fountain) {
+  const Real s = scene.fluid.spacing, radius = fountain.diameter / 2;
+  const auto distance = [&](Real center, Real low, Real high) {  // to the nearest point of a row of the lattice
+    const Real last = std::max<Real>(std::round((high - low) / s) - 1, 0);
+    const Real k = std::clamp<Real>(std::round((center - low) / s - 0.5), 0, last);
+    return std::abs(center - (low + (k + 0.5) * s));
+  };
+  return std::any_of(scene.particles.begin(), scene.particles.end(), [&](const ParticleSource& block) {
+    return std::hypot(distance(fountain.center[0], block.min.x(), block.max.x()),
+                      distance(fountain.center[1], block.min.y(), block.max.y())) <= radius &&
+           block.min.z() + 0.5 * s <= scene.domain.min.z() + fountain.height;
+  });
+}
+
+void look_at_fountain(const Scene& scene, const FountainSettings& fountain, Real top, Advice& advice) {
+  const Real s = scene.fluid.spacing;
+  if (!holds_water(scene, fountain)) {
+    advice.push_back(
+        fmt::format("the fountain of line {} holds no water at the start; move it into the water, or give diameter = "
+                    "{:.3g} and a height of at least {:.3g}",
+                    fountain.line, 2.5 * s, 2 * s));
+  } else if (fountain.height > top - scene.domain.min.z() + 0.5 * s) {
+    advice.push_back(fmt::format(
+        "the fountain of line {} ends above the water, at {:.3g} m for {:.3g} m: it pumps what is in the air, "
+        "too; end it just below the surface, with height = {:.3g}",
+        fountain.line, fountain.height, top - scene.domain.min.z(), top - scene.domain.min.z() - s));
+  }
+}
+
+}  // namespace
+
+Real expected_speed(const Scene& scene) {
+  Real speed = 0, top = scene.domain.min.z();
+  for (const FountainSettings& fountain : scene.fountains)
+    speed = std::max(speed, fountain.top_speed() + fountain.jitter);
+  for (const InletSettings& inlet : scene.inlets) {
+    speed = std::max(speed, inlet.top_speed() + inlet.jitter);
+    top = std::max(top, inlet.center.z());
+  }
+  for (const ParticleSource& source : scene.particles) {
+    speed = std::max(speed, source.velocity.norm() + std::abs(source.vortex));
+    top = std::max(top, source.max.z());
+  }
+  const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
+  return std::max(speed, std::sqrt(2 * g * (top - scene.domain.min.z())));
+}
+
+Real longest_step(const Scene& scene, Real cfl) {
+  const Real h = scene.fluid.kernel_radius, v = expected_speed(scene), g = scene.gravity.value_or(Vec3::Zero()).norm();
+  return std::min(v > 0 ? cfl * h / v : INFINITY, g > 0 ? 0.25 * std::sqrt(h / g) : INFINITY);
+}
+
+std::vector<std::string> scene_advice(const Scene& scene) {
+  Advice advice;
+  const OutputSettings& output = scene.output;
+  if (!output.vtu && !output.vtkhdf && !output.series && !output.checkpoint)
+    advice.emplace_back("the scene asks for no output; add [output.vtu] for frames, [output.series] for sums");
+  look_at_colours(scene, advice);
+  constexpr Real longest_cfl = 2;  // to which the default method was found stable
+  if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
+    advice.push_back(
+        fmt::format("dt = {:.3g} s is long for water of up to {:.3g} m/s, and time.cfl = 0 never splits a step; give "
+                    "dt = {:.2g} or "
+                    "less, or time.cfl = 2",
+                    scene.dt, expected_speed(scene), longest_step(scene, longest_cfl)));
+  }
+  if (!all_blocks(scene)) return advice;  // where the water of a file is, only the file knows
+  Real top = scene.domain.min.z();
+  for (const ParticleSource& block : scene.particles) {
+    look_at_walls(scene, block, advice);
+    top = std::max(top, block.max.z());
+  }
+  look_at_overlaps(scene, advice);
+  if (!scene.inlets.empty() || !scene.obstacles.empty()) return advice;  // where the water goes, nobody knows
+  for (const FountainSettings& fountain : scene.fountains) look_at_fountain(scene, fountain, top, advice);
+  return advice;
+}
+
+}  // namespace trevi

@@ -1,0 +1,184 @@
+#include "app/preflight/dry_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "app/build.hpp"
+#include "app/preflight/advice.hpp"
+#include "app/preflight/envelope.hpp"
+#include "app/preflight/run_cost.hpp"
+#include "fluid/filters/xsph_viscosity.hpp"
+#include "fluid/forcings/inlet.hpp"
+#include "parallel/reductions.hpp"
+#include "scene/initial_particles.hpp"
+#include "solver/density_solver.hpp"
+#include "solver/first_slabs.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Bytes that the solver keeps for a particle with a full neighbourhood, for a ghost, and for a cell of the box.
+struct BytesEach {
+  double owned, ghost, cell;
+};
+
+BytesEach bytes_each(const Scene& scene) {
+  const bool single = scene.density.precision == Precision::single;
+  const double quad = single ? 16 : 32;
+  // Neighbours per particle: those in a ball of radius h without itself, less a twentieth for walls and surfaces.
+  const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
+  double owned = 3 * 24 + 8;      // positions, velocity, id
+  owned += 8 + 2 * 4;             // sorting
+  owned += quad + 8 + 4 * pairs;  // record, list
+  owned += 8 + quad;              // rho, delta
+  double ghost = quad;
+  double cell = 2 * 4;  // counts and starts
+  if (scene.density.method == Method::chebyshev) owned += quad / 4;
+  if (scene.density.coarse_grid)
+    owned += 2 * quad / 4 + 8;  // what the sweeps after the projection are told, and densities that they saw
+  if (scene.vorticity) owned += quad, ghost += quad;
+  if (scene.vorticity && scene.vorticity_form == VorticityForm::projected) owned += 24;  // velocities before it
+  if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
+    owned += quad, ghost += quad;  // velocities, which both use
+  if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
+  if (scene.output.series) owned += 24;  // positions at the search, for the drift
+  return {owned, ghost, cell};
+}
+
+// Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
+// levels of its multigrid have a third of the finest one's cells.
+double coarse_bytes(const Scene& scene, const CellGrid& grid) {
+  const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
+  if (!scene.density.coarse_grid || !(gravity.isZero() || is_downward(gravity))) return 0;
+  // Moments, spread, fits, noise and its fits; of these columns come eight at a time.
+  constexpr double sums = (26 + 11 + 13 + 12 + 13) * 8, fields = 4 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
+  Real top = scene.domain.min.z();
+  for (const ParticleSource& source : scene.particles)
+    top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain.max.z());
+  const Real cell = (scene.domain.max.z() - scene.domain.min.z()) / grid.columns();
+  const Real columns = std::min<Real>(std::ceil((top - scene.domain.min.z()) / cell) + 2, grid.columns());
+  return (grid.rows() + 2.0) * (8 * std::ceil(columns / 8) * sums + (columns + 2.0) * (fields + pressure));
+}
+
+// The most that the inlets add by the end of the run: what recycles is there already.
+std::string inlet_text(const Scene& scene) {
+  if (scene.inlets.empty()) return "";
+  const Real spacing = scene.fluid.spacing;
+  Real more = 0;
+  for (const InletSettings& inlet : scene.inlets) {
+    const Real seconds = std::max(0.0, std::min(inlet.stop, scene.end) - inlet.start);
+    const auto places = static_cast<Real>(InletLattice(inlet, spacing).open_places());
+    if (!inlet.recycle) more += std::floor(inlet.top_speed() * seconds / spacing) * places;
+  }
+  return fmt::format("inlets      at most {:.0f} particles more by the end, {:.1f} MB\n", more,
+                     more * bytes_each(scene).owned / 1e6);
+}
+
+std::string schedule_text(const Schedule& schedule) {
+  if (schedule.every_steps > 0) return fmt::format("every {} steps", schedule.every_steps);
+  if (schedule.every > 0) return fmt::format("every {} s", schedule.every);
+  return "at the start and the end";
+}
+
+std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vector<Real>& weights, const Slabs& slabs) {
+  const int ranks = slabs.ranks();
+  const BytesEach bytes = bytes_each(scene);
+  std::string text;
+  for (int r = 0; r < ranks; ++r) {
+    const auto first = weights.begin() + slabs.first_plane(r), last = weights.begin() + slabs.last_plane(r);
+    const Real owned = std::accumulate(first, last, 0.0);
+    const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
+    // The coarse grid has a ring of empty cells around each plane.
+    const double cells = (grid.rows() + 2.0) * (grid.columns() + 2.0) * static_cast<double>(last - first + 2);
+    const double coarse = coarse_bytes(scene, grid) * static_cast<double>(last - first + 2);
+    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + coarse;
+    text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
+                        slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts,
+                        owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
+  }
+  return text;
+}
+
+std::string time_text(const Scene& scene) {
+  const Real h = scene.fluid.kernel_radius, cfl = scene.cfl > 0 ? scene.cfl.value() : 0.4;
+  const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, h);
+  return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}{}\n", scene.steps(),
+                     scene.dt, cfl, longest_step(scene, cfl), expected_speed(scene),
+                     std::isfinite(viscous) ? fmt::format(", by viscosity {:.3g} s", viscous) : "",
+                     scene.cfl > 0 ? "; longer steps are split" : "");
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 100) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 6000) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 3e5) return fmt::format("{:.1f} h", seconds / 3600);
+  return fmt::format("{:.1f} days", seconds / 86400);
+}
+
+// By the speed of a pool at rest; a splash has a similar number of pairs, but its steps may be split. `most` is the
+// number of particles of the fullest rank.
+std::string run_time_text(const Scene& scene, double most, const MeasuredSpeed& speed) {
+  const double substep = speed.substep * most, steps = static_cast<double>(scene.steps());
+  const double least = steps * substep * static_cast<double>(speed.substeps);
+  const double split = scene.cfl > 0 ? std::ceil(scene.dt / longest_step(scene, scene.cfl.value())) : 1;
+  const double longest = std::max(least, steps * substep * split);
+  return fmt::format(
+      "run time    {}{}, files left out, by {:.3g} ms for a step of {} particles at rest, measured now\n",
+      duration_text(least), longest > least ? " to " + duration_text(longest) : "",
+      1e3 * speed.substep * static_cast<double>(speed.substeps) * speed.particles, with_commas(speed.particles));
+}
+
+double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
+  double most = 0;
+  for (int r = 0; r < slabs.ranks(); ++r)
+    most = std::max(
+        most, std::accumulate(weights.begin() + slabs.first_plane(r), weights.begin() + slabs.last_plane(r), 0.0));
+  return most;
+}
+
+std::string output_text(const Scene& scene, const std::string& directory) {
+  std::string text = fmt::format("output      {}\n", directory);
+  const OutputSettings& output = scene.output;
+  if (output.series) text += fmt::format("  series.csv  {}\n", schedule_text(*output.series));
+  if (output.vtu) text += fmt::format("  VTU         {}\n", schedule_text(output.vtu->schedule));
+  if (output.vtkhdf) text += fmt::format("  VTKHDF      {}\n", schedule_text(output.vtkhdf->schedule));
+  if (output.checkpoint) {
+    text +=
+        fmt::format("  checkpoint  {}, keep {}\n", schedule_text(output.checkpoint->schedule), output.checkpoint->keep);
+  }
+  return text;
+}
+
+}  // namespace
+
+void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory) {
+  make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
+  make_flow(session.comm(), scene);
+  const DensityModel model = density_model(scene);
+  const CellGrid grid = cell_grid(scene, scene.domain);
+  std::vector<Real> weights;
+  const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
+  MeasuredSpeed speed = measured_speed(scene);
+  speed.substep = max_over_ranks(session.comm(), speed.substep);
+  if (session.rank() != 0) return;
+  const double particles = std::accumulate(weights.begin(), weights.end(), 0.0);
+  fmt::print("scene       {}\n", scene.path);
+  fmt::print("launch      {}\n", launch_text(launch, scene));
+  fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, model.mass);
+  fmt::print("{}", inlet_text(scene));
+  fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
+             session.size(), slab_table(scene, grid, weights, slabs));
+  if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
+  fmt::print("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
+  const double bytes = output_bytes(scene, particles);
+  fmt::print("{}  in all      up to {}\n", output_text(scene, directory), size_text(bytes));
+  std::vector<std::string> warnings = start_warnings(scene);
+  for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
+  for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
+  for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
+}
+
+}  // namespace trevi

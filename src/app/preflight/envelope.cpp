@@ -1,0 +1,90 @@
+#include "app/preflight/envelope.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/simd.hpp"
+#include "solver/density_solver.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Where pools of 1 to 200 layers kept their energy within 0.5 % for 20 s (postprocess/results/stability.md): down to
+// this time step at a spacing of 0.1 m and 9.8 m/s², and at these h/spacing.
+constexpr Real shortest_step = 1.0 / 960, narrowest = 1.5, widest = 4.0;
+
+// m²/s; 0.015 at a spacing of 0.1 m and 9.8 m/s². A disturbed pool of 10 layers rests below 1e-5 m²/s² with it, and a
+// wave of 4 m loses 3 % of its amplitude in half a period (postprocess/results/water.md).
+Real quieting_viscosity(const Scene& scene) {
+  const Real s = scene.fluid.spacing, g = scene.gravity.value_or(Vec3::Zero()).norm();
+  return 0.15 * std::sqrt(g * s * s * s);
+}
+
+}  // namespace
+
+std::vector<std::string> envelope_warnings(const Scene& scene) {
+  const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
+  if (g == 0) return {};
+  if (!scene.density.coarse_grid) {
+    return {
+        "the density solve has no coarse grid, and without it water at rest gained energy in most cases of the "
+        "stability study; leave out density.preset and density.method, or set density.coarse_grid = true"};
+  }
+  if (!is_downward(*scene.gravity)) {
+    return {
+        "gravity does not point down, along -z, and the coarse grid serves no other direction: without it deep water "
+        "at "
+        "rest gains energy; turn the scene"};
+  }
+  std::vector<std::string> warnings;
+  const FluidSettings& fluid = scene.fluid;
+  const Real ratio = fluid.kernel_radius / fluid.spacing;
+  // A value outside by less than this is a rounded number, such as 0.0166666 for 1/60, not a choice.
+  constexpr Real rounded = 0.01;
+  if (ratio < narrowest * (1 - rounded) || ratio > widest * (1 + rounded)) {
+    warnings.push_back(fmt::format(
+        "kernel_radius is {:.4g} spacings; the stability study found water at rest stable from {:g} to {:g}; "
+        "use a radius between",
+        ratio, narrowest, widest));
+  }
+  // In units of the time in which a particle falls by a spacing.
+  const Real shortest = shortest_step * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
+  if (scene.dt < shortest * (1 - rounded)) {
+    warnings.push_back(
+        fmt::format("dt = {:.4g} s is shorter than the {:.4g} s down to which the stability study looked; use "
+                    "a longer dt, or watch the energy",
+                    scene.dt, shortest));
+  }
+  return warnings;
+}
+
+std::vector<std::string> start_warnings(const Scene& scene) {
+  std::vector<std::string> warnings;
+  if (!has_fused_multiply_add()) {
+    warnings.push_back(fmt::format(
+        "{} has no fused multiply-add: results agree with those of other instruction sets to rounding, not in bits",
+        instruction_set_name()));
+  }
+  if (scene.density.method == Method::anderson) {
+    warnings.emplace_back(
+        "the dot products of density.method = \"anderson\" are PETSc's: results agree with those on another number of "
+        "ranks to its tolerance, not in bits");
+  }
+  for (std::string& warning : envelope_warnings(scene)) warnings.push_back(std::move(warning));
+  return warnings;
+}
+
+std::vector<std::string> energy_warnings(const Scene& scene, Real share) {
+  constexpr Real mark = 0.005;
+  if (!(share > mark)) return {};
+  return {fmt::format(
+      "the total energy rose by {:.2g} % above its start although nothing pumps{}; set [viscosity] nu = {:.2g} m²/s, "
+      "which "
+      "damps it",
+      100 * share, scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
+      quieting_viscosity(scene))};
+}
+
+}  // namespace trevi

@@ -1,0 +1,100 @@
+#include "app/preflight/run_cost.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/build.hpp"
+
+namespace trevi {
+
+namespace {
+
+double outputs(const Schedule& schedule, const Scene& scene) {
+  const auto steps = static_cast<double>(scene.steps());
+  if (schedule.every_steps > 0) return std::floor(steps / static_cast<double>(schedule.every_steps)) + 1;
+  if (schedule.every > 0) return std::min(std::floor(steps * scene.dt / schedule.every), steps) + 1;
+  return 2;  // the start and the end
+}
+
+double field_bytes(const FrameSettings& frames) {
+  double bytes = 0;
+  for (const std::string& field : frames.fields)
+    bytes += field == "velocity" ? 12 : field == "id" ? 8 : field == "rgb" ? 3 : 4;
+  return bytes;
+}
+
+// The sample: a basin of this many spacings, full to two thirds. Enough water for all loops, and a second of work.
+constexpr int wide = 24, high = 36;
+
+Scene sample_of(const Scene& scene) {
+  Scene sample = scene;
+  const Real s = scene.fluid.spacing;
+  sample.domain.min = Vec3::Zero();
+  sample.domain.max = Vec3(wide, wide, high) * s;
+  sample.slab_axis = 0;
+  ParticleSource pool;
+  pool.max = Vec3::Constant(wide * s);
+  sample.particles = {pool};
+  sample.fountains.clear();
+  sample.output = {};
+  return sample;
+}
+
+}  // namespace
+
+double output_bytes(const Scene& scene, double particles) {
+  const OutputSettings& output = scene.output;
+  double bytes = 0;
+  if (output.vtu) bytes += outputs(output.vtu->schedule, scene) * particles * (24 + field_bytes(*output.vtu));
+  // Cells are as large as points there: connectivity, offset, type.
+  if (output.vtkhdf) bytes += outputs(output.vtkhdf->schedule, scene) * particles * (41 + field_bytes(*output.vtkhdf));
+  if (output.checkpoint) {
+    // One more than are kept while it is written.
+    const double kept = std::min(outputs(output.checkpoint->schedule, scene), output.checkpoint->keep + 1.0);
+    bytes += kept * particles * (scene.colour == Colour::rainbow_x ? 60 : 56);
+  }
+  if (output.series) bytes += outputs(*output.series, scene) * 500;
+  return bytes;
+}
+
+std::vector<std::string> disk_warnings(double bytes, const std::string& directory) {
+  namespace fs = std::filesystem;
+  std::error_code problem;
+  fs::path place = fs::absolute(directory, problem);
+  while (!fs::exists(place, problem) && place.has_relative_path()) place = place.parent_path();
+  const fs::space_info space = fs::space(place, problem);
+  if (problem || bytes <= static_cast<double>(space.available)) return {};
+  return {fmt::format(
+      "the output may take up to {}, and {} has {} free; write fewer frames (every), fewer fields, or choose another "
+      "--output",
+      size_text(bytes), place.string(), size_text(static_cast<double>(space.available)))};
+}
+
+std::string size_text(double bytes) {
+  for (const auto& [unit, name] : {std::pair{1e12, "TB"}, {1e9, "GB"}, {1e6, "MB"}})
+    if (bytes >= unit) return fmt::format("{:.3g} {}", bytes / unit, name);
+  return fmt::format("{:.3g} kB", bytes / 1e3);
+}
+
+MeasuredSpeed measured_speed(const Scene& scene) {
+  const Scene sample = sample_of(scene);
+  BuildOptions options;
+  options.progress = ProgressMode::none;
+  const std::unique_ptr<Solver> solver = build_solver(MPI_COMM_SELF, sample, std::move(options));
+  solver->start();
+  solver->step();  // the first one orders everything anew
+  const Solver::Counters before = solver->counters();
+  for (int k = 0; k < 3; ++k) solver->step();
+  const Solver::Counters after = solver->counters();
+  MeasuredSpeed speed;
+  speed.particles = wide * wide * wide;
+  speed.substeps = (after.substeps - before.substeps) / 3;
+  speed.substep =
+      (after.seconds - before.seconds) / static_cast<double>(after.substeps - before.substeps) / speed.particles;
+  return speed;
+}
+
+}  // namespace trevi

@@ -1,0 +1,40 @@
+// Signed distances of a shape whose exact ones take long, from a grid in its own frame: linear between nodes h/6 apart
+// near the surface, coarser where it is further, a bound where it is far. For what samples space anyway (the coarse
+// grid's cells), never for collisions: a sheet thinner than the nodes' distance is not seen in it. However the shape
+// moves, nothing is made anew. Blocks are made when they are first asked for, from the shape alone. Not collective.
+#pragma once
+
+#include "boundary/geometry/lazy_blocks.hpp"
+#include "boundary/geometry/shape.hpp"
+
+namespace trevi {
+
+class DistanceGrid {
+ public:
+  DistanceGrid(const Shape& shape, Real h);
+
+  /// What it is at most wrong by; where the surface is further than 3 h both together are a bound of the distance.
+  struct Rough {
+    Real distance, error;
+  };
+  Rough at(const Vec3& p) const;
+  std::size_t bytes() const { return blocks_.bytes(); }
+
+ private:
+  struct Block {
+    int intervals = 0;        // in each direction; 0 where it is far
+    Real far = 0;             // the bound
+    std::vector<float> node;  // m
+  };
+  std::unique_ptr<Block> make(const BlockPlace& place) const;
+  Rough beyond(const Vec3& p) const;
+
+  const Shape& shape_;
+  Real edge_;  // of a block, m: h
+  bool vessel_;
+  Box bounds_;
+  BlockPlace low_, high_;
+  LazyBlocks<Block> blocks_;
+};
+
+}  // namespace trevi

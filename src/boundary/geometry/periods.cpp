@@ -1,0 +1,63 @@
+#include "boundary/geometry/periods.hpp"
+
+#include <fmt/format.h>
+
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
+
+namespace trevi {
+namespace {
+
+// Where its surface is: of one that turns, at any time.
+Box place_of(const ObstacleSettings& obstacle) {
+  const Box bounds = bounds_of(obstacle);
+  if (!obstacle.angular_velocity.isZero()) {
+    const Real radius = bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm();
+    return {obstacle.center.array() - radius, obstacle.center.array() + radius};
+  }
+  const Pose pose = BodyMotion(obstacle).at(0);
+  const Vec3 middle = pose.into_world((bounds.max + bounds.min) / 2);
+  const Vec3 half = pose.turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
+  return {middle - half, middle + half};
+}
+
+bool is_along(Vec3 direction, int axis) {
+  direction[axis] = 0;
+  return direction.isZero();
+}
+
+// Whether it is a straight one along an axis, the same wherever it is cut; a cylinder may turn about it.
+bool is_straight(const ObstacleSettings& obstacle, int axis) {
+  if (!obstacle.rotate.isZero()) return false;
+  if (obstacle.shape == ShapeKind::box) return !obstacle.moves();
+  return obstacle.shape == ShapeKind::cylinder && is_along(obstacle.axis, axis) &&
+         is_along(obstacle.angular_velocity, axis);
+}
+
+bool fits(const ObstacleSettings& obstacle, const Box& place, const Settings& settings, int axis) {
+  const Real least = 2 * settings.fluid.kernel_radius;
+  const Box& box = settings.domain;
+  const bool away = place.min[axis] >= box.min[axis] + least && place.max[axis] <= box.max[axis] - least;
+  const bool through = place.min[axis] <= box.min[axis] - least && place.max[axis] >= box.max[axis] + least;
+  return away || (through && is_straight(obstacle, axis));
+}
+
+}  // namespace
+
+std::string why_not_periodic(const ObstacleSettings& obstacle, const Settings& settings) {
+  if (settings.periodic == std::array<bool, 3>{}) return "";
+  if (!obstacle.velocity.isZero() || !obstacle.knots.empty())
+    return "goes places, which it cannot in a box with periodic axes; leave out its velocity or motion, or "
+           "[domain] periodic";
+  const Box place = place_of(obstacle);
+  for (int a = 0; a < 3; ++a) {
+    if (!settings.periodic[static_cast<std::size_t>(a)] || fits(obstacle, place, settings, a)) continue;
+    return fmt::format(
+        "reaches from {0} = {1:.6g} to {2:.6g} m, and has no image beyond an end of a periodic axis; keep it {3:.6g} m "
+        "(two kernel radii) from both ends, or let a box or a cylinder along {0} go as far beyond both",
+        "xyz"[a], place.min[a], place.max[a], 2 * settings.fluid.kernel_radius);
+  }
+  return "";
+}
+
+}  // namespace trevi

@@ -1,0 +1,142 @@
+#include "boundary/geometry/shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "boundary/geometry/mesh_shape.hpp"
+#include "boundary/geometry/tessellation.hpp"
+
+namespace trevi {
+
+namespace {
+
+Real radial(const Vec3& p) { return std::sqrt(p.x() * p.x() + p.y() * p.y()); }
+
+class Sphere : public Shape {
+ public:
+  explicit Sphere(Real radius) : radius_(radius) {}
+  Real distance(const Vec3& p) const override { return p.norm() - radius_; }
+  Box bounds() const override { return {Vec3::Constant(-radius_), Vec3::Constant(radius_)}; }
+  TriangleMesh surface(Real finest) const override { return turned(arc(radius_, 0, radius_, finest), finest); }
+
+ private:
+  Real radius_;
+};
+
+class Cuboid : public Shape {
+ public:
+  explicit Cuboid(const Vec3& size) : half_(size / 2) {}
+  Real distance(const Vec3& p) const override {
+    const Vec3 q = p.cwiseAbs() - half_;
+    return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+  }
+  Box bounds() const override { return {-half_, half_}; }
+  TriangleMesh surface(Real) const override { return cuboid_surface(half_); }
+
+ private:
+  Vec3 half_;
+};
+
+class Cylinder : public Shape {
+ public:
+  Cylinder(Real radius, Real height) : radius_(radius), half_(height / 2) {}
+  Real distance(const Vec3& p) const override {
+    const Real side = radial(p) - radius_, end = std::abs(p.z()) - half_;
+    const Real a = std::max(side, 0.0), b = std::max(end, 0.0);
+    return std::sqrt(a * a + b * b) + std::min(std::max(side, end), 0.0);
+  }
+  Box bounds() const override { return {Vec3(-radius_, -radius_, -half_), Vec3(radius_, radius_, half_)}; }
+  TriangleMesh surface(Real finest) const override {
+    return turned({{0, -half_}, {radius_, -half_}, {radius_, half_}, {0, half_}}, finest);
+  }
+
+ private:
+  Real radius_, half_;
+};
+
+class Capsule : public Shape {
+ public:
+  Capsule(Real radius, Real height) : radius_(radius), straight_(height / 2 - radius) {}
+  Real distance(const Vec3& p) const override {
+    return Vec3(p.x(), p.y(), p.z() - std::clamp(p.z(), -straight_, straight_)).norm() - radius_;
+  }
+  Box bounds() const override {
+    const Vec3 corner(radius_, radius_, straight_ + radius_);
+    return {-corner, corner};
+  }
+  TriangleMesh surface(Real finest) const override { return turned(arc(radius_, straight_, radius_, finest), finest); }
+
+ private:
+  Real radius_, straight_;
+};
+
+class Torus : public Shape {
+ public:
+  Torus(Real radius, Real tube) : radius_(radius), tube_(tube) {}
+  Real distance(const Vec3& p) const override {
+    const Real off = radial(p) - radius_;
+    return std::sqrt(off * off + p.z() * p.z()) - tube_;
+  }
+  Box bounds() const override {
+    const Vec3 corner(radius_ + tube_, radius_ + tube_, tube_);
+    return {-corner, corner};
+  }
+  TriangleMesh surface(Real finest) const override { return turned(ring(radius_, tube_, finest), finest); }
+
+ private:
+  Real radius_, tube_;
+};
+
+// The rest of the world.
+class Outside : public Shape {
+ public:
+  explicit Outside(std::unique_ptr<Shape> shape) : shape_(std::move(shape)) {}
+  Real distance(const Vec3& p) const override { return -shape_->distance(p); }
+  Box bounds() const override { return shape_->bounds(); }
+  TriangleMesh surface(Real finest) const override { return shape_->surface(finest); }
+
+ private:
+  std::unique_ptr<Shape> shape_;
+};
+
+std::unique_ptr<Shape> make_solid(const ObstacleSettings& obstacle) {
+  switch (obstacle.shape) {
+    case ShapeKind::box:
+      return std::make_unique<Cuboid>(obstacle.size);
+    case ShapeKind::cylinder:
+      return std::make_unique<Cylinder>(obstacle.radius, obstacle.height);
+    case ShapeKind::capsule:
+      return std::make_unique<Capsule>(obstacle.radius, obstacle.height);
+    case ShapeKind::torus:
+      return std::make_unique<Torus>(obstacle.radius, obstacle.tube);
+    case ShapeKind::mesh:
+      return std::make_unique<MeshShape>(obstacle.mesh, obstacle.inside);
+    default:
+      return std::make_unique<Sphere>(obstacle.radius);
+  }
+}
+
+}  // namespace
+
+Vec3 Shape::normal(const Vec3& p) const {
+  return slope_of(bounds(), [&](const Vec3& step) { return distance(p + step); });
+}
+
+std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle) {
+  if (!obstacle.inside || obstacle.shape == ShapeKind::mesh) return make_solid(obstacle);
+  return std::make_unique<Outside>(make_solid(obstacle));
+}
+
+Box bounds_of(const ObstacleSettings& obstacle) {
+  if (obstacle.shape != ShapeKind::mesh) return make_shape(obstacle)->bounds();
+  Box bounds{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  for (const auto& triangle : obstacle.mesh->triangles) {
+    for (const auto corner : triangle) {
+      const Vec3& p = obstacle.mesh->points[static_cast<std::size_t>(corner)];
+      bounds = {bounds.min.cwiseMin(p), bounds.max.cwiseMax(p)};
+    }
+  }
+  return bounds;
+}
+
+}  // namespace trevi

@@ -1,0 +1,177 @@
+#include "boundary/obstacles/body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trevi {
+
+namespace {
+
+// In units of h: how near a particle comes to a surface, and the step along a path that skims one. A sheet that is
+// thinner than the step could be passed.
+constexpr Real contact = 1e-6, least_step = 0.01;
+// And how far from a wall of the box a solid goes on to it; it does so for the density (solid_map.cpp).
+constexpr Real seam = 1.0 / 32;
+// Farthest that a share of density reaches, in units of h; see wall_density.hpp.
+constexpr Real density_reach = 1.25;
+
+Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(); }
+
+}  // namespace
+
+Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
+    : shape_(make_shape(obstacle)),
+      motion_(obstacle),
+      moves_(obstacle.moves()),
+      vessel_(obstacle.inside),
+      whole_(rules.walls.reflection == Reflection::report),
+      h_(rules.h),
+      tolerance_(contact * rules.h),
+      restitution_(obstacle.restitution.value_or(rules.walls.restitution)),
+      friction_(obstacle.friction),
+      radius_(radius_of(shape_->bounds())),
+      seam_(seam * rules.h),
+      inner_{rules.open.min.array() + seam_, rules.open.max.array() - seam_} {
+  move(0, 0);
+  std::optional<Fixed> fixed;
+  if (!moves_) fixed = Fixed{now_, rules.box};
+  map_ = std::make_unique<SolidMap>(*shape_, rules.kernel, h_, fixed);
+  if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
+}
+
+void Body::move(Real begin, Real end) {
+  before_ = motion_.at(begin);
+  now_ = motion_.at(end);
+  const Box bounds = shape_->bounds();
+  const Vec3 half = (bounds.max - bounds.min) / 2, middle = now_.into_world((bounds.max + bounds.min) / 2);
+  const Vec3 extent = (now_.turn.cwiseAbs() * half).array() + density_reach * h_;
+  near_box_ = {middle - extent, middle + extent};
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    beside_.min[a] = std::nextafter(near_box_.min[a], -INFINITY);
+    beside_.max[a] = std::nextafter(near_box_.max[a], INFINITY);
+  }
+}
+
+bool Body::leave_open(const Box& water, Box& open) const {
+  const Vec3 up = near_box_.min - water.max, down = water.min - near_box_.max;
+  Eigen::Index above = 0, below = 0;
+  const Real way_up = up.maxCoeff(&above), way_down = down.maxCoeff(&below);
+  if (vessel_ || !(std::max(way_up, way_down) > 0)) return false;
+  if (way_up > way_down) {
+    open.max[above] = std::min(open.max[above], beside_.min[above]);
+  } else {
+    open.min[below] = std::max(open.min[below], beside_.max[below]);
+  }
+  return true;
+}
+
+bool Body::may_meet(const Vec3& from, const Vec3& to) const {
+  const Real way = (to - from).norm(), margin = 2 * seam_;
+  const Box bounds = shape_->bounds();
+  const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
+  if (!vessel_ &&
+      ((low.array() > bounds.max.array() + margin).any() || (high.array() < bounds.min.array() - margin).any()))
+    return false;
+  // Blocks that are not near are 2 h from the surface.
+  return (way >= h_ || map_->is_near(to)) && !is_beyond(from, way);
+}
+
+bool Body::may_meet(const Vec3& from, Real length) const {
+  const Box bounds = shape_->bounds();
+  const Vec3 off = (bounds.min - from).cwiseMax(from - bounds.max);
+  if (!vessel_ && off.maxCoeff() > length + 2 * seam_) return false;
+  return (length >= h_ || map_->is_near(from)) && !is_beyond(from, length);
+}
+
+bool Body::is_beyond(const Vec3& p, Real way) const {
+  const DistanceGrid::Rough rough = rough_ ? rough_->at(p) : DistanceGrid::Rough{shape_->distance(p), 0};
+  return rough.distance - rough.error > way + 2 * seam_;  // in a corner of the box a seam is 1.7 as wide
+}
+
+Real Body::distance(const Spot& spot, Real reach) const {
+  const Real here = shape_->distance_within(spot.in_body, reach);
+  if (inner_.contains(spot.in_world)) return here;
+  const Vec3 in_seam = spot.in_world.cwiseMax(inner_.min).cwiseMin(inner_.max) - spot.in_world;
+  return std::min(here, shape_->distance_within(spot.in_body + now_.turn.transpose() * in_seam, reach));
+}
+
+Vec3 Body::normal(const Spot& spot) const {
+  if (inner_.contains(spot.in_world)) return shape_->normal(spot.in_body);
+  return slope_of(shape_->bounds(), [&](const Vec3& step) {
+    return distance({spot.in_body + step, spot.in_world + now_.turn * step}, std::numeric_limits<Real>::max());
+  });
+}
+
+bool Body::may_cross(const Vec3& from, const Vec3& to) const {
+  if (!rough_) return true;
+  const Real length = (to - from).norm();
+  for (Real s = 0; s < length;) {
+    const DistanceGrid::Rough here = rough_->at(from + (to - from) * (s / length));
+    const Real least = std::abs(here.distance) - here.error;
+    if (least <= tolerance_) return true;
+    s += least;
+  }
+  return false;
+}
+
+// The distance itself passes nothing. Nearer than a least step it is the way to the surface by the slope along the
+// path, and a little more, so that the next place is in the solid if the path meets it; one that skims it goes by least
+// steps.
+Real Body::step_from(const Way& way, Real s, Real d, Real threshold) const {
+  const Real least = least_step * h_, small = tolerance_ / 2;
+  if (d - tolerance_ >= least) return d - tolerance_;
+  const Real ahead = distance(way.at((s + small) / way.length()), 2 * least);
+  if (d - ahead < 1e-6 * small) return least;
+  const Real to_surface = (d - threshold) * small / (d - ahead);
+  return std::min(to_surface + small, least);
+}
+
+// The last step is halved until the place of contact is known.
+std::optional<Real> Body::first_contact(const Way& way) const {
+  const Real length = way.length();
+  if (length == 0) return std::nullopt;
+  const auto at = [&](Real s) { return distance(way.at(s / length), length - s + 0.02 * h_); };
+  Real s = 0, d = at(0);
+  const Real threshold = std::min(d, tolerance_);
+  while (s < length && d < length - s + tolerance_) {
+    Real next = std::min(s + step_from(way, s, d, threshold), length);
+    const Real there = at(next);
+    if (there >= threshold) {
+      s = next;
+      d = there;
+      continue;
+    }
+    constexpr int halvings = 24;
+    for (int k = 0; k < halvings; ++k) {
+      const Real middle = (s + next) / 2;
+      (at(middle) >= threshold ? s : next) = middle;
+    }
+    return s / length;
+  }
+  return std::nullopt;
+}
+
+bool Body::is_clear(const Spot& spot) const { return distance(spot, h_) >= tolerance_ / 2; }
+
+Vec3 Body::way_out(const Spot& spot) const {
+  Vec3 out = Vec3::Zero();
+  constexpr int most = 8;  // one will do where the nearest surface is a plane or a ball
+  for (int k = 0; k < most; ++k) {
+    const Spot there{spot.in_body + out, spot.in_world + now_.turn * out};
+    const Real d = distance(there, h_);
+    if (d >= tolerance_ / 2) break;
+    out += (2 * tolerance_ - d) * normal(there);
+  }
+  return out;
+}
+
+Vec3 Body::reflected(const Vec3& velocity, const Vec3& normal) const {
+  const Real into = std::min(velocity.dot(normal), 0.0);
+  if (whole_) return restitution_ * (velocity - 2 * into * normal);
+  const Vec3 along = velocity - into * normal;
+  const Real speed = along.norm(), lost = friction_ * (1 + restitution_) * -into;
+  return (speed > lost ? Vec3(along * (1 - lost / speed)) : Vec3::Zero()) - restitution_ * into * normal;
+}
+
+}  // namespace trevi

@@ -1,0 +1,113 @@
+#include "boundary/obstacles/obstacles.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/kernels.hpp"
+
+namespace trevi {
+
+Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
+    : walls_(walls),
+      law_(std::move(law)),
+      toll_(settings.obstacles.size() + 1, settings.fluid.kernel_radius),
+      relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
+      water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
+                  settings.fluid.spacing) {
+  const BodyRules rules{settings.domain, walls_.box(), settings.walls, kernels_of(settings.fluid).density,
+                        settings.fluid.kernel_radius};
+  for (const ObstacleSettings& obstacle : settings.obstacles)
+    bodies_.push_back(std::make_unique<Body>(obstacle, rules));
+  gauges_.emplace(settings, [&](const Vec3& p) {
+    return std::any_of(bodies_.begin(), bodies_.end(),
+                       [&](const auto& body) { return body->shape().distance(body->now().into_body(p)) < 0; });
+  });
+}
+
+void Obstacles::move(Real begin, Real end) {
+  for (const auto& body : bodies_)
+    if (body->moves()) body->move(begin, end);
+}
+
+bool Obstacles::moves() const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const auto& body) { return body->moves(); });
+}
+
+Real Obstacles::fastest(Real begin, Real end) const {
+  Real most = 0;
+  for (const auto& body : bodies_) most = std::max(most, body->motion().fastest(begin, end, body->radius()));
+  return most;
+}
+
+// Where they are is told by a few of them.
+Box Obstacles::open_box(std::span<const Vec3> p) const {
+  constexpr std::size_t parts = 4;
+  Box water{p.back(), p.back()}, open = walls_.box();
+  for (std::size_t k = 0; k < p.size(); k += p.size() / parts + 1) {
+    water.min = water.min.cwiseMin(p[k]);
+    water.max = water.max.cwiseMax(p[k]);
+  }
+  const bool beside =
+      std::all_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->leave_open(water, open); });
+  return beside ? open : Box{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+}
+
+namespace {
+
+// The share of one obstacle and its gradient, in the world.
+BoundaryShare share_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
+  if (!body.may_reach(p)) return {};
+  const PlaneLike plane = body.map().at(body.now().into_body(p));
+  const auto [share, slope] = law.of_plane(plane.distance);
+  return {share, slope * (body.now().turn * plane.gradient)};
+}
+
+}  // namespace
+
+BoundaryShare Obstacles::with(const BoundaryShare& box, const Vec3& p) const {
+  BoundaryShare all;
+  for (const auto& body : bodies_) {
+    const BoundaryShare one = share_of(*body, *law_, p);
+    all.density += one.density;
+    all.gradient += one.gradient;
+  }
+  return {box.density + all.density - box.density * all.density,
+          (1 - all.density) * box.gradient + (1 - box.density) * all.gradient};
+}
+
+void Obstacles::take_gradient(const BoundaryShare& box, const Vec3& p, Real factor) {
+  Real solid = 0;
+  factor *= relaxation_;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const BoundaryShare one = share_of(*bodies_[k], *law_, p);
+    solid += one.density;
+    if (one.density != 0) take(k, factor * (1 - box.density) * one.gradient, p);
+  }
+  if (box.density != 0) take(box_taker(), factor * (1 - solid) * box.gradient, p);
+}
+
+void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
+  if (!recording_) return;
+  take_of_grid(taker, shift, p);
+  gauges_->add(shift, p);
+}
+
+void Obstacles::take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p) {
+  const Push push{shift, taker < bodies_.size() ? Vec3(p - bodies_[taker]->now().center) : p};
+  toll_.add(taker, {&push, 1});
+}
+
+void Obstacles::take_of_box(std::span<Push> pushes) {
+  for (Push& push : pushes) push.shift *= relaxation_;
+  toll_.add(box_taker(), pushes);
+  if (gauges_->count() == 0) return;
+  for (const Push& push : pushes) gauges_->add(push.shift, push.arm);
+}
+
+std::size_t Obstacles::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& body : bodies_) bytes += body->bytes();
+  return bytes;
+}
+
+}  // namespace trevi

@@ -1,0 +1,111 @@
+// The obstacles of a scene: what particles near them have of their density, where their paths end, and what the
+// obstacles and the box take of the water's momentum on the way. Metres and seconds. Functions for single particles may
+// be called in loops that threads share; move() and clear() may not. Collective: total().
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "boundary/gauges.hpp"
+#include "boundary/obstacles/body.hpp"
+#include "boundary/toll.hpp"
+#include "boundary/wall_density.hpp"
+#include "boundary/walls.hpp"
+
+namespace trevi {
+
+class Obstacles {
+ public:
+  /// Without `law` obstacles have no density, as walls without one have none.
+  Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law);
+
+  /// Takes all obstacles to where they are from `begin` to `end`.
+  void move(Real begin, Real end);
+
+  /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
+  /// none.
+  Box open_box(std::span<const Vec3> p) const;
+  /// Whether p is so near to an obstacle that it has a share of density, perhaps.
+  bool is_near(const Vec3& p) const {
+    return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
+  }
+  /// The share at p of box and obstacles together; `box` is that of the box alone. The solids of obstacles do not
+  /// overlap, so their shares add up; walls and obstacles are independent of each other, as in an edge of the box.
+  BoundaryShare with(const BoundaryShare& box, const Vec3& p) const;
+  /// Tells the toll of a shift along the gradient of the share at p: `factor` times its parts, as far as the density
+  /// solver goes that way.
+  void take_gradient(const BoundaryShare& box, const Vec3& p, Real factor);
+  /// The same of particles that no obstacle is near to.
+  void take_of_box(std::span<Push> pushes);
+
+  /// Obstacles that have a share of density at p: visit(taker, the distance of the plane that is worth it, m, the way
+  /// that the surface there has gone in the substep, m).
+  template <class Visit>
+  void for_each_near(const Vec3& p, Visit&& visit) const {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const Body& body = *bodies_[k];
+      if (!body.is_near(p)) continue;
+      const Vec3 there = body.now().into_body(p);
+      const PlaneLike plane = body.map().at(there);
+      const Vec3 surface = there - plane.distance * plane.gradient.stableNormalized();
+      visit(k, plane.distance, Vec3(body.now().into_world(surface) - body.before().into_world(surface)));
+    }
+  }
+
+  /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
+    const Vec3 straight = p + v * dt;
+    bool in_the_open = walls_.inside(straight);
+    for (const auto& body : bodies_) in_the_open = in_the_open && !body->moves() && body->is_passed_by(p, straight);
+    return in_the_open ? straight : predict_among(p, v, dt);
+  }
+  /// Shift by the density solve, at the obstacles' places now: along what it meets.
+  Vec3 collide(const Vec3& p, const Vec3& shift);
+
+  std::size_t count() const { return bodies_.size(); }
+  const Body& body(std::size_t k) const { return *bodies_[k]; }
+  bool moves() const;
+  /// The highest speed of a point of an obstacle, m/s.
+  Real fastest(Real begin, Real end) const;
+
+  /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
+  Toll& toll() { return toll_; }
+  std::size_t box_taker() const { return bodies_.size(); }
+  /// The pressure on walls and obstacles, begun anew with the toll.
+  PressureGauges& gauges() { return *gauges_; }
+  /// Tells the toll, and the gauges, of a shift that a taker gave to a particle at p.
+  void take(std::size_t taker, const Vec3& shift, const Vec3& p);
+  /// Whether what is told is taken; not while only positions are shifted, and nobody's momentum changes.
+  void record_impulses(bool on) { recording_ = on; }
+  bool records_impulses() const { return recording_; }
+  /// Tells the toll alone: of the coarse grid, whose gauges have a rule of their own.
+  void take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p);
+
+  /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
+  /// particles is calibrated to their kernel.
+  Real water_mass() const { return water_mass_; }
+
+  std::size_t bytes() const;
+
+ private:
+  struct Leg;
+  // From p, at the obstacles' places before or now.
+  Leg leg_from(const Vec3& p, bool before);
+  Vec3 predict_among(const Vec3& p, const Vec3& v, Real dt);
+  Vec3 among(const Vec3& p, const Vec3& v, Real dt);
+
+  std::vector<std::unique_ptr<Body>> bodies_;
+  Walls walls_;
+  std::optional<AnalyticWallDensity> law_;
+  Toll toll_;
+  PerThread<std::vector<Way>> ways_;      // of the leg that a thread follows
+  std::optional<PressureGauges> gauges_;  // made when all bodies are there
+  bool recording_ = true;
+  Real relaxation_;  // of shifts by the density solver
+  Real water_mass_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,63 @@
+#include "boundary/toll.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+// In units: far beyond any way that a solver would let a particle go, and a number in any case.
+Real countable(Real units) {
+  constexpr Real most = 0x1p55;
+  return std::max(-most, std::min(most, units));
+}
+
+}  // namespace
+
+Toll::Toll(std::size_t takers, Real h)
+    : columns_(numbers * takers),
+      unit_(std::ldexp(h, -34)),
+      arm_(h),
+      per_shift_(1 / unit_),
+      per_moment_(1 / (unit_ * arm_)) {
+  clear();
+}
+
+void Toll::clear() {
+  sums_.for_each([&](auto& sums) { sums.assign(columns_, 0); });
+}
+
+// Rounded in one instruction, which std::llround() is not; a scene with obstacles does this for all that is at a wall.
+void Toll::add(std::size_t taker, std::span<const Push> pushes) {
+  std::array<std::int64_t, numbers> sums{};
+  for (const auto& [shift, arm] : pushes) {
+    const Vec3 moment(arm.y() * shift.z() - arm.z() * shift.y(), arm.z() * shift.x() - arm.x() * shift.z(),
+                      arm.x() * shift.y() - arm.y() * shift.x());
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Eigen::Index>(a);
+      sums[a] += std::llrint(countable(shift[axis] * per_shift_));
+      sums[a + 3] += std::llrint(countable(moment[axis] * per_moment_));
+    }
+  }
+  std::int64_t* const all = sums_.mine().data() + numbers * taker;
+  for (std::size_t k = 0; k < numbers; ++k) all[k] += sums[k];
+}
+
+std::vector<Taken> Toll::total(MPI_Comm comm) {
+  const std::vector<std::int64_t> all = sum_over_threads_and_ranks(comm, sums_);
+  std::vector<Taken> taken(columns_ / numbers);
+  for (std::size_t k = 0; k < taken.size(); ++k) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Eigen::Index>(a);
+      taken[k].shift[axis] = static_cast<Real>(all[numbers * k + a]) * unit_;
+      taken[k].moment[axis] = static_cast<Real>(all[numbers * k + a + 3]) * unit_ * arm_;
+    }
+  }
+  return taken;
+}
+
+}  // namespace trevi

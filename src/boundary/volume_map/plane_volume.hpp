@@ -1,0 +1,25 @@
+// How much of the density kernel's ball lies behind a plane, as a share of its integral: V(d) for a plane at distance
+// d, from 1 at −h over ½ at 0 to 0 at h. Its inverse turns the volume share of any solid into the distance of the plane
+// that takes as much: what the solid is to a particle, whose density term is then that of the box's walls. Not
+// collective.
+#pragma once
+
+#include <vector>
+
+#include "kernels/kernels.hpp"
+
+namespace trevi {
+
+class PlaneVolume {
+ public:
+  PlaneVolume(const Kernel& kernel, Real h);
+  Real share(Real distance) const;
+  /// From −h for a share of 1 to h for 0.
+  Real distance(Real share) const;
+
+ private:
+  Real h_;
+  std::vector<Real> share_;  // at distances from 0 to h in equal steps
+};
+
+}  // namespace trevi

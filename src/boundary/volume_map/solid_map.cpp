@@ -1,0 +1,249 @@
+#include "boundary/volume_map/solid_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trevi {
+
+namespace {
+
+BlockPlace place_of(const Vec3& p, Real size) {
+  return {static_cast<std::int32_t>(std::floor(p.x() / size)), static_cast<std::int32_t>(std::floor(p.y() / size)),
+          static_cast<std::int32_t>(std::floor(p.z() / size))};
+}
+
+BlockPlace moved(const BlockPlace& place, std::int32_t by) { return {place[0] + by, place[1] + by, place[2] + by}; }
+
+Vec3 corner_of(const BlockPlace& place, Real size) { return size * Vec3(place[0], place[1], place[2]); }
+
+// Of the kernel over a cell that begins at `corner`, by 4³ points: its peak is sharp.
+Real mean_over_cell(const Kernel& kernel, const Vec3& corner, Real size, Real h) {
+  constexpr int parts = 4;
+  Real sum = 0;
+  for (int k = 0; k < parts * parts * parts; ++k) {
+    const Vec3 place(k % parts + 0.5, k / parts % parts + 0.5, k / parts / parts + 0.5);
+    sum += kernel.value(corner + size / parts * place, h);
+  }
+  return sum / (parts * parts * parts);
+}
+
+// Catmull & Rom: what each of four nodes weighs at t between the second and the third, and the derivatives.
+struct Spline {
+  std::array<Real, 4> value, slope;
+  explicit Spline(Real t)
+      : value{t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2 - 1.5 * t)),
+              t * t * (-0.5 + 0.5 * t)},
+        slope{-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t), t * (-1 + 1.5 * t)} {}
+};
+
+}  // namespace
+
+Real SolidMap::least_bytes(const Box& bounds, Real h) {
+  const Real brick = LazyBlocks<Nodes>::edge * block * h / (static_cast<Real>(reach) / fine);
+  return 2 * sizeof(void*) * ((bounds.max - bounds.min).array() / brick + 1).prod();
+}
+
+// The outermost blocks are as far from the surface as one has to see.
+SolidMap::SolidMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed)
+    : shape_(shape),
+      fixed_(fixed),
+      h_(h),
+      node_(h / (static_cast<Real>(reach) / fine)),
+      vessel_(shape.distance(shape.bounds().max + Vec3::Constant(h)) < 0),
+      plane_(kernel, h),
+      low_(moved(place_of(shape.bounds().min, block * node_), -2)),
+      high_(moved(place_of(shape.bounds().max, block * node_), 3)),
+      cells_(moved(low_, -1), moved(high_, 1)),
+      nodes_(low_, high_) {
+  Real sum = 0;
+  for (int z = -reach; z < reach; ++z) {
+    for (int y = -reach; y < reach; ++y) {
+      for (int x = -reach; x < reach; ++x) {
+        const Real w = mean_over_cell(kernel, node_ / fine * Vec3(x, y, z), node_ / fine, h);
+        if (w <= 0) continue;
+        const int column = x + reach, row = (z + reach) * window + y + reach;
+        weights_.push_back({static_cast<std::size_t>(column % 2), row * (window / 2) + column / 2, w});
+        sum += w;
+      }
+    }
+  }
+  for (Weight& one : weights_) one.weight /= sum;
+}
+
+// Clamping to the box makes no distance larger, so it stays a safe one. To a little inside of the box, as the face on
+// which a solid stands would else count as half solid.
+Real SolidMap::solid_distance(const Vec3& p) const {
+  if (!fixed_) return shape_.distance(p);
+  const Vec3 world = fixed_->pose.into_world(p);
+  const Vec3 gap = Vec3::Constant(h_ / 32);
+  const Vec3 in_box = world.cwiseMax(fixed_->box.min + gap).cwiseMin(fixed_->box.max - gap);
+  return shape_.distance(in_box == world ? p : fixed_->pose.into_body(in_box));
+}
+
+// Of a cube that the surface meets: in 27 parts, each cut as by a plane.
+Real SolidMap::cut_share(const Vec3& middle, Real size) const {
+  constexpr int parts = 3;
+  Real sum = 0;
+  for (int z = 0; z < parts; ++z) {
+    for (int y = 0; y < parts; ++y) {
+      for (int x = 0; x < parts; ++x) {
+        const Vec3 p = middle + size / parts * Vec3(x - 1, y - 1, z - 1);
+        sum += std::clamp(0.5 - solid_distance(p) * parts / size, 0.0, 1.0);
+      }
+    }
+  }
+  return sum / (parts * parts * parts);
+}
+
+// By groups of 4³ cells, most of which the surface does not meet.
+void SolidMap::fill_cells(const Vec3& corner, Cells& cells) const {
+  constexpr int group = 4;
+  constexpr Real half_diagonal = 0.8661;  // of a cube, in edges, rounded up
+  const Real cell = node_ / fine;
+  cells.share.assign(edge * edge * edge, 0.0F);
+  const auto middle = [&](int x, int y, int z, int count) {
+    return Vec3(corner + cell * (Vec3(x, y, z) + Vec3::Constant(count / 2.0)));
+  };
+  for (int first = 0; first < edge * edge * edge; first += group * group * group) {
+    const int number = first / (group * group * group), across = edge / group;
+    const int x0 = number % across * group, y0 = number / across % across * group,
+              z0 = number / across / across * group;
+    const Real far = solid_distance(middle(x0, y0, z0, group));
+    const bool whole = std::abs(far) > group * half_diagonal * cell;
+    for (int k = 0; k < group * group * group; ++k) {
+      const int x = x0 + k % group, y = y0 + k / group % group, z = z0 + k / group / group;
+      const Vec3 here = middle(x, y, z, 1);
+      const Real d = whole ? far : solid_distance(here);
+      const Real share = std::abs(d) > half_diagonal * cell ? (d < 0 ? 1 : 0) : cut_share(here, cell);
+      cells.share[static_cast<std::size_t>((z * edge + y) * edge + x)] = static_cast<float>(share);
+    }
+  }
+}
+
+std::unique_ptr<SolidMap::Cells> SolidMap::make_cells(const BlockPlace& place) const {
+  auto cells = std::make_unique<Cells>();
+  const Real size = block * node_;
+  const Vec3 corner = corner_of(place, size);
+  const Real far = solid_distance(corner + Vec3::Constant(size / 2));
+  if (std::abs(far) > 0.8661 * size) {
+    cells->kind = far < 0 ? Kind::full : Kind::empty;
+    return cells;
+  }
+  cells->kind = Kind::cut;
+  fill_cells(corner, *cells);
+  return cells;
+}
+
+const SolidMap::Cells& SolidMap::cells_at(const BlockPlace& place) const {
+  return cells_.at(place, [&] { return make_cells(place); });
+}
+const SolidMap::Nodes& SolidMap::nodes_at(const BlockPlace& place) const {
+  return nodes_.at(place, [&] { return make_nodes(place); });
+}
+
+// The cells that the nodes of a block see; false where all of the blocks around are empty, or all full.
+bool SolidMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind) const {
+  std::array<const Cells*, 27> around;
+  for (int k = 0; k < 27; ++k) {
+    const BlockPlace there{place[0] + k % 3 - 1, place[1] + k / 3 % 3 - 1, place[2] + k / 9 - 1};
+    around[static_cast<std::size_t>(k)] = &cells_at(there);
+  }
+  kind = around[0]->kind;
+  if (kind != Kind::cut && std::all_of(around.begin(), around.end(), [&](auto* one) { return one->kind == kind; }))
+    return false;
+  kind = Kind::cut;
+  for (auto& half : window_cells) half.reserve(window * window * window / 2);
+  constexpr int before = reach + fine;  // cells before the block's own that its first node sees
+  for (int z = 0; z < window; ++z) {
+    for (int y = 0; y < window; ++y) {
+      for (int x = 0; x < window; ++x) {
+        const int fx = x - before + edge, fy = y - before + edge, fz = z - before + edge;
+        const Cells& from = *around[static_cast<std::size_t>((fz / edge * 3 + fy / edge) * 3 + fx / edge)];
+        const int cell = (fz % edge * edge + fy % edge) * edge + fx % edge;
+        const float share = from.kind == Kind::cut    ? from.share[static_cast<std::size_t>(cell)]
+                            : from.kind == Kind::full ? 1.0F
+                                                      : 0.0F;
+        window_cells[static_cast<std::size_t>(x % 2)].push_back(static_cast<Real>(share));
+      }
+    }
+  }
+  return true;
+}
+
+// Near h, where the share says hardly anything any more, the distance of the surface takes its place.
+Real SolidMap::plane_distance(Real share, const Vec3& node) const {
+  constexpr Real begin = 0.8;  // of h
+  const Real d = plane_.distance(std::clamp(share, 0.0, 1.0));
+  const Real t = (std::abs(d) / h_ - begin) / (1 - begin);
+  if (t <= 0) return d;
+  const Real surface = solid_distance(node), far = d > 0 ? std::max(surface, d) : std::min(surface, d);
+  return d + t * t * (3 - 2 * t) * (far - d);
+}
+
+std::unique_ptr<SolidMap::Nodes> SolidMap::make_nodes(const BlockPlace& place) const {
+  auto result = std::make_unique<Nodes>();
+  Window cells;
+  if (!gather(place, cells, result->kind)) return result;
+  result->distance.reserve(nodes * nodes * nodes);
+  const Vec3 corner = corner_of(place, block * node_);
+  for (int z = 0; z < nodes; ++z) {
+    for (int y = 0; y < nodes; ++y) {
+      const std::ptrdiff_t row = (z * window + y) * fine * (window / 2);
+      std::array<Real, nodes> share{};  // of the nodes of a row at once, which takes vectors
+      for (const Weight& one : weights_) {
+        const Real* from = cells[one.odd].data() + row + one.offset;
+        for (std::size_t x = 0; x < nodes; ++x) share[x] += one.weight * from[x];
+      }
+      for (int x = 0; x < nodes; ++x)
+        result->distance.push_back(
+            plane_distance(share[static_cast<std::size_t>(x)], corner + node_ * Vec3(x - 1, y - 1, z - 1)));
+    }
+  }
+  return result;
+}
+
+BlockPlace SolidMap::block_of(const Vec3& p) const { return place_of(p, block * node_); }
+
+bool SolidMap::covers(const BlockPlace& place) const {
+  bool inside = true;
+  for (std::size_t a = 0; a < 3; ++a) inside = inside && place[a] >= low_[a] && place[a] < high_[a];
+  return inside;
+}
+
+bool SolidMap::is_near(const Vec3& p) const {
+  const BlockPlace place = block_of(p);
+  return covers(place) ? nodes_at(place).kind != Kind::empty : vessel_;
+}
+
+PlaneLike SolidMap::at(const Vec3& p) const {
+  const BlockPlace place = block_of(p);
+  if (!covers(place)) return {vessel_ ? -h_ : h_, Vec3::Zero()};
+  const Nodes& here = nodes_at(place);
+  if (here.kind != Kind::cut) return {here.kind == Kind::full ? -h_ : h_, Vec3::Zero()};
+  return interpolated(here, (p - corner_of(place, block * node_)) / node_);
+}
+
+PlaneLike SolidMap::interpolated(const Nodes& here, const Vec3& in_nodes) const {
+  std::array<int, 3> cell;
+  for (int a = 0; a < 3; ++a)
+    cell[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(in_nodes[a]), 0, block - 1);
+  const Spline sx(in_nodes.x() - cell[0]), sy(in_nodes.y() - cell[1]), sz(in_nodes.z() - cell[2]);
+  Real value = 0;
+  Vec3 slope = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    Real plane = 0, plane_x = 0, plane_y = 0;
+    for (std::size_t j = 0; j < 4; ++j) {
+      const std::size_t row = (static_cast<std::size_t>(cell[2]) + k) * nodes + static_cast<std::size_t>(cell[1]) + j;
+      const Real* d = here.distance.data() + row * nodes + cell[0];
+      const Real line = (sx.value[0] * d[0] + sx.value[1] * d[1]) + (sx.value[2] * d[2] + sx.value[3] * d[3]);
+      plane += sy.value[j] * line;
+      plane_x += sy.value[j] * ((sx.slope[0] * d[0] + sx.slope[1] * d[1]) + (sx.slope[2] * d[2] + sx.slope[3] * d[3]));
+      plane_y += sy.slope[j] * line;
+    }
+    value += sz.value[k] * plane;
+    slope += Vec3(sz.value[k] * plane_x, sz.value[k] * plane_y, sz.slope[k] * plane);
+  }
+  return {value, slope / node_};
+}
+
+}  // namespace trevi

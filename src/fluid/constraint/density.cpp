@@ -1,0 +1,183 @@
+#include "fluid/constraint/density.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "fluid/pairs/for_each_sum.hpp"
+#include "fluid/pairs/particle_loops.hpp"
+
+namespace trevi {
+
+Real particle_mass(const FluidSettings& fluid) {
+  if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
+  return fluid.rest_density / lattice_density_sum(kernels_of(fluid).density, fluid.spacing, fluid.kernel_radius);
+}
+
+Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
+  Real c = rho / model.rest_density - 1;
+  if (model.constraint == Constraint::inequality) c = std::max(c, 0.0);
+  // A particle without neighbours has no gradient; with epsilon = 0 that would be 0/0.
+  return 0 - c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
+}
+
+// What is needed after the pair loop of these particles comes from memory while the loop works.
+template <class V>
+void prefetch(std::span<const V> field, Range here) {
+  const auto* end = reinterpret_cast<const char*>(field.data() + here.end);
+  for (const auto* at = reinterpret_cast<const char*>(field.data() + here.begin); at < end; at += 64)
+    __builtin_prefetch(at);
+}
+
+namespace {
+
+// What gives a particle a share of its density; kept beside the gradient of that, for tell_obstacles().
+enum Boundary { none = 0, box_alone, obstacle };
+template <class T>
+Boundary boundary_of(const Vec4<T>& wall) {
+  return static_cast<Boundary>(static_cast<int>(wall.w));
+}
+
+Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cwiseMin(b.max)}; }
+
+}  // namespace
+
+// visit(i, boundary) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
+template <class T>
+template <class Visit>
+void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
+  if (!walls_) return;
+  const auto first = static_cast<std::size_t>(range.begin);
+  const std::span<const Vec3> here = p.subspan(first, static_cast<std::size_t>(range.size()));
+  const Box& interior = walls_->interior();
+  std::array<LocalId, sums_chunk> near;
+  if (!obstacles_) {
+    const std::size_t count = find_outside(interior, here, near.data());
+    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), box_alone);
+    return;
+  }
+  const Box open = obstacles_->open_box(here);
+  const std::size_t count = find_outside(common(open, interior), here, near.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = first + static_cast<std::size_t>(near[k]);
+    if (open.contains(p[i]) || !obstacles_->is_near(p[i])) {
+      if (!interior.contains(p[i])) visit(i, box_alone);
+    } else {
+      visit(i, obstacle);
+    }
+  }
+}
+
+template <class T>
+BoundaryShare DensityConstraint<T>::share_at(const Vec3& p, bool at_obstacle) const {
+  const BoundaryShare box = walls_->at(p);
+  return at_obstacle ? obstacles_->with(box, p) : box;
+}
+
+// By what lambdas() wrote there: the gradient where it is the box's own.
+template <class T>
+void DensityConstraint<T>::tell_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
+                                          std::span<const Vec4<T>> wall) const {
+  std::array<std::size_t, sums_chunk> near;
+  std::array<Push, sums_chunk> by_box;
+  std::size_t count = 0, pushes = 0;
+  for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
+    near[count] = i;  // without a branch
+    count += wall[i].w != 0 ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = near[k];
+    const auto factor = static_cast<Real>(records[i].w);
+    if (boundary_of(wall[i]) == obstacle) {
+      obstacles_->take_gradient(walls_->at(p[i]), p[i], factor);
+    } else if (factor != 0) {
+      by_box[pushes++] = {factor * vector_of(wall[i]), p[i]};
+    }
+  }
+  obstacles_->take_of_box({by_box.data(), pushes});
+}
+
+template <class T>
+DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
+                                        std::optional<AnalyticWallDensity> walls, std::shared_ptr<Obstacles> obstacles)
+    : model_(model),
+      density_factor_(model.mass * model.kernels.density.factor(model.h)),
+      gradient_factor_(model.mass / model.rest_density * model.kernels.gradient.slope_factor(model.h)),
+      loops_(constraint_loops<T>(model.kernels)),
+      delta_loop_(loops_.delta),
+      walls_(std::move(walls)),
+      obstacles_(std::move(obstacles)) {
+  if (tensile) {
+    delta_loop_ = [loop = loops_.tensile_delta, t = *tensile](const Pairs<T>& pairs, Range range, Vec4<T>* out) {
+      loop(pairs, range, t, out);
+    };
+  }
+}
+
+template <class T>
+void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                     std::span<Real> rho) const {
+  const auto loop = [&](Range here, T* sums) { loops_.value(pairs, here, sums); };
+  for_each_sum<T>(range, loop, [&](Range here, const T* sum) {
+    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
+      rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
+    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
+      rho[i] += model_.rest_density * share_at(p[i], boundary == obstacle).density;
+    });
+  });
+}
+
+// First as if all particles were far from walls, without a branch; then those near them, a few, once more.
+template <class T>
+void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                   const Lambdas& out) const {
+  const auto loop = [&](Range here, Vec4<T>* sums, T* squares) {
+    prefetch(p, here);
+    loops_.density(pairs, here, sums, squares);
+  };
+  const Real slope = gradient_factor_, slope2 = slope * slope;
+  const MultiplierLaw law{model_.rest_density, density_factor_ / model_.rest_density, slope2, model_.epsilon,
+                          model_.constraint == Constraint::inequality ? 0 : std::numeric_limits<Real>::lowest()};
+  for_each_sum<Vec4<T>, T>(range, loop, [&](Range here, const Vec4<T>* sums, const T* squares) {
+    const auto first = static_cast<std::size_t>(here.begin), count = static_cast<std::size_t>(here.size());
+    std::array<T, sums_chunk> multiplier;
+    find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
+    std::fill_n(&out.wall[first], count, Vec4<T>{});
+    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
+      const std::size_t k = i - first;
+      const BoundaryShare share = share_at(p[i], boundary == obstacle);
+      out.rho[i] += model_.rest_density * share.density;
+      const Vec3 gradient = share.gradient - slope * vector_of(sums[k]);
+      multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
+      out.wall[i] = {static_cast<T>(share.gradient.x()), static_cast<T>(share.gradient.y()),
+                     static_cast<T>(share.gradient.z()), static_cast<T>(boundary)};
+    });
+    out.use(here, multiplier.data());
+  });
+}
+
+template <class T>
+void DensityConstraint<T>::sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range,
+                                      std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
+  const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
+  const auto factor = static_cast<T>(-gradient_factor_);
+  const auto loop = [&](Range here, Vec4<T>* sums) {
+    prefetch<Vec4<T>>(delta, here);
+    if (obstacles_) prefetch(p, here);
+    delta_loop(pairs, here, sums);
+  };
+  for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
+    if (obstacles_ && walls_ && obstacles_->records_impulses()) tell_obstacles(here, records, p, delta);
+    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
+      const T multiplier = records[i].w;
+      Vec4<T>& out = delta[i];
+      out = {sums->x * factor + multiplier * out.x, sums->y * factor + multiplier * out.y,
+             sums->z * factor + multiplier * out.z, 0};
+    }
+  });
+}
+
+template class DensityConstraint<float>;
+template class DensityConstraint<double>;
+
+}  // namespace trevi

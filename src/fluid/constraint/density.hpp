@@ -1,0 +1,105 @@
+// The density constraint of position based fluids (Macklin & Müller 2013, eqs. 1, 11, 12 and 14); units as in the
+// scene:
+//   rho_i = m Σ_j W(p_ij);  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+//   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls' share]
+// W is the kernel of fluid.density_kernel, G that of fluid.gradient_kernel, with which the gradients in lambda_i are
+// formed, too. Not collective: the caller exchanges lambda, the scalar of the records, between the two loops.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "boundary/obstacles/obstacles.hpp"
+#include "boundary/wall_density.hpp"
+#include "fluid/pairs/pair_sums.hpp"
+#include "kernels/kernels.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// Physical constants of the constraint, already scaled to the resolution of the scene.
+struct DensityModel {
+  Real mass = 1;             ///< of a particle, kg
+  Real rest_density = 1000;  ///< kg/m³
+  Real h = 0.2;              ///< m
+  Real epsilon = 1;          ///< 1/m²
+  Constraint constraint = Constraint::equality;
+  Kernels kernels = kernels_of(FluidSettings{});
+};
+
+/// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest
+/// density.
+Real particle_mass(const FluidSettings& fluid);
+
+/// Physical constants, with epsilon and artificial pressure scaled to the spacing: settings give their values at a
+/// spacing of 0.1 m (inputs/README.md, Resolution). `settings` are those of resolved(), but the under-relaxation may be
+/// missing.
+DensityModel density_model(const Settings& settings);
+std::optional<Tensile> tensile_of(const Settings& settings);
+
+/// The multiplier lambda_i, m², from gradient = ∇_i C_i, 1/m, and neighbours = Σ_j |∇_j C_i|², 1/m².
+Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
+
+template <class T>
+class DensityConstraint {
+ public:
+  /// Without `walls` a particle at a wall misses the neighbours that water behind it would give, as in the paper.
+  DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
+                    std::optional<AnalyticWallDensity> walls, std::shared_ptr<Obstacles> obstacles = nullptr);
+
+  const DensityModel& model() const { return model_; }
+
+  /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
+  void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
+
+  /// What lambdas() writes; arrays of all owned particles. use(here, multipliers) is called with lambda_i of a few
+  /// particles at a time, by several threads at once. They cannot go into the records there: other threads load the
+  /// whole of these.
+  struct Lambdas {
+    std::span<Real> rho;      ///< rho_i, kg/m³
+    std::span<Vec4<T>> wall;  ///< gradient of the walls' share, 1/m, and what it is from, for deltas()
+    std::function<void(Range here, const T* multipliers)> use;
+  };
+  /// Finds rho_i and lambda_i for the range; p is an array of all owned particles.
+  void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Lambdas& out) const;
+
+  /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions, and tells
+  /// the obstacles' toll what the walls and they have in it.
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
+    sum_deltas(delta_loop_, pairs, range, p, delta);
+  }
+  /// The same without the tensile term: what the multipliers alone do.
+  void deltas_of_multipliers(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                             std::span<Vec4<T>> delta) const {
+    sum_deltas(loops_.delta, pairs, range, p, delta);
+  }
+
+  /// Floating-point operations of a pair in each loop, for the log.
+  static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
+
+ private:
+  using DeltaLoop = std::function<void(const Pairs<T>&, Range, Vec4<T>*)>;
+  void sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                  std::span<Vec4<T>> delta) const;
+  template <class Visit>
+  void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
+  BoundaryShare share_at(const Vec3& p, bool at_obstacle) const;
+  void tell_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
+                      std::span<const Vec4<T>> wall) const;
+
+  DensityModel model_;
+  Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours
+  Real gradient_factor_;  // m/rho0 times the slope factor of the gradient kernel, 1/m
+  ConstraintLoops<T> loops_;
+  DeltaLoop delta_loop_;
+  std::optional<AnalyticWallDensity> walls_;
+  std::shared_ptr<Obstacles> obstacles_;
+};
+
+extern template class DensityConstraint<float>;
+extern template class DensityConstraint<double>;
+
+}  // namespace trevi

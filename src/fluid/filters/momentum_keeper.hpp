@@ -1,0 +1,29 @@
+// A filter that keeps no momentum, made to: what it adds to the momentum of all water is taken from all particles
+// alike, so that their sum stays to rounding. (Angular momentum is not kept.) Collective.
+#pragma once
+
+#include "fluid/filters/velocity_filter.hpp"
+
+namespace trevi {
+
+template <class T>
+class MomentumKeeper : public VelocityFilter<T> {
+ public:
+  MomentumKeeper(MPI_Comm comm, std::unique_ptr<VelocityFilter<T>> filter) : comm_(comm), filter_(std::move(filter)) {}
+  void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
+  std::size_t bytes() const override { return filter_->bytes() + before_.capacity() * sizeof(Vec3); }
+
+ private:
+  void keep(const std::vector<Vec3>& velocity);
+  Vec3 mean_change(const CellOrder& order, const std::vector<Vec3>& velocity) const;
+
+  Event event_{"Projection"};
+  MPI_Comm comm_;
+  std::unique_ptr<VelocityFilter<T>> filter_;
+  std::vector<Vec3> before_;  // velocities, m/s
+};
+
+extern template class MomentumKeeper<float>;
+extern template class MomentumKeeper<double>;
+
+}  // namespace trevi

@@ -1,0 +1,84 @@
+#include "fluid/filters/xsph_viscosity.hpp"
+
+#include <algorithm>
+
+#include "fluid/pairs/for_each_sum.hpp"
+#include "kernels/poly6-inl.hpp"
+
+namespace trevi {
+
+namespace {
+
+// velocity_i += factor Σ, the sums being those of a pair loop.
+template <class T, class Loop>
+void add_sums(const Neighbourhood<T>& near, const Loop& loop, Real factor, std::vector<Vec3>& velocity) {
+  for_each_sum<Vec4<T>>(near.all(), loop, [&](Range here, const Vec4<T>* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
+      velocity[static_cast<std::size_t>(i)] += factor * vector_of(*sum);
+  });
+}
+
+}  // namespace
+
+template <class T>
+XsphViscosity<T>::XsphViscosity(Real c, const DensityModel& model, std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(filter_loops<T>()), factor_(c * model.mass * Poly6::factor(model.h)), velocity_(std::move(velocity)) {}
+
+template <class T>
+void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
+  const ScopedEvent timed(event_);
+  const Vec4<T>* velocities = velocity_->refresh(near, particles.velocity);
+  const Pairs<T> pairs = pairs_of(near);
+  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
+  add_sums(near, smoothing, factor_, particles.velocity);
+  log_flops(static_cast<double>(near.list().pairs()) * 22);
+}
+
+Real longest_viscous_step(Real nu, Real spacing, Real h) {
+  return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(kernel_named(Poly6::name), spacing, h));
+}
+
+Real least_second_moment(Real spacing, Real h) {
+  const Real without_order = h * h / (22 * spacing * spacing * spacing);
+  return std::min(1.0, without_order / lattice_laplacian_moment(spacing, h)) *
+         (1 - 3.0 / lattice_neighbours(spacing, h));
+}
+
+template <class T>
+KinematicViscosity<T>::KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity)
+    : loops_(filter_loops<T>()), velocity_(std::move(velocity)) {
+  const Real lattice = lattice_laplacian_moment(spacing, h);
+  per_second_ = nu / lattice * Poly6::factor(h) / 2;
+  moment_factor_ = static_cast<T>(h * h * Poly6::factor(h) / (6 * lattice));
+  least_ = static_cast<T>(least_second_moment(spacing, h));
+}
+
+// M_lattice/M_i to the scalar of each velocity.
+template <class T>
+void KinematicViscosity<T>::weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const {
+  const auto moments = [&](Range part, T* out) { loops_.second_moment(pairs, part, out); };
+  for_each_sum<T>(all, moments, [&](Range here, const T* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
+      const T moment = moment_factor_ * *sum;
+      velocities[i].w = moment < least_ ? 1 : 1 / moment;
+    }
+  });
+}
+
+template <class T>
+void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
+  const ScopedEvent timed(event_);
+  const Pairs<T> pairs = pairs_of(near);
+  weigh(pairs, near.all(), velocity_->write(near, particles.velocity));
+  const Vec4<T>* velocities = velocity_->exchange(near);
+  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.weighted_smoothing(pairs, part, velocities, out); };
+  add_sums(near, smoothing, per_second_ * dt, particles.velocity);
+  log_flops(static_cast<double>(near.list().pairs()) * (14 + 24));
+}
+
+template class XsphViscosity<float>;
+template class XsphViscosity<double>;
+template class KinematicViscosity<float>;
+template class KinematicViscosity<double>;
+
+}  // namespace trevi

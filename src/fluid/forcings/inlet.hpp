@@ -1,0 +1,79 @@
+// Inlets: openings through which water enters (inputs/README.md, Inlets and drains). An inlet makes particles layer by
+// layer, on a square lattice with the fluid's spacing across its opening: a layer whenever the water has gone one
+// spacing. Who makes them, and with which ids, is the matter of OpenFlow (solver/open_flow.hpp). Collective: prepare()
+// only.
+#pragma once
+
+#include <array>
+
+#include "fluid/forcings/fountain.hpp"
+
+namespace trevi {
+
+/// The places of a layer, centred in the opening. Places are numbered over the rectangle around the opening, row by
+/// row.
+class InletLattice {
+ public:
+  InletLattice(const InletSettings& settings, Real spacing);
+
+  /// Places of the rectangle around an opening, before it is known whether they can be counted.
+  static Real places_of(const InletSettings& settings, Real spacing);
+
+  /// Of the rectangle around the opening.
+  GlobalId places() const { return count_[0] * count_[1]; }
+  /// Whether a place is in the opening itself.
+  bool is_open(GlobalId place) const;
+  /// Number of open places: the particles of a layer.
+  GlobalId open_places() const { return open_; }
+  /// `ahead`: distance from the opening along the direction, m.
+  Vec3 position(GlobalId place, Real ahead) const;
+  /// Farthest that the opening reaches from its centre along each coordinate, m.
+  Vec3 reach() const;
+
+  /// A position as seen from the inlet: distance ahead of the opening and, in units of places, where across it.
+  struct Seen {
+    Real ahead, row, column;
+  };
+  Seen seen(const Vec3& p) const;
+  /// The four places around what is seen, those nearer than a spacing among them; −1 for one outside of the rectangle.
+  std::array<GlobalId, 4> around(const Seen& seen) const;
+  /// Whether a position at most one spacing ahead is in front of the opening.
+  bool in_nozzle(const Vec3& p) const;
+
+ private:
+  InletSettings settings_;
+  Real spacing_;
+  GlobalId place(Real row, Real column) const;
+
+  Vec3 level_, across_;  // directions of the columns of a row, and of the rows
+  GlobalId count_[2];    // columns, rows
+  GlobalId open_ = 0;
+};
+
+/// Sets the velocity of the particles within one spacing ahead of its opening as a fountain does, so that water in the
+/// way does not hold up the next layer at once.
+class Inlet : public PumpedForcing {
+ public:
+  Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spacing, std::uint64_t seed, int index);
+  void apply(Particles& particles, const StepInfo& info) override;
+
+  const InletLattice& lattice() const { return lattice_; }
+  bool recycles() const { return recycles_; }
+  /// How far the water comes in the substep, m.
+  Real way(const StepInfo& info) const;
+  /// The speed without jitter while it comes, m/s; 0 where the pump is off.
+  Real speed(const StepInfo& info) const;
+  Vec3 velocity(Real speed, GlobalId id, const StepInfo& info) const { return jet(speed, id, info); }
+
+ private:
+  TimeSpan working(const StepInfo& info) const;
+
+  Event event_;
+  InletLattice lattice_;
+  bool recycles_;
+};
+
+/// Whether a drain removes what is there.
+bool drains(const DrainSettings& drain, const Vec3& p);
+
+}  // namespace trevi

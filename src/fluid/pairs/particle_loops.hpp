@@ -1,0 +1,64 @@
+// The vectorised loops over particles that stand between the pair loops: from sums to multipliers, from shifts to
+// positions and records. Each particle is worked on by itself, in the same operations on every processor. Lengths in
+// metres. Not collective, on this thread.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "boundary/walls.hpp"
+#include "particles/packed.hpp"
+
+namespace trevi {
+
+/// lambda = −C / (slope2 (|Σ g r̂|² + Σ g²) + epsilon) with C = max(alone (1 + Σ w) − 1, least); rho = rest_density
+/// alone (1 + Σ w). `alone` is what a particle without neighbours has of the rest density, slope2 the square of
+/// the gradient factor, 1/m².
+struct MultiplierLaw {
+  Real rest_density, alone, slope2, epsilon, least;
+};
+
+/// The sums of the density loop for a few particles.
+template <class T>
+struct DensitySums {
+  std::span<const Vec4<T>> sums;  ///< (Σ g r̂, Σ w)
+  const T* squares;               ///< Σ g²
+};
+
+/// Writes rho, kg/m³, and lambda, m², for as many particles as there are sums.
+template <class T>
+void find_multipliers(const MultiplierLaw& law, const DensitySums<T>& in, Real* rho, T* lambda);
+template <>
+void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda);
+template <>
+void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda);
+
+/// Writes which of the positions are outside of the box, in their order, and returns how many; `found` has room for
+/// all. A NaN is not outside.
+std::size_t find_outside(const Box& box, std::span<const Vec3> p, LocalId* found);
+
+/// p += factor · delta in a box where nothing is in the way, and the records of it, with a scalar of zero.
+template <class T>
+struct Shift {
+  Box open;
+  bool from_inside;  ///< whether all particles are in the box
+  const Encoding<T>& encoding;
+  Real factor;
+};
+template <class T>
+struct Moved {
+  std::span<Vec3> p;
+  Packed<T>* records;
+};
+/// Those whose way leaves the box, and a few beside them, stay as they are: writes which, in their order, and returns
+/// how many; `left` has room for all.
+template <class T>
+std::size_t move_particles(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left);
+template <>
+std::size_t move_particles(const Shift<float>& shift, const Vec4<float>* delta, const Moved<float>& moved,
+                           LocalId* left);
+template <>
+std::size_t move_particles(const Shift<double>& shift, const Vec4<double>* delta, const Moved<double>& moved,
+                           LocalId* left);
+
+}  // namespace trevi

@@ -1,0 +1,43 @@
+// Frames for ParaView in VTKHDF 1.0: one HDF5 file per frame, DIR/particles_<step>.hdf, written by all ranks together,
+// and DIR/particles.hdf.series that lists them with physical time. An unstructured grid with one vertex per particle
+// and one partition per rank that has any; fields as in fields.hpp.
+// A frame is written under a temporary name and renamed, so the list names whole frames only. Collective.
+// Format: VTK File Formats, "VTKHDF"; the list: ParaView's file series, version 1.0.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "io/frames/frame_writer.hpp"
+#include "io/hdf5/hdf5_writer.hpp"
+#include "trevi/observer.hpp"
+
+namespace trevi {
+
+std::unique_ptr<Observer> make_vtkhdf_writer(MPI_Comm comm, FrameOptions options);
+
+/// A VTKHDF file under way: the grid first, then fields of its points, one row for each of this rank's points.
+class VtkHdfFile {
+ public:
+  VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector<Vec3>& points);
+
+  template <class T>
+  void field(const std::string& name, const std::vector<T>& rows) {
+    field(name, RowFormatOf<T>::value, rows.data());
+  }
+  void field(const std::string& name, RowFormat format, const void* rows) {
+    file_.write("/VTKHDF/PointData/" + name, format, points_, rows);
+  }
+
+  Hdf5Writer& file() { return file_; }  ///< for what VTK does not know
+  void close() { file_.close(); }
+
+ private:
+  void write_cells(RowSlice partitions);
+
+  Hdf5Writer file_;
+  RowSlice points_;
+};
+
+}  // namespace trevi

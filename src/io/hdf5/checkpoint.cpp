@@ -1,0 +1,320 @@
+#include "io/hdf5/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "base/damaged_file.hpp"
+#include "base/hash.hpp"
+#include "base/threads.hpp"
+#include "io/frames/fields.hpp"
+#include "io/hdf5/hdf5_writer.hpp"
+#include "io/hdf5/id_order.hpp"
+#include "io/run_directory/files.hpp"
+#include "parallel/collective.hpp"
+#include "parallel/core_share.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr std::int64_t format_version = 1;
+
+// Rank 0 writes what is no table of particles.
+template <class T>
+void write_on_root(MPI_Comm comm, Hdf5Writer& file, const std::string& name, const std::vector<T>& rows) {
+  const auto count = static_cast<std::int64_t>(rows.size());
+  const bool writes = rank_of(comm) == 0;
+  file.write(name, writes ? rows : std::vector<T>{}, {writes ? 0 : count, writes ? count : 0, count});
+}
+
+void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
+  if (flow == nullptr) return;
+  write_on_root(comm, file, "/flow",
+                std::vector<std::int64_t>{flow->next_id, flow->inflow, flow->outflow, flow->waiting});
+  std::vector<Real> streams;
+  for (const FlowState::Stream& stream : flow->streams) streams.insert(streams.end(), {stream.way, stream.speed});
+  write_on_root(comm, file, "/streams", streams);
+}
+
+std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& file) {
+  if (!file.has("/flow")) return std::nullopt;
+  const auto counts = file.read<std::int64_t>("/flow", {0, 4, 4});
+  const std::int64_t rows = file.rows<Real>("/streams");
+  const auto streams = file.read<Real>("/streams", {0, rows, rows});
+  FlowState flow{counts[0], counts[1], counts[2], counts[3], {}};
+  const bool finite = std::all_of(streams.begin(), streams.end(), [](Real x) { return x >= 0 && std::isfinite(x); });
+  if (*std::min_element(counts.begin(), counts.end()) < 0 || !finite || rows % 2 != 0)
+    throw DamagedFile(path + ": /flow, /streams: cannot be what inlets and drains have done; use another checkpoint");
+  for (std::size_t k = 0; k < streams.size(); k += 2) flow.streams.push_back({streams[k], streams[k + 1]});
+  return flow;
+}
+
+std::vector<std::int64_t> read_checksums(const Hdf5Reader& file, const std::string& name) {
+  if (!file.has(name)) return {};
+  const std::int64_t count = file.rows<std::int64_t>(name);
+  return file.read<std::int64_t>(name, {0, count, count});
+}
+
+std::array<LocalId, 3> read_first_cell(const std::string& path, const Hdf5Reader& file) {
+  std::array<LocalId, 3> cell{};
+  if (!file.has("/first_cell")) return cell;
+  const auto written = file.read<std::int64_t>("/first_cell", {0, 3, 3});
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (written[a] < 0 || written[a] > std::numeric_limits<LocalId>::max())
+      throw DamagedFile(fmt::format("{}: /first_cell: cannot be {}; use another checkpoint", path, written[a]));
+    cell[a] = static_cast<LocalId>(written[a]);
+  }
+  return cell;
+}
+
+void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
+  file.attribute("format", format_version);
+  file.attribute("step", frame.clock.step);
+  file.attribute("time", frame.clock.time());
+  file.attribute("dt", frame.clock.dt);
+  file.attribute("substeps", static_cast<std::int64_t>(frame.clock.substeps));
+  file.attribute("seed", info.seed);
+  file.attribute("program_version", info.program_version);
+  if (!frame.fountains.empty()) {
+    std::vector<Real> notes, speeds;
+    for (const FountainState& fountain : frame.fountains) {
+      notes.push_back(fountain.note);
+      speeds.push_back(fountain.speed);
+    }
+    file.attribute("fountain_note", std::span<const Real>(notes));
+    file.attribute("fountain_speed", std::span<const Real>(speeds));
+  }
+  file.text("/scene", info.scene_text);
+  file.attribute("scene_overrides", info.scene_overrides);
+  file.attribute("scene_checksum", checksum(info.scene_text));
+  if (!info.music.empty()) write_on_root(comm, file, "/music", info.music);
+  if (!info.obstacle_files.empty()) write_on_root(comm, file, "/obstacle_files", info.obstacle_files);
+  write_flow(comm, file, frame.flow);
+  if (frame.first_cell != std::array<LocalId, 3>{}) {
+    write_on_root(comm, file, "/first_cell",
+                  std::vector<std::int64_t>(frame.first_cell.begin(), frame.first_cell.end()));
+  }
+}
+
+// Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
+// it needs chunks and HDF5's own hands on the rows (hdf5_writer.hpp says why not).
+constexpr std::int64_t rows_per_block = 1024;
+
+/// The last block may be shorter.
+template <class T>
+std::vector<std::int64_t> block_checksums(std::span<const T> rows) {
+  std::vector<std::int64_t> sums((rows.size() + rows_per_block - 1) / rows_per_block);
+  for_each_part(static_cast<LocalId>(sums.size()), [&](LocalId k) {
+    const std::size_t first = static_cast<std::size_t>(k) * rows_per_block;
+    const auto block = rows.subspan(first, std::min<std::size_t>(rows_per_block, rows.size() - first));
+    sums[static_cast<std::size_t>(k)] = checksum({reinterpret_cast<const char*>(block.data()), block.size_bytes()});
+  });
+  return sums;
+}
+
+/// Block of rows `row` begins, or the number of blocks up to the end of the table.
+std::int64_t block_at(std::int64_t row) { return (row + rows_per_block - 1) / rows_per_block; }
+
+RowSlice blocks_of(RowSlice rows) {
+  const std::int64_t first = block_at(rows.first);
+  return {first, block_at(rows.first + rows.count) - first, block_at(rows.total)};
+}
+
+template <class T>
+void write_column(Hdf5Writer& file, const std::string& name, const std::vector<T>& rows, RowSlice slice) {
+  file.write("/particles/" + name, rows, slice);
+  file.write("/checksums/" + name, block_checksums(std::span<const T>(rows)), blocks_of(slice));
+}
+
+void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles) {
+  const IdOrder order(comm, particles.id, rows_per_block);
+  const RowSlice slice{order.first_row(), static_cast<std::int64_t>(order.ids().size()), order.total()};
+  write_column(file, "id", order.ids(), slice);
+  for_each_saved_field(
+      particles, [&](const char* name, const auto& field) { write_column(file, name, order.apply(field), slice); });
+}
+
+bool finite_everywhere(MPI_Comm comm, const Particles& particles) {
+  const auto finite = [](const Vec3& row) { return row.allFinite(); };
+  int good = std::all_of(particles.position.begin(), particles.position.end(), finite) &&
+             std::all_of(particles.velocity.begin(), particles.velocity.end(), finite);
+  MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, comm);
+  return good != 0;
+}
+
+[[noreturn]] void fail_damaged(const std::string& path, const std::string& what) {
+  throw DamagedFile(
+      fmt::format("{}: {}: not what its checksum says; the file is damaged, use another copy or an older "
+                  "checkpoint",
+                  path, what));
+}
+
+/// What a restart reads from, on one rank: the file and the rows that this rank looks after.
+struct Source {
+  std::string path;
+  Hdf5Reader file;
+  RowSlice slice;
+};
+
+template <class T>
+void check_column(const Source& source, const std::string& name, const std::vector<T>& rows) {
+  const auto written = source.file.read<std::int64_t>("/checksums/" + name, blocks_of(source.slice));
+  const auto found = block_checksums(std::span<const T>(rows));
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k] == written[k]) continue;
+    const std::int64_t first = source.slice.first + static_cast<std::int64_t>(k) * rows_per_block;
+    const std::int64_t last = std::min(first + rows_per_block, source.slice.total) - 1;
+    fail_damaged(source.path, fmt::format("/particles/{}: rows {} to {}", name, first, last));
+  }
+}
+
+ParticleRows read_checked_rows(const Source& source) {
+  for (const char* name : {"/particles/id", "/particles/velocity"}) {  // which a particle file may lack
+    if (source.file.has(name)) continue;
+    throw DamagedFile(
+        fmt::format("{}: {}: missing; a restart needs a whole checkpoint, use another file", source.path, name));
+  }
+  ParticleRows rows = read_particle_rows(source.file, source.slice);
+  check_column(source, "id", rows.id);
+  for_each_saved_field(rows, [&](const char* name, const auto& field) { check_column(source, name, field); });
+  return rows;
+}
+
+void check_header(const std::string& path, const CheckpointState& state) {
+  const auto refuse = [&](const char* name, const auto& value) {
+    throw DamagedFile(fmt::format("{}: attribute {}: cannot be {}; use another checkpoint", path, name, value));
+  };
+  if (state.step < 0) refuse("step", state.step);
+  if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
+  if (state.substeps < 1) refuse("substeps", state.substeps);
+  const auto& text = state.info.scene_text;
+  const auto lines = std::count(text.begin(), text.end(), '\n');
+  if (state.info.scene_overrides < 0 || state.info.scene_overrides > lines)
+    refuse("scene_overrides", state.info.scene_overrides);
+}
+
+CheckpointState read_slice(const std::string& path, int rank, int size, int readers) {
+  Source source{path, Hdf5Reader(path, readers), {}};
+  const Hdf5Reader& file = source.file;
+  source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
+  CheckpointState state;
+  if (file.integer_attribute("format") != format_version) {
+    throw InputError(path + ": written by another version of trevi, in a format that this one does not know");
+  }
+  state.step = file.integer_attribute("step");
+  state.dt = file.real_attribute("dt");
+  state.time = file.real_attribute("time");
+  state.substeps = static_cast<int>(file.integer_attribute("substeps"));
+  state.info.seed = file.integer_attribute("seed");
+  state.info.program_version = file.text_attribute("program_version");
+  state.info.scene_text = file.text("/scene");
+  state.info.scene_overrides = file.integer_attribute("scene_overrides");
+  state.info.music = read_checksums(file, "/music");
+  state.info.obstacle_files = read_checksums(file, "/obstacle_files");
+  state.flow = read_flow(path, file);
+  state.first_cell = read_first_cell(path, file);
+  if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
+  check_header(path, state);
+  state.rows = read_checked_rows(source);
+  return state;
+}
+
+}  // namespace
+
+void write_checkpoint(MPI_Comm comm, const std::string& path, const CheckpointInfo& info, const Frame& frame) {
+  const std::string temporary = path + ".tmp";
+  try {
+    Hdf5Writer file(comm, temporary);
+    write_header(comm, file, info, frame);
+    write_particles(comm, file, frame.particles);
+    file.close();
+  } catch (const Error&) {  // thrown by all ranks alike
+    if (rank_of(comm) == 0) std::remove(temporary.c_str());
+    throw;
+  }
+  on_root(comm, [&] { publish_file(temporary, path); });
+}
+
+CheckpointState read_checkpoint(MPI_Comm comm, const std::string& path) {
+  CheckpointState state;
+  const int readers = ranks_of_machine(comm);
+  all_or_none(comm, [&] { state = read_slice(path, rank_of(comm), size_of(comm), readers); });
+  check_particle_rows(comm, state.rows, path);
+  return state;
+}
+
+std::vector<std::string> newest_checkpoints(MPI_Comm comm, const std::string& directory) {
+  std::vector<std::int64_t> steps;
+  on_root(comm, [&] {
+    for (const SteppedFile& file : stepped_files(directory, checkpoint_files)) steps.insert(steps.begin(), file.step);
+    if (!steps.empty()) return;
+    throw InputError(directory + ": holds no checkpoint to restart from; name one with --restart FILE");
+  });
+  auto count = static_cast<int>(steps.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, comm);
+  steps.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(steps.data(), count, MPI_INT64_T, 0, comm);
+  std::vector<std::string> files;
+  for (const std::int64_t step : steps) files.push_back(directory + "/" + name_of_step(checkpoint_files, step));
+  return files;
+}
+
+CheckpointWriter::CheckpointWriter(MPI_Comm comm, CheckpointOptions options)
+    : comm_(comm), options_(std::move(options)) {
+  if (!options_.restart_step) return;
+  const std::int64_t step = *options_.restart_step;
+  on_root(comm_, [&] {
+    set_aside_after(options_.directory, checkpoint_files, step);
+    if (std::filesystem::exists(path_of(step))) last_step_ = step;
+  });
+  MPI_Bcast(&last_step_, 1, MPI_INT64_T, 0, comm_);
+}
+
+bool CheckpointWriter::due(const Clock& clock) const {
+  if (options_.when == CheckpointTimes::asked_for) return false;
+  return clock.step != last_step_ && (clock.step == 0 || options_.schedule.due(clock));
+}
+
+void CheckpointWriter::write(const Frame& frame) {
+  const ScopedEvent timed(event_);
+  // A restart relies on the rows of these up to its checkpoint, so they are on the disk before it is.
+  on_root(comm_, [&] {
+    for (const char* table : {"/series.csv", "/obstacles.csv", "/gauges.csv"})
+      sync_if_there(options_.directory + table);
+  });
+  write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);
+  last_step_ = frame.clock.step;
+  on_root(comm_, [&] { remove_old(); });
+}
+
+void CheckpointWriter::save(const Frame& frame) {
+  if (frame.clock.step != last_step_) write(frame);
+}
+
+void CheckpointWriter::finish(const Frame& frame) {
+  if (options_.when == CheckpointTimes::asked_for) return;
+  if (frame.clock.step != last_step_ && finite_everywhere(comm_, frame.particles)) write(frame);
+}
+
+std::string CheckpointWriter::path_of(std::int64_t step) const {
+  return options_.directory + "/" + name_of_step(checkpoint_files, step);
+}
+
+void CheckpointWriter::remove_old() const {
+  const auto files = stepped_files(options_.directory, checkpoint_files);
+  const auto keep = static_cast<std::size_t>(std::max(1, options_.keep));
+  for (std::size_t k = 0; k + keep < files.size(); ++k) {
+    if (std::remove(files[k].path.c_str()) != 0) throw_file_error(files[k].path, "remove", errno);
+  }
+}
+
+}  // namespace trevi

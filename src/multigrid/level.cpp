@@ -1,0 +1,266 @@
+#include "multigrid/level.hpp"
+
+#include <algorithm>
+
+namespace trevi {
+
+namespace {
+
+// Least pivot of a column's elimination, as a share of its diagonal. Below that nothing holds phi: a box full of water
+// to its ceiling. It is then counted from the highest cell.
+constexpr Real least_pivot = 1e-10;
+
+}  // namespace
+
+void MultigridLevel::resize(const LevelShape& shape) {
+  if (shape == shape_) return;
+  shape_ = shape;
+  for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+    field->assign(shape.cells(), 0.0);
+  const std::size_t rows = (static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows);
+  top_.assign(rows, 0);
+  used_.assign(rows, static_cast<std::size_t>(shape.columns));
+}
+
+void MultigridLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
+  std::size_t& used = used_[row_index(k, r)];
+  const auto begin = static_cast<std::ptrdiff_t>(shape_.index(k, r, 0) + columns);
+  if (columns < used) {
+    for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+      std::fill_n(field->begin() + begin, used - columns + 1, 0.0);
+  }
+  used = columns;
+}
+
+void MultigridLevel::factor() {
+  for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) { factor_column(k, r); });
+}
+
+void MultigridLevel::factor_column(LocalId k, LocalId r) {
+  const std::size_t floor = shape_.index(k, r, 0), row = shape_.step(1), plane = shape_.step(0);
+  std::size_t count = 0;
+  Real below = 0;  // of the pivot
+  const std::size_t end = floor + used(k, r);
+  for (std::size_t at = floor; at < end; ++at) {
+    const Real diagonal = sink[at] + (link[0][at] + link[0][at + plane]) + (link[1][at] + link[1][at + row]) +
+                          (link[2][at] + link[2][at + 1]);
+    const Real pivot = diagonal - link[2][at] * link[2][at] * below;
+    below = per_pivot[at] = pivot > least_pivot * diagonal ? 1 / pivot : 0;
+    if (diagonal > 0) count = at - floor + 1;
+  }
+  for (std::size_t at = floor + count; at < end; ++at) phi[at] = next[at] = rhs[at] = 0;
+  top_[row_index(k, r)] = count;
+}
+
+// In `next`: rhs and what comes from the sides.
+void MultigridLevel::gather_column(const Column& column) {
+  const auto [at, count] = column;
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  const Real *x = phi.data() + at, *wx = link[0].data() + at, *wy = link[1].data() + at, *b = rhs.data() + at;
+  Real* y = next.data() + at;
+#pragma GCC ivdep
+  for (std::size_t c = 0; c < count; ++c) {
+    y[c] = b[c] +
+           ((wx[c] * x[c - plane] + wx[c + plane] * x[c + plane]) + (wy[c] * x[c - row] + wy[c + row] * x[c + row]));
+  }
+  if (!shape_.repeats[2] || count == 0) return;
+  const Real* wz = link[2].data() + at;
+  y[0] += wz[0] * x[-1];
+  y[count - 1] += wz[count] * x[count];
+}
+
+// Solves columns for `next`, in place, by elimination from the floor up. Each step of a column waits for the one
+// before, so the steps of several columns are taken in turns.
+void MultigridLevel::solve_columns(std::span<const Column> columns) {
+  if (columns.size() != together) {
+    for (const Column& column : columns) {
+      const std::array<Column, 1> alone{column};
+      std::array<Real, 1> last{};
+      eliminate(alone, {0, column.count}, last);
+      last = {};
+      substitute(alone, {0, column.count}, last);
+    }
+    return;
+  }
+  std::array<Column, together> all{};
+  std::copy(columns.begin(), columns.end(), all.begin());
+  std::size_t common = all[0].count;
+  for (const Column& column : all) common = std::min(common, column.count);
+  std::array<Real, together> last{}, top{};
+  eliminate(all, {0, common}, last);
+  for (std::size_t i = 0; i < together; ++i) {
+    const std::array<Column, 1> alone{all[i]};
+    std::array<Real, 1> own{last[i]};
+    eliminate(alone, {common, all[i].count}, own);
+    own = {};
+    substitute(alone, {common, all[i].count}, own);
+    top[i] = own[0];
+  }
+  substitute(all, {0, common}, top);
+}
+
+template <std::size_t n>
+void MultigridLevel::eliminate(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
+  const Real *wz = link[2].data(), *per = per_pivot.data();
+  Real* y = next.data();
+  for (std::size_t c = cells.begin; c < cells.end; ++c) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = columns[i].at + c;
+      y[at] = last[i] = y[at] * per[at] + wz[at] * per[at] * last[i];
+    }
+  }
+}
+
+template <std::size_t n>
+void MultigridLevel::substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last) {
+  const Real *wz = link[2].data(), *per = per_pivot.data();
+  Real* y = next.data();
+  for (std::size_t c = cells.end; c-- > cells.begin;) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = columns[i].at + c;
+      y[at] = last[i] = y[at] + wz[at + 1] * per[at] * last[i];
+    }
+  }
+}
+
+// Calls make(column) for each column of the planes and solves them, then finish(column).
+template <class Make, class Finish>
+void MultigridLevel::solve_rows(Range planes, const Make& make, const Finish& finish) {
+  const LocalId rows = shape_.rows;
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(shape_.columns), [&](Range part) {
+    std::array<Column, together> columns{};
+    for (LocalId i = part.begin; i < part.end;) {
+      std::size_t count = 0;
+      for (; i < part.end && count < together; ++i) {
+        columns[count] = {shape_.index(i / rows, i % rows, 0), top(i / rows, i % rows)};
+        make(columns[count++]);
+      }
+      solve_columns(std::span(columns).first(count));
+      for (std::size_t j = 0; j < count; ++j) finish(columns[j]);
+    }
+  });
+}
+
+void MultigridLevel::sweep(Range planes, Real share) {
+  solve_rows(
+      planes, [&](const Column& column) { gather_column(column); },
+      [&](const Column& column) {
+        for (std::size_t i = column.at; i < column.at + column.count; ++i)
+          next[i] = phi[i] + share * (next[i] - phi[i]);
+      });
+}
+
+void MultigridLevel::sweep_from_zero(Real share) {
+  solve_rows(
+      {1, shape_.planes + 1},
+      [&](const Column& column) {
+        const auto at = static_cast<std::ptrdiff_t>(column.at);
+        std::copy_n(rhs.begin() + at, column.count, next.begin() + at);
+      },
+      [&](const Column& column) {
+        for (std::size_t i = column.at; i < column.at + column.count; ++i) next[i] *= share;
+      });
+}
+
+void MultigridLevel::find_residual() {
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) {
+    const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
+    const Real *x = phi.data() + at, *b = rhs.data() + at, *d = sink.data() + at, *per = per_pivot.data() + at;
+    const Real *wx = link[0].data() + at, *wy = link[1].data() + at, *wz = link[2].data() + at;
+    Real* y = next.data() + at;
+#pragma GCC ivdep
+    for (std::size_t c = 0; c < count; ++c) {
+      const Real flow = (wx[c] * (x[c - plane] - x[c]) + wx[c + plane] * (x[c + plane] - x[c])) +
+                        (wy[c] * (x[c - row] - x[c]) + wy[c + row] * (x[c + row] - x[c])) +
+                        (wz[c] * (x[c - 1] - x[c]) + wz[c + 1] * (x[c + 1] - x[c]));
+      y[c] = per[c] > 0 ? b[c] - d[c] * x[c] + flow : 0;
+    }
+  });
+}
+
+void MultigridLevel::repeat(std::vector<Real>& field) const {
+  if (shape_.repeats[0] && shape_.is_whole()) {
+    const auto plane = static_cast<std::ptrdiff_t>(shape_.step(0));
+    std::copy_n(field.end() - 2 * plane, plane, field.begin());
+    std::copy_n(field.begin() + plane, plane, field.end() - plane);
+  }
+  if (shape_.repeats[2]) repeat_columns(field, shape_.columns);
+  if (shape_.repeats[1]) repeat_rows(field, shape_.rows, shape_.columns);
+}
+
+MultigridLevel::Children MultigridLevel::children_of(const LevelShape& coarse, LocalId k, LocalId r) const {
+  const LocalId plane = 2 * (k - 1 + coarse.first), row = 2 * r;
+  return {shape_.index(plane - shape_.first + 1, row, 0), row + 1 < shape_.rows ? 1.0 : 0.0,
+          plane + 1 < shape_.all_planes ? 1.0 : 0.0};
+}
+
+// The plane of `coarse` that holds plane k here, which may be a ghost plane of both.
+LocalId MultigridLevel::parent_of(const LevelShape& coarse, LocalId k) const {
+  const LocalId plane = k - 1 + shape_.first;
+  return (plane == shape_.all_planes ? coarse.all_planes + 1 : (plane + 2) / 2) - coarse.first;
+}
+
+LocalId LevelShape::way_below(std::size_t a, LocalId k) const {
+  const LocalId last = count(a) - 1;
+  return k == 0 || k == last ? width + last_width[a] : 2 * width;
+}
+
+// Of the sum of links across the lower face of plane or row k of `coarse`: a half, as the way is twice as long. Where
+// the level repeats, the last one may be narrow, and the way to its neighbours shorter; one that is alone has no
+// neighbour.
+Real MultigridLevel::share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
+  if (!coarse.repeats[a]) return 0.5;
+  if (coarse.count(a) == 1) return 0;
+  return static_cast<Real>(shape_.way_below(a, 2 * k)) / coarse.way_below(a, k);
+}
+
+void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
+  const LevelShape& to = coarse.shape_;
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
+    const Children of = children_of(to, k, r);
+    const std::size_t at = to.index(k, r, 0);
+    const Real over_planes = share_of_link(to, 0, k - 1 + to.first), over_rows = share_of_link(to, 1, r);
+    const auto sum = [&](const std::vector<Real>& x, std::size_t i) {
+      return (x[i] + of.rows * x[i + row]) + of.planes * (x[i + plane] + of.rows * x[i + plane + row]);
+    };
+    for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
+      const std::size_t i = of.first + c;
+      coarse.link[0][at + c] = (link[0][i] + of.rows * link[0][i + row]) * over_planes;
+      coarse.link[1][at + c] = (link[1][i] + of.planes * link[1][i + plane]) * over_rows;
+      coarse.link[2][at + c] = sum(link[2], i);
+      coarse.sink[at + c] = sum(sink, i);
+    }
+  });
+}
+
+void MultigridLevel::restrict_residual(MultigridLevel& coarse, Range planes) const {
+  const LevelShape& to = coarse.shape_;
+  const std::size_t row = shape_.step(1), plane = shape_.step(0);
+  for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
+    const Children of = children_of(to, k, r);
+    const Real* from = next.data() + of.first;
+    Real* y = coarse.rhs.data() + to.index(k, r, 0);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c)
+      y[c] = (from[c] + of.rows * from[c + row]) + of.planes * (from[c + plane] + of.rows * from[c + plane + row]);
+  });
+}
+
+void MultigridLevel::add_correction(const MultigridLevel& coarse) {
+  const LevelShape& from = coarse.shape_;
+  for_each_row(shape_.rows_of({0, shape_.planes + 2}), [&](LocalId k, LocalId r) {
+    const std::size_t at = shape_.index(k, r, 0), above = from.index(parent_of(from, k), r / 2, 0);
+    for (std::size_t c = 0; c < used(k, r); ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
+  });
+  repeat(phi);
+}
+
+std::size_t MultigridLevel::bytes() const {
+  std::size_t values = top_.capacity() + used_.capacity();
+  for (const auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+    values += field->capacity();
+  return values * sizeof(Real);
+}
+
+}  // namespace trevi

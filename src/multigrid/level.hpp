@@ -1,0 +1,127 @@
+// One level of the multigrid of the coarse-grid correction (coarse_multigrid.hpp): the equation
+//   Σ link (phi − phi of the neighbour) + sink phi = rhs
+// for the cells of water in a run of planes, over the six faces of each. A sink is a link to where phi is 0: the free
+// surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels; planes and rows are joined
+// by twos. A cell of a coarse level stands for up to four: sinks, upward links and right-hand sides are sums over
+// these, links sideways half of the sums, as their way is twice as long. The correction of a coarse cell goes to all of
+// its cells alike.
+//
+// A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and goes a share of the way:
+// pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of cells
+// around each plane and a ghost plane on either side, empty but where the level repeats: there repeat() fills the ring,
+// and the ghost planes of a level of which all planes are here. Not collective.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "multigrid/cell_rows.hpp"
+#include "trevi/types.hpp"
+
+namespace trevi {
+
+struct LevelShape {
+  LocalId first = 0;  // the first own plane, counted from the start of the box
+  LocalId planes = 0, rows = 0, columns = 0;
+  LocalId all_planes = 0;  // of the level, on all ranks
+  Repeats repeats{};
+  std::array<LocalId, 2> last_width{1, 1};  // of the last plane and the last row; of others it is `width`
+  LocalId width = 1;
+
+  std::size_t step(std::size_t a) const {
+    const std::size_t row = static_cast<std::size_t>(columns) + 2;
+    return a == 0 ? (static_cast<std::size_t>(rows) + 2) * row : a == 1 ? row : 1;
+  }
+  std::size_t cells() const { return (static_cast<std::size_t>(planes) + 2) * step(0); }
+  /// Own planes are counted from 1, rows and columns from 0.
+  std::size_t index(LocalId k, LocalId r, LocalId c) const {
+    return static_cast<std::size_t>(k) * step(0) + (static_cast<std::size_t>(r) + 1) * step(1) +
+           static_cast<std::size_t>(c) + 1;
+  }
+  CellRows rows_of(Range of) const { return {of, rows, columns}; }
+  CellRows own_rows() const { return rows_of({1, planes + 1}); }
+  bool is_whole() const { return planes == all_planes; }
+  LocalId count(std::size_t a) const { return a == 0 ? all_planes : rows; }
+  /// Twice the way from the middle of plane or row k of all to that of the one before, in cells of the finest level.
+  LocalId way_below(std::size_t a, LocalId k) const;
+  bool operator==(const LevelShape&) const = default;
+};
+
+class MultigridLevel {
+ public:
+  /// Keeps the values where the shape stays; else all are 0.
+  void resize(const LevelShape& shape);
+  const LevelShape& shape() const { return shape_; }
+  /// Tells that in row (k, r) only the lowest `columns` cells can hold water; at first all can. Clears those above.
+  void use_columns(LocalId k, LocalId r, std::size_t columns);
+
+  /// To be called when links and sinks are known: prepares the sweeps of the own planes.
+  void factor();
+  bool is_water(std::size_t at) const { return per_pivot[at] > 0; }
+
+  /// Writes the next phi of the own planes [planes) from phi; show_next() makes it phi.
+  void sweep(Range planes, Real share);
+  void show_next() { phi.swap(next); }
+  /// The same for all own planes where phi is 0 everywhere.
+  void sweep_from_zero(Real share);
+  /// rhs less what phi gives, of the own planes, in `next`.
+  void find_residual();
+
+  /// Of a field whose own planes are new, and whose ghost planes have come if other ranks have them.
+  void repeat(std::vector<Real>& field) const;
+
+  /// Links and sinks of the own planes [planes) of `coarse`; needs those of the plane above the own ones here.
+  void coarsen(MultigridLevel& coarse, Range planes) const;
+  /// rhs of the own planes [planes) of `coarse` from the residual in `next`, ghost planes included.
+  void restrict_residual(MultigridLevel& coarse, Range planes) const;
+  /// Adds phi of `coarse` to phi here, ghost planes included.
+  void add_correction(const MultigridLevel& coarse);
+
+  std::size_t bytes() const;
+
+  // Of the lower faces of each cell in the three directions, 1/m².
+  std::array<std::vector<Real>, 3> link;
+  std::vector<Real> sink, rhs;
+  std::vector<Real> phi, next;  // `next` is memory for what is found from phi
+  std::vector<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
+
+ private:
+  // The finer cells that a row of cells of a coarser level stands for: where the first of them is, and whether (1 or 0)
+  // there are others in the next row and in the next plane. What repeats beyond the last one is not counted twice.
+  struct Children {
+    std::size_t first;
+    Real rows, planes;
+  };
+  Children children_of(const LevelShape& coarse, LocalId k, LocalId r) const;
+  Real share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const;
+  LocalId parent_of(const LevelShape& coarse, LocalId k) const;
+  // Cells of a column, from the floor up to the highest one of water.
+  struct Column {
+    std::size_t at, count;
+  };
+  struct Cells {
+    std::size_t begin, end;
+  };
+  static constexpr std::size_t together = 4;  // columns that are solved in turns
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows) + static_cast<std::size_t>(r);
+  }
+  std::size_t top(LocalId k, LocalId r) const { return top_[row_index(k, r)]; }
+  std::size_t used(LocalId k, LocalId r) const { return used_[row_index(k, r)]; }
+  void factor_column(LocalId k, LocalId r);
+  void gather_column(const Column& column);
+  void solve_columns(std::span<const Column> columns);
+  template <std::size_t n>
+  void eliminate(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last);
+  template <std::size_t n>
+  void substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last);
+  template <class Make, class Finish>
+  void solve_rows(Range planes, const Make& make, const Finish& finish);
+
+  LevelShape shape_;
+  std::vector<std::size_t> used_;  // cells of each column that use_columns() has left
+  std::vector<std::size_t> top_;   // of each column: cells up to the highest one of water
+};
+
+}  // namespace trevi

@@ -1,0 +1,64 @@
+// Multigrid for the pressure of the coarse-grid correction: a fixed number of V-cycles over levels that join columns of
+// cells by twos in either horizontal direction (coarse_level.hpp). As a sweep solves whole columns, the number of
+// cycles, of sweeps and of messages does not depend on the depth. On a level whose columns are wider than the water is
+// deep a column's own pressure decides nearly all, so the number of levels follows the depth and not the extent of the
+// water.
+//
+// Nothing here depends on the ranks: levels are counted from the start of the box, each cell has one formula, and no
+// sum goes over more than the cells that a coarse cell stands for. A level with few cells is gathered to all ranks in
+// the order of its planes, and it and those below are worked out by each of them; above that, ranks hold the planes
+// that begin in their slab (plane_peers.hpp). Collective.
+#pragma once
+
+#include <initializer_list>
+
+#include "domain/halo.hpp"
+#include "multigrid/level.hpp"
+
+namespace trevi {
+
+class Multigrid {
+ public:
+  /// A level of at most `gathered_cells` cells in all is gathered.
+  explicit Multigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = 4096)
+      : comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
+
+  /// For own planes of `rows` x `columns` cells, all of them of every rank, with water `depth` cells deep.
+  void resize(LocalId planes, LocalId rows, LocalId columns, int depth);
+  /// Holds the equation and the start, phi with its ghost planes. Links are known in the plane above the own ones, too.
+  /// Where the box repeats, halo exchanges are those of a ring.
+  MultigridLevel& finest() { return levels_.front().cells; }
+  const MultigridLevel& finest() const { return levels_.front().cells; }
+
+  /// Improves phi of the finest level, ghost planes included.
+  void solve(Halo& halo, int cycles);
+
+  std::size_t bytes() const;
+
+ private:
+  struct Level {
+    MultigridLevel cells;
+    PlanePeers peers;
+    Range made;             // planes that this rank makes from the finer level
+    bool gathered = false;  // all planes are on all ranks
+  };
+  void place_level(std::size_t l);
+  bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
+  void join_levels(Halo& halo);
+  void complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo);
+  void gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields);
+  void cycle(Halo& halo);
+  void show_next(Level& level, Halo& halo) const;
+  void sweep(Level& level, Halo& halo, Real share) const;
+  void sweep_from_zero(Level& level, Halo& halo, Real share) const;
+  void sweep_coarsest(Halo& halo);
+
+  MPI_Comm comm_;
+  Repeats repeats_;
+  GlobalId gathered_;
+  std::vector<LocalId> cuts_;  // first planes of all ranks on the finest level, and the number of planes
+  std::vector<Level> levels_{1};
+  std::vector<Real> packed_;  // what is gathered
+};
+
+}  // namespace trevi

@@ -1,0 +1,32 @@
+#include "scene/free_places.hpp"
+
+#include <algorithm>
+
+namespace trevi {
+
+FreePlaces::FreePlaces(const Scene& scene, Real time) {
+  constexpr Real rounding = 1e-6;  // a lattice that fits just beside a solid stays whole
+  gap_ = (0.5 - rounding) * scene.fluid.spacing;
+  for (const ObstacleSettings& obstacle : scene.obstacles)
+    solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time)});
+}
+
+bool FreePlaces::is_free(const Vec3& p) const {
+  return std::all_of(solids_.begin(), solids_.end(),
+                     [&](const Solid& solid) { return solid.shape->distance(solid.pose.into_body(p)) >= gap_; });
+}
+
+int FreePlaces::solid_at(const Vec3& p, Real depth) const {
+  for (std::size_t k = 0; k < solids_.size(); ++k)
+    if (solids_[k].shape->distance(solids_[k].pose.into_body(p)) < -depth) return static_cast<int>(k);
+  return -1;
+}
+
+GlobalId FreePlaces::count(const Lattice& lattice, int axis, GlobalId layer) const {
+  GlobalId free = 0;
+  for_each_point(lattice, axis, layer,
+                 [&](GlobalId i, GlobalId j, GlobalId k) { free += is_free(lattice.point(i, j, k)) ? 1 : 0; });
+  return free;
+}
+
+}  // namespace trevi

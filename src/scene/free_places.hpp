@@ -1,0 +1,48 @@
+// Where water can be at the start, or when a run goes on: not in an obstacle, nor nearer to one than half a spacing, as
+// at the walls of the box. Not collective.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
+#include "scene/lattice.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+class FreePlaces {
+ public:
+  /// Meshes have been read. The obstacles are where they are at that time, s.
+  explicit FreePlaces(const Scene& scene, Real time = 0);
+  bool all() const { return solids_.empty(); }
+  bool is_free(const Vec3& p) const;
+  /// Whether p is in an obstacle, and deeper than so many m; its number, or −1.
+  int solid_at(const Vec3& p, Real depth = 0) const;
+  /// Free points of a layer of a lattice across an axis.
+  GlobalId count(const Lattice& lattice, int axis, GlobalId layer) const;
+
+ private:
+  struct Solid {
+    std::unique_ptr<Shape> shape;
+    Pose pose;
+  };
+  std::vector<Solid> solids_;
+  Real gap_;  // m
+};
+
+/// Calls visit(i, j, k) for the points of a layer of a lattice across an axis, x fastest.
+template <class Visit>
+void for_each_point(const Lattice& lattice, int axis, GlobalId layer, const Visit& visit) {
+  std::array<GlobalId, 3> begin = {0, 0, 0}, end = lattice.count;
+  begin[static_cast<std::size_t>(axis)] = layer;
+  end[static_cast<std::size_t>(axis)] = layer + 1;
+  for (GlobalId k = begin[2]; k < end[2]; ++k) {
+    for (GlobalId j = begin[1]; j < end[1]; ++j) {
+      for (GlobalId i = begin[0]; i < end[0]; ++i) visit(i, j, k);
+    }
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,241 @@
+#include "scene/initial_particles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "base/memory.hpp"
+#include "domain/migrate.hpp"
+#include "parallel/collective.hpp"
+#include "parallel/core_share.hpp"
+#include "parallel/reductions.hpp"
+#include "scene/free_places.hpp"
+#include "scene/lattice.hpp"
+#include "scene/scene_place.hpp"
+#include "scene/vortex.hpp"
+#include "solver/first_slabs.hpp"
+#include "trevi/error.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Calls visit(layer, plane) for each layer of lattice points across the slab axis.
+template <class Visit>
+void for_each_layer(const Lattice& lattice, const CellGrid& grid, Visit&& visit) {
+  const int axis = grid.slab_axis();
+  for (GlobalId layer = 0; layer < lattice.count[static_cast<std::size_t>(axis)]; ++layer) {
+    visit(layer, grid.plane_of(lattice.point(axis == 0 ? layer : 0, axis == 1 ? layer : 0, 0)));
+  }
+}
+
+void add_particle(Particles& particles, GlobalId id, const Vec3& position, const Vec3& velocity) {
+  particles.id.push_back(id);
+  particles.position.push_back(position);
+  particles.predicted.push_back(position);
+  particles.velocity.push_back(velocity);
+}
+
+// A block of the scene with the ids that its points have; those in obstacles are left out.
+struct Block {
+  const ParticleSource& source;
+  Lattice lattice;
+  GlobalId first_id;
+};
+
+void add_layer(Particles& particles, const Block& block, int axis, GlobalId layer, const FreePlaces& places) {
+  const ParticleSource& source = block.source;
+  for_each_point(block.lattice, axis, layer, [&](GlobalId i, GlobalId j, GlobalId k) {
+    const Vec3 point = block.lattice.point(i, j, k);
+    if (!places.is_free(point)) return;
+    const Vec3 velocity = source.vortex == 0 ? source.velocity : Vec3(source.velocity + vortex_at(source, point));
+    add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, velocity);
+  });
+}
+
+// Particles read from files, wherever they belong; ids already follow those of the sources before.
+struct FileParticles {
+  Particles particles;
+  std::vector<GlobalId> first_id;  // of each source
+};
+
+void append_rows(Particles& particles, const ParticleRows& rows, GlobalId first_id) {
+  for (std::size_t i = 0; i < rows.id.size(); ++i) {
+    add_particle(particles, rows.id[i] + first_id, rows.position[i], rows.velocity[i]);
+  }
+}
+
+void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, const std::string& source) {
+  all_or_none(comm, [&] {
+    const auto bad = std::find_if(rows.position.begin(), rows.position.end(),
+                                  [&](const Vec3& p) { return !scene.domain.contains(p); });
+    if (bad == rows.position.end()) return;
+    throw InputError(fmt::format(
+        "{}: /particles/position: row {} is outside the box ({}, {}, {}); enlarge [domain] or move the particle",
+        source, rows.first + (bad - rows.position.begin()), bad->x(), bad->y(), bad->z()));
+  });
+}
+
+void check_free(MPI_Comm comm, const FreePlaces& places, const ParticleRows& rows, const std::string& source) {
+  all_or_none(comm, [&] {
+    for (std::size_t i = 0; i < rows.position.size(); ++i) {
+      const int k = places.solid_at(rows.position[i]);
+      if (k < 0) continue;
+      throw InputError(fmt::format("{}: /particles/position: row {} is in obstacle {} of the scene; move the particle",
+                                   source, rows.first + static_cast<GlobalId>(i), k));
+    }
+  });
+}
+
+// Returns how many ids the rows take, from 0 to the largest.
+GlobalId append_file(MPI_Comm comm, const Scene& scene, const ParticleSource& source, const FreePlaces& places,
+                     FileParticles& files) {
+  const std::string& path = source.path;
+  const GlobalId first_id = files.first_id.back();
+  const ParticleRows rows = read_particle_file(comm, path);
+  if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
+  check_inside(comm, scene, rows, path);
+  check_free(comm, places, rows, path);
+  append_rows(files.particles, rows, first_id);
+  GlobalId last = -1;
+  for (const GlobalId id : rows.id) last = std::max(last, id);
+  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
+  return last + 1;
+}
+
+FileParticles read_files(MPI_Comm comm, const Scene& scene, const FreePlaces& places) {
+  FileParticles result;
+  GlobalId next_id = 0;
+  for (const ParticleSource& source : scene.particles) {
+    result.first_id.push_back(next_id);
+    next_id += source.type == ParticleSource::Type::block ? Lattice(source, scene.fluid.spacing).size()
+                                                          : told_at(scene, source.line, "[[particles]] path", [&] {
+                                                              return append_file(comm, scene, source, places, result);
+                                                            });
+    if (next_id > end_of_ids) {
+      throw InputError(scene.path +
+                       ": ids of all [[particles]] together pass 2^62; leave /particles/id out of the files "
+                       "to number their rows");
+    }
+  }
+  return result;
+}
+
+// Particles in each plane, for those sources that are blocks.
+std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
+  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
+  for (const ParticleSource& source : scene.particles) {
+    if (source.type != ParticleSource::Type::block) continue;
+    const Lattice lattice(source, scene.fluid.spacing);
+    const GlobalId in_layer = lattice.size() / lattice.count[static_cast<std::size_t>(grid.slab_axis())];
+    for_each_layer(lattice, grid, [&](GlobalId, LocalId plane) {
+      weights[static_cast<std::size_t>(plane)] += static_cast<Real>(in_layer);
+    });
+  }
+  return weights;
+}
+
+// The same where obstacles take some of the places: ranks take turns with the layers.
+std::vector<Real> free_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places) {
+  std::vector<GlobalId> count(static_cast<std::size_t>(grid.planes()), 0);
+  for (const ParticleSource& source : scene.particles) {
+    if (source.type != ParticleSource::Type::block) continue;
+    const Lattice lattice(source, scene.fluid.spacing);
+    for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
+      if (layer % size_of(comm) != rank_of(comm)) return;
+      count[static_cast<std::size_t>(plane)] += places.count(lattice, grid.slab_axis(), layer);
+    });
+  }
+  count = sum_over_ranks(comm, count);
+  return {count.begin(), count.end()};
+}
+
+// The same with particles from files, which may be on any rank.
+std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places,
+                                 const Particles& files) {
+  std::vector<Real> weights = plane_weights(comm, grid, files);
+  const std::vector<Real> blocks = places.all() ? block_weights(scene, grid) : free_weights(comm, scene, grid, places);
+  for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
+  if (!scene.particles.empty() && std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
+    throw InputError(scene.path + ": [[particles]]: no particle is left outside of the obstacles; move them");
+  return weights;
+}
+
+// Sets the hue: x at the start, as a share of the extent of all particles in x.
+void add_hue(MPI_Comm comm, Particles& particles) {
+  Real low = 1e300, high = -1e300;
+  for (const Vec3& p : particles.position) {
+    low = std::min(low, p.x());
+    high = std::max(high, p.x());
+  }
+  low = min_over_ranks(comm, low);
+  high = max_over_ranks(comm, high);
+  particles.has_hue = true;
+  particles.hue.reserve(particles.position.size());
+  for (const Vec3& p : particles.position) {
+    particles.hue.push_back(high > low ? static_cast<float>((p.x() - low) / (high - low)) : 0.0F);
+  }
+}
+
+}  // namespace
+
+Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights) {
+  const FreePlaces places(scene);
+  const FileParticles files = read_files(comm, scene, places);
+  weights = source_weights(comm, scene, grid, places, files.particles);
+  return first_slabs(scene, grid, weights, size_of(comm));
+}
+
+Particles initial_particles(MPI_Comm comm, const Scene& scene) {
+  const CellGrid grid = cell_grid(scene, scene.domain);
+  const FreePlaces places(scene);
+  FileParticles files = read_files(comm, scene, places);
+  const std::vector<Real> weights = source_weights(comm, scene, grid, places, files.particles);
+  const Slabs slabs = first_slabs(scene, grid, weights, size_of(comm));
+  Particles particles = std::move(files.particles);
+  migrate(comm, particles, &Particles::position, grid, slabs);
+  const int rank = rank_of(comm);
+  const auto owned =
+      std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.last_plane(rank), 0.0);
+  const int sharers = ranks_of_machine(comm);
+  all_or_none(comm, [&] {
+    const double bytes_of_state = 3 * sizeof(Vec3) + sizeof(GlobalId);
+    require_memory(owned * sharers * bytes_of_state,
+                   fmt::format("{}: {:.0f} particles on this machine", scene.path, owned * sharers),
+                   "use more machines or a coarser fluid.spacing; --dry-run tells what a run needs");
+  });
+  // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
+  // run.
+  particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
+  for (std::size_t s = 0; s < scene.particles.size(); ++s) {
+    const ParticleSource& source = scene.particles[s];
+    if (source.type != ParticleSource::Type::block) continue;
+    const Lattice lattice(source, scene.fluid.spacing);
+    for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
+      if (slabs.owner(plane) != rank) return;
+      add_layer(particles, {source, lattice, files.first_id[s]}, grid.slab_axis(), layer, places);
+    });
+  }
+  if (scene.colour == Colour::rainbow_x) add_hue(comm, particles);
+  return particles;
+}
+
+Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows rows) {
+  check_inside(comm, scene, rows, "the checkpoint");
+  Particles particles = std::move(static_cast<Particles&>(rows));
+  const bool had_hue = particles.has_hue;
+  particles.has_hue = scene.colour == Colour::rainbow_x;
+  if (particles.has_hue && !had_hue) {
+    throw InputError(
+        "the checkpoint has no /particles/hue, which [colour] by = \"rainbow_x\" needs; choose another "
+        "colour with --set colour.by=rainbow_id");
+  }
+  if (!particles.has_hue) particles.hue.clear();
+  return particles;
+}
+
+}  // namespace trevi

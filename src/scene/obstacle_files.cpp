@@ -1,0 +1,117 @@
+#include "scene/obstacle_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "base/hash.hpp"
+#include "boundary/geometry/closed_mesh.hpp"
+#include "boundary/geometry/shape.hpp"
+#include "boundary/volume_map/solid_map.hpp"
+#include "io/frames/mesh_file.hpp"
+#include "parallel/collective.hpp"
+#include "scene/scene_obstacle.hpp"
+#include "scene/scene_place.hpp"
+
+namespace trevi {
+namespace {
+
+template <class T>
+void share(MPI_Comm comm, std::vector<T>& rows) {
+  auto count = static_cast<std::int64_t>(rows.size());
+  MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
+  rows.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(rows.data(), static_cast<int>(rows.size() * sizeof(T)), MPI_BYTE, 0, comm);
+}
+
+std::shared_ptr<const TriangleMesh> read_mesh(MPI_Comm comm, const ObstacleSettings& obstacle) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  on_root(comm, [&] { *mesh = read_mesh_file(obstacle.path); });
+  share(comm, mesh->points);
+  share(comm, mesh->triangles);
+  if (const std::string wrong = why_not_closed(*mesh); !wrong.empty())
+    throw InputError(obstacle.path + ": the mesh is not closed: " + wrong +
+                     "; mend it, or give the sheet a thickness, as only a closed surface has an inside");
+  for (Vec3& p : mesh->points) p *= obstacle.scale;
+  face_outwards(*mesh);
+  return mesh;
+}
+
+[[noreturn]] void refuse(const std::string& path, int line, const std::string& what) {
+  throw InputError(fmt::format("{}:{}: {}; write time,x,y,z in s and m, times increasing", path, line, what));
+}
+
+// Lines "time,x,y,z"; empty ones, and those that begin with # or a letter, say nothing.
+std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
+  std::istringstream lines(read_file_everywhere(comm, path));
+  std::vector<ObstacleKnot> knots;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' ||
+        std::isalpha(static_cast<unsigned char>(line[0])) != 0)
+      continue;
+    ObstacleKnot knot;
+    int end = 0;
+    if (std::sscanf(line.c_str(), " %lf , %lf , %lf , %lf %n", &knot.time, &knot.center[0], &knot.center[1],
+                    &knot.center[2], &end) != 4 ||
+        static_cast<std::size_t>(end) != line.size() || !knot.center.allFinite() || !std::isfinite(knot.time))
+      refuse(path, number, "not four numbers");
+    if (!knots.empty() && knot.time <= knots.back().time) refuse(path, number, "not later than the line before");
+    if (!knots.empty() &&
+        (knot.center - knots.back().center).cwiseAbs().maxCoeff() > fastest_obstacle * (knot.time - knots.back().time))
+      refuse(path, number, "further from the line before than 10000 m/s would take it");
+    if (!is_place(knot.center)) refuse(path, number, "further than a million km from the origin");
+    knots.push_back(knot);
+  }
+  if (knots.size() < 2) refuse(path, 1, "fewer than two times and places");
+  return knots;
+}
+
+template <class T>
+std::int64_t checksum_of(const std::vector<T>& rows) {
+  return checksum({reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(T)});
+}
+
+void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
+  constexpr Real most_bytes = 1e9;
+  const Box bounds = bounds_of(obstacle);
+  if (SolidMap::least_bytes(bounds, scene.fluid.kernel_radius) <= most_bytes) return;
+  throw InputError(
+      fmt::format("it is {:.3g} m long, and its map would not fit in memory; it need not go on far beyond the box, so "
+                  "make it smaller",
+                  (bounds.max - bounds.min).maxCoeff()));
+}
+
+}  // namespace
+
+void read_obstacle_files(MPI_Comm comm, Scene& scene) {
+  for (ObstacleSettings& obstacle : scene.obstacles) {
+    if (obstacle.shape == ShapeKind::mesh) {
+      obstacle.mesh = told_at(scene, obstacle.line, "[[obstacle]] path", [&] { return read_mesh(comm, obstacle); });
+    }
+    if (!obstacle.motion.empty()) {
+      obstacle.knots =
+          told_at(scene, obstacle.line, "[[obstacle]] motion", [&] { return read_knots(comm, obstacle.motion); });
+    }
+    told_at(scene, obstacle.line, "[[obstacle]]", [&] { check_size(scene, obstacle); });
+  }
+}
+
+std::vector<std::int64_t> obstacle_checksums(const Scene& scene) {
+  std::vector<std::int64_t> sums;
+  for (const ObstacleSettings& obstacle : scene.obstacles) {
+    std::uint64_t mesh = 0;
+    if (obstacle.mesh)
+      mesh = mix(static_cast<std::uint64_t>(checksum_of(obstacle.mesh->points))) ^
+             static_cast<std::uint64_t>(checksum_of(obstacle.mesh->triangles));
+    sums.push_back(static_cast<std::int64_t>(mesh));
+    sums.push_back(obstacle.motion.empty() ? 0 : checksum_of(obstacle.knots));
+  }
+  return sums;
+}
+
+}  // namespace trevi

@@ -1,0 +1,20 @@
+// The tables [[fountain]] of a scene, with their music, and what inlets have in common with them.
+#pragma once
+
+#include "scene/scene_reader.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+/// Adds a fountain to the scene, whose box and fountains before it are read already; `box_known`: the box was good.
+void read_fountain(Section& section, Scene& scene, bool box_known);
+
+/// Direction, speed, jitter and music of a fountain or an inlet.
+void read_jet(Section& section, const Scene& scene, PumpSettings& pump);
+/// From when to when it works.
+void read_times(Section& section, PumpSettings& pump);
+
+/// A path of the scene file, which is relative to its folder.
+std::string beside_scene(const std::string& scene_path, const std::string& path);
+
+}  // namespace trevi

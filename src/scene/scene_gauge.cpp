@@ -1,0 +1,63 @@
+#include "scene/scene_gauge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "boundary/gauges.hpp"
+#include "scene/scene_place.hpp"
+
+namespace trevi {
+namespace {
+
+bool is_pressure(const GaugeSettings& gauge) { return gauge.kind == GaugeKind::pressure; }
+
+}  // namespace
+
+void read_gauge(Section& section, Scene& scene, bool box_known) {
+  GaugeSettings gauge;
+  gauge.line = section.line();
+  section.choice<GaugeKind>({"type", "what it measures", true}, gauge.kind,
+                            {{"height", GaugeKind::height}, {"pressure", GaugeKind::pressure}});
+  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  section.numbers(
+      {"center", "the foot of the column, or the place on a wall or an obstacle, [x, y, z] in metres", true},
+      gauge.center);
+  if (box_known && section.fine("center"))
+    section.check("center", scene.domain.contains(gauge.center), "is outside the box; move it inside, or onto a wall");
+  gauge.radius = 2 * scene.fluid.spacing;
+  section.number({"radius", "the radius in metres of the disc over which the mean is taken"}, gauge.radius, above(0));
+  if (box_known)
+    section.check("radius", gauge.radius <= (scene.domain.max - scene.domain.min).maxCoeff(),
+                  "is more than the box is long; make it smaller");
+  if (is_pressure(gauge))
+    section.direction({"normal", "the direction [x, y, z] out of the wall or the obstacle, of any length", true},
+                      gauge.normal);
+  section.reject_unknown();
+  scene.gauges.push_back(gauge);
+}
+
+void check_gauges(Section& root, const Scene& scene) {
+  const bool any = std::any_of(scene.gauges.begin(), scene.gauges.end(), is_pressure);
+  root.check("gauge", !any || root.given("obstacle"),
+             "type = \"pressure\" needs an [[obstacle]]: without one nobody counts what walls take of the water");
+  root.check("gauge", scene.gauges.empty() || scene.output.series.has_value(),
+             "gauges.csv has a row with each of series.csv; add [output.series]");
+}
+
+void check_gauge_places(const Scene& scene, const FreePlaces& places) {
+  for (const GaugeSettings& gauge : scene.gauges) {
+    if (!is_pressure(gauge)) continue;
+    const Real share =
+        gauge_share(gauge, scene.fluid.spacing, scene.domain, [&](const Vec3& p) { return places.solid_at(p) >= 0; });
+    if (share >= 0.2) continue;  // in a corner of the box it is a quarter
+    told_at(scene, gauge.line, "[[gauge]] center", [&] {
+      throw InputError(
+          fmt::format("({}, {}, {}) is not on a wall or an obstacle with this normal: {:.0f} % of the disc "
+                      "has solid behind it and room before it; move it there",
+                      gauge.center.x(), gauge.center.y(), gauge.center.z(), 100 * share));
+    });
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,157 @@
+#include "scene/scene_inlet.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "fluid/forcings/inlet.hpp"
+#include "scene/scene_fountain.hpp"
+#include "scene/scene_place.hpp"
+
+namespace trevi {
+namespace {
+
+/// Of a layer; more is taken for a mistake.
+constexpr Real most_places = 100'000'000;
+
+void only_for(Section& section, const char* key, bool right, const char* words) {
+  section.check(key, right || !section.given(key), std::string("is for ") + words + "; leave it out");
+}
+
+void read_opening(Section& section, InletSettings& inlet) {
+  section.choice<InletShape>({"type", "the shape of the opening; default disc"}, inlet.shape,
+                             {{"disc", InletShape::disc}, {"rectangle", InletShape::rectangle}});
+  const bool disc = inlet.shape == InletShape::disc;
+  section.numbers({"center", "the middle [x, y, z] of the opening in metres", true}, inlet.center);
+  section.number({"radius", "the radius of a disc in metres"}, inlet.radius, above(0));
+  section.numbers({"size", "the level edge and the other edge [a, b] of a rectangle in metres"}, inlet.size);
+  only_for(section, "radius", disc, "a disc; a rectangle has a size");
+  only_for(section, "size", !disc, "type = \"rectangle\"; a disc has a radius");
+  section.check("radius", !disc || section.given("radius") || section.given("size"),
+                "missing; give the radius of the disc in metres");
+  section.check("size", disc || section.given("size") || section.given("radius"),
+                "missing; give the edges [a, b] of the rectangle in metres");
+  section.check("size", disc || !section.fine("size") || (inlet.size[0] > 0 && inlet.size[1] > 0),
+                "must be positive; give the edges [a, b] of the rectangle in metres");
+}
+
+// The flow counts the volume spacing³ of each particle. `lattice`: none where the opening is not known.
+void read_flow_rate(Section& section, InletSettings& inlet, const std::optional<InletLattice>& lattice, Real spacing) {
+  Real flow = 0;
+  if (!section.number({"flow", "the water that enters in m³/s, in place of speed"}, flow, at_least(0))) return;
+  inlet.flow = flow;
+  section.check("flow", !section.given("speed"), "speed is given, too; keep one of them");
+  if (!lattice) return;
+  inlet.speed = flow / (static_cast<Real>(lattice->open_places()) * spacing * spacing);
+  section.check("flow", inlet.speed <= 1e4,
+                fmt::format("is {:.3g} m/s through this opening; lower it, or widen the opening", inlet.speed));
+}
+
+// None where the opening is not known, or has more places than can be meant.
+std::optional<InletLattice> lattice_of(Section& section, const Scene& scene, const InletSettings& inlet,
+                                       const KnownGood& known) {
+  const Real spacing = scene.fluid.spacing;
+  if (!known.spacing || !section.fine("radius") || !section.fine("size")) return std::nullopt;
+  const bool counts =
+      section.check("center", InletLattice::places_of(inlet, spacing) <= most_places,
+                    fmt::format("the opening has more than {:.0e} places; check the units", most_places));
+  return counts ? std::optional(InletLattice(inlet, spacing)) : std::nullopt;
+}
+
+void check_place(Section& section, const Scene& scene, const InletSettings& inlet) {
+  const Vec3 reach = InletLattice(inlet, scene.fluid.spacing).reach(), low = inlet.center - reach,
+             high = inlet.center + reach;
+  section.check("center", scene.domain.contains(low) && scene.domain.contains(high),
+                fmt::format("the opening reaches from ({}, {}, {}) to ({}, {}, {}), out of the box; move it inside",
+                            low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
+}
+
+void read_box(Section& section, DrainSettings& drain) {
+  section.numbers({"min", "the lower corner of a box [x, y, z] in metres"}, drain.min);
+  section.numbers({"max", "the upper corner of a box [x, y, z] in metres"}, drain.max);
+  const bool box = drain.shape == DrainShape::box;
+  for (const char* key : {"min", "max"}) {
+    only_for(section, key, box, "type = \"box\"");
+    section.check(key, !box || section.given(key), "missing; give a corner of the box [x, y, z] in metres");
+  }
+  if (box && section.fine("min") && section.fine("max"))
+    section.check("max", (drain.max - drain.min).minCoeff() > 0, "must be greater than min on every axis");
+}
+
+void read_round_or_plane(Section& section, DrainSettings& drain) {
+  const bool box = drain.shape == DrainShape::box, cylinder = drain.shape == DrainShape::cylinder;
+  section.numbers({"center", "the middle of a cylinder's base, or a point of a plane, [x, y, z] in metres"},
+                  drain.center);
+  section.direction({"axis", "the way a cylinder goes, or the normal [x, y, z] of a plane to the side it drains"},
+                    drain.axis);
+  section.number({"radius", "the radius of a cylinder in metres"}, drain.radius, above(0));
+  section.number({"height", "the height of a cylinder above its base in metres"}, drain.height, above(0));
+  for (const char* key : {"center", "axis"})
+    only_for(section, key, !box, "a cylinder or a plane; a box has min and max");
+  section.check("center", box || section.given("center"), "missing; give a point [x, y, z] in metres");
+  section.check("axis", drain.shape != DrainShape::plane || section.given("axis"),
+                "missing; give the normal [x, y, z] of the plane, to the side that it drains");
+  for (const char* key : {"radius", "height"}) {
+    only_for(section, key, cylinder, "type = \"cylinder\"");
+    section.check(key, !cylinder || section.given(key), "missing; give a length in metres");
+  }
+}
+
+}  // namespace
+
+void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
+  InletSettings inlet;
+  inlet.line = section.line();
+  inlet.speed = 0;
+  read_opening(section, inlet);
+  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  const std::optional<InletLattice> lattice = lattice_of(section, scene, inlet, known);
+  read_flow_rate(section, inlet, lattice, scene.fluid.spacing);
+  section.check("speed", section.given("speed") || section.given("flow") || section.given("speed_range"),
+                "missing; give speed (m/s) or flow (m³/s), or speed_range where there is music");
+  read_jet(section, scene, inlet);
+  read_times(section, inlet);
+  section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
+  if (lattice && known.box && section.fine("center") && section.fine("direction")) check_place(section, scene, inlet);
+  section.reject_unknown();
+  scene.inlets.push_back(inlet);
+}
+
+void read_drain(Section& section, Scene& scene) {
+  DrainSettings drain;
+  section.choice<DrainShape>(
+      {"type", "the shape of the region; default box"}, drain.shape,
+      {{"box", DrainShape::box}, {"cylinder", DrainShape::cylinder}, {"plane", DrainShape::plane}});
+  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  read_box(section, drain);
+  read_round_or_plane(section, drain);
+  section.reject_unknown();
+  scene.drains.push_back(drain);
+}
+
+void check_flow(Section& root, const Scene& scene) {
+  const bool recycles =
+      std::any_of(scene.inlets.begin(), scene.inlets.end(), [](const InletSettings& inlet) { return inlet.recycle; });
+  root.check("inlet", !recycles || !scene.drains.empty(),
+             "with recycle it gives back what drains take, and there is none; add [[drain]]");
+}
+
+void check_openings(const Scene& scene, const FreePlaces& places) {
+  if (places.all()) return;
+  for (const InletSettings& inlet : scene.inlets) {
+    const InletLattice lattice(inlet, scene.fluid.spacing);
+    for (GlobalId place = 0; place < lattice.places(); ++place) {
+      const Vec3 p = lattice.position(place, 0);
+      const int solid = lattice.is_open(place) ? places.solid_at(p) : -1;
+      if (solid < 0) continue;
+      told_at(scene, inlet.line, "[[inlet]] center", [&] {
+        throw InputError(
+            fmt::format("the opening is in obstacle {} at ({:.6g}, {:.6g}, {:.6g}); move it out of the obstacle, or "
+                        "make it smaller",
+                        solid, p.x(), p.y(), p.z()));
+      });
+    }
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,26 @@
+// The tables [[inlet]] and [[drain]] of a scene.
+#pragma once
+
+#include "scene/free_places.hpp"
+#include "scene/scene_reader.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+/// What of the scene is known to be good before its inlets are read.
+struct KnownGood {
+  bool box, spacing;
+};
+
+/// Adds them to the scene, whose box, spacing and fountains are read already.
+void read_inlet(Section& section, Scene& scene, const KnownGood& known);
+void read_drain(Section& section, Scene& scene);
+
+/// Rules between the tables, once all are read.
+void check_flow(Section& root, const Scene& scene);
+
+/// That no opening is in an obstacle at the start, where its water would be made in the solid; once the obstacles'
+/// files are read.
+void check_openings(const Scene& scene, const FreePlaces& places);
+
+}  // namespace trevi

@@ -1,0 +1,124 @@
+#include "scene/scene_obstacle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "scene/scene_fountain.hpp"
+
+namespace trevi {
+namespace {
+
+// Only the keys of its shape are asked for; others are unknown.
+void read_lengths(Section& section, ObstacleSettings& obstacle) {
+  const ShapeKind shape = obstacle.shape;
+  const bool has_height = shape == ShapeKind::cylinder || shape == ShapeKind::capsule;
+  if (shape == ShapeKind::mesh) return;
+  if (shape == ShapeKind::box) {
+    section.numbers({"size", "the edges [x, y, z] of the box in metres", true}, obstacle.size);
+    section.check("size", obstacle.size.minCoeff() > 0, "must be positive on every axis; give the edges of the box");
+    return;
+  }
+  section.number({"radius", "the radius in metres; of a torus that of its middle line", true}, obstacle.radius,
+                 above(0));
+  if (shape == ShapeKind::torus) {
+    section.number({"tube", "the radius of the torus' tube in metres", true}, obstacle.tube, above(0));
+    if (section.fine("radius"))
+      section.check("tube", obstacle.tube < obstacle.radius, "must be less than radius; the tube would meet itself");
+  }
+  if (has_height)
+    section.number({"height", "the height along the axis in metres, from end to end", true}, obstacle.height, above(0));
+  if (shape == ShapeKind::capsule && section.fine("radius"))
+    section.check("height", obstacle.height >= 2 * obstacle.radius,
+                  "must be at least twice the radius, as it goes from end to end; take a sphere");
+  if (shape == ShapeKind::sphere) return;
+  section.direction({"axis", "the direction of the axis [x, y, z], of any length"}, obstacle.axis);
+}
+
+void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
+  if (obstacle.shape == ShapeKind::mesh) {
+    if (section.text({"path", "the mesh, an STL, OBJ or PLY file relative to the scene's folder", true}, obstacle.path))
+      obstacle.path = beside_scene(scene.path, obstacle.path);
+    section.number({"scale", "the length of a unit of the mesh in metres"}, obstacle.scale, above(0));
+    section.numbers({"translate", "the place [x, y, z] of the mesh's origin in metres"}, obstacle.center);
+  } else {
+    section.numbers({"center", "the middle [x, y, z] in metres", true}, obstacle.center);
+  }
+  section.numbers({"rotate", "degrees [x, y, z] about the axes through the centre, x first"}, obstacle.rotate);
+  section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
+}
+
+bool may_follow(const ObstacleKnot& last, const ObstacleKnot& next) {
+  return next.time > last.time &&
+         (next.center - last.center).cwiseAbs().maxCoeff() <= fastest_obstacle * (next.time - last.time);
+}
+
+// Of a list of lists of four numbers; none for anything else.
+std::vector<ObstacleKnot> knots_of(const toml::node& node) {
+  std::vector<ObstacleKnot> knots;
+  const toml::array* rows = node.as_array();
+  if (rows == nullptr || rows->size() < 2) return {};
+  for (const toml::node& row : *rows) {
+    const toml::array* numbers = row.as_array();
+    if (numbers == nullptr || numbers->size() != 4) return {};
+    std::array<Real, 4> value{};
+    for (std::size_t k = 0; k < 4; ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
+    const Vec3 center(value[1], value[2], value[3]);
+    if (!std::isfinite(value[0]) || !is_place(center) ||
+        (!knots.empty() && !may_follow(knots.back(), {value[0], center})))
+      return {};
+    knots.push_back({value[0], center});
+  }
+  return knots;
+}
+
+void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
+  section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, obstacle.velocity);
+  section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
+                "must be at most 10000 m/s on each axis; check the units");
+  section.numbers({"angular_velocity", "the angular velocity [x, y, z] about the centre in rad/s"},
+                  obstacle.angular_velocity);
+  section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
+                "must be at most 10000 rad/s about each axis; check the units");
+  const Key motion{"motion",
+                   "times and places, [[time, x, y, z], ...] in s and m with times increasing, or the name of a CSV "
+                   "file of them relative to the scene's folder"};
+  const toml::node* node = section.find(motion, "text or list");
+  if (node == nullptr) return;
+  if (const auto* path = node->as_string()) {
+    obstacle.motion = beside_scene(scene.path, path->get());
+  } else {
+    obstacle.knots = knots_of(*node);
+    if (obstacle.knots.empty())
+      return section.refuse(motion, "must be two times and places or more, in order, at most 10000 m/s apart");
+  }
+  section.check("motion", !section.given("velocity"), "velocity is given, too; keep one of them");
+}
+
+}  // namespace
+
+void read_obstacle(Section& section, Scene& scene) {
+  ObstacleSettings obstacle;
+  obstacle.line = section.line();
+  using enum ShapeKind;
+  section.choice<ShapeKind>({"type", "the shape", true}, obstacle.shape,
+                            {{"sphere", sphere},
+                             {"box", box},
+                             {"cylinder", cylinder},
+                             {"capsule", capsule},
+                             {"torus", torus},
+                             {"mesh", mesh}});
+  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  read_lengths(section, obstacle);
+  read_place(section, scene, obstacle);
+  read_motion(section, scene, obstacle);
+  Real restitution = scene.walls.restitution;
+  section.number({"restitution", "the share of speed kept in a bounce; default that of [walls]"}, restitution,
+                 {.low = 0, .high = 1});
+  obstacle.restitution = restitution;
+  section.number({"friction", "Coulomb's coefficient of friction in a bounce"}, obstacle.friction, at_least(0));
+  section.reject_unknown();
+  scene.obstacles.push_back(obstacle);
+}
+
+}  // namespace trevi

@@ -1,0 +1,384 @@
+#include "scene/scene_physics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fluid/filters/xsph_viscosity.hpp"
+#include "kernels/kernels.hpp"
+#include "scene/scene_fountain.hpp"
+#include "scene/scene_gauge.hpp"
+#include "scene/scene_inlet.hpp"
+#include "scene/scene_obstacle.hpp"
+#include "scene/scene_periodic.hpp"
+
+namespace trevi {
+namespace {
+
+/// A count (of steps, particles) above this is taken for a mistake; it would no longer be exact in a double.
+constexpr Real most_counted = 1e15;
+/// A request to stop is seen between two steps, so a step must not take hours.
+constexpr int most_iterations = 10000;
+
+/// With three digits, for messages that name an upper limit.
+std::string rounded_down(Real positive) {
+  const Real unit = std::pow(10, std::floor(std::log10(positive)) - 2);
+  return fmt::format("{:.3g}", std::floor(positive / unit) * unit);
+}
+
+void read_derived(Section& section, const Key& key, Derived<Real>& target, const Interval& range) {
+  Real value = 0;
+  if (section.number(key, value, range)) target = value;
+}
+
+class PhysicsReader {
+ public:
+  PhysicsReader(Section& root, Scene& scene)
+      : root_(root), scene_(scene), domain_(root.child("domain")), fluid_(root.child("fluid")) {}
+
+  void read() {
+    Section density = root_.child("density"), viscosity = root_.child("viscosity");
+    read_preset(density);  // first: it changes what absent keys of the other tables mean
+    read_domain();
+    read_fluid();
+    read_particles();
+    read_time();
+    read_forces();
+    read_density(density);
+    read_walls();
+    read_tensile();
+    read_vorticity();
+    read_viscosity(viscosity);
+    resolve(viscosity);
+    for (Section& obstacle : root_.children("obstacle")) read_obstacle(obstacle, scene_);
+    for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
+    for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
+    for (Section& drain : root_.children("drain")) read_drain(drain, scene_);
+    check_flow(root_, scene_);
+    density.check("method", scene_.density.method != Method::anderson || scene_.obstacles.empty(),
+                  "anderson mixes positions with no regard to obstacles; take \"chebyshev\" or \"jacobi\"");
+    for (Section& gauge : root_.children("gauge")) read_gauge(gauge, scene_, box_known());
+    domain_.reject_unknown();
+    fluid_.reject_unknown();
+    density.reject_unknown();
+    viscosity.reject_unknown();
+  }
+
+ private:
+  void read_preset(Section& density);
+  void read_domain();
+  void read_fluid();
+  void read_particles();
+  void read_particle_source(Section& section);
+  void read_block(Section& section, ParticleSource& source);
+  void read_time();
+  void read_density(Section& density);
+  void read_forces();
+  void read_walls();
+  void read_tensile();
+  void read_vorticity();
+  void read_viscosity(Section& viscosity);
+  void resolve(Section& viscosity);
+  void check_viscosity(Section& viscosity);
+
+  bool box_known() const { return domain_.fine("min") && domain_.fine("max"); }
+  bool check_kernel_radius();
+  void check_cells();
+  void check_coordinates();
+
+  Section& root_;
+  Scene& scene_;
+  Section domain_, fluid_;
+  bool dt_known_ = false;
+};
+
+void PhysicsReader::read_preset(Section& density) {
+  bool report = false;
+  density.choice<bool>({"preset", "the values of absent keys"}, report, {{"default", false}, {"report", true}});
+  static_cast<Settings&>(scene_) = report ? report_settings() : Settings{};
+}
+
+void PhysicsReader::read_domain() {
+  domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, scene_.domain.min);
+  domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, scene_.domain.max);
+  const Vec3 extent = scene_.domain.max - scene_.domain.min;
+  if (box_known())
+    domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
+  int axis = 0;
+  if (domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
+                          axis, {{"x", 0}, {"y", 1}}))
+    scene_.slab_axis = axis;
+  read_periodic(domain_, scene_);
+  domain_.choice<SlabCuts>(
+      {"slabs", "each rank's share: the same work, followed as the water moves, or the same planes"}, scene_.slabs,
+      {{"balanced", SlabCuts::balanced}, {"equal", SlabCuts::equal}});
+}
+
+void PhysicsReader::read_fluid() {
+  FluidSettings& fluid = scene_.fluid;
+  fluid_.number({"spacing", "the lattice spacing in metres", true}, fluid.spacing, above(0));
+  fluid_.number({"rest_density", "the density at rest in kg/m³"}, fluid.rest_density, above(0));
+  read_derived(fluid_, {"kernel_radius", "the kernel radius h in metres; default twice the spacing"},
+               fluid.kernel_radius, above(0));
+  fluid_.choice<Mass>({"mass", "how the mass of a particle is chosen"}, fluid.mass,
+                      {{"calibrated", Mass::calibrated}, {"volume", Mass::volume}});
+  fluid_.choice({"density_kernel", "the kernel of the density; default spiky"}, fluid.density_kernel, kernel_names());
+  std::string gradient_kernel;
+  if (fluid_.choice({"gradient_kernel",
+                     "the kernel along whose gradient particles are shifted; default the one that goes with "
+                     "density_kernel"},
+                    gradient_kernel, kernel_names()))
+    fluid.gradient_kernel = gradient_kernel;
+}
+
+// Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.
+void PhysicsReader::check_coordinates() {
+  constexpr Real finest = 1e-6;  // of the spacing
+  const Real farthest = std::max(scene_.domain.min.cwiseAbs().maxCoeff(), scene_.domain.max.cwiseAbs().maxCoeff());
+  if (!box_known() || !fluid_.fine("spacing")) return;
+  const char* corner = farthest > scene_.domain.max.cwiseAbs().maxCoeff() ? "min" : "max";
+  domain_.check(
+      corner, farthest * std::numeric_limits<Real>::epsilon() <= finest * scene_.fluid.spacing,
+      fmt::format("{} m from the origin, places are too coarse for a spacing of {} m; move the scene to the origin",
+                  farthest, scene_.fluid.spacing));
+}
+
+// Tested before anything is derived from it: with an absurd radius the sums over the lattice would hardly end.
+bool PhysicsReader::check_kernel_radius() {
+  constexpr Real rounding = 1e-9;  // 0.06 / 0.05 need not be 1.2 or more
+  if (!fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return false;
+  if (!scene_.fluid.kernel_radius.given()) return true;
+  const Real h = scene_.fluid.kernel_radius, ratio = h / scene_.fluid.spacing;
+  return fluid_.check("kernel_radius",
+                      ratio >= least_kernel_ratio - rounding && ratio <= largest_kernel_ratio + rounding,
+                      fmt::format("must be {} to {} times the spacing {} m, got {} m; give about twice the spacing",
+                                  least_kernel_ratio, largest_kernel_ratio, scene_.fluid.spacing, h));
+}
+
+void PhysicsReader::check_cells() {
+  constexpr Real most_cells = 1e6, most_cells_in_plane = 2e9;
+  if (!box_known()) return;
+  const Real h = scene_.fluid.kernel_radius;
+  const Vec3 extent = scene_.domain.max - scene_.domain.min;
+  const char* origin = fluid_.given("kernel_radius") ? "" : " (the default)";
+  if (!fluid_.check("kernel_radius", h <= extent.minCoeff(),
+                    fmt::format("must not exceed the smallest extent of the box, {} m, got {} m{}; enlarge the box or "
+                                "refine",
+                                extent.minCoeff(), h, origin)))
+    return;
+  domain_.check("max", extent.maxCoeff() <= most_cells * h,
+                fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
+                            extent.maxCoeff(), h));
+  const Real cells = extent[1 - scene_.slab_axis] * extent.z() / (h * h);
+  domain_.check("max", cells < most_cells_in_plane,
+                fmt::format("a plane across the slab axis has {:.3g} cells of the kernel radius {} m, where 2e9 can be "
+                            "counted; make the box smaller, or take another slab_axis",
+                            cells, h));
+}
+
+// What the absent keys mean, and the rules that need to know.
+void PhysicsReader::resolve(Section& viscosity) {
+  if (!check_kernel_radius()) return;
+  static_cast<Settings&>(scene_) = resolved(scene_);
+  check_cells();
+  check_coordinates();
+  if (box_known()) check_periodic(domain_, scene_);
+  check_viscosity(viscosity);
+}
+
+void PhysicsReader::read_particles() {
+  std::vector<Section> sections = root_.children("particles");
+  root_.check("particles", !sections.empty() || root_.given("inlet"),
+              "missing; add at least one [[particles]] table, a block or a file");
+  for (Section& section : sections) read_particle_source(section);
+}
+
+void PhysicsReader::read_particle_source(Section& section) {
+  ParticleSource source;
+  source.line = section.line();
+  section.choice<ParticleSource::Type>({"type", "where the particles come from; default block"}, source.type,
+                                       {{"block", ParticleSource::Type::block}, {"file", ParticleSource::Type::file}});
+  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  if (source.type == ParticleSource::Type::file) {
+    section.text({"path", "the HDF5 file with /particles/position, relative to the scene's folder", true}, source.path);
+    source.path = beside_scene(scene_.path, source.path);
+  } else {
+    read_block(section, source);
+  }
+  section.reject_unknown();
+  scene_.particles.push_back(source);
+}
+
+void PhysicsReader::read_block(Section& section, ParticleSource& source) {
+  section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, source.min);
+  section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, source.max);
+  section.numbers({"velocity", "the start velocity [x, y, z] in m/s"}, source.velocity);
+  section.number({"vortex", "the largest speed of a Taylor-Green vortex in x and y that is added, in m/s"},
+                 source.vortex);
+  if (!section.fine("min") || !section.fine("max")) return;
+  const Vec3 extent = source.max - source.min;
+  section.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the block");
+  if (box_known()) {
+    section.check("min", (source.min - scene_.domain.min).minCoeff() >= 0,
+                  "the block is outside the box; move min to [domain] min or above");
+    section.check("max", (scene_.domain.max - source.max).minCoeff() >= 0,
+                  "the block is outside the box; move max to [domain] max or below");
+  }
+  if (!fluid_.fine("spacing") || !section.fine("max")) return;
+  const Real spacing = scene_.fluid.spacing;
+  const Vec3 counts = (extent / spacing).array().round();
+  section.check("max", counts.minCoeff() >= 1,
+                fmt::format("zero particles: the block is thinner than half the spacing {} m; enlarge it", spacing));
+  section.check("max", counts.prod() <= most_counted,
+                fmt::format("{:.1e} particles are too many; check the units, or coarsen the spacing", counts.prod()));
+}
+
+void PhysicsReader::read_time() {
+  Section time = root_.child("time");
+  time.number({"dt", "the time step in seconds", true}, scene_.dt, above(0));
+  time.number({"end", "the simulated time in seconds", true}, scene_.end, at_least(0));
+  read_derived(time,
+               {"cfl",
+                "the CFL number that splits a step; 0 never splits; default 2, 0.2 without gravity, and 0 with another "
+                "method than the default one"},
+               scene_.cfl, at_least(0));
+  dt_known_ = time.fine("dt");
+  if (dt_known_) {
+    const Real steps = scene_.end / scene_.dt;
+    time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
+    time.check("end", scene_.end == 0 || steps >= 0.5,
+               fmt::format("{} s is shorter than half a step of {} s, so nothing would move; give a later end or a "
+                           "smaller dt, or end = 0 for the start alone",
+                           scene_.end, scene_.dt));
+  }
+  time.reject_unknown();
+}
+
+void PhysicsReader::read_density(Section& section) {
+  DensitySettings& density = scene_.density;
+  section.choice<Method>(
+      {"method", "how the density iteration is accelerated"}, density.method,
+      {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
+  section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
+                  density.iterations, 1);
+  section.check("iterations", density.iterations <= most_iterations,
+                fmt::format("must be at most {}; a step of more would hardly end", most_iterations));
+  Real tolerance = 0;
+  if (section.number({"tolerance", "the mean compression to stop at; default: never stop early"}, tolerance, above(0)))
+    density.tolerance = tolerance;
+  section.number({"spectral_radius", "chebyshev: the spectral radius assumed of the relaxed iteration"},
+                 density.spectral_radius, {.low = 0, .high = 1, .with_high = false});
+  bool coarse_grid = false;
+  if (section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, coarse_grid))
+    density.coarse_grid = coarse_grid;
+  read_derived(
+      section,
+      {"max_shift", "what a pair is pushed apart at most in one iteration in units of kernel_radius; 0: no cap"},
+      density.max_shift, at_least(0));
+  section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
+  read_derived(section, {"relaxation", "the factor on each position correction; default: as the kernel allows"},
+               density.relaxation, {.low = 0, .high = 2, .with_low = false});
+  section.choice<Constraint>({"constraint", "whether stretched fluid is pulled together, too"}, density.constraint,
+                             {{"equality", Constraint::equality}, {"inequality", Constraint::inequality}});
+  section.check(
+      "constraint", density.constraint == Constraint::inequality || density.method != Method::chebyshev,
+      "with density.method = \"chebyshev\" an equality pulls particles into clumps that explode: a cube's energy "
+      "grows by 13,000 in a second; leave it out, or take density.preset = \"report\"");
+  section.choice<Precision>({"precision", "the arithmetic of the pair loops"}, density.precision,
+                            {{"double", Precision::double_}, {"single", Precision::single}});
+}
+
+void PhysicsReader::read_walls() {
+  Section section = root_.child("walls");
+  WallSettings& walls = scene_.walls;
+  section.number({"restitution", "the share of speed kept in a bounce"}, walls.restitution, {.low = 0, .high = 1});
+  section.choice<WallDensity>({"density", "what the fluid feels of a wall"}, walls.density,
+                              {{"none", WallDensity::none}, {"analytic", WallDensity::analytic}});
+  section.choice<Reflection>({"reflection", "what restitution scales: the normal part, or all as in the report"},
+                             walls.reflection, {{"normal", Reflection::normal}, {"report", Reflection::report}});
+  section.number({"floor_friction", "the skin friction coefficient of the floor"}, walls.floor_friction, at_least(0));
+  section.reject_unknown();
+}
+
+void PhysicsReader::read_tensile() {
+  Section section = root_.child("tensile");
+  TensileSettings tensile = scene_.tensile.value_or(TensileSettings{});
+  section.number({"k", "the strength of the artificial pressure in m² at spacing 0.1 m"}, tensile.k, at_least(0));
+  section.integer({"n", "the exponent of the artificial pressure"}, tensile.n, 1);
+  section.number({"dq", "the reference distance in units of kernel_radius"}, tensile.dq,
+                 {.low = 0, .high = 1, .with_low = false, .with_high = false});
+  if (section.present()) scene_.tensile = tensile;
+  section.reject_unknown();
+}
+
+void PhysicsReader::read_forces() {
+  Section section = root_.child("gravity");
+  if (section.present()) {
+    Vec3 acceleration(0, 0, -9.8);
+    section.numbers({"acceleration", "the acceleration [x, y, z] in m/s²"}, acceleration);
+    scene_.gravity = acceleration;
+  }
+  section.reject_unknown();
+}
+
+void PhysicsReader::read_vorticity() {
+  Section vorticity = root_.child("vorticity");
+  Real epsilon = scene_.vorticity.value_or(0.002);  // a table without its key means the value of the report
+  vorticity.number({"epsilon", "the strength of the vorticity confinement"}, epsilon, at_least(0));
+  vorticity.choice<VorticityForm>({"form", "the report's, or projected to what keeps linear momentum"},
+                                  scene_.vorticity_form,
+                                  {{"report", VorticityForm::report}, {"projected", VorticityForm::projected}});
+  if (vorticity.present()) scene_.vorticity = epsilon;
+  vorticity.reject_unknown();
+}
+
+void PhysicsReader::read_viscosity(Section& section) {
+  Real c = scene_.viscosity.value_or(0.001), nu = 0;
+  section.number({"c", "the XSPH viscosity in m³/kg, a share per step; default 0.001 where nu is absent"}, c,
+                 at_least(0));
+  section.number({"nu", "the kinematic viscosity in m²/s, the same for any dt and spacing, in place of c"}, nu,
+                 at_least(0));
+  section.check("nu", !section.given("c") || !section.given("nu"),
+                "c is given, too; keep nu (m²/s, the same for any dt and spacing) or c (a share per step), not both");
+  section.flag({"no_slip", "whether walls and obstacles hold the water that touches them; with nu"}, scene_.no_slip);
+  section.check("no_slip", !scene_.no_slip || section.given("nu"), "is for a viscosity in m²/s; give nu, too");
+  if (section.given("nu")) {
+    scene_.viscosity.reset();  // that of the preset
+    scene_.kinematic_viscosity = nu;
+  } else if (section.present()) {
+    scene_.viscosity = c;
+  }
+}
+
+// XSPH must not take a velocity past the mean of its neighbours.
+void PhysicsReader::check_viscosity(Section& section) {
+  const FluidSettings& fluid = scene_.fluid;
+  if (scene_.viscosity && section.fine("c") && fluid_.fine("rest_density")) {
+    const Real c = *scene_.viscosity;
+    const bool own = section.given("c");
+    (own ? section : fluid_)
+        .check(own ? "c" : "rest_density", c * fluid.rest_density <= 1 + 1e-12,
+               fmt::format("XSPH would overshoot: c * rest_density must not exceed 1, got {} * {}; lower [viscosity] c",
+                           c, fluid.rest_density));
+  }
+  if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
+  constexpr int most_parts = 1000;  // of a step; more is taken for a mistake
+  const int parts = scene_.cfl > 0 ? most_parts : 1;
+  const Real nu = *scene_.kinematic_viscosity;
+  const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²
+  if (nu * scene_.dt <= largest * (1 + 1e-9)) return;
+  const std::string remedy =
+      fmt::format("lower nu to {} or dt to {}", rounded_down(largest / scene_.dt), rounded_down(largest / nu));
+  section.check("nu", false,
+                scene_.cfl > 0 ? fmt::format("would split steps into more than {} parts; {}", parts, remedy)
+                               : fmt::format("XSPH would overshoot in a step of {} s; {}, or let time.cfl split steps",
+                                             scene_.dt, remedy));
+}
+
+}  // namespace
+
+void read_physics(Section& root, Scene& scene) { PhysicsReader(root, scene).read(); }
+
+}  // namespace trevi
