@@ -2,7 +2,7 @@
 # usage: jobs/test.sh [--preset PRESET] [--label REGEX] [--instruction-set NAME] [more arguments of ctest]
 #
 # Installs what is missing, builds PRESET (default release) and runs all tests, or those with a matching label; with
-# the instruction set of the pair loops that is named (SSE4, AVX2 or AVX3, say) in place of the best.
+# the instruction set of the pair loops that is named (SSE4, AVX2 or AVX-512, say) in place of the best.
 #
 #   jobs/test.sh
 #   jobs/test.sh --preset asan --label unit

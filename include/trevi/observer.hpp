@@ -32,7 +32,7 @@ struct FlowState {
   GlobalId waiting = 0;              ///< taken by drains for the inlets that recycle
   /// Of an inlet: how far the water has come since its last layer, m, and its speed in the last substep, m/s.
   struct Stream {
-    Real way = 0, speed = 0;
+    Real travelled = 0, speed = 0;
   };
   std::vector<Stream> streams;  ///< in the order of the scene
 };

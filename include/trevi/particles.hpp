@@ -17,7 +17,7 @@ struct Particles {
   std::vector<Vec3> position;   ///< p at the start of the step, m
   std::vector<Vec3> predicted;  ///< p*, m
   std::vector<Vec3> velocity;   ///< v, m/s
-  std::vector<float> hue;       ///< x at the start as a share of the water's extent; empty unless colour.by needs it
+  std::vector<float> hue;       ///< x at the start as a fraction of the water's extent; empty unless colour.by needs it
   bool has_hue = false;
 
   LocalId size() const { return static_cast<LocalId>(id.size()); }

@@ -19,7 +19,7 @@
 
 namespace trevi {
 
-class OpenFlow;
+class InflowOutflow;
 
 struct ParticleSource {
   enum class Type { block, file } type = Type::block;
@@ -91,7 +91,7 @@ std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene&
 
 /// The inlets and drains of the scene, null without any; for SolverExtras::flow. Collective. InputError for music that
 /// cannot be used.
-std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene);
+std::shared_ptr<InflowOutflow> make_flow(MPI_Comm comm, const Scene& scene);
 
 /// Keys a scene may use, with type and unit, one a line (for --help and the documentation test).
 std::string scene_reference();

@@ -49,7 +49,7 @@ enum class Follow { pitch, loudness };
 enum class SpeedMapping { linear, energy };
 
 /// kernel_radius over spacing: with less a particle has hardly a neighbour, with more thousands.
-inline constexpr Real least_kernel_ratio = 1.2, largest_kernel_ratio = 4;
+inline constexpr Real min_kernel_ratio = 1.2, largest_kernel_ratio = 4;
 
 struct FluidSettings {
   Real spacing = 0.1;             ///< of the start lattice, m
@@ -66,7 +66,7 @@ struct DensitySettings {
   Method method = Method::chebyshev;
   int iterations = 4;             ///< the coarse-grid correction counts as one; at least one Jacobi sweep follows it
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
-  Derived<Real> relaxation{};     ///< under-relaxation; default: a share of what the kernel's lattice allows
+  Derived<Real> relaxation{};     ///< under-relaxation; default: a fraction of what the kernel's lattice allows
   Real spectral_radius = 0.95;    ///< chebyshev: spectral radius assumed of the relaxed Jacobi iteration
   Derived<bool> coarse_grid{};    ///< long-range part of the correction on the cell grid; default: with chebyshev
   Derived<Real> max_shift{};      ///< cap on what a pair is pushed apart in an iteration, in units of h; 0: none
@@ -183,7 +183,7 @@ struct Settings {
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   VorticityForm vorticity_form = VorticityForm::report;
-  std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a share per step
+  std::optional<Real> viscosity;  ///< c of XSPH, m³/kg, a fraction per step
   /// Kinematic viscosity nu, m²/s, also by XSPH, so that at most one of the two may be given. The CFL rule splits steps
   /// longer than longest_viscous_step(); where cfl is 0 the scene reader refuses them.
   std::optional<Real> kinematic_viscosity;

@@ -68,13 +68,13 @@ class Solver {
   virtual const FlowState* flow() const = 0;
 };
 
-class OpenFlow;
+class InflowOutflow;
 
 /// What a solver may be given besides its settings.
 struct SolverExtras {
   std::vector<std::unique_ptr<Forcing>> forcings;    ///< called after gravity and friction, in this order
   std::vector<std::unique_ptr<Observer>> observers;  ///< called in this order
-  std::shared_ptr<OpenFlow> flow;                    ///< inlets and drains of a scene; null: none
+  std::shared_ptr<InflowOutflow> flow;               ///< inlets and drains of a scene; null: none
   std::function<RequestCounts()> requests;           ///< of this rank, from outside; may be empty
   std::int64_t step = 0;                             ///< steps done before, for a restart
   int substeps = 1;                                  ///< of the last of them

@@ -27,7 +27,7 @@ std::string refuse_step(const std::string& text) {
 }
 
 std::string refuse_threads(const std::string& text) {
-  return whole_threads(text) ? "" : fmt::format("must be a whole number from 1 to {}", most_threads);
+  return whole_threads(text) ? "" : fmt::format("must be a whole number from 1 to {}", max_threads);
 }
 
 // A mistyped -steps would otherwise be passed to PETSc and silently ignored.

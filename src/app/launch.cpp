@@ -26,7 +26,7 @@ std::optional<int> threads_of_environment() {
   const std::optional<int> threads = whole_threads(all.substr(0, all.find(',')));
   if (threads) return threads;
   throw InputError(fmt::format("OMP_NUM_THREADS={}: must be a whole number from 1 to {}; unset it, or give --threads",
-                               all.substr(0, 60), most_threads));
+                               all.substr(0, 60), max_threads));
 }
 
 std::string counted(int number, const char* unit) {
@@ -42,7 +42,7 @@ std::optional<int> whole_threads(std::string_view text) {
   int number = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number >= 1 && number <= most_threads ? std::optional(number) : std::nullopt;
+  return number >= 1 && number <= max_threads ? std::optional(number) : std::nullopt;
 }
 
 Launch use_threads(const Session& session, std::optional<int> wanted, const Scene& scene) {

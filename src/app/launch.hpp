@@ -24,7 +24,7 @@ std::optional<int> whole_threads(std::string_view text);
 /// cannot be used.
 Launch use_threads(const Session& session, std::optional<int> wanted, const Scene& scene);
 
-/// "2 ranks x 4 threads, AVX3, single precision". Not collective.
+/// "2 ranks x 4 threads, AVX-512, single precision". Not collective.
 std::string launch_text(const Launch& launch, const Scene& scene);
 
 /// What to do where other work of this machine makes threads wait for each other; empty where there is none or where

@@ -89,7 +89,7 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.scene_hash = scene_hash(context.scene.text);
   report.warnings = start_warnings(context.scene);
   if (context.energy != nullptr) {
-    report.energy_gain = context.energy->share();
+    report.energy_gain = context.energy->fraction();
     for (std::string& warning : energy_warnings(context.scene, report.energy_gain))
       report.warnings.push_back(std::move(warning));
   }

@@ -47,7 +47,7 @@ void warn_at_the_end(const Session& session, const RunContext& context, const So
                      counters.unconverged, counters.substeps));
   }
   if (context.energy == nullptr) return;
-  for (const std::string& warning : energy_warnings(context.scene, context.energy->share()))
+  for (const std::string& warning : energy_warnings(context.scene, context.energy->fraction()))
     tell(session, "warning: " + warning);
 }
 

@@ -14,12 +14,12 @@ namespace trevi {
 namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
-constexpr int most_processors = 1 << 16;
+constexpr int max_processors = 1 << 16;
 
 // Processors that this thread may run on; none where the kernel does not tell.
 std::vector<int> affinity() {
   std::vector<int> processors;
-  for (int room = 1024; room <= most_processors; room *= 2) {
+  for (int room = 1024; room <= max_processors; room *= 2) {
     cpu_set_t* mask = CPU_ALLOC(room);
     const std::size_t bytes = CPU_ALLOC_SIZE(room);
     const bool told = mask != nullptr && sched_getaffinity(0, bytes, mask) == 0;
@@ -55,11 +55,11 @@ double allowed_processors() {
   return no_limit;
 }
 
-int threads_for_share(std::span<const int> users_of_cores, double allowed, int processes) {
-  double share = 0;
-  for (const int users : users_of_cores) share += 1.0 / users;
-  share = std::min({share, allowed / processes, static_cast<double>(most_threads)});
-  return std::max(1, static_cast<int>(share + 1e-6));  // ten tenths are a core
+int threads_for_cores(std::span<const int> users_of_cores, double allowed, int processes) {
+  double fraction = 0;
+  for (const int users : users_of_cores) fraction += 1.0 / users;
+  fraction = std::min({fraction, allowed / processes, static_cast<double>(max_threads)});
+  return std::max(1, static_cast<int>(fraction + 1e-6));  // ten tenths are a core
 }
 
 std::vector<int> cores_of(std::span<const int> processors, const std::string& folder) {

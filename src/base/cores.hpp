@@ -19,7 +19,7 @@ double allowed_processors();
 
 /// For each core of this process the number of processes that may use it, itself included: an equal share of each of
 /// them, rounded down, and no more than an equal share of `allowed` for each of `processes`. At least 1.
-int threads_for_share(std::span<const int> users_of_cores, double allowed, int processes);
+int threads_for_cores(std::span<const int> users_of_cores, double allowed, int processes);
 
 /// The cores of processors, by what `folder` (/sys/devices/system/cpu) says; a processor it does not know is a core.
 std::vector<int> cores_of(std::span<const int> processors, const std::string& folder);

@@ -8,6 +8,25 @@
 
 namespace trevi {
 
+namespace {
+
+// Highway calls AVX-512 "AVX3".
+std::string name_of(std::int64_t set) {
+  std::string name = hwy::TargetName(set);
+  if (name.starts_with("AVX3")) name.replace(0, 4, "AVX-512");
+  return name;
+}
+
+// That set and all that are worse, 0 where there is none of that name.
+std::int64_t sets_from(const std::string& name) {
+  for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {
+    if (name == name_of(rest & -rest) || name == hwy::TargetName(rest & -rest)) return rest;
+  }
+  return 0;
+}
+
+}  // namespace
+
 std::int64_t supported_instruction_sets() {
   const std::int64_t sets = hwy::SupportedTargets() & HWY_TARGETS;
   hwy::GetChosenTarget().Update(sets);  // Highway 1.0 forgets here which sets are ruled out
@@ -18,7 +37,7 @@ void restrict_instruction_sets(std::int64_t allowed) { hwy::DisableTargets(~allo
 
 std::string instruction_set_name() {
   const std::int64_t sets = supported_instruction_sets();
-  return hwy::TargetName(sets & -sets);
+  return name_of(sets & -sets);
 }
 
 bool has_fused_multiply_add() {
@@ -29,18 +48,17 @@ bool has_fused_multiply_add() {
 std::vector<std::string> instruction_set_names() {
   std::vector<std::string> names;
   for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {
-    names.emplace_back(hwy::TargetName(rest & -rest));
+    names.push_back(name_of(rest & -rest));
   }
   return names;
 }
 
+bool is_instruction_set(const std::string& name) { return sets_from(name) != 0; }
+
 bool use_instruction_set(const std::string& name) {
-  for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {
-    if (name != hwy::TargetName(rest & -rest)) continue;
-    restrict_instruction_sets(rest);
-    return true;
-  }
-  return false;
+  const std::int64_t sets = sets_from(name);
+  if (sets != 0) restrict_instruction_sets(sets);
+  return sets != 0;
 }
 
 void flush_denormals() {

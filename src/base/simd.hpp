@@ -15,7 +15,7 @@ std::int64_t supported_instruction_sets();
 /// Leaves only the sets of `allowed`. To be called before the first pair loop, with the same mask on all ranks.
 void restrict_instruction_sets(std::int64_t allowed);
 
-/// Name of the instruction set in use, "AVX3" for instance.
+/// Name of the instruction set in use, "AVX-512" for instance.
 std::string instruction_set_name();
 
 /// Whether it multiplies and adds with one rounding. All that do give the same bits; the others agree to rounding.
@@ -24,7 +24,10 @@ bool has_fused_multiply_add();
 /// Names of all that are supported and not ruled out, the one in use first.
 std::vector<std::string> instruction_set_names();
 
-/// Rules out all that are better than the named one; false, and nothing changed, when it is not among the names above.
+/// Whether there is one of that name, or of Highway's own ("AVX3").
+bool is_instruction_set(const std::string& name);
+
+/// Rules out all that are better than the named one; false, and nothing changed, when there is none of that name.
 bool use_instruction_set(const std::string& name);
 
 /// Denormal numbers become zero in this thread: they slow the high powers of s_corr by a factor of ten and add nothing.

@@ -55,21 +55,21 @@ class FirstFailure {
 // Which parts are still to be done. Each thread has a run of its own, so that it finds in its cache what it left there
 // in the loop before; when it is done it helps the others. The counters order nothing but themselves: parts know
 // nothing of each other, and a sanitizer that took a counter for a hand-over would not see that they do.
-class Shares {
+class ThreadParts {
  public:
-  Shares(LocalId parts, int threads) : shares_(static_cast<std::size_t>(threads)) {
+  ThreadParts(LocalId parts, int threads) : threads_(static_cast<std::size_t>(threads)) {
     for (int t = 0; t < threads; ++t) {
       const auto begin = [&](int k) { return static_cast<LocalId>(std::int64_t{parts} * k / threads); };
-      shares_[static_cast<std::size_t>(t)].next = begin(t);
-      shares_[static_cast<std::size_t>(t)].end = begin(t + 1);
+      threads_[static_cast<std::size_t>(t)].next = begin(t);
+      threads_[static_cast<std::size_t>(t)].end = begin(t + 1);
     }
   }
 
   template <class Work>
   void do_all(int thread, const Work& work) {
-    for (std::size_t k = 0; k < shares_.size(); ++k) {
-      Share& share = shares_[(static_cast<std::size_t>(thread) + k) % shares_.size()];
-      for (LocalId part = share.take(); part < share.end; part = share.take()) work(part);
+    for (std::size_t k = 0; k < threads_.size(); ++k) {
+      Parts& parts_of_thread = threads_[(static_cast<std::size_t>(thread) + k) % threads_.size()];
+      for (LocalId part = parts_of_thread.take(); part < parts_of_thread.end; part = parts_of_thread.take()) work(part);
       // The sanitizer reports what two threads do, and in a short loop the first has done all before another wakes up.
       // So none helps before all have done their own run, and two runs that touch the same memory are always seen.
       if (watched && k == 0) {
@@ -79,12 +79,12 @@ class Shares {
   }
 
  private:
-  struct alignas(128) Share {
+  struct alignas(128) Parts {
     std::atomic<LocalId> next = 0;
     LocalId end = 0;
     LocalId take() { return next.fetch_add(1, std::memory_order_relaxed); }
   };
-  std::vector<Share> shares_;
+  std::vector<Parts> threads_;
 };
 
 }  // namespace
@@ -111,14 +111,14 @@ TREVI_UNSEEN_BY_TSAN void run_parts(LocalId parts, void (*work)(const void* cont
     return;
   }
   FirstFailure failure;
-  Shares shares(parts, threads);
+  ThreadParts all_parts(parts, threads);
   char begun = 0, done = 0;  // their addresses alone matter
   __tsan_release(&begun);
 #pragma omp parallel num_threads(threads)
   {
     __tsan_acquire(&begun);
     flush_denormals();
-    shares.do_all(thread_number(), [&](LocalId part) {
+    all_parts.do_all(thread_number(), [&](LocalId part) {
       try {
         work(context, part);
       } catch (...) {

@@ -16,7 +16,7 @@ namespace trevi {
 /// Threads that share the loops of this process: OMP_NUM_THREADS if that is set, else 1, until use_threads() is called.
 int thread_count();
 void use_threads(int count);
-inline constexpr int most_threads = 1024;  ///< a larger number is taken for a mistake
+inline constexpr int max_threads = 1024;  ///< a larger number is taken for a mistake
 
 /// The processors of all of OpenMP's places, where OMP_PLACES, OMP_PROC_BIND or GOMP_CPU_AFFINITY makes some.
 std::vector<int> placed_processors();

@@ -51,7 +51,7 @@ Real weight_in(const Part& part, const Counts& counts) {
 constexpr auto everywhere = [](Real, Real) { return true; };
 
 // Samples lie in the box alone, as that may be much narrower than the disc.
-Real level_share(const GaugeSettings& gauge, const Box& box) {
+Real open_fraction_of_height_gauge(const GaugeSettings& gauge, const Box& box) {
   Part part = whole;
   for (int a = 0; a < 2; ++a) {
     part.low[a] = std::max(-1.0, (box.min[a] - gauge.center[a]) / gauge.radius);
@@ -67,8 +67,8 @@ Real gauge_weight(Real distance2, Real radius) {
   return distance2 < area ? 2 / (std::numbers::pi * area) * (1 - distance2 / area) : 0;
 }
 
-Real gauge_share(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid) {
-  if (gauge.kind == GaugeKind::height) return level_share(gauge, box);
+Real open_fraction_of_gauge(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid) {
+  if (gauge.kind == GaugeKind::height) return open_fraction_of_height_gauge(gauge, box);
   const Plane plane = across(gauge.normal);
   const Vec3 off = bulge * spacing * gauge.normal;
   const auto open = [&](const Vec3& p) { return box.contains(p) && !is_solid(p); };
@@ -86,7 +86,8 @@ PressureGauges::PressureGauges(const Settings& settings, const IsSolid& is_solid
   for (const GaugeSettings& gauge : settings.gauges) {
     if (gauge.kind != GaugeKind::pressure) continue;
     gauges_.push_back(gauge);
-    volume_.push_back(spacing_ * spacing_ * spacing_ / gauge_share(gauge, spacing_, settings.domain, is_solid));
+    volume_.push_back(spacing_ * spacing_ * spacing_ /
+                      open_fraction_of_gauge(gauge, spacing_, settings.domain, is_solid));
   }
   clear();
 }

@@ -1,9 +1,9 @@
 // Gauges of the water. A gauge takes the mean over a disc, with a weight that falls to 0 at its edge, so that no
 // particle enters or leaves it with a jump. Only what is open to the water counts as the disc: of a gauge at the foot
 // of a wall the half above the floor. The pressure on a wall or an obstacle is what these take of the water's momentum
-// there, a time and an area (see Toll): the multipliers of the density constraint, collisions, and the pressure of the
-// coarse grid. Sums are integers, so that no order of the particles, and no number of ranks or threads, is seen in
-// them. add() may be called in loops that threads share. Collective: total().
+// there, a time and an area (see ImpulseLedger): the multipliers of the density constraint, collisions, and the
+// pressure of the coarse grid. Sums are integers, so that no order of the particles, and no number of ranks or threads,
+// is seen in them. add() may be called in loops that threads share. Collective: total().
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ using IsSolid = std::function<bool(const Vec3&)>;
 
 /// The weight, at most 1, of the part of the disc that counts. Height: what is in the box. Pressure: what has open
 /// space a quarter of a spacing before it, and a wall or an obstacle as far behind it, so that surfaces may be curved.
-Real gauge_share(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid);
+Real open_fraction_of_gauge(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid);
 
 class PressureGauges {
  public:
@@ -48,7 +48,7 @@ class PressureGauges {
   void add_to(std::size_t k, const Vec3& shift, const Vec3& p);
 
   std::vector<GaugeSettings> gauges_;
-  std::vector<Real> volume_;  // of a particle, m³, over the share of the disc
+  std::vector<Real> volume_;  // of a particle, m³, over the fraction of the disc
   Real spacing_, h_, unit_;   // m, m, m²
   PerThread<std::vector<std::int64_t>> sums_;
 };

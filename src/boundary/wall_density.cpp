@@ -12,7 +12,7 @@ namespace {
 
 // What a particle misses where lattice points are behind all of the planes at distances d, along as many axes.
 struct Missing {
-  Real share = 0;  // of the whole lattice sum
+  Real value = 0;  // of the whole lattice sum
   Real pull = 0;   // magnitude of its gradient along the first axis, 1/m
 };
 
@@ -22,11 +22,11 @@ Missing behind_planes(std::span<const Real> d, const Kernel& kernel, Real spacin
     bool behind = true;
     for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
     if (!behind) return;
-    missing.share += kernel.value(offset, h);
+    missing.value += kernel.value(offset, h);
     missing.pull += kernel.gradient(offset, h).x();
   });
   const Real whole = lattice_density_sum(kernel, spacing, h);
-  return {missing.share / whole, std::abs(missing.pull) / whole};
+  return {missing.value / whole, std::abs(missing.pull) / whole};
 }
 
 }  // namespace
@@ -40,35 +40,35 @@ AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, R
       layers_(std::max(1, static_cast<int>(std::ceil(h / spacing - 1e-9)) - 1)) {
   const Real reach = (layers_ + 0.5) * spacing;
   interior_ = {box.min.array() + reach, box.max.array() - reach};
-  tabulate_shares();
+  tabulate_layers();
   tabulate_ratios();
 }
 
-void AnalyticWallDensity::tabulate_shares() {
+void AnalyticWallDensity::tabulate_layers() {
   for (int k = 0; k < layers_; ++k) {
     const std::array<Real, 1> d = {(k + 0.5) * spacing_};
     const Missing missing = behind_planes(d, kernel_, spacing_, h_);
-    share_.push_back(missing.share);
+    value_.push_back(missing.value);
     slope_.push_back(-wall_slope * missing.pull);
   }
-  share_.push_back(0);
+  value_.push_back(0);
   slope_.push_back(0);
 }
 
 void AnalyticWallDensity::tabulate_ratios() {
-  const auto share = [&](std::initializer_list<int> layers) {
+  const auto value = [&](std::initializer_list<int> layers) {
     std::vector<Real> d;
     Real product = 1;
     for (const int k : layers) {
       d.push_back((std::min(k, layers_ - 1) + 0.5) * spacing_);
-      product *= share_[static_cast<std::size_t>(std::min(k, layers_ - 1))];
+      product *= value_[static_cast<std::size_t>(std::min(k, layers_ - 1))];
     }
-    return behind_planes(d, kernel_, spacing_, h_).share / product;
+    return behind_planes(d, kernel_, spacing_, h_).value / product;
   };
   for (int a = 0; a <= layers_; ++a) {
     for (int b = 0; b <= layers_; ++b) {
-      edge_.push_back(share({a, b}));
-      for (int c = 0; c <= layers_; ++c) corner_.push_back(share({a, b, c}));
+      edge_.push_back(value({a, b}));
+      for (int c = 0; c <= layers_; ++c) corner_.push_back(value({a, b, c}));
     }
   }
 }
@@ -77,10 +77,10 @@ void AnalyticWallDensity::tabulate_ratios() {
 // distance.
 AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis, Real side) const {
   const Real x = distance * per_spacing_ - 0.5, per = -side * per_spacing_;
-  if (x < 0) return {axis, 0, share_[0] + slope_[0] * spacing_ * x, -side * slope_[0], 0, 0};
+  if (x < 0) return {axis, 0, value_[0] + slope_[0] * spacing_ * x, -side * slope_[0], 0, 0};
   const int layer = std::min(static_cast<int>(x), layers_ - 1);
   const auto k = static_cast<std::size_t>(layer);
-  const Real t = x - layer, w0 = share_[k], w1 = share_[k + 1];
+  const Real t = x - layer, w0 = value_[k], w1 = value_[k + 1];
   const Real m0 = slope_[k] * spacing_, m1 = slope_[k + 1] * spacing_, rise = w1 - w0, u = t * (1 - t);
   const Real part = rise / (rise + (m0 + m1 - 2 * rise) * u);
   return {axis,
@@ -94,7 +94,7 @@ AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis
 AnalyticWallDensity::OfPlane AnalyticWallDensity::of_plane(Real distance) const {
   if (distance >= (layers_ + 0.5) * spacing_) return {0, 0};
   const Plane plane = plane_at(distance, 0, -1);
-  return {plane.share, plane.slope};
+  return {plane.value, plane.slope};
 }
 
 // Interpolates the table linearly in the blend of each plane.
@@ -118,23 +118,23 @@ AnalyticWallDensity::Ratio AnalyticWallDensity::ratio(std::initializer_list<cons
   return result;
 }
 
-void AnalyticWallDensity::add_edge(const Plane& a, const Plane& b, BoundaryShare& total) const {
+void AnalyticWallDensity::add_edge(const Plane& a, const Plane& b, BoundaryDensity& total) const {
   const Ratio r = ratio({&a, &b});
-  total.density -= a.share * b.share * r.value;
-  total.gradient[a.axis] -= b.share * (a.slope * r.value + a.share * r.slope[0]);
-  total.gradient[b.axis] -= a.share * (b.slope * r.value + b.share * r.slope[1]);
+  total.density -= a.value * b.value * r.value;
+  total.gradient[a.axis] -= b.value * (a.slope * r.value + a.value * r.slope[0]);
+  total.gradient[b.axis] -= a.value * (b.slope * r.value + b.value * r.slope[1]);
 }
 
-void AnalyticWallDensity::add_corner(const Plane& a, const Plane& b, const Plane& c, BoundaryShare& total) const {
+void AnalyticWallDensity::add_corner(const Plane& a, const Plane& b, const Plane& c, BoundaryDensity& total) const {
   const Ratio r = ratio({&a, &b, &c});
-  total.density += a.share * b.share * c.share * r.value;
-  total.gradient[a.axis] += b.share * c.share * (a.slope * r.value + a.share * r.slope[0]);
-  total.gradient[b.axis] += a.share * c.share * (b.slope * r.value + b.share * r.slope[1]);
-  total.gradient[c.axis] += a.share * b.share * (c.slope * r.value + c.share * r.slope[2]);
+  total.density += a.value * b.value * c.value * r.value;
+  total.gradient[a.axis] += b.value * c.value * (a.slope * r.value + a.value * r.slope[0]);
+  total.gradient[b.axis] += a.value * c.value * (b.slope * r.value + b.value * r.slope[1]);
+  total.gradient[c.axis] += a.value * b.value * (c.slope * r.value + c.value * r.slope[2]);
 }
 
-BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
-  std::array<Plane, most_planes> near;
+BoundaryDensity AnalyticWallDensity::at(const Vec3& p) const {
+  std::array<Plane, max_planes> near;
   std::size_t count = 0;
   for (int axis = 0; axis < 3; ++axis) {
     // All comparisons with a NaN are false, so it has no wall; the guard of the run reports it.
@@ -142,16 +142,16 @@ BoundaryShare AnalyticWallDensity::at(const Vec3& p) const {
     if (p[axis] > interior_.max[axis]) near[count++] = plane_at(std::max(box_.max[axis] - p[axis], 0.0), axis, 1);
   }
   if (count != 1) return combined({near.data(), count});
-  BoundaryShare share{near[0].share};
-  share.gradient[near[0].axis] = near[0].slope;
-  return share;
+  BoundaryDensity value{near[0].value};
+  value.gradient[near[0].axis] = near[0].slope;
+  return value;
 }
 
-BoundaryShare AnalyticWallDensity::combined(std::span<const Plane> planes) const {
-  BoundaryShare total;
+BoundaryDensity AnalyticWallDensity::combined(std::span<const Plane> planes) const {
+  BoundaryDensity total;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const Plane& a = planes[i];
-    total.density += a.share;
+    total.density += a.value;
     total.gradient[a.axis] += a.slope;
     for (std::size_t j = i + 1; j < planes.size(); ++j) {
       if (planes[j].axis == a.axis) continue;

@@ -2,13 +2,14 @@
 // (walls.density = "analytic"). The gradient is the exact derivative of the density, so that a wall returns just the
 // energy that it took: pushes that are not the gradient of a function would add energy for ever.
 //
-// One plane at distance d adds the share w(d) of the rest density. At the distances d_k = (k + 1/2) spacing of the
-// lattice layers w is the share that lattice points behind the plane would have, so that the start is at rest density;
-// its slope there is `wall_slope` times that of the missing points. In between w is the monotone rational quadratic of
-// Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the first layer on whose neighbours are
-// all in front of the plane. Several planes are combined by inclusion and exclusion: the share behind A or B is A + B −
-// A B r, where r(d_A, d_B) makes edges and corners of the start lattice exact, too. For opposite planes, both near
-// where the box is narrow, different points are missing, so their shares add up. Not collective.
+// One plane at distance d adds the fraction w(d) of the rest density. At the distances d_k = (k + 1/2) spacing of the
+// lattice layers w is the fraction that lattice points behind the plane would have, so that the start is at rest
+// density; its slope there is `wall_slope` times that of the missing points. In between w is the monotone rational
+// quadratic of Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the first layer on whose
+// neighbours are all in front of the plane. Several planes are combined by inclusion and exclusion: the fraction behind
+// A or B is A + B − A B r, where r(d_A, d_B) makes edges and corners of the start lattice exact, too. For opposite
+// planes, both near where the box is narrow, different points are missing, so their contributions add up. Not
+// collective.
 #pragma once
 
 #include <array>
@@ -22,8 +23,8 @@
 
 namespace trevi {
 
-/// What the walls add at a position: a share of the rest density, and its gradient in 1/m.
-struct BoundaryShare {
+/// What the walls add at a position: a fraction of the rest density, and its gradient in 1/m.
+struct BoundaryDensity {
   Real density = 0;
   Vec3 gradient = Vec3::Zero();
 };
@@ -41,21 +42,21 @@ class AnalyticWallDensity {
 
   /// Where walls add nothing, which is where most particles are.
   const Box& interior() const { return interior_; }
-  /// The share at p; zero in the interior.
-  BoundaryShare at(const Vec3& p) const;
-  /// The share w of a single plane at a distance, m, and its slope, 1/m; below 0 the straight line goes on.
+  /// The fraction at p; zero in the interior.
+  BoundaryDensity at(const Vec3& p) const;
+  /// The fraction w of a single plane at a distance, m, and its slope, 1/m; below 0 the straight line goes on.
   struct OfPlane {
-    Real share, slope;
+    Real value, slope;
   };
   OfPlane of_plane(Real distance) const;
 
  private:
-  static constexpr int most_planes = 6;
-  // A wall within reach of a particle: its share and derivative along the axis, and its distance relative to the
+  static constexpr int max_planes = 6;
+  // A wall within reach of a particle: its fraction and derivative along the axis, and its distance relative to the
   // layers, as weights for interpolation: 1 − blend for `layer` and blend for the next one.
   struct Plane {
     int axis, layer;
-    Real share, slope;        // 1, 1/m
+    Real value, slope;        // 1, 1/m
     Real blend, blend_slope;  // 1, 1/m
   };
   // r of two or three planes and its derivatives along their axes.
@@ -63,19 +64,19 @@ class AnalyticWallDensity {
     Real value = 0;
     std::array<Real, 3> slope{};
   };
-  void tabulate_shares();
+  void tabulate_layers();
   void tabulate_ratios();
   Plane plane_at(Real distance, int axis, Real side) const;
   Ratio ratio(std::initializer_list<const Plane*> planes) const;
-  void add_edge(const Plane& a, const Plane& b, BoundaryShare& total) const;
-  void add_corner(const Plane& a, const Plane& b, const Plane& c, BoundaryShare& total) const;
-  BoundaryShare combined(std::span<const Plane> planes) const;
+  void add_edge(const Plane& a, const Plane& b, BoundaryDensity& total) const;
+  void add_corner(const Plane& a, const Plane& b, const Plane& c, BoundaryDensity& total) const;
+  BoundaryDensity combined(std::span<const Plane> planes) const;
 
   Box box_, interior_;
   Kernel kernel_;
   Real h_, spacing_, per_spacing_;
   int layers_;                       // number of layers that miss points behind a plane
-  std::vector<Real> share_, slope_;  // w and its slope at d_k, k = 0 ... layers_; zero at the last
+  std::vector<Real> value_, slope_;  // w and its slope at d_k, k = 0 ... layers_; zero at the last
   std::vector<Real> edge_, corner_;  // r at the distances of layers; the first plane has the most significant index
 };
 

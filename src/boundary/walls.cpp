@@ -43,9 +43,9 @@ Vec3 Walls::predict(const Vec3& p, const Vec3& v, Real dt) const {
   const Vec3 straight = p + v * dt;
   if (inside(straight)) return straight;
   if (!v.allFinite()) return straight;  // the guard of the run reports it
-  constexpr int most_bounces = 10000;   // reached only at an absurd speed; the rest of the motion is then dropped
+  constexpr int max_bounces = 10000;    // reached only at an absurd speed; the rest of the motion is then dropped
   Vec3 position = p, velocity = v;
-  for (int k = 0; k < most_bounces && dt > 0; ++k) {
+  for (int k = 0; k < max_bounces && dt > 0; ++k) {
     const WallHit hit = first_hit(position, velocity, dt);
     position += velocity * hit.t;
     if (hit.axis < 0) break;

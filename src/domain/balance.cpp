@@ -29,7 +29,7 @@ void Balance::update(std::int64_t step, const CellOrder& order, const NeighbourL
   history_.max = std::max(history_.max, now);
   Slabs even(work, slabs.ranks());
   // Where there is little water a rank may get many empty planes, more than it can count the cells of.
-  if (even.imbalance(work) > now - least_gain_ || !even.cells_fit(order.grid().cells_per_plane())) return;
+  if (even.imbalance(work) > now - min_gain_ || !even.cells_fit(order.grid().cells_per_plane())) return;
   slabs = std::move(even);
   ++history_.moves;
 }

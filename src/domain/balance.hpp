@@ -22,8 +22,8 @@ class Balance {
  public:
   static constexpr std::int64_t interval = 10;  ///< steps between two looks at the weights
 
-  /// Cuts move when that lowers the imbalance by more than `least_gain`; each move sends a plane or more of particles.
-  Balance(MPI_Comm comm, Real least_gain) : comm_(comm), least_gain_(least_gain) {}
+  /// Cuts move when that lowers the imbalance by more than `min_gain`; each move sends a plane or more of particles.
+  Balance(MPI_Comm comm, Real min_gain) : comm_(comm), min_gain_(min_gain) {}
 
   /// Moves the cuts if a look is due at this step and the gain is large enough. It leaves the particles where they are.
   void update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs);
@@ -37,7 +37,7 @@ class Balance {
 
  private:
   MPI_Comm comm_;
-  Real least_gain_;
+  Real min_gain_;
   History history_;
 };
 

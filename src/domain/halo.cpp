@@ -10,7 +10,7 @@ namespace {
 constexpr int low = 0, high = 1;
 
 int message_length(std::size_t bytes) {
-  require(bytes < most_message_bytes, "a boundary plane exceeds 2 GB; use smaller planes or another slab axis");
+  require(bytes < max_message_bytes, "a boundary plane exceeds 2 GB; use smaller planes or another slab axis");
   return static_cast<int>(bytes);
 }
 }  // namespace

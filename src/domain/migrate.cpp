@@ -27,15 +27,15 @@ struct Leaving {
   }
 };
 
-// Slabs from here to there, upwards; in a ring the shorter way round.
-int way_to(int owner, int rank, int ranks, bool ring) {
-  const int way = owner - rank;
-  if (!ring || 2 * std::abs(way) <= ranks) return way;
-  return way > 0 ? way - ranks : way + ranks;
+// Slabs from here to there, upwards; in a ring the shorter direction.
+int hops_to(int owner, int rank, int ranks, bool ring) {
+  const int hops = owner - rank;
+  if (!ring || 2 * std::abs(hops) <= ranks) return hops;
+  return hops > 0 ? hops - ranks : hops + ranks;
 }
 
 Leaving leaving_particles(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
-  const LocalId first = slabs.first_plane(rank), last = slabs.last_plane(rank);
+  const LocalId first = slabs.first_plane(rank), last = slabs.end_plane(rank);
   const Range all{0, static_cast<LocalId>(positions.size())};
   constexpr LocalId part_size = 8192;
   std::vector<Leaving> parts(static_cast<std::size_t>((all.size() + part_size - 1) / part_size));
@@ -44,9 +44,9 @@ Leaving leaving_particles(int rank, const std::vector<Vec3>& positions, const Ce
     for (LocalId i = part.begin; i < part.end; ++i) {
       const LocalId plane = grid.plane_of(positions[static_cast<std::size_t>(i)]);
       if (plane >= first && plane < last) continue;
-      const int way = way_to(slabs.owner(plane), rank, slabs.ranks(), grid.is_periodic(0));
-      leaving.to[way < 0 ? 0 : 1].push_back(i);
-      leaving.farthest = std::max(leaving.farthest, std::abs(way));
+      const int hops = hops_to(slabs.owner(plane), rank, slabs.ranks(), grid.is_periodic(0));
+      leaving.to[hops < 0 ? 0 : 1].push_back(i);
+      leaving.farthest = std::max(leaving.farthest, std::abs(hops));
     }
   });
   Leaving result;

@@ -12,7 +12,7 @@ namespace trevi {
 
 namespace {
 
-constexpr Real most_counted = 2e9;  // below 2^31, with room for water that gathers
+constexpr Real max_counted = 2e9;  // below 2^31, with room for water that gathers
 
 // The last cut with at most this weight in the planes before it; `before` holds these weights for each cut.
 LocalId cut_at(std::span<const Real> before, Real weight) {
@@ -27,7 +27,7 @@ LocalId nearest_cut(std::span<const Real> before, Real weight) {
 
 // The lowest cuts with at most the weight `largest` on each rank but the first, as far as at least one plane for each
 // rank allows.
-std::vector<LocalId> least_cuts(std::span<const Real> before, int ranks, Real largest) {
+std::vector<LocalId> min_cuts(std::span<const Real> before, int ranks, Real largest) {
   std::vector<LocalId> cuts(static_cast<std::size_t>(ranks) + 1, 0);
   cuts.back() = static_cast<LocalId>(before.size()) - 1;
   for (int r = ranks - 1; r > 0; --r) {
@@ -62,10 +62,10 @@ Slabs::Slabs(std::span<const Real> weights, int ranks) {
   Real impossible = 0, largest = before.back();
   for (int round = 0; round < 50; ++round) {
     const Real middle = (impossible + largest) / 2;
-    (heaviest(before, least_cuts(before, ranks, middle)) <= middle ? largest : impossible) = middle;
+    (heaviest(before, min_cuts(before, ranks, middle)) <= middle ? largest : impossible) = middle;
   }
-  // Among the cuts with no larger weight, those nearest to equal shares.
-  const std::vector<LocalId> least = least_cuts(before, ranks, largest);
+  // Among the cuts with no larger weight, those nearest to equal parts.
+  const std::vector<LocalId> least = min_cuts(before, ranks, largest);
   cuts_.assign(least.size(), 0);
   cuts_.back() = planes;
   for (int r = 1; r < ranks; ++r) {
@@ -84,12 +84,12 @@ Real Slabs::imbalance(std::span<const Real> weights) const {
 }
 
 Real Slabs::cells(int rank, LocalId cells_per_plane) const {
-  return static_cast<Real>(last_plane(rank) - first_plane(rank) + 2) * cells_per_plane;
+  return static_cast<Real>(end_plane(rank) - first_plane(rank) + 2) * cells_per_plane;
 }
 
 bool Slabs::cells_fit(LocalId cells_per_plane) const {
   for (int r = 0; r < ranks(); ++r) {
-    if (cells(r, cells_per_plane) > most_counted) return false;
+    if (cells(r, cells_per_plane) > max_counted) return false;
   }
   return true;
 }
@@ -97,11 +97,11 @@ bool Slabs::cells_fit(LocalId cells_per_plane) const {
 void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
   for (int r = 0; r < ranks(); ++r) {
     const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
-    const auto last = std::min(static_cast<std::size_t>(last_plane(r)) + 1, weights.size());
+    const auto last = std::min(static_cast<std::size_t>(end_plane(r)) + 1, weights.size());
     const Real particles = std::accumulate(weights.begin() + static_cast<std::ptrdiff_t>(first),
                                            weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
     const Real cells_of_rank = cells(r, cells_per_plane);
-    if (particles <= most_counted && cells_of_rank <= most_counted) continue;
+    if (particles <= max_counted && cells_of_rank <= max_counted) continue;
     throw InputError(
         fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
                     "use more ranks",
@@ -116,7 +116,7 @@ void Slabs::check_messages(std::span<const Real> weights, LocalId cells_per_plan
     for (const LocalId plane : {first_plane(r) - 1, first_plane(r)}) {
       const Real records = weights[static_cast<std::size_t>(plane)] * static_cast<Real>(record_bytes);
       const Real bytes = std::max(records, static_cast<Real>(cells_per_plane) * sizeof(Real));
-      if (bytes < most_message_bytes) continue;
+      if (bytes < max_message_bytes) continue;
       throw InputError(
           fmt::format("cell plane {} at a cut between two ranks would have {:.3g} GB to send, where a message holds 2; "
                       "use another [domain] slab_axis or a single rank",

@@ -10,7 +10,7 @@
 namespace trevi {
 
 /// A message between neighbour slabs is shorter than this: MPI counts its bytes in an int.
-inline constexpr std::size_t most_message_bytes = std::size_t{1} << 31;
+inline constexpr std::size_t max_message_bytes = std::size_t{1} << 31;
 
 class Slabs {
  public:
@@ -20,7 +20,7 @@ class Slabs {
 
   int ranks() const { return static_cast<int>(cuts_.size()) - 1; }
   LocalId first_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank)]; }
-  LocalId last_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank) + 1]; }  ///< one past
+  LocalId end_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank) + 1]; }  ///< one past
   int owner(LocalId plane) const;
   /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;

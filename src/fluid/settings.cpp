@@ -13,16 +13,16 @@ Real refinement(const Settings& settings) {
   return ratio * ratio;
 }
 
-// Default under-relaxation: a share of 2/mu, the value at which some wave on the lattice begins to grow
-// (lattice_jacobi_eigenvalue). The shares are those that were measured to be stable at h = 2 spacings, where with Poly6
-// they mean 0.7 and 0.5; the safeguard of the Chebyshev iteration allows the larger one.
+// Default under-relaxation: a fraction of 2/mu, the value at which some wave on the lattice begins to grow
+// (lattice_jacobi_eigenvalue). The fractions are those that were measured to be stable at h = 2 spacings, where with
+// Poly6 they mean 0.7 and 0.5; the safeguard of the Chebyshev iteration allows the larger one.
 Real stable_relaxation(const Settings& settings) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   const DensityModel model = density_model(settings);
   const Real largest = lattice_jacobi_eigenvalue(model.kernels, settings.fluid.spacing, model.h,
                                                  model.mass / model.rest_density, model.epsilon);
-  const Real share = settings.density.method == Method::chebyshev ? with_safeguard : without;
-  return share * 2 / largest;
+  const Real fraction = settings.density.method == Method::chebyshev ? with_safeguard : without;
+  return fraction * 2 / largest;
 }
 
 // Without gravity there is no coarse grid, which would stop water before it meets other water: bodies that meet overlap

@@ -1,8 +1,9 @@
 // Poly6 (Müller et al. 2003, eq. 20), smooth and without a square root:
 //   W(r)     = 315/(64 π h⁹) (h² − r²)³ = 315/(64 π h³) (1 − u²)³,  u = r/h        [1/m³]
 //   −dW/dr   = 945/(32 π h⁴) u (1 − u²)²                                           [1/m⁴]
-// Its gradient vanishes at the centre, where crowded particles must be pushed apart, so the default gradient kernel for
-// densities of Poly6 is Spiky. The scalar type is compiled once, the shape for the pair loops once per instruction set.
+// Its gradient vanishes at the centre, where first_overfull_particle particles must be pushed apart, so the default
+// gradient kernel for densities of Poly6 is Spiky. The scalar type is compiled once, the shape for the pair loops once
+// per instruction set.
 #ifndef TREVI_FLUID_KERNELS_POLY6
 #define TREVI_FLUID_KERNELS_POLY6
 

@@ -94,7 +94,7 @@ LiveView::Orders LiveView::decide_when_held(std::int64_t step) {
 
 LiveView::Orders LiveView::decide(std::int64_t step) {
   ViewerLink& link = *options_.link;
-  if (link.take_change()) sent_ = -1, single_steps_ = 0;
+  if (link.changed()) sent_ = -1, single_steps_ = 0;
   const ViewerWishes& wishes = link.wishes();
   Orders orders;
   orders.hold = to_be_held() ? 1 : 0;

@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int most_waiting = 4;                 // messages in a queue; credit allows one frame anyway
+constexpr int max_waiting = 4;                  // messages in a queue; credit allows one frame anyway
 constexpr int last_message = 1000;              // ms the last message may take once the run is over
 constexpr std::int64_t longest_wish = 1 << 16;  // bytes
 constexpr int reconnect = 200;                  // ms between calls while nobody answers
@@ -24,8 +24,8 @@ constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);  // 
 /// What ZeroMQ's thread sees of the line: it is the one to know at once that a viewer was killed.
 class LineMonitor : public zmq::monitor_t {
  public:
-  bool take_up() { return std::exchange(up_, false); }
-  bool take_down() { return std::exchange(down_, false); }
+  bool went_up() { return std::exchange(up_, false); }
+  bool went_down() { return std::exchange(down_, false); }
   bool reached() const { return reached_; }
 
  private:
@@ -41,7 +41,7 @@ class LineMonitor : public zmq::monitor_t {
 class ZmqLink : public ViewerLink {
  public:
   explicit ZmqLink(const std::string& endpoint) : endpoint_(endpoint), socket_(context_, zmq::socket_type::dealer) {
-    socket_.set(zmq::sockopt::sndhwm, most_waiting);
+    socket_.set(zmq::sockopt::sndhwm, max_waiting);
     socket_.set(zmq::sockopt::linger, last_message);
     socket_.set(zmq::sockopt::immediate, true);  // nothing is kept for a viewer that is not there
     socket_.set(zmq::sockopt::reconnect_ivl, reconnect);
@@ -117,8 +117,8 @@ class ZmqLink : public ViewerLink {
 
   void follow_line() {
     while (monitor_.check_event(0)) {
-      if (monitor_.take_down()) lose();
-      if (!monitor_.take_up()) continue;
+      if (monitor_.went_down()) lose();
+      if (!monitor_.went_up()) continue;
       answered_ = ever_answered_ = true;
       deliver({zmq::buffer(scene_)});
     }

@@ -4,7 +4,7 @@
 // of the line reaches the run: it counts as a viewer that is gone, which wishes nothing. Rank-local.
 //
 // Transport: ZeroMQ (a thread of its own sends and receives). A build without live viewing has live_absent.cpp in place
-// of this room: connecting throws InputError.
+// of this module: connecting throws InputError.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,7 @@ class ViewerLink {
   /// Whether the viewer has said what it wishes.
   bool has_viewer() const { return has_viewer_; }
   /// A viewer found or lost since the last call.
-  bool take_change() { return std::exchange(changed_, false); }
+  bool changed() { return std::exchange(changed_, false); }
 
   /// Calls; what a viewer is told when it is found. InputError where the folder's key (viewer_key.hpp) is no good.
   virtual void introduce(const ViewedScene& scene) = 0;

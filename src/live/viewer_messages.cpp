@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 /// Thrown for a number that no run and no viewer sends.
 struct Damaged {};
 
-constexpr int most_ranks = 1 << 24, highest_level = 62;
+constexpr int max_ranks = 1 << 24, highest_level = 62;
 
 std::string text_of_kind(const char* kind, Json content) {
   content["kind"] = kind;
@@ -130,7 +130,7 @@ std::optional<ViewedScene> read_scene(const std::string& text) {
     if (!(scene.max - scene.min).allFinite() || !((scene.max - scene.min).minCoeff() > 0)) throw Damaged();
     scene.spacing = positive(json.at("spacing"));
     scene.rest_density = positive(json.at("rest_density"));
-    scene.ranks = static_cast<int>(whole(json.at("ranks"), 1, most_ranks));
+    scene.ranks = static_cast<int>(whole(json.at("ranks"), 1, max_ranks));
     scene.last_step = whole(json.at("last_step"), 0);
     return scene;
   });

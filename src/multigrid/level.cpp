@@ -6,16 +6,16 @@ namespace trevi {
 
 namespace {
 
-// Least pivot of a column's elimination, as a share of its diagonal. Below that nothing holds phi: a box full of water
-// to its ceiling. It is then counted from the highest cell.
-constexpr Real least_pivot = 1e-10;
+// Least pivot of a column's elimination, as a fraction of its diagonal. Below that nothing holds phi: a box full of
+// water to its ceiling. It is then counted from the highest cell.
+constexpr Real min_pivot = 1e-10;
 
 }  // namespace
 
 void MultigridLevel::resize(const LevelShape& shape) {
   if (shape == shape_) return;
   shape_ = shape;
-  for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+  for (auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &phi, &next, &per_pivot})
     field->assign(shape.cells(), 0.0);
   const std::size_t rows = (static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows);
   top_.assign(rows, 0);
@@ -26,7 +26,7 @@ void MultigridLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
   std::size_t& used = used_[row_index(k, r)];
   const auto begin = static_cast<std::ptrdiff_t>(shape_.index(k, r, 0) + columns);
   if (columns < used) {
-    for (auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+    for (auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &phi, &next, &per_pivot})
       std::fill_n(field->begin() + begin, used - columns + 1, 0.0);
   }
   used = columns;
@@ -42,10 +42,10 @@ void MultigridLevel::factor_column(LocalId k, LocalId r) {
   Real below = 0;  // of the pivot
   const std::size_t end = floor + used(k, r);
   for (std::size_t at = floor; at < end; ++at) {
-    const Real diagonal = sink[at] + (link[0][at] + link[0][at + plane]) + (link[1][at] + link[1][at + row]) +
+    const Real diagonal = dirichlet[at] + (link[0][at] + link[0][at + plane]) + (link[1][at] + link[1][at + row]) +
                           (link[2][at] + link[2][at + 1]);
     const Real pivot = diagonal - link[2][at] * link[2][at] * below;
-    below = per_pivot[at] = pivot > least_pivot * diagonal ? 1 / pivot : 0;
+    below = per_pivot[at] = pivot > min_pivot * diagonal ? 1 / pivot : 0;
     if (diagonal > 0) count = at - floor + 1;
   }
   for (std::size_t at = floor + count; at < end; ++at) phi[at] = next[at] = rhs[at] = 0;
@@ -141,16 +141,16 @@ void MultigridLevel::solve_rows(Range planes, const Make& make, const Finish& fi
   });
 }
 
-void MultigridLevel::sweep(Range planes, Real share) {
+void MultigridLevel::sweep(Range planes, Real weight) {
   solve_rows(
       planes, [&](const Column& column) { gather_column(column); },
       [&](const Column& column) {
         for (std::size_t i = column.at; i < column.at + column.count; ++i)
-          next[i] = phi[i] + share * (next[i] - phi[i]);
+          next[i] = phi[i] + weight * (next[i] - phi[i]);
       });
 }
 
-void MultigridLevel::sweep_from_zero(Real share) {
+void MultigridLevel::sweep_from_zero(Real weight) {
   solve_rows(
       {1, shape_.planes + 1},
       [&](const Column& column) {
@@ -158,7 +158,7 @@ void MultigridLevel::sweep_from_zero(Real share) {
         std::copy_n(rhs.begin() + at, column.count, next.begin() + at);
       },
       [&](const Column& column) {
-        for (std::size_t i = column.at; i < column.at + column.count; ++i) next[i] *= share;
+        for (std::size_t i = column.at; i < column.at + column.count; ++i) next[i] *= weight;
       });
 }
 
@@ -166,7 +166,7 @@ void MultigridLevel::find_residual() {
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) {
     const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
-    const Real *x = phi.data() + at, *b = rhs.data() + at, *d = sink.data() + at, *per = per_pivot.data() + at;
+    const Real *x = phi.data() + at, *b = rhs.data() + at, *d = dirichlet.data() + at, *per = per_pivot.data() + at;
     const Real *wx = link[0].data() + at, *wy = link[1].data() + at, *wz = link[2].data() + at;
     Real* y = next.data() + at;
 #pragma GCC ivdep
@@ -201,18 +201,18 @@ LocalId MultigridLevel::parent_of(const LevelShape& coarse, LocalId k) const {
   return (plane == shape_.all_planes ? coarse.all_planes + 1 : (plane + 2) / 2) - coarse.first;
 }
 
-LocalId LevelShape::way_below(std::size_t a, LocalId k) const {
+LocalId LevelShape::distance_below(std::size_t a, LocalId k) const {
   const LocalId last = count(a) - 1;
   return k == 0 || k == last ? width + last_width[a] : 2 * width;
 }
 
-// Of the sum of links across the lower face of plane or row k of `coarse`: a half, as the way is twice as long. Where
-// the level repeats, the last one may be narrow, and the way to its neighbours shorter; one that is alone has no
-// neighbour.
-Real MultigridLevel::share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
+// Of the sum of links across the lower face of plane or row k of `coarse`: a half, as the distance is twice as long.
+// Where the level repeats, the last one may be narrow, and the distance to its neighbours shorter; one that is alone
+// has no neighbour.
+Real MultigridLevel::fraction_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
   if (!coarse.repeats[a]) return 0.5;
   if (coarse.count(a) == 1) return 0;
-  return static_cast<Real>(shape_.way_below(a, 2 * k)) / coarse.way_below(a, k);
+  return static_cast<Real>(shape_.distance_below(a, 2 * k)) / coarse.distance_below(a, k);
 }
 
 void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
@@ -221,7 +221,7 @@ void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
   for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
     const Children of = children_of(to, k, r);
     const std::size_t at = to.index(k, r, 0);
-    const Real over_planes = share_of_link(to, 0, k - 1 + to.first), over_rows = share_of_link(to, 1, r);
+    const Real over_planes = fraction_of_link(to, 0, k - 1 + to.first), over_rows = fraction_of_link(to, 1, r);
     const auto sum = [&](const std::vector<Real>& x, std::size_t i) {
       return (x[i] + of.rows * x[i + row]) + of.planes * (x[i + plane] + of.rows * x[i + plane + row]);
     };
@@ -230,7 +230,7 @@ void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
       coarse.link[0][at + c] = (link[0][i] + of.rows * link[0][i + row]) * over_planes;
       coarse.link[1][at + c] = (link[1][i] + of.planes * link[1][i + plane]) * over_rows;
       coarse.link[2][at + c] = sum(link[2], i);
-      coarse.sink[at + c] = sum(sink, i);
+      coarse.dirichlet[at + c] = sum(dirichlet, i);
     }
   });
 }
@@ -258,7 +258,7 @@ void MultigridLevel::add_correction(const MultigridLevel& coarse) {
 
 std::size_t MultigridLevel::bytes() const {
   std::size_t values = top_.capacity() + used_.capacity();
-  for (const auto* field : {&link[0], &link[1], &link[2], &sink, &rhs, &phi, &next, &per_pivot})
+  for (const auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &phi, &next, &per_pivot})
     values += field->capacity();
   return values * sizeof(Real);
 }

@@ -3,10 +3,10 @@
 // for the cells of water in a run of planes, over the six faces of each. A sink is a link to where phi is 0: the free
 // surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels; planes and rows are joined
 // by twos. A cell of a coarse level stands for up to four: sinks, upward links and right-hand sides are sums over
-// these, links sideways half of the sums, as their way is twice as long. The correction of a coarse cell goes to all of
-// its cells alike.
+// these, links sideways half of the sums, as their distance is twice as long. The correction of a coarse cell goes to
+// all of its cells alike.
 //
-// A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and goes a share of the way:
+// A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and is damped:
 // pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of cells
 // around each plane and a ghost plane on either side, empty but where the level repeats: there repeat() fills the ring,
 // and the ghost planes of a level of which all planes are here. Not collective.
@@ -43,8 +43,9 @@ struct LevelShape {
   CellRows own_rows() const { return rows_of({1, planes + 1}); }
   bool is_whole() const { return planes == all_planes; }
   LocalId count(std::size_t a) const { return a == 0 ? all_planes : rows; }
-  /// Twice the way from the middle of plane or row k of all to that of the one before, in cells of the finest level.
-  LocalId way_below(std::size_t a, LocalId k) const;
+  /// Twice the distance from the middle of plane or row k of all to that of the one before, in cells of the finest
+  /// level.
+  LocalId distance_below(std::size_t a, LocalId k) const;
   bool operator==(const LevelShape&) const = default;
 };
 
@@ -61,10 +62,10 @@ class MultigridLevel {
   bool is_water(std::size_t at) const { return per_pivot[at] > 0; }
 
   /// Writes the next phi of the own planes [planes) from phi; show_next() makes it phi.
-  void sweep(Range planes, Real share);
+  void sweep(Range planes, Real weight);
   void show_next() { phi.swap(next); }
   /// The same for all own planes where phi is 0 everywhere.
-  void sweep_from_zero(Real share);
+  void sweep_from_zero(Real weight);
   /// rhs less what phi gives, of the own planes, in `next`.
   void find_residual();
 
@@ -82,7 +83,7 @@ class MultigridLevel {
 
   // Of the lower faces of each cell in the three directions, 1/m².
   std::array<std::vector<Real>, 3> link;
-  std::vector<Real> sink, rhs;
+  std::vector<Real> dirichlet, rhs;
   std::vector<Real> phi, next;  // `next` is memory for what is found from phi
   std::vector<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
 
@@ -94,7 +95,7 @@ class MultigridLevel {
     Real rows, planes;
   };
   Children children_of(const LevelShape& coarse, LocalId k, LocalId r) const;
-  Real share_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const;
+  Real fraction_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const;
   LocalId parent_of(const LevelShape& coarse, LocalId k) const;
   // Cells of a column, from the floor up to the highest one of water.
   struct Column {

@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-// The share of a sweep's way that is gone: less than 1 to damp what changes sign from column to column.
+// The damping of a sweep: less than 1 to damp what changes sign from column to column.
 constexpr Real damping = 0.8;
 // Sweeps before and after the correction by the coarser level, and on the coarsest. With these a cycle leaves a tenth
 // to a fifth of an error; see tests/mpi/test_multigrid.cpp.
@@ -91,9 +91,9 @@ void Multigrid::join_levels(Halo& halo) {
     MultigridLevel& cells = levels_[l].cells;
     if (l > 0) {
       levels_[l - 1].cells.coarsen(cells, levels_[l].made);
-      complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.sink}, halo);
+      complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.dirichlet}, halo);
     } else {
-      complete(l, {&cells.sink}, halo);
+      complete(l, {&cells.dirichlet}, halo);
     }
     for (auto& field : cells.link) cells.repeat(field);
     cells.factor();
@@ -140,28 +140,28 @@ void Multigrid::sweep_coarsest(Halo& halo) {
   const LocalId planes = first_on_level(cuts_.back(), static_cast<int>(levels_.size()) - 1);
   const bool single = planes == 1 && level.cells.shape().rows == 1;
   const int count = single ? 1 : coarsest_sweeps;
-  const Real share = single ? 1 : damping;
-  if (levels_.size() > 1) sweep_from_zero(level, halo, share);
-  for (int s = levels_.size() > 1 ? 1 : 0; s < count; ++s) sweep(level, halo, share);
+  const Real weight = single ? 1 : damping;
+  if (levels_.size() > 1) sweep_from_zero(level, halo, weight);
+  for (int s = levels_.size() > 1 ? 1 : 0; s < count; ++s) sweep(level, halo, weight);
 }
 
 // What the neighbours wait for goes first.
-void Multigrid::sweep(Level& level, Halo& halo, Real share) const {
+void Multigrid::sweep(Level& level, Halo& halo, Real weight) const {
   const LocalId planes = level.cells.shape().planes;
   const bool ahead = !level.gathered && planes > 1 && size_of(comm_) > 1;
   if (ahead) {
-    level.cells.sweep({1, 2}, share);
-    level.cells.sweep({planes, planes + 1}, share);
+    level.cells.sweep({1, 2}, weight);
+    level.cells.sweep({planes, planes + 1}, weight);
   } else {
-    level.cells.sweep({1, planes + 1}, share);
+    level.cells.sweep({1, planes + 1}, weight);
   }
   halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
-  if (ahead) level.cells.sweep({2, planes}, share);
+  if (ahead) level.cells.sweep({2, planes}, weight);
   show_next(level, halo);
 }
 
-void Multigrid::sweep_from_zero(Level& level, Halo& halo, Real share) const {
-  level.cells.sweep_from_zero(share);
+void Multigrid::sweep_from_zero(Level& level, Halo& halo, Real weight) const {
+  level.cells.sweep_from_zero(weight);
   halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
   show_next(level, halo);
 }

@@ -49,8 +49,8 @@ class Multigrid {
   void gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields);
   void cycle(Halo& halo);
   void show_next(Level& level, Halo& halo) const;
-  void sweep(Level& level, Halo& halo, Real share) const;
-  void sweep_from_zero(Level& level, Halo& halo, Real share) const;
+  void sweep(Level& level, Halo& halo, Real weight) const;
+  void sweep_from_zero(Level& level, Halo& halo, Real weight) const;
   void sweep_coarsest(Halo& halo);
 
   MPI_Comm comm_;

@@ -10,7 +10,7 @@ namespace trevi {
 namespace {
 
 /// What the time of one event can hold, four bytes of seven bits; no piece comes near it.
-constexpr std::int64_t most_ticks = (1 << 28) - 1;
+constexpr std::int64_t max_ticks = (1 << 28) - 1;
 
 /// A position in the file that moves forward and never past the end, neither of the file nor of a chunk.
 class Cursor {
@@ -125,7 +125,7 @@ class TrackReader {
     while (!ended_) {
       if (cursor_.at_end()) cursor_.fail(name_ + " has no end-of-track event");
       tick_ += cursor_.variable_length("the time of an event");
-      if (tick_ > most_ticks) cursor_.fail(name_ + " lasts more than 2^28 ticks");
+      if (tick_ > max_ticks) cursor_.fail(name_ + " lasts more than 2^28 ticks");
       read_event();
     }
     contents_.last_tick = std::max(contents_.last_tick, tick_);

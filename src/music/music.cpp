@@ -63,9 +63,9 @@ Melody read_melody(const std::string& bytes, const MusicSettings& settings) {
 
 Real SpeedScale::speed(Real x) const {
   const auto [low, high] = range_;
-  const Real share = std::clamp(x, 0.0, 1.0);
-  if (mapping_ == SpeedMapping::linear) return low + (high - low) * share;
-  return std::sqrt(low * low + (high * high - low * low) * share);
+  const Real fraction = std::clamp(x, 0.0, 1.0);
+  if (mapping_ == SpeedMapping::linear) return low + (high - low) * fraction;
+  return std::sqrt(low * low + (high * high - low * low) * fraction);
 }
 
 std::optional<FountainState> MelodyPump::at(Real time) const {

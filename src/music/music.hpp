@@ -2,7 +2,7 @@
 // Invariant: a Melody plays one tone at a time (of notes that overlap the highest sounds), and where none sounds the
 // pump is off; a higher tone never gives a lower speed. Times are simulated times: the piece begins at time 0.
 // The same bytes give the same Melody on all ranks. Collective: make_music_pump() only, which reads the file on rank 0.
-// A build without this room has music_absent.cpp in its place.
+// A build without this module has music_absent.cpp in its place.
 #pragma once
 
 #include <memory>

@@ -11,7 +11,7 @@ namespace trevi {
 namespace {
 
 /// Beyond this many a list of problems tells nothing new.
-constexpr int most_problems = 10;
+constexpr int max_problems = 10;
 
 std::optional<Real> number_of(std::string_view word) {
   Real value = 0;
@@ -99,11 +99,11 @@ Melody read_score(const std::string& name, const std::string& text) {
     const Line line = read_line(words);
     if (line.problem.empty()) {
       notes.push_back(line.note);
-    } else if (++count <= most_problems) {
+    } else if (++count <= max_problems) {
       problems += (problems.empty() ? "" : "\n") + name + ":" + std::to_string(number) + ": " + line.problem;
     }
   }
-  if (count > most_problems) problems += "\n" + name + ": " + std::to_string(count - most_problems) + " more bad lines";
+  if (count > max_problems) problems += "\n" + name + ": " + std::to_string(count - max_problems) + " more bad lines";
   if (!problems.empty()) throw InputError(problems);
   if (notes.empty()) {
     throw InputError(name + ":" + std::to_string(std::max(number, 1)) +

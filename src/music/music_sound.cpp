@@ -12,12 +12,12 @@ namespace trevi {
 
 namespace {
 
-constexpr Real hop = 0.01;                                  // s, from one moment to the next
-constexpr Real least_peak = 1e-4;                           // of full scale (-80 dB): what never gets louder is silent
-constexpr int smoothing_radius = 3;                         // moments before and after, for the median of a pitch
-constexpr std::size_t held = 5;                             // moments a pitch must last to count
-constexpr std::size_t most_samples = std::size_t{1} << 28;  // silence packs into next to nothing
-constexpr Real near = 1;                                    // semitones within which a pitch is the same
+constexpr Real hop = 0.01;                                 // s, from one moment to the next
+constexpr Real min_peak = 1e-4;                            // of full scale (-80 dB): what never gets louder is silent
+constexpr int smoothing_radius = 3;                        // moments before and after, for the median of a pitch
+constexpr std::size_t held = 5;                            // moments a pitch must last to count
+constexpr std::size_t max_samples = std::size_t{1} << 28;  // silence packs into next to nothing
+constexpr Real near = 1;                                   // semitones within which a pitch is the same
 
 /// libsndfile's view of bytes in memory.
 struct Memory {
@@ -62,7 +62,7 @@ Recording decode(const std::string& name, const std::string& bytes) {
   const auto channels = static_cast<std::size_t>(info.channels);
   std::vector<float> frames(block * channels);
   for (sf_count_t count = 0; (count = sf_readf_float(file.get(), frames.data(), block)) > 0;) {
-    if (sound.samples.size() > most_samples) {
+    if (sound.samples.size() > max_samples) {
       throw InputError(name +
                        ": more than 2^28 samples, which is an hour and a half at 48 kHz; cut it, or use a lower rate");
     }
@@ -98,7 +98,7 @@ Real peak_of(const std::string& name, const std::vector<Heard>& moments) {
     if (!std::isfinite(moment.rms)) throw InputError(name + ": holds samples that are no numbers; export it again");
     peak = std::max(peak, moment.rms);
   }
-  if (peak < least_peak) {
+  if (peak < min_peak) {
     throw InputError(name + ": the sound file is silent in all its " +
                      std::to_string(moments.size() * hop).substr(0, 6) +
                      " s (below -80 dB of full scale); record it louder");

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Real window_seconds = 0.04;
 constexpr Real lowest_voice = 60, highest_voice = 1500;  // Hz
-constexpr Real least_rate = 11025;                       // Hz, enough for the highest voice
+constexpr Real min_rate = 11025;                         // Hz, enough for the highest voice
 constexpr Real periodic = 0.15;                          // YIN's threshold for a period, its authors' 0.1 to 0.15
 
 /// Means of groups of samples: a lower rate, and less of what lies above it.
@@ -60,7 +60,7 @@ Real Ear::loudness(std::span<const float> samples) const {
 }
 
 Real Ear::pitch(std::span<const float> samples) const {
-  const auto group = static_cast<std::size_t>(std::max(1.0, std::floor(rate_ / least_rate)));
+  const auto group = static_cast<std::size_t>(std::max(1.0, std::floor(rate_ / min_rate)));
   const Real rate = rate_ / static_cast<Real>(group);
   const std::vector<Real> x = thinned(samples.first(weights_.size()), group);
   const auto shortest = static_cast<std::size_t>(std::max(2.0, std::floor(rate / highest_voice)));

@@ -13,7 +13,7 @@
 
 namespace trevi {
 
-/// Quieter than this share of the loudest is silence (-26 dB).
+/// Quieter than this fraction of the loudest is silence (-26 dB).
 inline constexpr Real silence = 0.05;
 
 struct Heard {

@@ -16,7 +16,7 @@ namespace trevi {
 namespace {
 
 /// Most that is read in one step, so that a source without end (/dev/zero) does not hold the solver up.
-constexpr std::size_t most_bytes = 1 << 20;
+constexpr std::size_t max_bytes = 1 << 20;
 constexpr Real voice_low = 48, voice_high = 84;  // C3 and C6
 
 }  // namespace
@@ -72,7 +72,7 @@ bool LiveSound::read_pipe() {
   std::array<unsigned char, 65536> block;
   pollfd waiting = {descriptor_, POLLIN, 0};
   // After poll() a read returns what there is; the descriptor, shared with other programs, is left as it is.
-  while (total < most_bytes && poll(&waiting, 1, 0) > 0) {
+  while (total < max_bytes && poll(&waiting, 1, 0) > 0) {
     const ssize_t count = read(descriptor_, block.data(), block.size());
     if (count < 0 && (errno == EINTR || errno == EAGAIN)) break;
     if (count <= 0) {

@@ -16,7 +16,7 @@ int fair_threads(MPI_Comm comm, const std::vector<int>& cores, double allowed) {
   for (const int core : cores) users_of_mine.push_back(users[static_cast<std::size_t>(core)]);
   const int ranks = size_of(machine);
   MPI_Comm_free(&machine);
-  return threads_for_share(users_of_mine, allowed, ranks);
+  return threads_for_cores(users_of_mine, allowed, ranks);
 }
 
 int ranks_of_machine(MPI_Comm comm) {

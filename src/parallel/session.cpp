@@ -46,7 +46,7 @@ void check_options_files(MPI_Comm comm, int argc, const char* const* argv) {
 }
 
 // A pipe or a device may go on for ever. What is read here goes to all ranks, whose number of bytes MPI has as an int.
-std::int64_t most_bytes_of(const std::string& path) {
+std::int64_t max_bytes_of(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored) ? 1 << 30 : 1 << 26;
 }
@@ -124,8 +124,8 @@ Session::~Session() {
 }
 
 void Session::use_threads(int count) {
-  if (count < 1 || count > most_threads) {
-    throw InputError(std::to_string(count) + " threads: must be from 1 to " + std::to_string(most_threads));
+  if (count < 1 || count > max_threads) {
+    throw InputError(std::to_string(count) + " threads: must be from 1 to " + std::to_string(max_threads));
   }
   trevi::use_threads(count);
 }
@@ -164,7 +164,7 @@ std::string read_file_everywhere(MPI_Comm comm, const std::string& path) {
   std::string text;
   std::int64_t status[2] = {0, 0};  // errno, length
   if (rank_of(comm) == 0) {
-    status[0] = read_file(path, most_bytes_of(path), text);
+    status[0] = read_file(path, max_bytes_of(path), text);
     status[1] = std::ssize(text);
   }
   MPI_Bcast(status, 2, MPI_INT64_T, 0, comm);

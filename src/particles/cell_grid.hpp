@@ -49,8 +49,8 @@ class CellGrid {
 
  private:
   LocalId index_along(int k, const Vec3& p) const {
-    const Real way = p[axis_[k]] - min_[axis_[k]];
-    const Real cell = (way < 0 && periodic_[k] ? way + length_[k] : way) * per_length_[k];
+    const Real offset = p[axis_[k]] - min_[axis_[k]];
+    const Real cell = (offset < 0 && periodic_[k] ? offset + length_[k] : offset) * per_length_[k];
     const Real counted = std::max(0.0, std::min(cell, 2147483000.0));  // 0 for what is not a number
     return std::min(static_cast<LocalId>(counted), count_[k] - 1);
   }

@@ -101,7 +101,7 @@ void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velo
   PerThread<RowScratch> scratch;
   for_each_part(planes_ * grid_.rows(), [&](LocalId row) { sort_row(particles, row, scratch.mine()); });
   std::vector<Vec3> own;
-  std::vector<Vec3>& vectors = velocities == Velocities::overwritten ? particles.velocity : own;
+  std::vector<Vec3>& vectors = velocities == Velocities::discard ? particles.velocity : own;
   particles.for_each_kept_field([&]<class T>(std::vector<T>& field) {
     if constexpr (std::is_same_v<T, Vec3>) {
       apply(field, vectors);
@@ -109,7 +109,7 @@ void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velo
       apply(field, std::get<std::vector<T>>(scratch_));
     }
   });
-  if (velocities == Velocities::kept) apply(particles.velocity, own);
+  if (velocities == Velocities::preserve) apply(particles.velocity, own);
 }
 
 std::span<const LocalId> CellOrder::first_plane_counts() const { return {counts_.data(), cells()}; }

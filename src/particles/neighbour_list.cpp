@@ -28,11 +28,12 @@ struct SearchInput {
 struct SearchResult {
   NeighbourRows& rows;
   RowPages& pages;
-  std::atomic<LocalId> crowded;  // the first particle with too many neighbours; without one, the number of particles
+  std::atomic<LocalId>
+      first_overfull_particle;  // the first particle with too many neighbours; without one, the number of particles
 
   void note_crowded(LocalId i) {
-    LocalId known = crowded;
-    while (i < known && !crowded.compare_exchange_weak(known, i)) {
+    LocalId known = first_overfull_particle;
+    while (i < known && !first_overfull_particle.compare_exchange_weak(known, i)) {
     }
   }
 };
@@ -181,7 +182,7 @@ void store_indices(D, V index, LocalId* HWY_RESTRICT out) {
 // too many.
 template <class T>
 std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, LocalId* HWY_RESTRICT out) {
-  constexpr auto most = static_cast<std::size_t>(NeighbourList::most_neighbours);
+  constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
   const hn::ScalableTag<T> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto x = hn::Set(d, p[0]), y = hn::Set(d, p[1]), z = hn::Set(d, p[2]);
@@ -245,7 +246,8 @@ struct Worker {
   RowWriter writer;
 };
 
-// Finds the neighbours of the particles of cell c of plane k. False where one of them, result.crowded, has too many.
+// Finds the neighbours of the particles of cell c of plane k. False where one of them, result.first_overfull_particle,
+// has too many.
 template <class T>
 bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& worker, LocalId k, LocalId c) {
   const LocalId begin = in.order.start(k, c), end = in.order.start(k, c + 1);
@@ -257,7 +259,7 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
     candidates.append(in.records, row_begin, row_end, bounds);
   });
   candidates.close();
-  constexpr auto most = static_cast<std::size_t>(NeighbourList::most_neighbours);
+  constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
   for (LocalId self = begin; self < end; ++self) {
     LocalId* row = worker.writer.begin_row(result.pages, std::min(candidates.size(), most) + Candidates<T>::padding);
     const auto position = bounds.relative(in.records[static_cast<std::size_t>(self)]);
@@ -280,7 +282,7 @@ void search(const SearchInput<T>& in, SearchResult& result) {
   PerThread<Worker<T>> workers;
   for_each_part(in.order.planes() * rows, [&](LocalId part) {
     const LocalId k = part / rows + 1, first = part % rows * columns;
-    if (result.crowded < in.order.start(k, first) - in.order.low_ghosts()) return;
+    if (result.first_overfull_particle < in.order.start(k, first) - in.order.low_ghosts()) return;
     for (LocalId c = first; c < first + columns; ++c) {
       if (!search_cell(in, result, workers.mine(), k, c)) return;
     }
@@ -319,8 +321,8 @@ void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>
   } else {
     HWY_DYNAMIC_DISPATCH(search_double)({order, records}, result);
   }
-  crowded_ = result.crowded < order.owned() ? result.crowded.load() : -1;
-  std::fill(rows_.count.begin() + result.crowded, rows_.count.end(), 0);
+  first_overfull_ = result.first_overfull_particle < order.owned() ? result.first_overfull_particle.load() : -1;
+  std::fill(rows_.count.begin() + result.first_overfull_particle, rows_.count.end(), 0);
 }
 
 template void NeighbourList::rebuild(const CellOrder&, const std::vector<Packed<float>>&);

@@ -69,7 +69,7 @@ class NeighbourList {
  public:
   /// More neighbours than this end the run: it means that all the water within a few h has collapsed into one place,
   /// and the length of the lists grows as the square of the particles there.
-  static constexpr LocalId most_neighbours = 4096;
+  static constexpr LocalId max_neighbours = 4096;
 
   /// `records` are those of all particles of `order`, ghosts included. O(n).
   template <class T>
@@ -85,8 +85,8 @@ class NeighbourList {
     return std::accumulate(rows_.count.begin() + range.begin, rows_.count.begin() + range.end, std::int64_t{0});
   }
   std::int64_t pairs() const { return pairs({0, size()}); }
-  /// Owned particle with more than most_neighbours, −1 if there is none; it and those after it then have empty rows.
-  LocalId crowded() const { return crowded_; }
+  /// Owned particle with more than max_neighbours, −1 if there is none; it and those after it then have empty rows.
+  LocalId first_overfull_particle() const { return first_overfull_; }
   std::size_t bytes() const {
     return rows_.begin.capacity() * sizeof(rows_.begin[0]) + rows_.count.capacity() * sizeof(rows_.count[0]) +
            pages_.bytes();
@@ -95,7 +95,7 @@ class NeighbourList {
  private:
   NeighbourRows rows_;
   RowPages pages_;
-  LocalId crowded_ = -1;
+  LocalId first_overfull_ = -1;
 };
 
 }  // namespace trevi

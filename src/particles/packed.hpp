@@ -64,8 +64,8 @@ class Encoding {
       const Cells& cells = cells_[a];
       if (cells.width == 0) continue;
       const auto b = static_cast<Eigen::Index>(a);
-      const Real way = p[b] - origin_[b], cell = std::floor(way * cells.per_metre);
-      const Real within = (way - cell * cells.width) / cells.width;
+      const Real offset = p[b] - origin_[b], cell = std::floor(offset * cells.per_metre);
+      const Real within = (offset - cell * cells.width) / cells.width;
       u[b] = (cell + ((within + cells.rounding) - cells.rounding)) * Packed<T>::units_per_h;
     }
     return {coordinate(u.x()), coordinate(u.y()), coordinate(u.z()), w};

@@ -25,7 +25,7 @@ void ActiveRows::measure(const CellOrder& order, Halo& halo) {
   }
   MPI_Allreduce(MPI_IN_PLACE, most.data(), 2, MPI_INT32_T, MPI_MAX, comm_);
   depth_ = most[0];
-  most_columns_ = most[1];
+  max_columns_ = most[1];
 }
 
 void ActiveRows::look_at_plane(const CellOrder& order, LocalId k, int& depth) {

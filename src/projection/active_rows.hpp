@@ -23,7 +23,7 @@ class ActiveRows {
   /// The largest number of cells directly above one another that may hold water, over all ranks.
   int depth() const { return depth_; }
   /// The largest columns() of all ranks.
-  LocalId most_columns() const { return most_columns_; }
+  LocalId max_columns() const { return max_columns_; }
   /// Cells of row r of plane k that can be water: up to the one above the highest cell around that has a surface.
   /// Planes are counted from 0, the low ghost plane.
   LocalId wet_columns(LocalId k, LocalId r) const { return wet_[index(k, r)]; }
@@ -40,7 +40,7 @@ class ActiveRows {
 
   MPI_Comm comm_;
   Least least_;
-  LocalId planes_ = 0, rows_ = 0, most_columns_ = 0;
+  LocalId planes_ = 0, rows_ = 0, max_columns_ = 0;
   bool rows_repeat_ = false;
   int depth_ = 0;
   std::vector<LocalId> surface_, wet_, near_;  // of each row, ghost planes included

@@ -17,7 +17,7 @@ namespace HWY_NAMESPACE {
 template <class T>
 HWY_INLINE V load_act(std::span<const T> act, std::size_t i, std::size_t end) {
   const hn::Rebind<T, Wide> d;
-  std::array<T, most_lanes> last{};
+  std::array<T, max_lanes> last{};
   const bool whole = i + hn::Lanes(d) <= act.size();
   if (!whole && i < act.size()) std::copy(act.begin() + static_cast<std::ptrdiff_t>(i), act.end(), last.begin());
   const auto loaded = hn::LoadU(d, whole ? &act[i] : last.data());
@@ -32,8 +32,8 @@ HWY_INLINE V load_act(std::span<const T> act, std::size_t i, std::size_t end) {
 }
 
 template <class T>
-HWY_INLINE void take_smooth_of(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
-                               const AffineMap& smooth, std::span<const T> act, Vec4<T>* out) {
+HWY_INLINE void remove_smooth_of(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
+                                 const AffineMap& smooth, std::span<const T> act, Vec4<T>* out) {
   const std::size_t lanes = hn::Lanes(Wide());
   for (std::size_t i = cell.begin; i < cell.end; i += lanes, out += lanes) {
     const V3 y = load(frame, shifts, cell, i).y;
@@ -92,7 +92,7 @@ HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, c
     if (i + hn::Lanes(d) <= cell.end) {
       hn::StoreInterleaved3(v[0], v[1], v[2], d, velocity[i].data());
     } else {
-      std::array<Vec3, most_lanes> last;
+      std::array<Vec3, max_lanes> last;
       hn::StoreInterleaved3(v[0], v[1], v[2], d, last[0].data());
       std::copy_n(last.begin(), cell.end - i, &velocity[i]);
     }
@@ -100,13 +100,13 @@ HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, c
 }
 
 // Highway's dispatch takes no templates.
-void take_smooth_single(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
-                        const AffineMap& smooth, std::span<const float> act, Vec4<float>* out) {
-  take_smooth_of(frame, shifts, cell, smooth, act, out);
+void remove_smooth_single(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
+                          const AffineMap& smooth, std::span<const float> act, Vec4<float>* out) {
+  remove_smooth_of(frame, shifts, cell, smooth, act, out);
 }
-void take_smooth_double(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
-                        const AffineMap& smooth, std::span<const double> act, Vec4<double>* out) {
-  take_smooth_of(frame, shifts, cell, smooth, act, out);
+void remove_smooth_double(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
+                          const AffineMap& smooth, std::span<const double> act, Vec4<double>* out) {
+  remove_smooth_of(frame, shifts, cell, smooth, act, out);
 }
 void carry_single(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
                   std::span<const float> act, std::span<Vec3> velocity) {
@@ -124,20 +124,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace trevi {
 
-HWY_EXPORT(take_smooth_single);
-HWY_EXPORT(take_smooth_double);
+HWY_EXPORT(remove_smooth_single);
+HWY_EXPORT(remove_smooth_double);
 HWY_EXPORT(carry_single);
 HWY_EXPORT(carry_double);
 
 template <>
-void take_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                 std::span<const float> act, Vec4<float>* out) {
-  HWY_DYNAMIC_DISPATCH(take_smooth_single)(frame, shifts, cell, smooth, act, out);
+void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
+                   std::span<const float> act, Vec4<float>* out) {
+  HWY_DYNAMIC_DISPATCH(remove_smooth_single)(frame, shifts, cell, smooth, act, out);
 }
 template <>
-void take_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                 std::span<const double> act, Vec4<double>* out) {
-  HWY_DYNAMIC_DISPATCH(take_smooth_double)(frame, shifts, cell, smooth, act, out);
+void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
+                   std::span<const double> act, Vec4<double>* out) {
+  HWY_DYNAMIC_DISPATCH(remove_smooth_double)(frame, shifts, cell, smooth, act, out);
 }
 template <>
 void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,

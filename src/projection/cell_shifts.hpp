@@ -8,14 +8,14 @@ namespace trevi {
 
 /// Writes −act · (a + B y), m, of the particles of a cell, as the scalar 0; `act` is that of all particles.
 template <class T>
-void take_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                 std::span<const T> act, Vec4<T>* out);
+void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
+                   std::span<const T> act, Vec4<T>* out);
 template <>
-void take_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                 std::span<const float> act, Vec4<float>* out);
+void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
+                   std::span<const float> act, Vec4<float>* out);
 template <>
-void take_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                 std::span<const double> act, Vec4<double>* out);
+void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
+                   std::span<const double> act, Vec4<double>* out);
 
 /// v += act · B (Δ − the mean of Δ over the particles of the cell, weighted by act) with the slopes B, 1/s.
 template <class T>

@@ -32,7 +32,7 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
   if (i + hn::Lanes(Wide()) <= field.size()) {
     hn::LoadInterleaved3(Wide(), field[i].data(), v[0], v[1], v[2]);
   } else {  // whole vectors are read, so the last particles need something behind them
-    std::array<Vec3, most_lanes> last;
+    std::array<Vec3, max_lanes> last;
     last.fill(Vec3::Zero());
     if (i < field.size()) std::copy(field.begin() + static_cast<std::ptrdiff_t>(i), field.end(), last.begin());
     hn::LoadInterleaved3(Wide(), last[0].data(), v[0], v[1], v[2]);
@@ -41,14 +41,14 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
 }
 
 HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
-  constexpr Real most_half = projection::most_half_path, most = projection::most_path;
+  constexpr Real max_half = projection::max_half_path, most = projection::max_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
   Particles8 particles{zeros(), zeros(), zeros(), zeros()};
   for (std::size_t a = 0; a < 3; ++a) {
     const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
     const V here = hn::Sub(in_cells, set(cell.place.corner[a]));
     particles.path[a] = hn::Sub(p[a], x[a]);
-    const V half = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -most_half, most_half);
+    const V half = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -max_half, max_half);
     particles.y[a] = hn::Sub(here, half);
     particles.f[a] = hn::Sub(particles.y[a], half);
     particles.surface[a] = hn::Sub(here, clamp(hn::Add(half, half), -most, most));
@@ -76,7 +76,7 @@ HWY_INLINE void store_vectors(const Vec4s& v, std::size_t count, Vec4<T>* out) {
   const hn::Rebind<T, Wide> d;
   const auto x = narrowed<T>(v.u[0]), y = narrowed<T>(v.u[1]), z = narrowed<T>(v.u[2]), w = narrowed<T>(v.w);
   if (count >= hn::Lanes(d)) return hn::StoreInterleaved4(x, y, z, w, d, &out->x);
-  std::array<Vec4<T>, most_lanes> last;
+  std::array<Vec4<T>, max_lanes> last;
   hn::StoreInterleaved4(x, y, z, w, d, &last[0].x);
   std::copy_n(last.begin(), count, out);
 }

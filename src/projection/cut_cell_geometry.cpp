@@ -10,7 +10,7 @@ namespace {
 
 // A cell with less open volume counts as solid. It may hold no particle, but a sliver that is left out of a cell at a
 // curved wall makes a rigid rotation seem to have a divergence there, and that brakes the water.
-constexpr Real least_open = 2e-4;
+constexpr Real min_open = 2e-4;
 
 }  // namespace
 
@@ -160,7 +160,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
     return cell;
   }
   const Real open = open_at(corner, bodies);
-  cell.open = open < least_open ? 0 : static_cast<float>(open);
+  cell.open = open < min_open ? 0 : static_cast<float>(open);
   return cell;
 }
 

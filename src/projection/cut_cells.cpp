@@ -112,15 +112,15 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
         const Vec3 p =
             place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
         const Body& body = obstacles_.body(nearest_at(p, near.of_row).body);
-        const Vec3 way = p - body.before().into_world(body.now().into_body(p));
-        moved_[at][a] = static_cast<float>(way[axis_[a]]);
+        const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
+        moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
       }
     }
   });
   grid.repeat(moved_);
 }
 
-void CutCells::take_columns(const ProjectionGrid& grid) {
+void CutCells::find_columns(const ProjectionGrid& grid) {
   ProjectionGrid whole = grid;
   whole.resize(planes_, grid.count(2));
   cells_.resize(grid.cells());
@@ -174,7 +174,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     measure_cells(whole, all_);
   }
   if (stays && cells_.size() == grid.cells()) return;
-  take_columns(grid);
+  find_columns(grid);
   find_cut_rows(grid);
 }
 

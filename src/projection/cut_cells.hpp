@@ -106,7 +106,7 @@ class CutCells {
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   LocalId plane_of(const ProjectionGrid& grid, LocalId k) const;
   void measure_motion(const ProjectionGrid& grid);
-  void take_columns(const ProjectionGrid& grid);
+  void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);

@@ -61,7 +61,7 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = standing && is_solid(at);
     } else if (is_top(at)) {
-      const Real more = standing ? std::clamp(excess, -most_excess, most_excess) : 0;
+      const Real more = standing ? std::clamp(excess, -max_excess, max_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
     } else {
       excess += open(at) * (fill_[at] - 1);

@@ -53,8 +53,8 @@ class FreeSurface {
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
-  /// Height of the surface above the middle of a top cell, in cells, at least projection::least_height.
-  Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::least_height); }
+  /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
+  Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
 
   std::size_t bytes() const;
 

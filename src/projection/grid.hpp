@@ -85,7 +85,7 @@ class ProjectionGrid {
   std::size_t axis(std::size_t a) const { return static_cast<std::size_t>(axis_[a]); }
   /// By coordinate: cells per metre.
   const std::array<Real, 3>& per_length() const { return per_length_; }
-  /// The way of p from the corner of the box along direction a, in cells.
+  /// The distance of p from the corner of the box along direction a, in cells.
   Real cells_to(const Vec3& p, std::size_t a) const { return (p[axis_[a]] - origin_[axis(a)]) * per_length_[axis(a)]; }
   /// The number along direction a of the cell of the box in which p is; a particle on an upper wall counts to the last.
   LocalId cell_of(const Vec3& p, std::size_t a) const {

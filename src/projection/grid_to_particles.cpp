@@ -159,11 +159,11 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
       solid[i] = (closed_low * cuts.moved(a, at) + closed_high * cuts.moved(a, above)) / (closed_low + closed_high);
   }
   const Real size = area.norm();
-  if (size < least_wall) return;
+  if (size < min_wall) return;
   const Vec3 n = area / size;
-  const Real into = (flux - cuts.open(at) * spread) / size - n.dot(solid) + n.z() * step_.fall;
+  const Real into = (flux - cuts.open(at) * spread) / size - n.dot(solid) + n.z() * step_.g_dt2;
   for (std::size_t a = 0; a < 3; ++a) {
-    const Real along = (a == 2 ? step_.fall : 0) - n[static_cast<Eigen::Index>(a)] * into;
+    const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
     if (faces[a].low_closed && !faces[a].low_wall) faces[a].low = along;
     if (faces[a].high_closed && !faces[a].high_wall) faces[a].high = along;
   }

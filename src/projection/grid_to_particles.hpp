@@ -30,7 +30,7 @@ class GridToParticles {
 
   /// Of a step: how far gravity moves a particle down, g dt², m, and dt in units of sqrt(h/g); 0 without gravity.
   struct Step {
-    Real fall, time;
+    Real g_dt2, time;
   };
   /// Memory for the grid as it is now.
   void resize();

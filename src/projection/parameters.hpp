@@ -16,11 +16,11 @@ constexpr Real tent = 0.25;
 /// Added to the variance of positions in a fit, cells²: particles in a plane or on a line have no gradient across it.
 constexpr Real fit_damping = 1e-3;
 /// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
-/// its beginning, but at most twice as far; its volume is where it began, but at most `most_path` from the end, cells.
-constexpr Real most_half_path = 0.5, most_path = 0.25;
+/// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end, cells.
+constexpr Real max_half_path = 0.5, max_path = 0.25;
 /// Least weight, particles, of the linear mean at a face; with less there is hardly any water, and the fits themselves
 /// say how the face moves.
-constexpr Real least_face_weight = 0.05;
+constexpr Real min_face_weight = 0.05;
 
 // ---- free surface
 // -----------------------------------------------------------------------------------------------------
@@ -33,9 +33,9 @@ constexpr Real least_face_weight = 0.05;
 constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
 /// Largest volume, cells, by which the fill of the cells below may raise or lower the surface in a top cell. The cells
 /// of torn water are far from full; without this limit its surface would lie below its top cell.
-constexpr Real most_excess = 0.25;
+constexpr Real max_excess = 0.25;
 /// Least height of the surface above the middle of a top cell, cells: a bound on the ghost-fluid weight.
-constexpr Real least_height = 0.05;
+constexpr Real min_height = 0.05;
 /// Fraction of its volume in particles of which the middle is in it from which on a cell counts for the depth, and from
 /// which on it has a surface of water in or above it. A sheet on a solid may be as thin as one on the floor.
 constexpr Real deep_fill = 0.2, surface_fill = 0.4;
@@ -50,7 +50,7 @@ constexpr Real small_cell = 0.5;
 constexpr int cycles = 3;
 /// The same of water that has no surface, which has no such start.
 constexpr int closed_cycles = 6;
-/// Time in which a cell returns to its volume, sqrt(h/g); without gravity the way of its water, cells.
+/// Time in which a cell returns to its volume, sqrt(h/g); without gravity the distance its water travels, cells.
 constexpr Real return_time = 6;
 /// A cell that a solid cuts returns that much as fast as others: what it holds is noisier, and water in a box turned
 /// about three axes rests three times as well so. At 0.1 it stays a quarter of a spacing too high.
@@ -73,7 +73,7 @@ constexpr Real noise_speed = 0.2;
 /// out over the next two spacings above that.
 constexpr Real fade_begins = -0.25, fade_length = 2;
 /// Area of the solid surface in a cell, faces, from which on it has a direction.
-constexpr Real least_wall = 0.1;
+constexpr Real min_wall = 0.1;
 
 // ---- shifts of positions
 // ----------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
   closed_ = has_no_surface(surface);
   for_each_row(grid.rows_of(own), [&](LocalId k, LocalId r) { find_sources(surface, step, k, r); });
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
-  for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { start_at_rest(surface, step.fall, k, r); });
+  for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
   multigrid_.solve(halo, closed_ ? closed_cycles : cycles);
   if (closed_) set_origin(surface);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
@@ -82,13 +82,13 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     const std::size_t at = grid.index(k, r, c);
-    cells.rhs[at] = cells.sink[at] = 0;
+    cells.rhs[at] = cells.dirichlet[at] = 0;
     if (!surface.is_wet(at)) continue;
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t face = grid.step(a);
       const Real low = surface.is_wet(at - face) ? 0 : cells.link[a][at];
       const Real high = surface.is_wet(at + face) ? 0 : cells.link[a][at + face];
-      cells.sink[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
+      cells.dirichlet[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
     }
     cells.rhs[at] = divergence(surface, at) - returned(surface, step, k, r, c);
   }
@@ -106,9 +106,9 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
     if (surface.is_top(at)) fraction *= std::min(2 * surface.fill(at + 1), 1.0);
   } else {
     const Moments m = surface.water().moments(at);
-    Real way = 0;
-    for (std::size_t a = 0; a < 3; ++a) way += std::pow(m.flow.u[a] * grid.per_length()[a], 2);
-    fraction = m.at.n > 0 ? std::min(std::sqrt(way) / m.at.n / return_time, 1.0) : 0;
+    Real displacement = 0;
+    for (std::size_t a = 0; a < 3; ++a) displacement += std::pow(m.flow.u[a] * grid.per_length()[a], 2);
+    fraction = m.at.n > 0 ? std::min(std::sqrt(displacement) / m.at.n / return_time, 1.0) : 0;
   }
   return fraction * (surface.is_cut(at) ? cut_return : 1) * surface.open(at) * less;
 }
@@ -165,10 +165,10 @@ Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
 }
 
 // In a column that stands on the floor, the hydrostatic phi below that column's own surface, as if solids were water.
-void Pressure::start_at_rest(const FreeSurface& surface, Real fall, LocalId k, LocalId r) {
+void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   MultigridLevel& cells = multigrid_.finest();
-  const Real step = fall * grid.size()[2];
+  const Real step = g_dt2 * grid.size()[2];
   const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns(k, r));
   for (std::size_t at = floor; at < ceiling; ++at) cells.phi[at] = cells.next[at] = 0;
   if (!surface.upright()) return;

@@ -28,9 +28,10 @@ class Pressure {
   Pressure(MPI_Comm comm, const Repeats& repeats) : comm_(comm), multigrid_(comm, repeats) {}
 
   /// Of a step in which gravity moves a particle `fall` down, g dt², m, and which undoes `return_fraction` of a cell's
-  /// deviation from its volume; without gravity that goes by the way of the water. Water is at most `depth` cells deep.
+  /// deviation from its volume; without gravity that goes by the distance that the water travels. Water is at most
+  /// `depth` cells deep.
   struct Step {
-    Real fall, return_fraction;
+    Real g_dt2, return_fraction;
     int depth;
   };
   void solve(const FreeSurface& surface, Halo& halo, const Step& step);
@@ -57,7 +58,7 @@ class Pressure {
   Real divergence(const FreeSurface& surface, std::size_t at) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
-  void start_at_rest(const FreeSurface& surface, Real fall, LocalId k, LocalId r);
+  void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);
   void set_origin(const FreeSurface& surface);
 
   MPI_Comm comm_;

@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-ActiveRows::Least least_particles(const ProjectionGrid& grid, Real spacing, bool solids) {
+ActiveRows::Least min_particles(const ProjectionGrid& grid, Real spacing, bool solids) {
   const Real particles = grid.size().prod() / (spacing * spacing * spacing);
   const auto number = [&](Real fill) { return static_cast<LocalId>(std::ceil(fill * particles)); };
   return {number(projection::deep_fill), number(solids ? projection::deep_fill : projection::surface_fill)};
@@ -22,7 +22,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
       model_(model),
       box_(box),
       grid_(comm, grid, box),
-      rows_(comm, least_particles(grid_, model.spacing, obstacles != nullptr)),
+      rows_(comm, min_particles(grid_, model.spacing, obstacles != nullptr)),
       cuts_(obstacles != nullptr ? std::make_unique<CutCells>(*obstacles) : nullptr),
       particles_to_grid_(grid_, model.spacing),
       surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
@@ -35,13 +35,13 @@ template <class T>
 void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion,
                                std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  const Real fall = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
+  const Real g_dt2 = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
   measure_rows(order, halo);
   count_planes(order, motion.p);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
-  pressure_.solve(surface_, halo, {fall, std::min(1.0, time / projection::return_time), rows_.depth()});
-  grid_to_particles_.prepare(halo, {fall, time});
+  pressure_.solve(surface_, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
+  grid_to_particles_.prepare(halo, {g_dt2, time});
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
     grid_to_particles_.find_damping(damping, k, r);
     for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
@@ -52,7 +52,7 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   });
   if (obstacles_ == nullptr) return;
   const LocalId rows = grid_.rows();
-  const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, fall);
+  const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, g_dt2);
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows, columns = order.grid().columns();
     const auto begin = static_cast<std::size_t>(order.start(k, r * columns) - order.low_ghosts());
@@ -66,7 +66,7 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
 void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   constexpr LocalId step = 4;
   rows_.measure(order, halo);
-  const LocalId highest = grid_.repeats()[2] ? grid_.count(2) : (rows_.most_columns() + step - 1) / step * step;
+  const LocalId highest = grid_.repeats()[2] ? grid_.count(2) : (rows_.max_columns() + step - 1) / step * step;
   if (grid_.resize(order.planes(), highest)) {
     particles_to_grid_.resize();
     surface_.resize();
@@ -120,7 +120,7 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
   for_each_row_with<ShiftFilter::Smooth>(own_rows(), [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
     shift_filter_.find_smooth(smooth, k, r);
     for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
-      take_smooth(particles_to_grid_.frame(), swept.shifts, cell, smooth.at(c), swept.act, &out[cell.begin]);
+      remove_smooth(particles_to_grid_.frame(), swept.shifts, cell, smooth.at(c), swept.act, &out[cell.begin]);
     });
     leave_flying<T>(order, k, r, out);
   });

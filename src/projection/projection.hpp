@@ -1,8 +1,8 @@
-// The projection: finds on the cell grid what sweeps over pairs of particles cannot, the pressure over long ways, and
-// makes the water's motion free of divergence by it. A sweep carries a disturbance by about h, so deep water would need
-// as many as it has layers. The projection works with the particles' displacements, not with their densities: those are
-// noisy for ever, and a grid that followed them would lift deep water by that noise. Similar in purpose to Kugelstadt
-// et al., Implicit density projection for volume conserving liquids, IEEE TVCG 2019.
+// The projection: finds on the cell grid what sweeps over pairs of particles cannot, the pressure over long distances,
+// and makes the water's motion free of divergence by it. A sweep carries a disturbance by about h, so deep water would
+// need as many as it has layers. The projection works with the particles' displacements, not with their densities:
+// those are noisy for ever, and a grid that followed them would lift deep water by that noise. Similar in purpose to
+// Kugelstadt et al., Implicit density projection for volume conserving liquids, IEEE TVCG 2019.
 //
 // Its stages, each in a file of its own: particles_to_grid, free_surface (classify), pressure (assemble, solve),
 // grid_to_particles, record_forces; and shift_filter after the sweeps. Displacements are used rather than multipliers,

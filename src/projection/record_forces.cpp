@@ -8,7 +8,7 @@ template <class T>
 void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const {
   Vec3 sum = Vec3::Zero();
   for (const Vec4<T>& one : moved) sum += vector_of(one);
-  obstacles_.take_of_grid(obstacles_.box_taker(), sum, Vec3::Zero());
+  obstacles_.record_projection(obstacles_.box_account(), sum, Vec3::Zero());
   if (!surface_.cuts()->cuts_row(k, r)) return;
   for (LocalId c = 0; c < surface_.grid().columns(); ++c) of_cell(k, r, c);
 }
@@ -20,7 +20,7 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const CutCells& solids = *surface_.cuts();
   const std::size_t at = grid.index(k, r, c);
   if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
-  const Real phi = pressure_.phi(at) + fall_ * solids.surface_above_middle(at);
+  const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
   Vec3 shift = Vec3::Zero();
   for (std::size_t a = 0; a < 3; ++a) {
     const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
@@ -30,8 +30,8 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   }
   if (shift.isZero()) return;
   const std::size_t nearest = solids.nearest(at);
-  obstacles_.take_of_grid(nearest, shift, solids.middle(k, r, c));
-  obstacles_.take_of_grid(obstacles_.box_taker(), -shift, Vec3::Zero());
+  obstacles_.record_projection(nearest, shift, solids.middle(k, r, c));
+  obstacles_.record_projection(obstacles_.box_account(), -shift, Vec3::Zero());
 }
 
 // In the cell before the face, half a cell off it.
@@ -59,7 +59,7 @@ Real RecordForces::phi_at(LocalId k, LocalId r, Real height) const {
     const std::size_t at = grid.index(k, r, c);
     if (!surface_.is_wet(at) || surface_.is_solid(at)) continue;
     const Real part = 1 - std::abs(from_middle - c);
-    sum += part * (pressure_.phi(at) - fall_ * grid.size()[2] * (c - from_middle));
+    sum += part * (pressure_.phi(at) - g_dt2_ * grid.size()[2] * (c - from_middle));
     weight += part;
   }
   return weight > 0 ? std::min(sum / weight, 0.0) : 0;

@@ -11,8 +11,8 @@ namespace trevi {
 class RecordForces {
  public:
   /// `fall`: g dt², m.
-  RecordForces(const FreeSurface& surface, const Pressure& pressure, Obstacles& obstacles, Real spacing, Real fall)
-      : surface_(surface), pressure_(pressure), obstacles_(obstacles), spacing_(spacing), fall_(fall) {}
+  RecordForces(const FreeSurface& surface, const Pressure& pressure, Obstacles& obstacles, Real spacing, Real g_dt2)
+      : surface_(surface), pressure_(pressure), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
 
   /// Obstacles have what the pressure of the cells does to their surface, the box has the rest of what moves the
   /// particles of the row, all of which are `moved`.
@@ -27,7 +27,7 @@ class RecordForces {
   const FreeSurface& surface_;
   const Pressure& pressure_;
   Obstacles& obstacles_;
-  Real spacing_, fall_;
+  Real spacing_, g_dt2_;
 };
 
 }  // namespace trevi

@@ -32,7 +32,7 @@ template <bool below>
 HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t count, Sides& sides) {
   const RowBeside& row = below ? faces.below : faces.above;
   const std::size_t i = faces.axis;
-  sides.for_each([&](std::vector<Real>& of) { of.assign(first + count + 2 * most_lanes, 0.0); });
+  sides.for_each([&](std::vector<Real>& of) { of.assign(first + count + 2 * max_lanes, 0.0); });
   for (Part part{0, count}; part.begin < part.end; ++part) {
     const Numbers<> moments{part.of(row.moments, row.numbers)}, fit{part.of(row.fit, numbers::map)};
     const std::size_t face = first + part.begin;
@@ -71,7 +71,7 @@ void displace_faces_of(const FaceRow& faces, std::size_t count, Real* out) {
       return hn::Add(load(a.data(), part), load(b.data(), part));
     };
     const V weight = sum(over.weight, under.weight), n = sum(over.n, under.n);
-    const auto enough = hn::Ge(weight, set(projection::least_face_weight)), any = hn::Gt(n, zero);
+    const auto enough = hn::Ge(weight, set(projection::min_face_weight)), any = hn::Gt(n, zero);
     const V value = hn::IfThenElse(enough, sum(over.value, under.value), sum(over.fitted, under.fitted));
     const V of = hn::IfThenElse(enough, weight, hn::IfThenElse(any, n, one));
     store(hn::IfThenElseZero(any, hn::Div(value, of)), part, out);

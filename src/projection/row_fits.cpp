@@ -187,8 +187,9 @@ void average_maps_of(const RowsAround& maps, const Real* factor, EightCells* mea
     Real* const out = part.of(mean, numbers::map);
     const V weight = around.from()[0];
     const auto any = hn::Gt(weight, set(0));
-    const V share = hn::IfThenElseZero(any, hn::Div(load(factor, part), hn::IfThenElse(any, weight, set(1))));
-    for (std::size_t q = 0; q < numbers::map; ++q) write(hn::Mul(share, around.from()[q]), out, q);
+    const V factor_over_weight =
+        hn::IfThenElseZero(any, hn::Div(load(factor, part), hn::IfThenElse(any, weight, set(1))));
+    for (std::size_t q = 0; q < numbers::map; ++q) write(hn::Mul(factor_over_weight, around.from()[q]), out, q);
   }
 }
 

@@ -27,10 +27,10 @@ struct Part {
     return *this;
   }
   HWY_INLINE const Real* of(const EightCells* row, std::size_t numbers) const {
-    return row[begin / most_lanes * numbers].of + begin % most_lanes;
+    return row[begin / max_lanes * numbers].of + begin % max_lanes;
   }
   HWY_INLINE Real* of(EightCells* row, std::size_t numbers) const {
-    return row[begin / most_lanes * numbers].of + begin % most_lanes;
+    return row[begin / max_lanes * numbers].of + begin % max_lanes;
   }
 };
 HWY_INLINE V load(const Real* row, const Part& part) { return hn::LoadU(Wide(), row + part.begin); }
@@ -39,18 +39,18 @@ HWY_INLINE void store(V v, const Part& part, Real* row) {
   const Wide d;
   Real* const to = row + part.begin;
   if (part.begin + hn::Lanes(d) <= part.end) return hn::StoreU(v, d, to);
-  alignas(64) Real last[most_lanes];
+  alignas(64) Real last[max_lanes];
   hn::Store(v, d, last);
   std::copy_n(last, part.end - part.begin, to);
 }
 
 /// Numbers of cells that lie `stride` apart.
-template <std::size_t stride = most_lanes>
+template <std::size_t stride = max_lanes>
 struct Numbers {
   const Real* first;
   HWY_INLINE V operator[](std::size_t q) const { return hn::LoadU(Wide(), first + q * stride); }
 };
-HWY_INLINE void write(V v, Real* numbers, std::size_t q) { hn::Store(v, Wide(), numbers + q * most_lanes); }
+HWY_INLINE void write(V v, Real* numbers, std::size_t q) { hn::Store(v, Wide(), numbers + q * max_lanes); }
 
 // Cells beside one another along coordinate axis b: the sums over them, of which those below and above have the weight
 // w and coordinates of their own, one cell less and one more. Each number in its turn is
@@ -123,11 +123,11 @@ using TenCells = TentMemory::TenCells;
 constexpr std::size_t in_ten = sizeof(TenCells) / sizeof(Real);
 
 /// Whole eights of cells are worked on.
-HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / most_lanes * most_lanes, rows.end}; }
+HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / max_lanes * max_lanes, rows.end}; }
 /// With one more at either end, and all of the last eight.
 HWY_INLINE Part cells_around(const RowsAround& rows) {
   const std::size_t begin = rows.begin - (rows.begin > 0 ? 1 : 0), end = std::min(rows.end + 1, rows.columns);
-  return {begin / most_lanes * most_lanes, (end + most_lanes - 1) / most_lanes * most_lanes};
+  return {begin / max_lanes * max_lanes, (end + max_lanes - 1) / max_lanes * max_lanes};
 }
 
 template <class Sums>
@@ -135,7 +135,7 @@ HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, Part part, Eig
   for (; part.begin < part.end; ++part) {
     const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(rows.first[i][j], rows.numbers)}; };
     add_beside<Sums>(rows.axis[0],
-                     Beside<most_lanes, most_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
+                     Beside<max_lanes, max_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
   }
 }
 
@@ -159,16 +159,16 @@ HWY_INLINE const EightCells* planes_of(const RowsAround& rows, std::size_t i) {
 template <std::size_t count>
 HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
   const Part cells = cells_around(rows);
-  const std::size_t first = cells.begin / most_lanes, end = cells.end / most_lanes;
+  const std::size_t first = cells.begin / max_lanes, end = cells.end / max_lanes;
   for (std::size_t j = first; j < end; ++j) {
     for (std::size_t q = j * count; q < (j + 1) * count; ++q) {
-      sums[q].of[0] = j > first ? sums[q - count].of[most_lanes] : 0;
-      sums[q].of[most_lanes + 1] = j + 1 < end ? sums[q + count].of[1] : 0;
+      sums[q].of[0] = j > first ? sums[q - count].of[max_lanes] : 0;
+      sums[q].of[max_lanes + 1] = j + 1 < end ? sums[q + count].of[1] : 0;
     }
   }
-  const std::size_t last = (rows.columns - 1) / most_lanes;
+  const std::size_t last = (rows.columns - 1) / max_lanes;
   for (std::size_t q = 0; q < count && rows.repeats; ++q) {
-    Real* const highest = sums[last * count + q].of + (rows.columns - last * most_lanes);
+    Real* const highest = sums[last * count + q].of + (rows.columns - last * max_lanes);
     sums[q].of[0] = highest[0];
     highest[1] = sums[q].of[1];
   }
@@ -182,8 +182,8 @@ HWY_INLINE const TenCells* sum_across(const RowsAround& rows) {
   TenCells* const sums = rows.memory.sums(Sums::count, rows.columns).data();
   for (Part part = cells_around(rows); part.begin < part.end; ++part) {
     const auto of_row = [&](std::size_t i) { return Numbers<>{part.of(across[i], Sums::count)}; };
-    Real* const out = sums[part.begin / most_lanes * Sums::count].of + part.begin % most_lanes + 1;
-    add_beside<Sums>(rows.axis[1], Beside<most_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});
+    Real* const out = sums[part.begin / max_lanes * Sums::count].of + part.begin % max_lanes + 1;
+    add_beside<Sums>(rows.axis[1], Beside<max_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});
   }
   join_eights<Sums::count>(rows, sums);
   return sums;
@@ -194,14 +194,14 @@ template <class Sums>
 class TentSums {
  public:
   HWY_INLINE TentSums(const TenCells* sums, const Part& part) {
-    const Real* const low = sums[part.begin / most_lanes * Sums::count].of + part.begin % most_lanes;
-    Sums::template add<2>(Beside<in_ten, most_lanes>{{low}, {low + 1}, {low + 2}, value_});
+    const Real* const low = sums[part.begin / max_lanes * Sums::count].of + part.begin % max_lanes;
+    Sums::template add<2>(Beside<in_ten, max_lanes>{{low}, {low + 1}, {low + 2}, value_});
   }
   /// From number q on.
-  HWY_INLINE Numbers<> from(std::size_t q = 0) const { return {value_ + q * most_lanes}; }
+  HWY_INLINE Numbers<> from(std::size_t q = 0) const { return {value_ + q * max_lanes}; }
 
  private:
-  alignas(64) Real value_[Sums::count * most_lanes];
+  alignas(64) Real value_[Sums::count * max_lanes];
 };
 
 }  // namespace HWY_NAMESPACE

@@ -18,8 +18,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t most_lanes = 8;
-using Wide = hn::CappedTag<double, most_lanes>;
+constexpr std::size_t max_lanes = 8;
+using Wide = hn::CappedTag<double, max_lanes>;
 using V = hn::Vec<Wide>;
 using V3 = std::array<V, 3>;
 

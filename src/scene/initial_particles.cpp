@@ -165,7 +165,7 @@ std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGr
   return weights;
 }
 
-// Sets the hue: x at the start, as a share of the extent of all particles in x.
+// Sets the hue: x at the start, as a fraction of the extent of all particles in x.
 void add_hue(MPI_Comm comm, Particles& particles) {
   Real low = 1e300, high = -1e300;
   for (const Vec3& p : particles.position) {
@@ -200,7 +200,7 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   migrate(comm, particles, &Particles::position, grid, slabs);
   const int rank = rank_of(comm);
   const auto owned =
-      std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.last_plane(rank), 0.0);
+      std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.end_plane(rank), 0.0);
   const int sharers = ranks_of_machine(comm);
   all_or_none(comm, [&] {
     const double bytes_of_state = 3 * sizeof(Vec3) + sizeof(GlobalId);

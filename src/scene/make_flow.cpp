@@ -28,16 +28,16 @@ std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene&
   return forcings;
 }
 
-std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
-                                    std::shared_ptr<LiveSound>& live) {
+std::shared_ptr<InflowOutflow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
+                                         std::shared_ptr<LiveSound>& live) {
   if (scene.inlets.empty() && scene.drains.empty()) return nullptr;
-  OpenFlow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing};
+  InflowOutflow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing};
   auto index = static_cast<int>(scene.fountains.size());
   for (const InletSettings& inlet : scene.inlets) {
     parts.inlets.push_back(std::make_shared<Inlet>(inlet, make_pump(comm, scene, inlet, "[[inlet]] music", live),
                                                    scene.fluid.spacing, scene.seed, index++));
   }
-  return std::make_shared<OpenFlow>(std::move(parts), std::move(state));
+  return std::make_shared<InflowOutflow>(std::move(parts), std::move(state));
 }
 
 std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene) {
@@ -45,7 +45,7 @@ std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene&
   return make_fountains(comm, scene, live);
 }
 
-std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene) {
+std::shared_ptr<InflowOutflow> make_flow(MPI_Comm comm, const Scene& scene) {
   std::shared_ptr<LiveSound> live;
   return make_flow(comm, scene, std::nullopt, live);
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "music/music.hpp"
-#include "solver/open_flow.hpp"
+#include "solver/inflow_outflow.hpp"
 #include "trevi/scene.hpp"
 
 namespace trevi {
@@ -16,7 +16,7 @@ std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene&
                                                      std::shared_ptr<LiveSound>& live);
 
 /// As make_flow() of trevi/scene.hpp, with the state of a checkpoint.
-std::shared_ptr<OpenFlow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
-                                    std::shared_ptr<LiveSound>& live);
+std::shared_ptr<InflowOutflow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
+                                         std::shared_ptr<LiveSound>& live);
 
 }  // namespace trevi

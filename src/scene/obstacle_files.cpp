@@ -11,7 +11,7 @@
 #include "base/hash.hpp"
 #include "boundary/geometry/closed_mesh.hpp"
 #include "boundary/geometry/shape.hpp"
-#include "boundary/volume_map/solid_map.hpp"
+#include "boundary/volume_map/volume_map.hpp"
 #include "io/frames/mesh_file.hpp"
 #include "parallel/collective.hpp"
 #include "scene/scene_obstacle.hpp"
@@ -21,7 +21,7 @@ namespace trevi {
 namespace {
 
 template <class T>
-void share(MPI_Comm comm, std::vector<T>& rows) {
+void broadcast(MPI_Comm comm, std::vector<T>& rows) {
   auto count = static_cast<std::int64_t>(rows.size());
   MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
   rows.resize(static_cast<std::size_t>(count));
@@ -31,8 +31,8 @@ void share(MPI_Comm comm, std::vector<T>& rows) {
 std::shared_ptr<const TriangleMesh> read_mesh(MPI_Comm comm, const ObstacleSettings& obstacle) {
   auto mesh = std::make_shared<TriangleMesh>();
   on_root(comm, [&] { *mesh = read_mesh_file(obstacle.path); });
-  share(comm, mesh->points);
-  share(comm, mesh->triangles);
+  broadcast(comm, mesh->points);
+  broadcast(comm, mesh->triangles);
   if (const std::string wrong = why_not_closed(*mesh); !wrong.empty())
     throw InputError(obstacle.path + ": the mesh is not closed: " + wrong +
                      "; mend it, or give the sheet a thickness, as only a closed surface has an inside");
@@ -77,9 +77,9 @@ std::int64_t checksum_of(const std::vector<T>& rows) {
 }
 
 void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
-  constexpr Real most_bytes = 1e9;
+  constexpr Real max_bytes = 1e9;
   const Box bounds = bounds_of(obstacle);
-  if (SolidMap::least_bytes(bounds, scene.fluid.kernel_radius) <= most_bytes) return;
+  if (VolumeMap::min_bytes(bounds, scene.fluid.kernel_radius) <= max_bytes) return;
   throw InputError(
       fmt::format("it is {:.3g} m long, and its map would not fit in memory; it need not go on far beyond the box, so "
                   "make it smaller",

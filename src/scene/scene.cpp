@@ -57,13 +57,13 @@ void read_wall_limit(Section& run, Scene& scene) {
 
 void read_instruction_set(Section& run, Scene& scene) {
   const Key key{"instruction_set",
-                "the instruction set of all loops as run.json names it, \"SSE4\", \"AVX2\" or \"AVX3\" for "
+                "the instruction set of all loops as run.json names it, \"SSE4\", \"AVX2\" or \"AVX-512\" for "
                 "instance, or leave it out for the best"};
   std::string name;
   if (!run.text(key, name)) return;
-  const std::vector<std::string> names = instruction_set_names();
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
-    run.refuse(key, fmt::format("must be one that every machine of this run has ({})", fmt::join(names, ", ")));
+  if (!is_instruction_set(name)) {
+    run.refuse(key, fmt::format("must be one that every machine of this run has ({})",
+                                fmt::join(instruction_set_names(), ", ")));
   } else {
     scene.instruction_set = name;
   }
@@ -74,8 +74,8 @@ void read_threads(Section& run, Scene& scene) {
   if (!run.integer({"threads", "the number of threads of each rank; default OMP_NUM_THREADS, or as the cores allow"},
                    threads, 1))
     return;
-  run.check("threads", threads <= most_threads,
-            fmt::format("must be at most {}; leave it out for as many as there are cores", most_threads));
+  run.check("threads", threads <= max_threads,
+            fmt::format("must be at most {}; leave it out for as many as there are cores", max_threads));
   scene.threads = threads;
 }
 

@@ -60,7 +60,7 @@ struct SceneText {
 };
 
 /// The overrides at the end of a text, in order; they are removed from the text.
-std::vector<std::string> take_overrides(SceneText& scene) {
+std::vector<std::string> extract_overrides(SceneText& scene) {
   std::vector<std::string> overrides(static_cast<std::size_t>(scene.overrides));
   for (auto assignment = overrides.rbegin(); assignment != overrides.rend(); ++assignment) {
     if (scene.text.ends_with('\n')) scene.text.pop_back();
@@ -76,7 +76,7 @@ std::vector<std::string> take_overrides(SceneText& scene) {
 
 Values values_of(SceneText scene) {
   Findings findings(scene.path);
-  const std::vector<std::string> overrides = take_overrides(scene);
+  const std::vector<std::string> overrides = extract_overrides(scene);
   const toml::table document = read_document(scene.path, scene.text, overrides, findings);
   findings.throw_if_any();
   Values values;

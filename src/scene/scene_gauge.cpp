@@ -48,14 +48,14 @@ void check_gauges(Section& root, const Scene& scene) {
 void check_gauge_places(const Scene& scene, const FreePlaces& places) {
   for (const GaugeSettings& gauge : scene.gauges) {
     if (!is_pressure(gauge)) continue;
-    const Real share =
-        gauge_share(gauge, scene.fluid.spacing, scene.domain, [&](const Vec3& p) { return places.solid_at(p) >= 0; });
-    if (share >= 0.2) continue;  // in a corner of the box it is a quarter
+    const Real fraction = open_fraction_of_gauge(gauge, scene.fluid.spacing, scene.domain,
+                                                 [&](const Vec3& p) { return places.solid_at(p) >= 0; });
+    if (fraction >= 0.2) continue;  // in a corner of the box it is a quarter
     told_at(scene, gauge.line, "[[gauge]] center", [&] {
       throw InputError(
           fmt::format("({}, {}, {}) is not on a wall or an obstacle with this normal: {:.0f} % of the disc "
                       "has solid behind it and room before it; move it there",
-                      gauge.center.x(), gauge.center.y(), gauge.center.z(), 100 * share));
+                      gauge.center.x(), gauge.center.y(), gauge.center.z(), 100 * fraction));
     });
   }
 }

@@ -12,7 +12,7 @@ namespace trevi {
 namespace {
 
 /// Of a layer; more is taken for a mistake.
-constexpr Real most_places = 100'000'000;
+constexpr Real max_places = 100'000'000;
 
 void only_for(Section& section, const char* key, bool right, const char* words) {
   section.check(key, right || !section.given(key), std::string("is for ") + words + "; leave it out");
@@ -53,8 +53,8 @@ std::optional<InletLattice> lattice_of(Section& section, const Scene& scene, con
   const Real spacing = scene.fluid.spacing;
   if (!known.spacing || !section.fine("radius") || !section.fine("size")) return std::nullopt;
   const bool counts =
-      section.check("center", InletLattice::places_of(inlet, spacing) <= most_places,
-                    fmt::format("the opening has more than {:.0e} places; check the units", most_places));
+      section.check("center", InletLattice::places_of(inlet, spacing) <= max_places,
+                    fmt::format("the opening has more than {:.0e} places; check the units", max_places));
   return counts ? std::optional(InletLattice(inlet, spacing)) : std::nullopt;
 }
 

@@ -113,7 +113,7 @@ void read_obstacle(Section& section, Scene& scene) {
   read_place(section, scene, obstacle);
   read_motion(section, scene, obstacle);
   Real restitution = scene.walls.restitution;
-  section.number({"restitution", "the share of speed kept in a bounce; default that of [walls]"}, restitution,
+  section.number({"restitution", "the fraction of speed kept in a bounce; default that of [walls]"}, restitution,
                  {.low = 0, .high = 1});
   obstacle.restitution = restitution;
   section.number({"friction", "Coulomb's coefficient of friction in a bounce"}, obstacle.friction, at_least(0));

@@ -18,9 +18,9 @@ namespace trevi {
 namespace {
 
 /// A count (of steps, particles) above this is taken for a mistake; it would no longer be exact in a double.
-constexpr Real most_counted = 1e15;
+constexpr Real max_counted = 1e15;
 /// A request to stop is seen between two steps, so a step must not take hours.
-constexpr int most_iterations = 10000;
+constexpr int max_iterations = 10000;
 
 /// With three digits, for messages that name an upper limit.
 std::string rounded_down(Real positive) {
@@ -151,14 +151,13 @@ bool PhysicsReader::check_kernel_radius() {
   if (!fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return false;
   if (!scene_.fluid.kernel_radius.given()) return true;
   const Real h = scene_.fluid.kernel_radius, ratio = h / scene_.fluid.spacing;
-  return fluid_.check("kernel_radius",
-                      ratio >= least_kernel_ratio - rounding && ratio <= largest_kernel_ratio + rounding,
+  return fluid_.check("kernel_radius", ratio >= min_kernel_ratio - rounding && ratio <= largest_kernel_ratio + rounding,
                       fmt::format("must be {} to {} times the spacing {} m, got {} m; give about twice the spacing",
-                                  least_kernel_ratio, largest_kernel_ratio, scene_.fluid.spacing, h));
+                                  min_kernel_ratio, largest_kernel_ratio, scene_.fluid.spacing, h));
 }
 
 void PhysicsReader::check_cells() {
-  constexpr Real most_cells = 1e6, most_cells_in_plane = 2e9;
+  constexpr Real max_cells = 1e6, max_cells_in_plane = 2e9;
   if (!box_known()) return;
   const Real h = scene_.fluid.kernel_radius;
   const Vec3 extent = scene_.domain.max - scene_.domain.min;
@@ -168,11 +167,11 @@ void PhysicsReader::check_cells() {
                                 "refine",
                                 extent.minCoeff(), h, origin)))
     return;
-  domain_.check("max", extent.maxCoeff() <= most_cells * h,
+  domain_.check("max", extent.maxCoeff() <= max_cells * h,
                 fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
                             extent.maxCoeff(), h));
   const Real cells = extent[1 - scene_.slab_axis] * extent.z() / (h * h);
-  domain_.check("max", cells < most_cells_in_plane,
+  domain_.check("max", cells < max_cells_in_plane,
                 fmt::format("a plane across the slab axis has {:.3g} cells of the kernel radius {} m, where 2e9 can be "
                             "counted; make the box smaller, or take another slab_axis",
                             cells, h));
@@ -231,7 +230,7 @@ void PhysicsReader::read_block(Section& section, ParticleSource& source) {
   const Vec3 counts = (extent / spacing).array().round();
   section.check("max", counts.minCoeff() >= 1,
                 fmt::format("zero particles: the block is thinner than half the spacing {} m; enlarge it", spacing));
-  section.check("max", counts.prod() <= most_counted,
+  section.check("max", counts.prod() <= max_counted,
                 fmt::format("{:.1e} particles are too many; check the units, or coarsen the spacing", counts.prod()));
 }
 
@@ -247,7 +246,7 @@ void PhysicsReader::read_time() {
   dt_known_ = time.fine("dt");
   if (dt_known_) {
     const Real steps = scene_.end / scene_.dt;
-    time.check("end", steps <= most_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
+    time.check("end", steps <= max_counted, fmt::format("{:.1e} steps are too many; check end and dt", steps));
     time.check("end", scene_.end == 0 || steps >= 0.5,
                fmt::format("{} s is shorter than half a step of {} s, so nothing would move; give a later end or a "
                            "smaller dt, or end = 0 for the start alone",
@@ -263,8 +262,8 @@ void PhysicsReader::read_density(Section& section) {
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
   section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
                   density.iterations, 1);
-  section.check("iterations", density.iterations <= most_iterations,
-                fmt::format("must be at most {}; a step of more would hardly end", most_iterations));
+  section.check("iterations", density.iterations <= max_iterations,
+                fmt::format("must be at most {}; a step of more would hardly end", max_iterations));
   Real tolerance = 0;
   if (section.number({"tolerance", "the mean compression to stop at; default: never stop early"}, tolerance, above(0)))
     density.tolerance = tolerance;
@@ -293,7 +292,7 @@ void PhysicsReader::read_density(Section& section) {
 void PhysicsReader::read_walls() {
   Section section = root_.child("walls");
   WallSettings& walls = scene_.walls;
-  section.number({"restitution", "the share of speed kept in a bounce"}, walls.restitution, {.low = 0, .high = 1});
+  section.number({"restitution", "the fraction of speed kept in a bounce"}, walls.restitution, {.low = 0, .high = 1});
   section.choice<WallDensity>({"density", "what the fluid feels of a wall"}, walls.density,
                               {{"none", WallDensity::none}, {"analytic", WallDensity::analytic}});
   section.choice<Reflection>({"reflection", "what restitution scales: the normal part, or all as in the report"},
@@ -336,12 +335,13 @@ void PhysicsReader::read_vorticity() {
 
 void PhysicsReader::read_viscosity(Section& section) {
   Real c = scene_.viscosity.value_or(0.001), nu = 0;
-  section.number({"c", "the XSPH viscosity in m³/kg, a share per step; default 0.001 where nu is absent"}, c,
+  section.number({"c", "the XSPH viscosity in m³/kg, a fraction per step; default 0.001 where nu is absent"}, c,
                  at_least(0));
   section.number({"nu", "the kinematic viscosity in m²/s, the same for any dt and spacing, in place of c"}, nu,
                  at_least(0));
-  section.check("nu", !section.given("c") || !section.given("nu"),
-                "c is given, too; keep nu (m²/s, the same for any dt and spacing) or c (a share per step), not both");
+  section.check(
+      "nu", !section.given("c") || !section.given("nu"),
+      "c is given, too; keep nu (m²/s, the same for any dt and spacing) or c (a fraction per step), not both");
   section.flag({"no_slip", "whether walls and obstacles hold the water that touches them; with nu"}, scene_.no_slip);
   section.check("no_slip", !scene_.no_slip || section.given("nu"), "is for a viscosity in m²/s; give nu, too");
   if (section.given("nu")) {
@@ -364,8 +364,8 @@ void PhysicsReader::check_viscosity(Section& section) {
                            c, fluid.rest_density));
   }
   if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
-  constexpr int most_parts = 1000;  // of a step; more is taken for a mistake
-  const int parts = scene_.cfl > 0 ? most_parts : 1;
+  constexpr int max_parts = 1000;  // of a step; more is taken for a mistake
+  const int parts = scene_.cfl > 0 ? max_parts : 1;
   const Real nu = *scene_.kinematic_viscosity;
   const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²
   if (nu * scene_.dt <= largest * (1 + 1e-9)) return;

@@ -31,8 +31,8 @@ Vec3 direction_of(GlobalId a, GlobalId b) {
 
 template <class T>
 DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
-                                  const Surroundings& around)
-    : comm_(comm), near_(near), constraint_(constraint), around_(around) {}
+                                  Boundary& boundary)
+    : comm_(comm), near_(near), constraint_(constraint), boundary_(boundary) {}
 
 template <class T>
 void DensityProblem<T>::start(Particles& particles, Real dt) {
@@ -76,35 +76,19 @@ void DensityProblem<T>::compute_delta() {
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
-  if (around_.wrap != nullptr) return collide_in_periods(part, relaxation);
-  Obstacles* const obstacles = around_.obstacles;
-  const Box& box = around_.walls.box();
   constexpr LocalId part_size = 512;
   for_each_part(part, part_size, [&](Range few) {
     const auto first = static_cast<std::size_t>(few.begin);
     const std::span<Vec3> p(&particles_->predicted[first], static_cast<std::size_t>(few.size()));
     Packed<T>* const records = &near_.record(few.begin);
-    const Box open = obstacles != nullptr ? obstacles->open_box(p) : box;
     std::array<LocalId, part_size> left;
-    const Shift<T> shift{open, obstacles == nullptr, near_.encoding(), relaxation};
+    const Shift<T> shift{boundary_.open_box(p), boundary_.is_open_inside(), near_.encoding(), relaxation};
     const std::size_t count = move_particles<T>(shift, &delta_[first], {p, records}, left.data());
     for (std::size_t k = 0; k < count; ++k) {
       const auto i = static_cast<std::size_t>(left[k]);
-      const Vec3 way = relaxation * vector_of(delta_[first + i]);
-      p[i] = obstacles != nullptr ? obstacles->collide(p[i], way) : around_.walls.collide(p[i], way);
+      p[i] = boundary_.collide(p[i], relaxation * vector_of(delta_[first + i]));
       records[i] = near_.encoding()(p[i], T{0});
     }
-  });
-}
-
-template <class T>
-void DensityProblem<T>::collide_in_periods(Range part, Real relaxation) {
-  const Wrap& wrap = *around_.wrap;
-  set_positions(part, [&](LocalId i) {
-    const Vec3& p = particles_->predicted[static_cast<std::size_t>(i)];
-    const Vec3 shift = relaxation * delta(i);
-    if (around_.obstacles != nullptr) return wrap.moved_to(p, around_.obstacles->collide(p, shift));
-    return wrap.moved(p, around_.walls.collide(wrap.without_place(p), shift));
   });
 }
 
@@ -128,7 +112,7 @@ void DensityProblem<T>::set_velocities() {
     x[i] = p[i];
   });
   positions_only_ = true;
-  if (around_.obstacles != nullptr) around_.obstacles->record_impulses(false);
+  if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(false);
 }
 
 template <class T>
@@ -200,14 +184,15 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
   positions_only_ = false;
-  if (around_.obstacles != nullptr) around_.obstacles->record_impulses(true);
+  if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
 }
 
 // The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so
 // only pairs within a cell are tested. Later iterations push them further apart, as soon as the pair has a direction.
 template <class T>
 void DensityProblem<T>::separate_coincident() {
-  if (near_.list().crowded() >= 0) return;  // the test of all pairs in a crowded cell would take too long
+  if (near_.list().first_overfull_particle() >= 0)
+    return;  // the test of all pairs in a first_overfull_particle cell would take too long
   const std::vector<Vec3>& p = particles_->predicted;
   const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
   const auto part = [&](std::size_t i, std::size_t j) {

@@ -14,8 +14,7 @@
 #include <array>
 
 #include "base/threads.hpp"
-#include "boundary/walls.hpp"
-#include "boundary/wrap.hpp"
+#include "boundary/boundary.hpp"
 #include "domain/neighbourhood.hpp"
 #include "fluid/constraint/density.hpp"
 #include "projection/projection.hpp"
@@ -33,14 +32,7 @@ struct Compression {
 template <class T>
 class DensityProblem {
  public:
-  /// What shifts meet; there may be no obstacles and no periodic axes.
-  struct Surroundings {
-    const Walls& walls;
-    Obstacles* obstacles;
-    const Wrap* wrap;
-  };
-  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
-                 const Surroundings& around);
+  DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, Boundary& boundary);
 
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
@@ -85,13 +77,13 @@ class DensityProblem {
   /// Of the substep, s.
   Real dt() const { return dt_; }
   /// Null where there are none.
-  const Obstacles* obstacles() const { return around_.obstacles; }
+  const Obstacles* obstacles() const { return boundary_.obstacles(); }
   /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
-  std::vector<Taken> taken() const { return around_.obstacles->toll().total(comm_); }
+  std::vector<TotalImpulse> taken() const { return boundary_.obstacles()->ledger().total(comm_); }
   /// What pressed on the gauges of pressure in this step, m² (PressureGauges); as taken().
-  std::vector<Real> pressed() const { return around_.obstacles->gauges().total(comm_); }
+  std::vector<Real> pressed() const { return boundary_.obstacles()->gauges().total(comm_); }
   const DensityModel& model() const { return constraint_.model(); }
-  const Walls& walls() const { return around_.walls; }
+  const Walls& walls() const { return boundary_.walls(); }
   Particles& particles() { return *particles_; }
   std::span<const Real> density() const { return rho_; }
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
@@ -105,7 +97,6 @@ class DensityProblem {
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
   using UseLambda = std::function<void(Range here, const T* multipliers)>;
-  void collide_in_periods(Range part, Real relaxation);
   void find_lambda(Range part, const UseLambda& use);
   void set_multipliers(Range part);
   void note_sweep();
@@ -115,11 +106,11 @@ class DensityProblem {
   MPI_Comm comm_;
   Neighbourhood<T>& near_;
   const DensityConstraint<T>& constraint_;
-  Surroundings around_;
+  Boundary& boundary_;
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
-  std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' shares
+  std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' contributions
   std::vector<T> multiplier_;   // m², as in the records
   bool positions_only_ = false;
   std::vector<T> act_;           // how far the grid acts on each particle

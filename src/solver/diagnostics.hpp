@@ -17,7 +17,7 @@ namespace trevi {
 struct DiagnosticsInput {
   const Particles& particles;
   std::span<const Real> density;  ///< kg/m³
-  Real drift = 0;                 ///< longest way of an owned particle since the list was built, m
+  Real drift = 0;                 ///< longest displacement of an owned particle since the list was built, m
   const CellOrder& order;
   const NeighbourList& list;
 };

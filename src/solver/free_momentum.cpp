@@ -11,7 +11,8 @@ namespace trevi {
 
 namespace {
 
-// How far from a wall its share of the density reaches, in units of h; this is the largest value, at h = 1.2 spacings.
+// How far from a wall its contribution to the density reaches, in units of h; this is the largest value, at h = 1.2
+// spacings.
 constexpr Real wall_reach = 1.25;
 
 }  // namespace

@@ -18,9 +18,9 @@ std::string text_of(const Vec3& p) { return fmt::format("({}, {}, {})", p.x(), p
 }  // namespace
 
 Guard::Guard(MPI_Comm comm, const Particles& particles, std::function<RequestCounts()> requests)
-    : comm_(comm), ballot_(comm), ask_(std::move(requests)), start_(ballot_.count(vote_of(particles.id))) {}
+    : comm_(comm), consensus_(comm), ask_(std::move(requests)), start_(consensus_.count(state_of(particles.id))) {}
 
-void Guard::expect(const Vote& change) {
+void Guard::expect(const StepState& change) {
   start_.particles += change.particles;
   start_.ids += change.ids;
   start_.squares += change.squares;
@@ -45,17 +45,17 @@ void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_
 }
 
 void Guard::agree(const Particles& particles, std::int64_t step) {
-  Vote mine = vote_of(particles.id);
+  StepState mine = state_of(particles.id);
   mine.failures = failure_.empty() ? 0 : 1;
   if (ask_) mine.requests = ask_();
-  const Vote now = ballot_.count(mine);
+  const StepState now = consensus_.count(mine);
   requests_ = now.requests;
   if (now.failures > 0) throw BlowUp(first_text(comm_, failure_));
   const std::string wrong = lost_or_doubled(now);
   if (!wrong.empty()) throw BlowUp(fmt::format("step {}: {}", step, wrong));
 }
 
-std::string Guard::lost_or_doubled(const Vote& now) const {
+std::string Guard::lost_or_doubled(const StepState& now) const {
   const auto more = static_cast<std::int64_t>(now.particles - start_.particles);
   const std::uint64_t difference = now.ids - start_.ids;
   if (more == 0 && difference == 0 && now.squares == start_.squares) return {};

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "boundary/walls.hpp"
-#include "parallel/vote.hpp"
+#include "parallel/step_consensus.hpp"
 #include "trevi/particles.hpp"
 
 namespace trevi {
@@ -19,10 +19,10 @@ class Guard {
   Guard(MPI_Comm comm, const Particles& particles, std::function<RequestCounts()> requests);
 
   /// Counts again after particles were added or removed. Collective.
-  void recount(const Particles& particles) { start_ = ballot_.count(vote_of(particles.id)); }
+  void recount(const Particles& particles) { start_ = consensus_.count(state_of(particles.id)); }
 
   /// From now on there are more particles than before, or fewer, by what this counts, over all ranks.
-  void expect(const Vote& change);
+  void expect(const StepState& change);
 
   /// Notes a failure; only the first one of a rank is reported. `step` counts from 1.
   void note(std::int64_t step, const std::string& failure);
@@ -39,12 +39,12 @@ class Guard {
   const RequestCounts& requests() const { return requests_; }
 
  private:
-  std::string lost_or_doubled(const Vote& now) const;
+  std::string lost_or_doubled(const StepState& now) const;
 
   MPI_Comm comm_;
-  Ballot ballot_;
+  StepConsensus consensus_;
   std::function<RequestCounts()> ask_;
-  Vote start_;
+  StepState start_;
   std::string failure_;
   RequestCounts requests_{};
 };

@@ -6,9 +6,8 @@
 #include <limits>
 
 #include "boundary/geometry/periods.hpp"
-#include "boundary/obstacles/obstacle_motion.hpp"
 #include "domain/migrate.hpp"
-#include "fluid/filters/momentum_keeper.hpp"
+#include "fluid/filters/momentum_conserving.hpp"
 #include "fluid/filters/no_slip.hpp"
 #include "fluid/filters/vorticity_confinement.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
@@ -39,20 +38,20 @@ std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
 
 template <class T>
 std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& settings, const DensityModel& model,
-                                                             const SolverParts<T>& parts) {
+                                                             MPI_Comm comm, const Box& walls,
+                                                             const std::shared_ptr<Obstacles>& obstacles) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   const auto velocity = std::make_shared<VelocityField<T>>();
   if (settings.vorticity)
     filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
-    filters.back() = std::make_unique<MomentumKeeper<T>>(*parts.comm, std::move(filters.back()));
+    filters.back() = std::make_unique<MomentumConserving<T>>(comm, std::move(filters.back()));
   if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
   if (settings.kinematic_viscosity)
     filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, settings.fluid.spacing,
                                                               model.h, velocity));
   if (settings.no_slip)
-    filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, parts.walls->box(),
-                                                  parts.obstacles));
+    filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, walls, obstacles));
   return filters;
 }
 
@@ -97,7 +96,7 @@ Settings checked_and_resolved(const Settings& settings) {
   constexpr Real rounding = 1e-9;
   const FluidSettings& fluid = settings.fluid;
   demand(fluid.spacing > 0 && fluid.rest_density > 0, "fluid.spacing and rest_density must be positive");
-  demand(!fluid.kernel_radius.given() || (fluid.kernel_radius >= (least_kernel_ratio - rounding) * fluid.spacing &&
+  demand(!fluid.kernel_radius.given() || (fluid.kernel_radius >= (min_kernel_ratio - rounding) * fluid.spacing &&
                                           fluid.kernel_radius <= (largest_kernel_ratio + rounding) * fluid.spacing),
          "fluid.kernel_radius must be 1.2 to 4 times the spacing");
   Settings all = resolved(settings);
@@ -115,7 +114,7 @@ Settings checked_and_resolved(const Settings& settings) {
          "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
   demand(all.density.method != Method::anderson || all.obstacles.empty(),
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
-  all.domain = Wrap::fitted(all.domain, all.periodic, h);
+  all.domain = PeriodicDomain::fitted(all.domain, all.periodic, h);
   demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
   demand(!all.no_slip || all.kinematic_viscosity, "no_slip needs a kinematic_viscosity");
   demand(!all.kinematic_viscosity || all.cfl > 0 ||
@@ -124,29 +123,36 @@ Settings checked_and_resolved(const Settings& settings) {
   return all;
 }
 
+std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {
+  if (settings.obstacles.empty()) return nullptr;
+  auto obstacles = std::make_shared<Obstacles>(settings, walls, make_wall_density(settings));
+  obstacles->move(time, time);
+  return obstacles;
+}
+
+std::optional<PeriodicDomain> make_periodic(const Settings& settings, const Vec3& first) {
+  if (settings.periodic == std::array<bool, 3>{}) return std::nullopt;
+  return PeriodicDomain(settings.domain, settings.periodic, first);
+}
+
 template <class T>
 void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const DensityModel model = density_model(settings);
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
-  const Box walls = box_of_walls(settings.domain, settings.periodic);
-  parts.walls = std::make_unique<Walls>(walls, settings.walls, 1e-6 * model.h);
-  if (settings.periodic != std::array<bool, 3>{}) parts.wrap.emplace(settings.domain, settings.periodic, parts.box.min);
-  if (!settings.obstacles.empty()) {
-    parts.obstacles = std::make_shared<Obstacles>(settings, *parts.walls, make_wall_density(settings));
-    parts.obstacles->move(parts.clock.time(), parts.clock.time());
-    parts.forcings.push_back(std::make_unique<ObstacleMotion>(parts.obstacles));
-  }
+  const Walls walls(box_of_walls(settings.domain, settings.periodic), settings.walls, 1e-6 * model.h);
+  const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
+  parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
   parts.constraint =
-      std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), parts.obstacles);
+      std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.density_solver = make_density_solver<T>(
-      settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, parts.obstacles.get()});
-  parts.filters = make_filters<T>(settings, model, parts);
+      settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get()});
+  parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       *parts.comm, model,
-      DiagnosticsSum::Surroundings{settings.domain, walls, lattice_neighbours(spacing, model.h), gravity});
+      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(spacing, model.h), gravity});
 }
 
 template <class T>
@@ -157,7 +163,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   check_inside(*parts.comm, settings, parts.particles);
   if (settings.obstacles.empty() && !extras.flow)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
-  parts.box = Wrap::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
+  parts.box = PeriodicDomain::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
   demand(settings.domain.contains(parts.box.min) && (parts.box.min.array() < settings.domain.max.array()).all(),
          "the first cell must be in the box");
   parts.grid = std::make_unique<CellGrid>(cell_grid(settings, parts.box));
@@ -165,9 +171,9 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   parts.slabs = std::make_unique<Slabs>(
       first_slabs(settings, *parts.grid, plane_weights(*parts.comm, *parts.grid, parts.particles), size_of(comm)));
   migrate(*parts.comm, parts.particles, &Particles::position, *parts.grid, *parts.slabs);
-  constexpr Real least_gain = 0.01;
+  constexpr Real min_gain = 0.01;
   parts.balance = std::make_unique<Balance>(
-      *parts.comm, settings.slabs == SlabCuts::balanced ? least_gain : std::numeric_limits<Real>::max());
+      *parts.comm, settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.requests = std::move(extras.requests);
   parts.observers = std::move(extras.observers);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 
 #include "base/threads.hpp"
@@ -21,18 +22,18 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
-      problem_(*parts_.comm, near_, *parts_.constraint,
-               {*parts_.walls, parts_.obstacles.get(), parts_.wrap ? &*parts_.wrap : nullptr}),
+      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(), parts_.first_cell},
                 std::move(parts_.observers), *parts_.diagnostics) {}
 
 template <class T>
 void PbfSolver<T>::start() {
-  wrap_positions();
+  const Boundary& boundary = *parts_.boundary;
+  boundary.wrap_positions(parts_.particles);
   parts_.particles.predicted = parts_.particles.position;
-  wrap_predicted();
-  find_neighbours(Velocities::kept);
-  wrap_positions();
+  boundary.wrap_predicted(parts_.particles);
+  find_neighbours(Velocities::preserve);
+  boundary.wrap_positions(parts_.particles);
   problem_.start(parts_.particles, parts_.clock.dt);
   guard_.agree(parts_.particles, 0);
   reporter_.observe();
@@ -44,8 +45,8 @@ void PbfSolver<T>::step() {
   {
     const Stopwatch::Lap lap(reporter_.stopwatch());
     reporter_.begin_step();
-    prepare_forcings();
-    clock.substeps = parts_.substep_rule.substeps(*parts_.comm, clock, parts_.particles, parts_.forcings);
+    prepare_step();
+    clock.substeps = parts_.substep_rule.substeps(*parts_.comm, clock, parts_.particles, fastest_pushed());
     const Real dt = clock.dt / clock.substeps;
     for (int k = 0; k < clock.substeps; ++k) {
       if (k > 0) migrate_particles(&Particles::position);
@@ -62,25 +63,38 @@ void PbfSolver<T>::step() {
 // Algorithm 1 of Macklin & Müller 2013, with its line numbers, for one of the equal parts of a step.
 template <class T>
 void PbfSolver<T>::substep(const StepInfo& info) {
-  exchange_water(info);                      //     what drains take and inlets bring
-  apply_forcings(info);                      //  2
+  exchange_water(info);  //     what drains take and inlets bring
+  apply_forcings(info);  //  2
+  parts_.boundary->move(info.time, info.time + info.dt);
   predict_positions(info.dt);                //  3
   migrate_particles(&Particles::predicted);  //     ownership follows p*
-  find_neighbours(Velocities::overwritten);  //  5 to 7: order, ghosts, lists, all unchanged until 22
+  find_neighbours(Velocities::discard);      //  5 to 7: order, ghosts, lists, all unchanged until 22
   reporter_.note_search(info.substep);
   problem_.start(parts_.particles, info.dt);
   const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
   reporter_.note_solution(result);
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
-  apply_velocity_filters(info.dt);  // 22
-  vote_on_failures();               //     all ranks throw, or none
-  accept_positions();               // 23
+  apply_velocity_filters(info.dt);                                            // 22
+  vote_on_failures();                                                         //     all ranks throw, or none
+  accept_positions();                                                         // 23
 }
 
 template <class T>
-void PbfSolver<T>::prepare_forcings() {
+void PbfSolver<T>::prepare_step() {
   const Clock& clock = parts_.clock;
+  parts_.boundary->begin_step();
   for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
+}
+
+// Of what forcings and moving obstacles give to the water in the step that begins now, m/s.
+template <class T>
+Real PbfSolver<T>::fastest_pushed() const {
+  Clock next = parts_.clock;
+  ++next.step;
+  const TimeSpan span{parts_.clock.time(), next.time()};
+  Real fastest = parts_.boundary->fastest(span.begin, span.end);
+  for (const auto& forcing : parts_.forcings) fastest = std::max(fastest, forcing->fastest(span));
+  return fastest;
 }
 
 template <class T>
@@ -93,69 +107,19 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
   for (const auto& forcing : parts_.forcings) forcing->apply(parts_.particles, info);
 }
 
+// Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
 template <class T>
 void PbfSolver<T>::predict_positions(Real dt) {
   const ScopedEvent timed(predict_event_);
-  if (parts_.wrap) {
-    predict_in_periods(dt);
-  } else if (parts_.obstacles) {
-    predict_each([&, dt](const Vec3& p, const Vec3& v) { return parts_.obstacles->predict(p, v, dt); });
-  } else {
-    predict_each([&, dt](const Vec3& p, const Vec3& v) { return parts_.walls->predict(p, v, dt); });
-  }
-}
-
-// New particles may be between the multiples of the quantum.
-template <class T>
-void PbfSolver<T>::predict_in_periods(Real dt) {
-  const Wrap& wrap = *parts_.wrap;
   Particles& particles = parts_.particles;
-  for_each_index({0, particles.size()},
-                 [&](std::size_t i) { particles.position[i] = wrap.rounded(particles.position[i]); });
-  if (parts_.obstacles) {
-    predict_each(
-        [&, dt](const Vec3& p, const Vec3& v) { return wrap.moved_to(p, parts_.obstacles->predict(p, v, dt)); });
-  } else {
-    predict_each([&, dt](const Vec3& p, const Vec3& v) {
-      return wrap.moved(p, parts_.walls->predict(wrap.without_place(p), v, dt));
-    });
-  }
-}
-
-template <class T>
-template <class Predict>
-void PbfSolver<T>::predict_each(const Predict& predict) {
-  Particles& particles = parts_.particles;
-  // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
+  Boundary& boundary = *parts_.boundary;
+  boundary.round_positions(particles);  // new particles may be between the multiples of the quantum
   const LocalId lost = first_index({0, particles.size()}, [&](std::size_t i) {
-    particles.predicted[i] = predict(particles.position[i], particles.velocity[i]);
-    return !parts_.walls->inside(particles.predicted[i]);
+    particles.predicted[i] = boundary.predict(particles.position[i], particles.velocity[i], dt);
+    return !boundary.walls().inside(particles.predicted[i]);
   });
   if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);
-  wrap_predicted();
-}
-
-// With the place where the particle started, as velocities come from the way between.
-template <class T>
-void PbfSolver<T>::wrap_predicted() {
-  if (!parts_.wrap) return;
-  Particles& particles = parts_.particles;
-  for_each_index({0, particles.size()}, [&](std::size_t i) {
-    const Vec3 back = parts_.wrap->in_order(particles.predicted[i]);
-    particles.predicted[i] += back;
-    particles.position[i] += back;
-  });
-}
-
-template <class T>
-void PbfSolver<T>::wrap_positions() {
-  if (!parts_.wrap) return;
-  Particles& particles = parts_.particles;
-  for_each_index({0, particles.size()}, [&](std::size_t i) {
-    Vec3& p = particles.position[i];
-    p = parts_.wrap->rounded(p);
-    p += parts_.wrap->back(p);
-  });
+  boundary.wrap_predicted(particles);
 }
 
 template <class T>
@@ -167,13 +131,14 @@ void PbfSolver<T>::migrate_particles(std::vector<Vec3> Particles::*position) {
 template <class T>
 void PbfSolver<T>::find_neighbours(Velocities velocities) {
   const int rank = rank_of(*parts_.comm);
-  near_.rebuild(parts_.particles, {parts_.slabs->first_plane(rank), parts_.slabs->last_plane(rank)}, velocities);
-  if (const LocalId i = near_.list().crowded(); i >= 0) {  // on this rank alone: thrown when all ranks vote
+  near_.rebuild(parts_.particles, {parts_.slabs->first_plane(rank), parts_.slabs->end_plane(rank)}, velocities);
+  if (const LocalId i = near_.list().first_overfull_particle();
+      i >= 0) {  // on this rank alone: thrown when all ranks vote
     guard_.note(
         parts_.clock.step + 1,
         fmt::format("particle {} has more than {} neighbours: the water has collapsed into a point; use a smaller dt, "
                     "time.cfl, or under-relaxation",
-                    parts_.particles.id[static_cast<std::size_t>(i)], NeighbourList::most_neighbours));
+                    parts_.particles.id[static_cast<std::size_t>(i)], NeighbourList::max_neighbours));
   }
 }
 
@@ -193,7 +158,7 @@ void PbfSolver<T>::apply_velocity_filters(Real dt) {
 template <class T>
 void PbfSolver<T>::vote_on_failures() {
   const std::int64_t step = parts_.clock.step + 1;
-  guard_.check(parts_.particles, *parts_.walls, step);
+  guard_.check(parts_.particles, parts_.boundary->walls(), step);
   guard_.agree(parts_.particles, step);
 }
 
@@ -201,7 +166,7 @@ template <class T>
 void PbfSolver<T>::accept_positions() {
   Particles& particles = parts_.particles;
   for_each_index({0, particles.size()}, [&](std::size_t i) { particles.position[i] = particles.predicted[i]; });
-  wrap_positions();
+  parts_.boundary->wrap_positions(particles);
 }
 
 template <class T>

@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "boundary/wrap.hpp"
+#include "boundary/boundary.hpp"
 #include "domain/balance.hpp"
 #include "fluid/filters/velocity_filter.hpp"
 #include "solver/guard.hpp"
-#include "solver/open_flow.hpp"
+#include "solver/inflow_outflow.hpp"
 #include "solver/reporter.hpp"
 #include "solver/substep_rule.hpp"
 #include "trevi/solver.hpp"
@@ -40,12 +40,10 @@ struct SolverParts {
   std::unique_ptr<CellGrid> grid;
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
-  std::unique_ptr<Walls> walls;
-  std::shared_ptr<Obstacles> obstacles;  ///< null where there are none
-  std::optional<Wrap> wrap;              ///< where the box is periodic
+  std::unique_ptr<Boundary> boundary;
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
-  std::shared_ptr<OpenFlow> flow;  ///< may be null
+  std::shared_ptr<InflowOutflow> flow;  ///< may be null
   std::vector<std::unique_ptr<Forcing>> forcings;
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   std::vector<std::unique_ptr<Observer>> observers;
@@ -76,22 +74,18 @@ class PbfSolver : public Solver {
   const FlowState* flow() const override { return parts_.flow ? &parts_.flow->state() : nullptr; }
 
  private:
-  void prepare_forcings();
+  void prepare_step();
+  Real fastest_pushed() const;
   void exchange_water(const StepInfo& info);
   void substep(const StepInfo& info);
   // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);
   void predict_positions(Real dt);
-  void predict_in_periods(Real dt);
-  template <class Predict>
-  void predict_each(const Predict& predict);
   void migrate_particles(std::vector<Vec3> Particles::*position);
   void find_neighbours(Velocities velocities);
   void update_velocities(Real dt);
   void apply_velocity_filters(Real dt);
   void vote_on_failures();
-  void wrap_predicted();
-  void wrap_positions();
   void accept_positions();
 
   SolverParts<T> parts_;

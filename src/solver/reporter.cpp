@@ -73,7 +73,7 @@ void Reporter<T>::find_forces() {
   require(obstacles != nullptr, "forces without obstacles");
   const Real per = obstacles->water_mass() * clock.substeps / (clock.dt * clock.dt);
   forces_.clear();
-  for (const Taken& taken : state_.problem.taken()) forces_.push_back({-per * taken.shift, -per * taken.moment});
+  for (const TotalImpulse& taken : state_.problem.taken()) forces_.push_back({-per * taken.shift, -per * taken.moment});
   pressures_ = state_.problem.pressed();
   for (Real& one : pressures_) one *= state_.problem.model().rest_density * clock.substeps / (clock.dt * clock.dt);
 }

@@ -8,15 +8,11 @@
 
 namespace trevi {
 
-int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& particles,
-                          const std::vector<std::unique_ptr<Forcing>>& forcings) const {
+int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& particles, Real fastest_pushed) const {
   if (cfl <= 0) return 1;
   const Real dt = clock.dt, g = gravity.norm();
   const Real v2 = largest({0, particles.size()}, 0, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
-  Real v = std::sqrt(max_over_ranks(comm, v2));
-  Clock next = clock;
-  ++next.step;
-  for (const auto& forcing : forcings) v = std::max(v, forcing->fastest({clock.time(), next.time()}));
+  const Real v = std::max(std::sqrt(max_over_ranks(comm, v2)), fastest_pushed);
   const Real by_speed = dt * v / (cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
   const Real parts = std::max({by_speed, by_gravity, dt / longest});

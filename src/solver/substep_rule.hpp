@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "trevi/clock.hpp"
-#include "trevi/forcing.hpp"
+#include "trevi/particles.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
@@ -16,10 +16,9 @@ struct SubstepRule {
   Vec3 gravity = Vec3::Zero();  ///< m/s²
   Real longest = INFINITY;      ///< s, the longest step that viscosity allows
 
-  /// Number of substeps of the step that begins now; pumps that start within it count. Throws BlowUp on all ranks alike
-  /// where more than a million would be needed.
-  int substeps(MPI_Comm comm, const Clock& clock, const Particles& particles,
-               const std::vector<std::unique_ptr<Forcing>>& forcings) const;
+  /// Number of substeps of the step that begins now; `fastest_pushed`, m/s, is what pumps and obstacles will give to
+  /// particles within it. Throws BlowUp on all ranks alike where more than a million would be needed.
+  int substeps(MPI_Comm comm, const Clock& clock, const Particles& particles, Real fastest_pushed) const;
 };
 
 }  // namespace trevi

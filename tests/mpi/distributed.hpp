@@ -41,7 +41,7 @@ struct Distributed {
   void rebuild(const Cloud& all) {
     particles = particles_of(all);
     migrate(world, particles, &Particles::predicted, grid, slabs);
-    near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world))});
+    near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
     id = with_ghosts(particles.id);
   }
 

@@ -156,10 +156,10 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     }
     return false;
   }
-  Real returned(const Cell& c, Real return_share) const {
+  Real returned(const Cell& c, Real return_fraction) const {
     const Real less = (*fill_)[c] - 1;
     if (closed_ || (less < 0 && may_swell(c))) return 0;
-    if (upright()) return return_share * (is_top(c) ? std::min(1.0, 2 * (*fill_)[c + unit(2)]) : 1) * less;
+    if (upright()) return return_fraction * (is_top(c) ? std::min(1.0, 2 * (*fill_)[c + unit(2)]) : 1) * less;
     Vec3 way = Vec3::Zero();  // of the water of the cell, in cells
     const std::vector<std::size_t>& here = (*members_)[c];
     for (const std::size_t i : here) way += particles_[i].way.cwiseQuotient(size_) / static_cast<Real>(here.size());
@@ -168,16 +168,16 @@ class ReferenceProjection : ReferenceParticlesToGrid {
 
   /// Of a column that stands on the floor: what water at rest would have below its surface, or below the ceiling where
   /// there is no surface at all.
-  void start_at_rest(Real fall) {
+  void set_hydrostatic_guess(Real g_dt2) {
     for_each_cell([&](const Cell& c) {
       Cell top = c;
       for (Cell below = c; below.z() >= 0; below -= unit(2))
         if (!wet(below)) return;
       while (top.z() < count_.z() && !is_top(top)) top += unit(2);
       if (top.z() < count_.z()) {
-        (*phi_)[c] = -fall * size_.z() * (above_middle(top) + top.z() - c.z());
+        (*phi_)[c] = -g_dt2 * size_.z() * (above_middle(top) + top.z() - c.z());
       } else if (closed_) {
-        (*phi_)[c] = -fall * size_.z() * (count_.z() - 0.5 - c.z());
+        (*phi_)[c] = -g_dt2 * size_.z() * (count_.z() - 0.5 - c.z());
       }
     });
   }
@@ -202,15 +202,15 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return level;
   }
 
-  void solve(Real fall, Real return_share) {
+  void solve(Real g_dt2, Real return_fraction) {
     phi_.emplace(cells_, 0);
-    if (upright()) start_at_rest(fall);
+    if (upright()) set_hydrostatic_guess(g_dt2);
     const ReferenceMultigrid::Level level = equation();
     Eigen::VectorXd phi(level.matrix.rows()), right(level.matrix.rows());
     for (Eigen::Index i = 0; i < phi.size(); ++i) {
       const Cell& c = level.cells[static_cast<std::size_t>(i)];
       phi[i] = (*phi_)[c];
-      right[i] = divergence(c) - returned(c, return_share);
+      right[i] = divergence(c) - returned(c, return_fraction);
     }
     ReferenceMultigrid(cells_, depth(), closed_).solve(level, phi, right, closed_ ? 6 : 3);
     const Real origin = closed_ && phi.size() > 0 ? phi.maxCoeff() : 0;

@@ -11,7 +11,7 @@
 namespace trevi::test {
 namespace {
 
-constexpr Real least_gain = 0.01;
+constexpr Real min_gain = 0.01;
 
 /// A cloud that is denser towards one end of the slab axis, and its mirror image: the water that has sloshed over.
 Cloud lopsided(bool mirrored) {
@@ -42,7 +42,7 @@ std::vector<LocalId> cuts_of(const Slabs& slabs) {
 
 TEST(Balance, CutsFollowTheWater) {
   Distributed<float> d(lopsided(false));
-  Balance balance(world, least_gain);
+  Balance balance(world, min_gain);
   for (const bool mirrored : {false, true}) {
     const Cloud cloud = lopsided(mirrored);
     d.rebuild(cloud);
@@ -64,7 +64,7 @@ TEST(Balance, CutsFollowTheWater) {
 
 TEST(Balance, MovesOnlyWhenItIsTimeAndWorthIt) {
   Distributed<float> d(lopsided(true));
-  Balance balance(world, least_gain), never(world, 1e300);
+  Balance balance(world, min_gain), never(world, 1e300);
   const std::vector<LocalId> before = cuts_of(d.slabs);
   balance.update(Balance::interval + 1, d.near.order(), d.near.list(), d.slabs);
   never.update(0, d.near.order(), d.near.list(), d.slabs);

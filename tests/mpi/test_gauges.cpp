@@ -115,12 +115,12 @@ TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
   const Box box{Vec3::Zero(), Vec3::Ones()};
   const auto nowhere = [](const Vec3&) { return false; };
   GaugeSettings gauge{GaugeKind::pressure, {0, 0.5, 0}, {1, 0, 0}, 0.1, 0};
-  EXPECT_NEAR(gauge_share(gauge, 0.1, box, nowhere), 0.5, 0.01);
+  EXPECT_NEAR(open_fraction_of_gauge(gauge, 0.1, box, nowhere), 0.5, 0.01);
   gauge.center.z() = 0.5;
-  EXPECT_EQ(gauge_share(gauge, 0.1, box, nowhere), 1);
+  EXPECT_EQ(open_fraction_of_gauge(gauge, 0.1, box, nowhere), 1);
   gauge.center.x() = 0.5;
-  EXPECT_EQ(gauge_share(gauge, 0.1, box, nowhere), 0);
-  EXPECT_EQ(gauge_share(gauge, 0.1, box, [](const Vec3& p) { return p.x() < 0.5; }), 1);
+  EXPECT_EQ(open_fraction_of_gauge(gauge, 0.1, box, nowhere), 0);
+  EXPECT_EQ(open_fraction_of_gauge(gauge, 0.1, box, [](const Vec3& p) { return p.x() < 0.5; }), 1);
 }
 
 // Of a level disc that is wider than the box what is in that: in a channel as narrow as this the strip along its
@@ -128,7 +128,7 @@ TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
 TEST_F(Gauges, ShareOfALevelDiscIsExactInANarrowBox) {
   const Box box{Vec3(-9, -0.01, 0), Vec3(9, 0.01, 1)};
   const GaugeSettings gauge{GaugeKind::height, {0, 0, 0}, {0, 0, 1}, 9, 0};
-  EXPECT_NEAR(gauge_share(gauge, 0.1, box, {}) / (0.02 * 8 / (3 * std::numbers::pi * 9)), 1, 1e-3);
+  EXPECT_NEAR(open_fraction_of_gauge(gauge, 0.1, box, {}) / (0.02 * 8 / (3 * std::numbers::pi * 9)), 1, 1e-3);
 }
 
 // Depths are exact but for the particles that the disc happens to hold; pressures in the mean over steps at rest.

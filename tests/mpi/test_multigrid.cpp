@@ -58,15 +58,15 @@ void fill(MultigridLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId
   const bool wet = lake.is_wet(plane, r, c);
   cells.phi[at] = wet ? Lake::chance(plane, r, c, 7) - 0.5 : 0;
   cells.rhs[at] = wet ? 100 * (Lake::chance(plane, r, c, 8) - 0.5) : 0;
-  cells.sink[at] = 0;
+  cells.dirichlet[at] = 0;
   for (int a = 0; a < 3; ++a) {
     const LocalId step[] = {a == 0, a == 1, a == 2};
     const Real low = lake.link(a, plane, r, c), high = lake.link(a, plane + step[0], r + step[1], c + step[2]);
     const bool low_wet = lake.is_wet(plane - step[0], r - step[1], c - step[2]);
     cells.link[static_cast<std::size_t>(a)][at] = wet && low_wet ? low : 0;
     if (!wet) continue;
-    if (!low_wet) cells.sink[at] += low;
-    if (!lake.is_wet(plane + step[0], r + step[1], c + step[2])) cells.sink[at] += high;
+    if (!low_wet) cells.dirichlet[at] += low;
+    if (!lake.is_wet(plane + step[0], r + step[1], c + step[2])) cells.dirichlet[at] += high;
   }
 }
 

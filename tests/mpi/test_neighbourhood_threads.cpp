@@ -12,7 +12,7 @@ struct Found {
   std::vector<Vec3> position, velocity;
   std::vector<LocalId> starts;
   std::vector<std::vector<LocalId>> rows;
-  LocalId crowded = -1;
+  LocalId first_overfull_particle = -1;
   bool operator==(const Found&) const = default;
 };
 
@@ -29,7 +29,7 @@ Found found_in(const Distributed<T>& d) {
   }
   const NeighbourList& list = d.near.list();
   for (LocalId i = 0; i < list.size(); ++i) found.rows.emplace_back(list[i].begin(), list[i].end());
-  found.crowded = list.crowded();
+  found.first_overfull_particle = list.first_overfull_particle();
   return found;
 }
 
@@ -60,7 +60,7 @@ class ThreadsOf : public testing::Test {
       SCOPED_TRACE(std::to_string(threads) + " threads");
       const Found found = found_with<T>(threads, first, then);
       EXPECT_EQ(found.id, expected.id);
-      EXPECT_EQ(found.crowded, expected.crowded);
+      EXPECT_EQ(found.first_overfull_particle, expected.first_overfull_particle);
       EXPECT_TRUE(found.rows == expected.rows);
       EXPECT_TRUE(found == expected);
     }
@@ -85,9 +85,9 @@ TYPED_TEST(ThreadsOf, FindTheSameCrowd) {
   const Cloud crowds = two_crowds();
   const Found found = found_with<TypeParam>(1, random_cloud(100, cloud_box, 1), crowds);
   const int rank = rank_of(world), last = size_of(world) - 1;
-  EXPECT_EQ(found.crowded >= 0, rank == 0 || rank == last);
-  for (std::size_t i = 0; i < found.rows.size() && found.crowded >= 0; ++i) {
-    EXPECT_TRUE(found.rows[i].empty() || static_cast<LocalId>(i) < found.crowded) << "row " << i;
+  EXPECT_EQ(found.first_overfull_particle >= 0, rank == 0 || rank == last);
+  for (std::size_t i = 0; i < found.rows.size() && found.first_overfull_particle >= 0; ++i) {
+    EXPECT_TRUE(found.rows[i].empty() || static_cast<LocalId>(i) < found.first_overfull_particle) << "row " << i;
   }
   this->expect_same(random_cloud(100, cloud_box, 1), crowds);
 }

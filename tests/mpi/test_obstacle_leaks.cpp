@@ -63,7 +63,7 @@ std::vector<Case> cases() {
   const auto below = [](Real z) { return [z](const Vec3& p) { return z - p.z(); }; };
   const auto corner = [](const Vec3& p) { return std::min(0.75 - p.x(), 0.55 - p.z()); };
   const Vec3 middle(0.8, 0.4, 0.6);
-  const Turn turn = BodyMotion(box(middle, {1, 1, 1}, {0, 30, 0})).at(0).turn;
+  const Rotation turn = BodyMotion(box(middle, {1, 1, 1}, {0, 30, 0})).at(0).turn;
   const auto beside = [=](const Vec3& p) { return -(p - middle).dot(turn.col(0)) - spacing / 2; };
   const ObstacleSettings sheet = box(middle, {spacing, 0.8, 1.2});
   const ObstacleSettings ball = round(ShapeKind::sphere, {0.8, 0.1, 0.5}, 0.5);

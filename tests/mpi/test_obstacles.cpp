@@ -119,10 +119,10 @@ TEST(Pose, AxisIsWhereZGoes) {
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 0, -2), Vec3(1, -2, 3)}) {
     ObstacleSettings settings = cylinder(1, 2);
     settings.axis = axis;
-    const Turn turn = BodyMotion(settings).at(0).turn;
+    const Rotation turn = BodyMotion(settings).at(0).turn;
     EXPECT_LT((turn.col(2) - axis.normalized()).norm(), 1e-15);
     EXPECT_NEAR(turn.determinant(), 1, 1e-14);
-    EXPECT_LT((turn * turn.transpose() - Turn::Identity()).norm(), 1e-14);
+    EXPECT_LT((turn * turn.transpose() - Rotation::Identity()).norm(), 1e-14);
   }
 }
 
@@ -178,17 +178,17 @@ std::vector<Solid> solids() {
 }
 
 // The share that the map stands for: within 2 % of the whole ball, for all of them.
-TEST(SolidMap, IsTheVolumeShareOfBruteQuadrature) {
+TEST(VolumeMap, IsTheVolumeShareOfBruteQuadrature) {
   const PlaneVolume plane(kernel(), h);
   for (const Solid& solid : solids()) {
     const auto shape = make_shape(solid.settings);
-    const SolidMap map(*shape, kernel(), h, {});
+    const VolumeMap map(*shape, kernel(), h, {});
     Real worst = 0;
     constexpr int points = 7;
     for (int k = 0; k <= points; ++k) {
       const Vec3 p = solid.from + (solid.to - solid.from) * k / points;
       const Real exact = quadrature(p, [&](const Vec3& q) { return shape->distance(q) < 0; });
-      worst = std::max(worst, std::abs(plane.share(map.at(p).distance) - exact));
+      worst = std::max(worst, std::abs(plane.fraction(map.at(p).distance) - exact));
     }
     RecordProperty(solid.name, std::to_string(worst));
     std::printf("%-12s %.4f\n", solid.name.c_str(), worst);
@@ -197,18 +197,18 @@ TEST(SolidMap, IsTheVolumeShareOfBruteQuadrature) {
 }
 
 // At any angle, to a thousandth of h.
-TEST(SolidMap, PlaneIsItsDistance) {
+TEST(VolumeMap, PlaneIsItsDistance) {
   std::mt19937 generator(3);
   const auto shape = make_shape(box({4, 4, 4}));
   for (int turn = 0; turn < 20; ++turn) {
     ObstacleSettings settings = box({4, 4, 4});
     settings.rotate = 180 * random_point(generator, 1);
     const Pose pose = BodyMotion(settings).at(0);
-    const SolidMap map(*shape, kernel(), h, {});
+    const VolumeMap map(*shape, kernel(), h, {});
     for (int k = 0; k < 20; ++k) {
       const Vec3 p = random_point(generator, 1);
       const Real d = 0.5 * h * (1 + p.z());
-      const PlaneLike at = map.at(Vec3(p.x(), p.y(), 2 + d));
+      const EquivalentPlane at = map.at(Vec3(p.x(), p.y(), 2 + d));
       EXPECT_NEAR(at.distance, d, 2e-3 * h);
       EXPECT_NEAR(at.gradient.z(), 1, 0.02);
     }
@@ -216,11 +216,11 @@ TEST(SolidMap, PlaneIsItsDistance) {
   }
 }
 
-TEST(SolidMap, GradientIsTheDerivative) {
+TEST(VolumeMap, GradientIsTheDerivative) {
   std::mt19937 generator(4);
   for (const Solid& solid : solids()) {
     const auto shape = make_shape(solid.settings);
-    const SolidMap map(*shape, kernel(), h, {});
+    const VolumeMap map(*shape, kernel(), h, {});
     for (int k = 0; k < 300; ++k) {
       const Vec3 p = solid.to + random_point(generator, h);
       for (int a = 0; a < 3; ++a) {
@@ -233,14 +233,14 @@ TEST(SolidMap, GradientIsTheDerivative) {
 }
 
 // A solid on the floor, or cut by a wall, is felt as if it went on behind the wall.
-TEST(SolidMap, StandingSolidGoesOnBehindTheWalls) {
+TEST(VolumeMap, StandingSolidGoesOnBehindTheWalls) {
   ObstacleSettings settings = box({2, 2, 1});
   settings.center = {0, 0, 0.5};
   const Pose pose = BodyMotion(settings).at(0);
   const auto shape = make_shape(settings);
-  const SolidMap map(*shape, kernel(), h, Fixed{pose, {{-3, -3, 0}, {3, 3, 3}}});
-  const PlaneLike low = map.at(pose.into_body({1 + h / 4, 0.1, 0.01})),
-                  high = map.at(pose.into_body({1 + h / 4, 0.1, 0.5}));
+  const VolumeMap map(*shape, kernel(), h, Fixed{pose, {{-3, -3, 0}, {3, 3, 3}}});
+  const EquivalentPlane low = map.at(pose.into_body({1 + h / 4, 0.1, 0.01})),
+                        high = map.at(pose.into_body({1 + h / 4, 0.1, 0.5}));
   EXPECT_NEAR(low.distance, high.distance, 1e-6);
 }
 
@@ -332,7 +332,7 @@ TEST(Paths, BounceHasRestitutionAndFriction) {
     slope.restitution = 0.5;
     slope.friction = friction;
     Tank tank({slope});
-    const Turn turn = BodyMotion(slope).at(0).turn;
+    const Rotation turn = BodyMotion(slope).at(0).turn;
     const Vec3 p = turn * Vec3(0, 0, 1.1), v = turn * Vec3(4, 0, -10);
     const Vec3 end = turn.transpose() * tank.obstacles->predict(p, v, 0.03);
     EXPECT_NEAR(end.z(), 1 + 0.5 * 10 * 0.02, 1e-5);
@@ -376,7 +376,7 @@ TEST(Paths, TollIsTheChange) {
     changed += tank.obstacles->collide(end, shift) - (end + shift);
   }
   Vec3 taken = Vec3::Zero();
-  for (const Taken& one : tank.obstacles->toll().total(MPI_COMM_SELF)) taken += one.shift;
+  for (const TotalImpulse& one : tank.obstacles->ledger().total(MPI_COMM_SELF)) taken += one.shift;
   EXPECT_LT((taken - changed).norm(), 1e-7 * changed.norm());
   EXPECT_GT(changed.norm(), 1);
 }

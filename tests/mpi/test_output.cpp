@@ -166,28 +166,28 @@ Diagnostics row_of_energies(Real kinetic, Real potential) {
 
 TEST(EnergyRise, IsTheHighestAboveTheStartAsAShare) {
   EnergyRise rise(4);  // 40 J for ten particles
-  EXPECT_TRUE(std::isnan(rise.share()));
+  EXPECT_TRUE(std::isnan(rise.fraction()));
   for (const Real kinetic : {10.0, 12.0, 14.0, 6.0}) rise.add(row_of_energies(kinetic, 10));
-  EXPECT_DOUBLE_EQ(rise.share(), 0.1) << "shallow water counts by a kernel radius";
+  EXPECT_DOUBLE_EQ(rise.fraction(), 0.1) << "shallow water counts by a kernel radius";
   EnergyRise deep(1);
   for (const Real potential : {50.0, 40.0, 51.0}) deep.add(row_of_energies(0, potential));
-  EXPECT_DOUBLE_EQ(deep.share(), 0.02);
+  EXPECT_DOUBLE_EQ(deep.fraction(), 0.02);
   EnergyRise fall(1);
   for (const Real potential : {50.0, 40.0}) fall.add(row_of_energies(0, potential));
-  EXPECT_EQ(fall.share(), 0);
+  EXPECT_EQ(fall.fraction(), 0);
 }
 
 TEST(EnergyRise, WithoutGravityIsAShareOfTheMotionAtTheStart) {
   EnergyRise moving(0), resting(0), compressed(1);
   for (const Real kinetic : {2.0, 3.0}) moving.add(row_of_energies(kinetic, 0));
-  EXPECT_DOUBLE_EQ(moving.share(), 0.5);
+  EXPECT_DOUBLE_EQ(moving.fraction(), 0.5);
   for (const Real kinetic : {0.0, 3.0}) resting.add(row_of_energies(kinetic, 0));
-  EXPECT_TRUE(std::isnan(resting.share()));
+  EXPECT_TRUE(std::isnan(resting.fraction()));
   Diagnostics dense = row_of_energies(1, 1);
   dense.compression_max = 0.011;
   compressed.add(dense);
   compressed.add(row_of_energies(30, 1));
-  EXPECT_TRUE(std::isnan(compressed.share()));
+  EXPECT_TRUE(std::isnan(compressed.fraction()));
 }
 
 // A run that goes on hears of the rows it keeps, on all ranks, and so knows its start.
@@ -203,7 +203,7 @@ TEST_F(Output, SeriesRecallsTheEnergyOfItsStart) {
       series.observe(Frame{Clock{first++, 0.1, 1}, particles, {}, &row, fountains});
     }
     barrier();
-    return options.energy->share();
+    return options.energy->fraction();
   };
   EXPECT_DOUBLE_EQ(write(0, {99.5, 97.5, 102.5, 109.5}), 0.1);
   options.restart_step = 2;

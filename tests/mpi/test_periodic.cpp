@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "boundary/wrap.hpp"
+#include "boundary/periodic_domain.hpp"
 #include "cloud.hpp"
 #include "domain/migrate.hpp"
 #include "domain/neighbourhood.hpp"
@@ -45,7 +45,7 @@ void expect_neighbours(const Cloud& cloud, const Axes& periodic, int slab_axis) 
   particles.position = particles.predicted = particles.velocity = mine.position;
   migrate(world, particles, &Particles::predicted, grid, slabs);
   Neighbourhood<T> near(world, grid, box.min, h);
-  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world))});
+  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
   std::vector<GlobalId> id(static_cast<std::size_t>(near.order().size()));
   std::copy(particles.id.begin(), particles.id.end(), id.begin() + near.order().low_ghosts());
   near.exchange(id);
@@ -152,7 +152,7 @@ TEST(Periodic, ALatticeInFlightStaysOne) {
 
 /// What becomes of a cloud, and of the same one so many cells further on.
 void expect_same_flow_elsewhere(const Scene& scene, const Vec3& cells, int steps) {
-  const Box fitted = Wrap::fitted(scene.domain, scene.periodic, scene.fluid.kernel_radius);
+  const Box fitted = PeriodicDomain::fitted(scene.domain, scene.periodic, scene.fluid.kernel_radius);
   const Vec3 length = fitted.max - fitted.min, count = (length / scene.fluid.kernel_radius).array().round();
   const Vec3 shift = cells.cwiseProduct(length.cwiseQuotient(count));
   const auto wrapped = [&](Vec3 p) {

@@ -53,7 +53,7 @@ struct Water {
       }
     }
     migrate(world, particles, &Particles::predicted, grid, slabs);
-    near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world))});
+    near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
   }
   Motion motion() const { return {particles.position, particles.predicted}; }
 
@@ -154,7 +154,7 @@ TEST(Projection, WaterThatFliesIsLeftAlone) {
       some.velocity.push_back(all.velocity[i]);
     }
     all = some;
-    water.near.rebuild(all, {water.slabs.first_plane(rank_of(world)), water.slabs.last_plane(rank_of(world))});
+    water.near.rebuild(all, {water.slabs.first_plane(rank_of(world)), water.slabs.end_plane(rank_of(world))});
     EXPECT_GT(sum_over_ranks(world, GlobalId{all.size()}), 100);
     for (const Real gravity : {9.8, 0.0}) EXPECT_LT(longest(displacements(water, gravity)), 1e-12) << gravity;
   }
@@ -162,12 +162,12 @@ TEST(Projection, WaterThatFliesIsLeftAlone) {
 
 // What gravity would move is held: water at rest up to the ceiling, and below a surface.
 TEST(Projection, StillWaterIsHeldExactly) {
-  constexpr Real fall = 9.8 / 3600;
+  constexpr Real g_dt2 = 9.8 / 3600;
   for (const Real top : {box.max.z(), 1.5}) {
-    Water water([](const Vec3&) { return Vec3(0, 0, -fall); }, top, 0.0, Vec3::Zero(), 0);
+    Water water([](const Vec3&) { return Vec3(0, 0, -g_dt2); }, top, 0.0, Vec3::Zero(), 0);
     Real wrong = 0;
     for (const auto& one : displacements(water, 9.8))
-      wrong = std::max(wrong, (vector_of(one) - Vec3(0, 0, fall)).norm());
+      wrong = std::max(wrong, (vector_of(one) - Vec3(0, 0, g_dt2)).norm());
     EXPECT_LT(largest(wrong), 1e-12);
   }
 }
@@ -257,7 +257,7 @@ TEST(Multigrid, PoissonOnAManufacturedSolutionIsOfSecondOrder) {
           finest.link[0][at] = plane > 0 && plane < cells ? link : 0;
           finest.link[1][at] = r > 0 && plane >= 0 && plane < cells ? link : 0;
           finest.link[2][at] = c > 0 && plane >= 0 && plane < cells ? link : 0;
-          finest.sink[at] = c + 1 == cells ? 2 * link : 0;
+          finest.dirichlet[at] = c + 1 == cells ? 2 * link : 0;
           finest.rhs[at] = 2.25 * std::numbers::pi * std::numbers::pi * exact(plane, r, c);
         }
       }

@@ -23,7 +23,7 @@ TEST(Reductions, SumOverPlanesIsThatOfOneLoop) {
   EXPECT_NE(expected, reversed) << "the order does not show in this data";
   const Slabs slabs(std::vector<Real>(planes, 1.0), size_of(world));
   const auto begin = static_cast<std::size_t>(slabs.first_plane(rank_of(world))) * columns;
-  const auto end = static_cast<std::size_t>(slabs.last_plane(rank_of(world))) * columns;
+  const auto end = static_cast<std::size_t>(slabs.end_plane(rank_of(world))) * columns;
   EXPECT_EQ(sum_over_planes(world, std::span(rows).subspan(begin, end - begin), columns), expected);
 }
 

@@ -63,7 +63,7 @@ Slowed slowed(const Scene& scene, Wave&& wave) {
   particles.position = particles.predicted = particles.velocity = mine.position;
   migrate(world, particles, &Particles::predicted, grid, slabs);
   Neighbourhood<T> near(world, grid, scene.domain.min, h);
-  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.last_plane(rank_of(world))});
+  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
   // Only now, as the sort uses their memory.
   std::transform(particles.predicted.begin(), particles.predicted.end(), particles.velocity.begin(), wave);
   particles.position = particles.predicted;
@@ -177,7 +177,7 @@ TEST(Viscosity, WaterWithoutOrderSlowsDownAsFast) {
 TEST(Viscosity, NoVelocityPassesTheMeanOfItsNeighbours) {
   for (Real h = 1.2; h < 4.01; h += 0.01) {
     const Real sum = lattice_density_sum(kernel_named(Poly6::name), 1, h), others = sum - Poly6::factor(h);
-    const Real moment = least_second_moment(1, h) * lattice_laplacian_moment(1, h);
+    const Real moment = min_second_moment(1, h) * lattice_laplacian_moment(1, h);
     EXPECT_LT(longest_viscous_step(1, 1, h) * others / moment, 1) << h;
   }
 }

@@ -55,11 +55,11 @@ TEST(Clock, TimeDoesNotDrift) { EXPECT_EQ((Clock{6000000, 1.0 / 60, 1}.time()), 
 void expect_sound(const std::vector<Real>& weights, int ranks) {
   const Slabs slabs(weights, ranks);
   ASSERT_EQ(slabs.ranks(), ranks);
-  EXPECT_EQ(slabs.last_plane(ranks - 1), static_cast<LocalId>(weights.size()));
+  EXPECT_EQ(slabs.end_plane(ranks - 1), static_cast<LocalId>(weights.size()));
   for (int r = 0; r < ranks; ++r) {
-    EXPECT_LT(slabs.first_plane(r), slabs.last_plane(r)) << "rank " << r << " owns no plane";
-    EXPECT_EQ(slabs.first_plane(r), r == 0 ? 0 : slabs.last_plane(r - 1));
-    for (LocalId plane = slabs.first_plane(r); plane < slabs.last_plane(r); ++plane) EXPECT_EQ(slabs.owner(plane), r);
+    EXPECT_LT(slabs.first_plane(r), slabs.end_plane(r)) << "rank " << r << " owns no plane";
+    EXPECT_EQ(slabs.first_plane(r), r == 0 ? 0 : slabs.end_plane(r - 1));
+    for (LocalId plane = slabs.first_plane(r); plane < slabs.end_plane(r); ++plane) EXPECT_EQ(slabs.owner(plane), r);
   }
 }
 
@@ -86,7 +86,7 @@ TEST(Slabs, WeightsAreShared) {
   for (const int ranks : {2, 3, 5, 12}) {
     const Slabs slabs(weights, ranks);
     for (int r = 0; r < ranks; ++r) {
-      const auto begin = weights.begin() + slabs.first_plane(r), end = weights.begin() + slabs.last_plane(r);
+      const auto begin = weights.begin() + slabs.first_plane(r), end = weights.begin() + slabs.end_plane(r);
       EXPECT_LE(std::accumulate(begin, end, 0.0), total / ranks + 3);
     }
   }

@@ -83,7 +83,7 @@ std::vector<int> shares(const std::vector<Mask>& masks, double allowed = INFINIT
       users.push_back(static_cast<int>(
           std::count_if(masks.begin(), masks.end(), [&](const Mask& other) { return other.contains(core); })));
     }
-    threads.push_back(threads_for_share(users, allowed, static_cast<int>(masks.size())));
+    threads.push_back(threads_for_cores(users, allowed, static_cast<int>(masks.size())));
   }
   return threads;
 }
@@ -109,7 +109,7 @@ TEST(Share, NobodyHasLessThanOneThread) {
 
 TEST(Share, ManyPartsOfACoreAreACore) {
   for (int processes = 1; processes < 200; ++processes) {
-    EXPECT_EQ(threads_for_share(std::vector<int>(static_cast<std::size_t>(3 * processes), processes), INFINITY, 1), 3);
+    EXPECT_EQ(threads_for_cores(std::vector<int>(static_cast<std::size_t>(3 * processes), processes), INFINITY, 1), 3);
   }
 }
 

@@ -139,7 +139,7 @@ TEST(WallDensity, ShareFallsWithTheDistanceOfAPlane) {
         for (Real d = 0; d < reach + spacing; d += 0.01 * spacing) {
           Vec3 p = middle;
           p[axis] = side < 0 ? box.min[axis] + d : box.max[axis] - d;
-          const BoundaryShare share = w.at(p);
+          const BoundaryDensity share = w.at(p);
           EXPECT_GE(share.density, 0);
           EXPECT_TRUE(share.density < last || (share.density == 0 && last == 0)) << "at " << d;
           EXPECT_GE(share.gradient[axis] * side, 0) << "a wall that pulls";

@@ -88,7 +88,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
   const BytesEach bytes = bytes_each(scene);
   std::string text;
   for (int r = 0; r < ranks; ++r) {
-    const auto first = weights.begin() + slabs.first_plane(r), last = weights.begin() + slabs.last_plane(r);
+    const auto first = weights.begin() + slabs.first_plane(r), last = weights.begin() + slabs.end_plane(r);
     const Real owned = std::accumulate(first, last, 0.0);
     const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
     // The coarse grid has a ring of empty cells around each plane.
@@ -96,7 +96,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     const double coarse = coarse_bytes(scene, grid) * static_cast<double>(last - first + 2);
     const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + coarse;
     text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
-                        slabs.first_plane(r), slabs.last_plane(r) - 1, owned, ghosts,
+                        slabs.first_plane(r), slabs.end_plane(r) - 1, owned, ghosts,
                         owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
   }
   return text;
@@ -134,8 +134,8 @@ std::string run_time_text(const Scene& scene, double most, const MeasuredSpeed& 
 double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
   double most = 0;
   for (int r = 0; r < slabs.ranks(); ++r)
-    most = std::max(
-        most, std::accumulate(weights.begin() + slabs.first_plane(r), weights.begin() + slabs.last_plane(r), 0.0));
+    most = std::max(most,
+                    std::accumulate(weights.begin() + slabs.first_plane(r), weights.begin() + slabs.end_plane(r), 0.0));
   return most;
 }
 

@@ -76,14 +76,14 @@ std::vector<std::string> start_warnings(const Scene& scene) {
   return warnings;
 }
 
-std::vector<std::string> energy_warnings(const Scene& scene, Real share) {
+std::vector<std::string> energy_warnings(const Scene& scene, Real fraction) {
   constexpr Real mark = 0.005;
-  if (!(share > mark)) return {};
+  if (!(fraction > mark)) return {};
   return {fmt::format(
       "the total energy rose by {:.2g} % above its start although nothing pumps{}; set [viscosity] nu = {:.2g} m²/s, "
       "which "
       "damps it",
-      100 * share, scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
+      100 * fraction, scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
       quieting_viscosity(scene))};
 }
 

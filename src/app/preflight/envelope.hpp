@@ -13,12 +13,12 @@ namespace trevi {
 /// A sentence with the remedy for each setting outside the envelope; none for a scene without gravity.
 std::vector<std::string> envelope_warnings(const Scene& scene);
 
-/// What is said at the start of a run: one sentence for each feature whose results depend on the processor or the number
-/// of ranks, then envelope_warnings().
+/// What is said at the start of a run: one sentence for each feature whose results depend on the processor or the
+/// number of ranks, then envelope_warnings().
 std::vector<std::string> start_warnings(const Scene& scene);
 
-/// What is said at the end of a run without pumps whose energy rose by this share (EnergyRise): one sentence with
+/// What is said at the end of a run without pumps whose energy rose by this fraction (EnergyRise): one sentence with
 /// remedies above 0.5 %, the mark of the stability study, else none.
-std::vector<std::string> energy_warnings(const Scene& scene, Real share);
+std::vector<std::string> energy_warnings(const Scene& scene, Real fraction);
 
 }  // namespace trevi

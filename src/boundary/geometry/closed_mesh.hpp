@@ -7,7 +7,7 @@
 
 namespace trevi {
 
-/// What is wrong with a mesh and where; empty when each edge is that of two triangles which are turned the same way.
+/// What is wrong with a mesh and where; empty when each edge is that of two triangles which are oriented consistently.
 std::string why_not_closed(const TriangleMesh& mesh);
 
 /// Turns all triangles where they face inwards.

@@ -71,15 +71,16 @@ void MeshShape::find_normals() {
     return std::minmax(corners[k], corners[(k + 1) % 3]);
   };
   for (std::size_t t = 0; t < count; ++t) {
-    std::array<Vec3, 3> way;
+    std::array<Vec3, 3> along_edge;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto i = static_cast<std::int32_t>(t);
-      way[k] = (corner(i, (k + 1) % 3) - corner(i, k)).normalized();
+      along_edge[k] = (corner(i, (k + 1) % 3) - corner(i, k)).normalized();
     }
-    const Vec3 face = way[0].cross(way[1]).normalized();
+    const Vec3 face = along_edge[0].cross(along_edge[1]).normalized();
     normals_[t][6] = face;
     for (std::size_t k = 0; k < 3; ++k) {
-      of_corner[static_cast<std::size_t>(mesh_->triangles[t][k])] += about_angle(way[k], -way[(k + 2) % 3]) * face;
+      of_corner[static_cast<std::size_t>(mesh_->triangles[t][k])] +=
+          about_angle(along_edge[k], -along_edge[(k + 2) % 3]) * face;
       of_edge.try_emplace(edge(t, k), Vec3::Zero()).first->second += face;
     }
   }

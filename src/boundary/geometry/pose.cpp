@@ -22,20 +22,20 @@ Real cosine_of(Real x) {
   return 1 + sum;
 }
 
-// Takes z to the axis by the shortest way; its columns are the axes of the body.
-Turn turn_of_axis(const Vec3& axis) {
+// Takes z to the axis by the smallest rotation; its columns are the axes of the body.
+Rotation turn_of_axis(const Vec3& axis) {
   const Vec3 z = axis / axis.norm();
-  if (z.x() == 0 && z.y() == 0) return z.z() < 0 ? turn_about(Vec3::UnitX(), 0.5) : Turn::Identity();
+  if (z.x() == 0 && z.y() == 0) return z.z() < 0 ? turn_about(Vec3::UnitX(), 0.5) : Rotation::Identity();
   Vec3 y(-z.y(), z.x(), 0);
   y /= y.norm();
-  Turn turn;
+  Rotation turn;
   turn.col(0) = Vec3(y.y() * z.z() - y.z() * z.y(), y.z() * z.x() - y.x() * z.z(), y.x() * z.y() - y.y() * z.x());
   turn.col(1) = y;
   turn.col(2) = z;
   return turn;
 }
 
-Turn start_of(const ObstacleSettings& obstacle) {
+Rotation start_of(const ObstacleSettings& obstacle) {
   constexpr Real degrees = 360;
   return turn_about(Vec3::UnitZ(), obstacle.rotate.z() / degrees) *
          turn_about(Vec3::UnitY(), obstacle.rotate.y() / degrees) *
@@ -60,11 +60,11 @@ SineCosine sine_cosine_of_turns(Real turns) {
   }
 }
 
-Turn turn_about(const Vec3& axis, Real turns) {
+Rotation turn_about(const Vec3& axis, Real turns) {
   const auto [s, c] = sine_cosine_of_turns(turns);
-  Turn cross;
+  Rotation cross;
   cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
-  return c * Turn::Identity() + s * cross + (1 - c) * axis * axis.transpose();
+  return c * Rotation::Identity() + s * cross + (1 - c) * axis * axis.transpose();
 }
 
 BodyMotion::BodyMotion(const ObstacleSettings& obstacle)

@@ -6,12 +6,12 @@
 
 namespace trevi {
 
-using Turn = Eigen::Matrix3d;
+using Rotation = Eigen::Matrix3d;
 
 /// World = center + turn · body.
 struct Pose {
   Vec3 center = Vec3::Zero();
-  Turn turn = Turn::Identity();
+  Rotation turn = Rotation::Identity();
   Vec3 into_body(const Vec3& world) const { return turn.transpose() * (world - center); }
   Vec3 into_world(const Vec3& body) const { return center + turn * body; }
 };
@@ -23,7 +23,7 @@ struct SineCosine {
 SineCosine sine_cosine_of_turns(Real turns);
 
 /// By an angle, in whole turns, about a unit vector (Rodrigues).
-Turn turn_about(const Vec3& axis, Real turns);
+Rotation turn_about(const Vec3& axis, Real turns);
 
 class BodyMotion {
  public:
@@ -38,7 +38,7 @@ class BodyMotion {
 
   Vec3 center_, velocity_, spin_axis_;
   Real turns_per_second_;
-  Turn start_;
+  Rotation start_;
   std::vector<ObstacleKnot> knots_;
 };
 

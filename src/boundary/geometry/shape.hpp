@@ -10,8 +10,8 @@
 
 namespace trevi {
 
-/// Unit vector along which a distance of that step from a place grows, by differences over a way on which curvature
-/// does not count; at an edge the mean of the faces. `bounds` are those of the surface.
+/// Unit vector along which a distance of that step from a place grows, by differences over a distance on which
+/// curvature does not count; at an edge the mean of the faces. `bounds` are those of the surface.
 template <class Distance>
 Vec3 slope_of(const Box& bounds, const Distance& distance) {
   const Real step = 1e-6 * (bounds.max - bounds.min).maxCoeff();

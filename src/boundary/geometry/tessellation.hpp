@@ -9,8 +9,8 @@
 
 namespace trevi {
 
-/// Points (distance from the axis, z), the surface's outer side on the right of the way from each to the next. A closed
-/// profile ends where it begins.
+/// Points (distance from the axis, z), the surface's outer side on the right of the segment from each to the next. A
+/// closed profile ends where it begins.
 using Profile = std::vector<std::pair<Real, Real>>;
 
 /// A half circle from the lower end of the axis to the upper one, its halves `apart` above and below z = 0.

@@ -10,10 +10,10 @@ namespace {
 
 // In units of h: how near a particle comes to a surface, and the step along a path that skims one. A sheet that is
 // thinner than the step could be passed.
-constexpr Real contact = 1e-6, least_step = 0.01;
+constexpr Real contact = 1e-6, min_step = 0.01;
 // And how far from a wall of the box a solid goes on to it; it does so for the density (solid_map.cpp).
 constexpr Real seam = 1.0 / 32;
-// Farthest that a share of density reaches, in units of h; see wall_density.hpp.
+// Largest distance at which a solid contributes to the density, in units of h; see wall_density.hpp.
 constexpr Real density_reach = 1.25;
 
 Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm(); }
@@ -31,12 +31,12 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
       restitution_(obstacle.restitution.value_or(rules.walls.restitution)),
       friction_(obstacle.friction),
       radius_(radius_of(shape_->bounds())),
-      seam_(seam * rules.h),
-      inner_{rules.open.min.array() + seam_, rules.open.max.array() - seam_} {
+      wall_extension_(seam * rules.h),
+      inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_} {
   move(0, 0);
   std::optional<Fixed> fixed;
   if (!moves_) fixed = Fixed{now_, rules.box};
-  map_ = std::make_unique<SolidMap>(*shape_, rules.kernel, h_, fixed);
+  map_ = std::make_unique<VolumeMap>(*shape_, rules.kernel, h_, fixed);
   if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
 }
 
@@ -56,9 +56,9 @@ void Body::move(Real begin, Real end) {
 bool Body::leave_open(const Box& water, Box& open) const {
   const Vec3 up = near_box_.min - water.max, down = water.min - near_box_.max;
   Eigen::Index above = 0, below = 0;
-  const Real way_up = up.maxCoeff(&above), way_down = down.maxCoeff(&below);
-  if (vessel_ || !(std::max(way_up, way_down) > 0)) return false;
-  if (way_up > way_down) {
+  const Real gap_above = up.maxCoeff(&above), gap_below = down.maxCoeff(&below);
+  if (vessel_ || !(std::max(gap_above, gap_below) > 0)) return false;
+  if (gap_above > gap_below) {
     open.max[above] = std::min(open.max[above], beside_.min[above]);
   } else {
     open.min[below] = std::max(open.min[below], beside_.max[below]);
@@ -67,39 +67,40 @@ bool Body::leave_open(const Box& water, Box& open) const {
 }
 
 bool Body::may_meet(const Vec3& from, const Vec3& to) const {
-  const Real way = (to - from).norm(), margin = 2 * seam_;
+  const Real segment = (to - from).norm(), margin = 2 * wall_extension_;
   const Box bounds = shape_->bounds();
   const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
   if (!vessel_ &&
       ((low.array() > bounds.max.array() + margin).any() || (high.array() < bounds.min.array() - margin).any()))
     return false;
   // Blocks that are not near are 2 h from the surface.
-  return (way >= h_ || map_->is_near(to)) && !is_beyond(from, way);
+  return (segment >= h_ || map_->is_near(to)) && !is_beyond(from, segment);
 }
 
 bool Body::may_meet(const Vec3& from, Real length) const {
   const Box bounds = shape_->bounds();
   const Vec3 off = (bounds.min - from).cwiseMax(from - bounds.max);
-  if (!vessel_ && off.maxCoeff() > length + 2 * seam_) return false;
+  if (!vessel_ && off.maxCoeff() > length + 2 * wall_extension_) return false;
   return (length >= h_ || map_->is_near(from)) && !is_beyond(from, length);
 }
 
-bool Body::is_beyond(const Vec3& p, Real way) const {
+bool Body::is_beyond(const Vec3& p, Real segment) const {
   const DistanceGrid::Rough rough = rough_ ? rough_->at(p) : DistanceGrid::Rough{shape_->distance(p), 0};
-  return rough.distance - rough.error > way + 2 * seam_;  // in a corner of the box a seam is 1.7 as wide
+  return rough.distance - rough.error >
+         segment + 2 * wall_extension_;  // in a corner of the box the extension is 1.7 times as wide
 }
 
-Real Body::distance(const Spot& spot, Real reach) const {
-  const Real here = shape_->distance_within(spot.in_body, reach);
-  if (inner_.contains(spot.in_world)) return here;
-  const Vec3 in_seam = spot.in_world.cwiseMax(inner_.min).cwiseMin(inner_.max) - spot.in_world;
-  return std::min(here, shape_->distance_within(spot.in_body + now_.turn.transpose() * in_seam, reach));
+Real Body::distance(const ContactPoint& point, Real reach) const {
+  const Real here = shape_->distance_within(point.in_body, reach);
+  if (inner_.contains(point.in_world)) return here;
+  const Vec3 in_seam = point.in_world.cwiseMax(inner_.min).cwiseMin(inner_.max) - point.in_world;
+  return std::min(here, shape_->distance_within(point.in_body + now_.turn.transpose() * in_seam, reach));
 }
 
-Vec3 Body::normal(const Spot& spot) const {
-  if (inner_.contains(spot.in_world)) return shape_->normal(spot.in_body);
+Vec3 Body::normal(const ContactPoint& point) const {
+  if (inner_.contains(point.in_world)) return shape_->normal(point.in_body);
   return slope_of(shape_->bounds(), [&](const Vec3& step) {
-    return distance({spot.in_body + step, spot.in_world + now_.turn * step}, std::numeric_limits<Real>::max());
+    return distance({point.in_body + step, point.in_world + now_.turn * step}, std::numeric_limits<Real>::max());
   });
 }
 
@@ -115,27 +116,27 @@ bool Body::may_cross(const Vec3& from, const Vec3& to) const {
   return false;
 }
 
-// The distance itself passes nothing. Nearer than a least step it is the way to the surface by the slope along the
+// The distance itself passes nothing. Nearer than a least step it is the distance to the surface by the slope along the
 // path, and a little more, so that the next place is in the solid if the path meets it; one that skims it goes by least
 // steps.
-Real Body::step_from(const Way& way, Real s, Real d, Real threshold) const {
-  const Real least = least_step * h_, small = tolerance_ / 2;
+Real Body::step_from(const Segment& segment, Real s, Real d, Real threshold) const {
+  const Real least = min_step * h_, small = tolerance_ / 2;
   if (d - tolerance_ >= least) return d - tolerance_;
-  const Real ahead = distance(way.at((s + small) / way.length()), 2 * least);
+  const Real ahead = distance(segment.at((s + small) / segment.length()), 2 * least);
   if (d - ahead < 1e-6 * small) return least;
   const Real to_surface = (d - threshold) * small / (d - ahead);
   return std::min(to_surface + small, least);
 }
 
 // The last step is halved until the place of contact is known.
-std::optional<Real> Body::first_contact(const Way& way) const {
-  const Real length = way.length();
+std::optional<Real> Body::first_contact(const Segment& segment) const {
+  const Real length = segment.length();
   if (length == 0) return std::nullopt;
-  const auto at = [&](Real s) { return distance(way.at(s / length), length - s + 0.02 * h_); };
+  const auto at = [&](Real s) { return distance(segment.at(s / length), length - s + 0.02 * h_); };
   Real s = 0, d = at(0);
   const Real threshold = std::min(d, tolerance_);
   while (s < length && d < length - s + tolerance_) {
-    Real next = std::min(s + step_from(way, s, d, threshold), length);
+    Real next = std::min(s + step_from(segment, s, d, threshold), length);
     const Real there = at(next);
     if (there >= threshold) {
       s = next;
@@ -152,13 +153,13 @@ std::optional<Real> Body::first_contact(const Way& way) const {
   return std::nullopt;
 }
 
-bool Body::is_clear(const Spot& spot) const { return distance(spot, h_) >= tolerance_ / 2; }
+bool Body::is_clear(const ContactPoint& point) const { return distance(point, h_) >= tolerance_ / 2; }
 
-Vec3 Body::way_out(const Spot& spot) const {
+Vec3 Body::exit_shift(const ContactPoint& point) const {
   Vec3 out = Vec3::Zero();
   constexpr int most = 8;  // one will do where the nearest surface is a plane or a ball
   for (int k = 0; k < most; ++k) {
-    const Spot there{spot.in_body + out, spot.in_world + now_.turn * out};
+    const ContactPoint there{point.in_body + out, point.in_world + now_.turn * out};
     const Real d = distance(there, h_);
     if (d >= tolerance_ / 2) break;
     out += (2 * tolerance_ - d) * normal(there);

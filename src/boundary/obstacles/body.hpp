@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "boundary/geometry/distance_grid.hpp"
-#include "boundary/volume_map/solid_map.hpp"
+#include "boundary/volume_map/volume_map.hpp"
 #include "boundary/walls.hpp"
 #include "trevi/settings.hpp"
 
@@ -25,15 +25,15 @@ struct BodyRules {
 };
 
 /// A place as a body sees it, from its own frame, and where that is in the world.
-struct Spot {
+struct ContactPoint {
   Vec3 in_body, in_world;
 };
 
-/// A straight way of a particle, in both.
-struct Way {
-  Spot from, to;
+/// A straight piece of a particle's path, in both frames.
+struct Segment {
+  ContactPoint from, to;
   Real length() const { return (to.in_body - from.in_body).norm(); }
-  Spot at(Real part) const {
+  ContactPoint at(Real part) const {
     return {from.in_body + part * (to.in_body - from.in_body), from.in_world + part * (to.in_world - from.in_world)};
   }
 };
@@ -48,14 +48,14 @@ class Body {
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
   const Shape& shape() const { return *shape_; }
-  const SolidMap& map() const { return *map_; }
+  const VolumeMap& map() const { return *map_; }
   const BodyMotion& motion() const { return motion_; }
   Real radius() const { return radius_; }  ///< of the ball around the centre that holds the surface, m
   bool moves() const { return moves_; }
 
-  /// Whether p may have a share of density or a collision within reach, by the bounds alone.
+  /// Whether p may have a contribution to its density or a collision within reach, by the bounds alone.
   bool may_reach(const Vec3& p) const { return vessel_ || near_box_.contains(p); }
-  /// Whether a straight way in the world, the obstacle where it is now, stays on one side of all that it may reach.
+  /// Whether a straight path in the world, the obstacle where it is now, stays on one side of all that it may reach.
   bool is_passed_by(const Vec3& from, const Vec3& to) const {
     const auto low = from.cwiseMax(to).array() < near_box_.min.array();
     const auto high = from.cwiseMin(to).array() > near_box_.max.array();
@@ -75,39 +75,40 @@ class Body {
   Real rough_distance(const Vec3& p) const { return rough_ ? rough_->at(p).distance : shape_->distance(p); }
   /// Whether that is not the distance itself.
   bool is_rough() const { return rough_ != nullptr; }
-  /// Whether the straight way in between may come to the surface; true where that is not known.
+  /// Whether the straight segment in between may come to the surface; true where that is not known.
   bool may_cross(const Vec3& from, const Vec3& to) const;
 
-  /// How far along the way, from 0 to 1, the surface is met; no value where it is not. A way that begins nearer to the
-  /// surface than contacts are meets it where it comes nearer still.
-  std::optional<Real> first_contact(const Way& way) const;
+  /// How far along the segment, from 0 to 1, the surface is met; no value where it is not. A segment that begins nearer
+  /// to the surface than contacts are meets it where it comes nearer still.
+  std::optional<Real> first_contact(const Segment& segment) const;
   /// Whether a path can be at that place: no nearer to the surface than half of what contacts are.
-  bool is_clear(const Spot& spot) const;
+  bool is_clear(const ContactPoint& point) const;
   /// The shift that takes a spot out of the solid if it is inside or all but so, in the frame of the body.
-  Vec3 way_out(const Spot& spot) const;
+  Vec3 exit_shift(const ContactPoint& point) const;
   /// The shift off the surface at a contact, by as much as a contact is near to it, so that a path along the surface
   /// does not begin with another contact.
-  Vec3 lift(const Vec3& normal) const { return tolerance_ * normal; }
-  Vec3 normal(const Spot& spot) const;
-  /// What a bounce makes of a velocity, and of a way that goes on; all in the frame of the body.
+  Vec3 contact_offset(const Vec3& normal) const { return tolerance_ * normal; }
+  Vec3 normal(const ContactPoint& point) const;
+  /// What a bounce makes of a velocity, and of the rest of a path; all in the frame of the body.
   Vec3 reflected(const Vec3& velocity, const Vec3& normal) const;
-  static Vec3 along(const Vec3& way, const Vec3& normal) { return way - std::min(way.dot(normal), 0.0) * normal; }
+  static Vec3 along(const Vec3& rest, const Vec3& normal) { return rest - std::min(rest.dot(normal), 0.0) * normal; }
 
  private:
   // Whether p is in the open, and further than that from the surface.
-  bool is_beyond(const Vec3& p, Real way) const;
+  bool is_beyond(const Vec3& p, Real segment) const;
   // Distance to the surface, that which goes on to the walls included; just `reach` where it is as far.
-  Real distance(const Spot& spot, Real reach) const;
-  Real step_from(const Way& way, Real s, Real d, Real threshold) const;
+  Real distance(const ContactPoint& point, Real reach) const;
+  Real step_from(const Segment& segment, Real s, Real d, Real threshold) const;
 
   std::unique_ptr<Shape> shape_;
   BodyMotion motion_;
   bool moves_, vessel_, whole_;
-  Real h_, tolerance_, restitution_, friction_, radius_, seam_;  // seam_: of the walls, where solids go on as inside it
-  Box inner_;                                                    // the box without it
+  Real h_, tolerance_, restitution_, friction_, radius_,
+      wall_extension_;  // seam_: of the walls, where solids go on as inside it
+  Box inner_;           // the box without it
   Pose before_, now_;
   Box near_box_, beside_;  // beside_: the first places that are not in near_box_
-  std::unique_ptr<SolidMap> map_;
+  std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh
 };
 

@@ -10,7 +10,7 @@ namespace trevi {
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
     : walls_(walls),
       law_(std::move(law)),
-      toll_(settings.obstacles.size() + 1, settings.fluid.kernel_radius),
+      ledger_(settings.obstacles.size() + 1, settings.fluid.kernel_radius),
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing) {
@@ -54,20 +54,20 @@ Box Obstacles::open_box(std::span<const Vec3> p) const {
 
 namespace {
 
-// The share of one obstacle and its gradient, in the world.
-BoundaryShare share_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
+// The density that one obstacle contributes, and its gradient, in the world.
+BoundaryDensity contribution_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
   if (!body.may_reach(p)) return {};
-  const PlaneLike plane = body.map().at(body.now().into_body(p));
-  const auto [share, slope] = law.of_plane(plane.distance);
-  return {share, slope * (body.now().turn * plane.gradient)};
+  const EquivalentPlane plane = body.map().at(body.now().into_body(p));
+  const auto [value, slope] = law.of_plane(plane.distance);
+  return {value, slope * (body.now().turn * plane.gradient)};
 }
 
 }  // namespace
 
-BoundaryShare Obstacles::with(const BoundaryShare& box, const Vec3& p) const {
-  BoundaryShare all;
+BoundaryDensity Obstacles::with(const BoundaryDensity& box, const Vec3& p) const {
+  BoundaryDensity all;
   for (const auto& body : bodies_) {
-    const BoundaryShare one = share_of(*body, *law_, p);
+    const BoundaryDensity one = contribution_of(*body, *law_, p);
     all.density += one.density;
     all.gradient += one.gradient;
   }
@@ -75,33 +75,33 @@ BoundaryShare Obstacles::with(const BoundaryShare& box, const Vec3& p) const {
           (1 - all.density) * box.gradient + (1 - box.density) * all.gradient};
 }
 
-void Obstacles::take_gradient(const BoundaryShare& box, const Vec3& p, Real factor) {
+void Obstacles::record_gradient(const BoundaryDensity& box, const Vec3& p, Real factor) {
   Real solid = 0;
   factor *= relaxation_;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const BoundaryShare one = share_of(*bodies_[k], *law_, p);
+    const BoundaryDensity one = contribution_of(*bodies_[k], *law_, p);
     solid += one.density;
-    if (one.density != 0) take(k, factor * (1 - box.density) * one.gradient, p);
+    if (one.density != 0) record(k, factor * (1 - box.density) * one.gradient, p);
   }
-  if (box.density != 0) take(box_taker(), factor * (1 - solid) * box.gradient, p);
+  if (box.density != 0) record(box_account(), factor * (1 - solid) * box.gradient, p);
 }
 
-void Obstacles::take(std::size_t taker, const Vec3& shift, const Vec3& p) {
+void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {
   if (!recording_) return;
-  take_of_grid(taker, shift, p);
+  record_projection(account, shift, p);
   gauges_->add(shift, p);
 }
 
-void Obstacles::take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p) {
-  const Push push{shift, taker < bodies_.size() ? Vec3(p - bodies_[taker]->now().center) : p};
-  toll_.add(taker, {&push, 1});
+void Obstacles::record_projection(std::size_t account, const Vec3& shift, const Vec3& p) {
+  const Impulse push{shift, account < bodies_.size() ? Vec3(p - bodies_[account]->now().center) : p};
+  ledger_.add(account, {&push, 1});
 }
 
-void Obstacles::take_of_box(std::span<Push> pushes) {
-  for (Push& push : pushes) push.shift *= relaxation_;
-  toll_.add(box_taker(), pushes);
+void Obstacles::record_box(std::span<Impulse> impulses) {
+  for (Impulse& push : impulses) push.shift *= relaxation_;
+  ledger_.add(box_account(), impulses);
   if (gauges_->count() == 0) return;
-  for (const Push& push : pushes) gauges_->add(push.shift, push.arm);
+  for (const Impulse& push : impulses) gauges_->add(push.shift, push.arm);
 }
 
 std::size_t Obstacles::bytes() const {

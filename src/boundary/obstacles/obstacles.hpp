@@ -1,5 +1,5 @@
 // The obstacles of a scene: what particles near them have of their density, where their paths end, and what the
-// obstacles and the box take of the water's momentum on the way. Metres and seconds. Functions for single particles may
+// obstacles and the box receive of the water's momentum. Metres and seconds. Functions for single particles may
 // be called in loops that threads share; move() and clear() may not. Collective: total().
 #pragma once
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "boundary/gauges.hpp"
+#include "boundary/impulse_ledger.hpp"
 #include "boundary/obstacles/body.hpp"
-#include "boundary/toll.hpp"
 #include "boundary/wall_density.hpp"
 #include "boundary/walls.hpp"
 
@@ -28,28 +28,29 @@ class Obstacles {
   /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
   /// none.
   Box open_box(std::span<const Vec3> p) const;
-  /// Whether p is so near to an obstacle that it has a share of density, perhaps.
+  /// Whether p is so near to an obstacle that it may contribute to its density.
   bool is_near(const Vec3& p) const {
     return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
   }
-  /// The share at p of box and obstacles together; `box` is that of the box alone. The solids of obstacles do not
-  /// overlap, so their shares add up; walls and obstacles are independent of each other, as in an edge of the box.
-  BoundaryShare with(const BoundaryShare& box, const Vec3& p) const;
-  /// Tells the toll of a shift along the gradient of the share at p: `factor` times its parts, as far as the density
-  /// solver goes that way.
-  void take_gradient(const BoundaryShare& box, const Vec3& p, Real factor);
+  /// The contribution of box and obstacles together at p; `box` is that of the box alone. The solids of obstacles do
+  /// not overlap, so their contributions add up; walls and obstacles are independent of each other, as in an edge of
+  /// the box.
+  BoundaryDensity with(const BoundaryDensity& box, const Vec3& p) const;
+  /// Records in the ledger a shift along the gradient of the density's contribution at p: `factor` times its parts, as
+  /// far as the density solver follows it.
+  void record_gradient(const BoundaryDensity& box, const Vec3& p, Real factor);
   /// The same of particles that no obstacle is near to.
-  void take_of_box(std::span<Push> pushes);
+  void record_box(std::span<Impulse> impulses);
 
-  /// Obstacles that have a share of density at p: visit(taker, the distance of the plane that is worth it, m, the way
-  /// that the surface there has gone in the substep, m).
+  /// Obstacles that contribute to the density at p: visit(account, distance of the equivalent plane, m, the
+  /// displacement of the surface there in the substep, m).
   template <class Visit>
   void for_each_near(const Vec3& p, Visit&& visit) const {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const Body& body = *bodies_[k];
       if (!body.is_near(p)) continue;
       const Vec3 there = body.now().into_body(p);
-      const PlaneLike plane = body.map().at(there);
+      const EquivalentPlane plane = body.map().at(there);
       const Vec3 surface = there - plane.distance * plane.gradient.stableNormalized();
       visit(k, plane.distance, Vec3(body.now().into_world(surface) - body.before().into_world(surface)));
     }
@@ -72,17 +73,17 @@ class Obstacles {
   Real fastest(Real begin, Real end) const;
 
   /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
-  Toll& toll() { return toll_; }
-  std::size_t box_taker() const { return bodies_.size(); }
-  /// The pressure on walls and obstacles, begun anew with the toll.
+  ImpulseLedger& ledger() { return ledger_; }
+  std::size_t box_account() const { return bodies_.size(); }
+  /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
-  /// Tells the toll, and the gauges, of a shift that a taker gave to a particle at p.
-  void take(std::size_t taker, const Vec3& shift, const Vec3& p);
-  /// Whether what is told is taken; not while only positions are shifted, and nobody's momentum changes.
+  /// Records in the ledger and the gauges a shift that the box or an obstacle gave to a particle at p.
+  void record(std::size_t account, const Vec3& shift, const Vec3& p);
+  /// Whether anything is recorded; not while only positions are shifted, and nobody's momentum changes.
   void record_impulses(bool on) { recording_ = on; }
   bool records_impulses() const { return recording_; }
-  /// Tells the toll alone: of the coarse grid, whose gauges have a rule of their own.
-  void take_of_grid(std::size_t taker, const Vec3& shift, const Vec3& p);
+  /// Records in the ledger alone, for the projection, whose gauges have a rule of their own.
+  void record_projection(std::size_t account, const Vec3& shift, const Vec3& p);
 
   /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
   /// particles is calibrated to their kernel.
@@ -100,9 +101,9 @@ class Obstacles {
   std::vector<std::unique_ptr<Body>> bodies_;
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
-  Toll toll_;
-  PerThread<std::vector<Way>> ways_;      // of the leg that a thread follows
-  std::optional<PressureGauges> gauges_;  // made when all bodies are there
+  ImpulseLedger ledger_;
+  PerThread<std::vector<Segment>> segments_;  // of the leg that a thread follows
+  std::optional<PressureGauges> gauges_;      // made when all bodies are there
   bool recording_ = true;
   Real relaxation_;  // of shifts by the density solver
   Real water_mass_;

@@ -1,7 +1,7 @@
-// How much of the density kernel's ball lies behind a plane, as a share of its integral: V(d) for a plane at distance
-// d, from 1 at −h over ½ at 0 to 0 at h. Its inverse turns the volume share of any solid into the distance of the plane
-// that takes as much: what the solid is to a particle, whose density term is then that of the box's walls. Not
-// collective.
+// How much of the density kernel's ball lies behind a plane, as a fraction of its integral: V(d) for a plane at
+// distance d, from 1 at −h over ½ at 0 to 0 at h. Its inverse turns the volume fraction of any solid into the distance
+// of the plane that takes as much: what the solid is to a particle, whose density term is then that of the box's walls.
+// Not collective.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,13 @@ namespace trevi {
 class PlaneVolume {
  public:
   PlaneVolume(const Kernel& kernel, Real h);
-  Real share(Real distance) const;
-  /// From −h for a share of 1 to h for 0.
-  Real distance(Real share) const;
+  Real fraction(Real distance) const;
+  /// From −h for a fraction of 1 to h for 0.
+  Real distance(Real fraction) const;
 
  private:
   Real h_;
-  std::vector<Real> share_;  // at distances from 0 to h in equal steps
+  std::vector<Real> fraction_;  // at distances from 0 to h in equal steps
 };
 
 }  // namespace trevi

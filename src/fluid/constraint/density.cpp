@@ -31,7 +31,7 @@ void prefetch(std::span<const V> field, Range here) {
 
 namespace {
 
-// What gives a particle a share of its density; kept beside the gradient of that, for tell_obstacles().
+// What contributes to a particle's density; kept beside the gradient of that, for record_obstacles().
 enum Boundary { none = 0, box_alone, obstacle };
 template <class T>
 Boundary boundary_of(const Vec4<T>& wall) {
@@ -69,18 +69,18 @@ void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3>
 }
 
 template <class T>
-BoundaryShare DensityConstraint<T>::share_at(const Vec3& p, bool at_obstacle) const {
-  const BoundaryShare box = walls_->at(p);
+BoundaryDensity DensityConstraint<T>::boundary_at(const Vec3& p, bool at_obstacle) const {
+  const BoundaryDensity box = walls_->at(p);
   return at_obstacle ? obstacles_->with(box, p) : box;
 }
 
 // By what lambdas() wrote there: the gradient where it is the box's own.
 template <class T>
-void DensityConstraint<T>::tell_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
-                                          std::span<const Vec4<T>> wall) const {
+void DensityConstraint<T>::record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
+                                            std::span<const Vec4<T>> wall) const {
   std::array<std::size_t, sums_chunk> near;
-  std::array<Push, sums_chunk> by_box;
-  std::size_t count = 0, pushes = 0;
+  std::array<Impulse, sums_chunk> by_box;
+  std::size_t count = 0, impulses = 0;
   for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
     near[count] = i;  // without a branch
     count += wall[i].w != 0 ? 1 : 0;
@@ -89,12 +89,12 @@ void DensityConstraint<T>::tell_obstacles(Range range, const Packed<T>* records,
     const std::size_t i = near[k];
     const auto factor = static_cast<Real>(records[i].w);
     if (boundary_of(wall[i]) == obstacle) {
-      obstacles_->take_gradient(walls_->at(p[i]), p[i], factor);
+      obstacles_->record_gradient(walls_->at(p[i]), p[i], factor);
     } else if (factor != 0) {
-      by_box[pushes++] = {factor * vector_of(wall[i]), p[i]};
+      by_box[impulses++] = {factor * vector_of(wall[i]), p[i]};
     }
   }
-  obstacles_->take_of_box({by_box.data(), pushes});
+  obstacles_->record_box({by_box.data(), impulses});
 }
 
 template <class T>
@@ -122,7 +122,7 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
       rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
     for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
-      rho[i] += model_.rest_density * share_at(p[i], boundary == obstacle).density;
+      rho[i] += model_.rest_density * boundary_at(p[i], boundary == obstacle).density;
     });
   });
 }
@@ -145,12 +145,12 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     std::fill_n(&out.wall[first], count, Vec4<T>{});
     for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
       const std::size_t k = i - first;
-      const BoundaryShare share = share_at(p[i], boundary == obstacle);
-      out.rho[i] += model_.rest_density * share.density;
-      const Vec3 gradient = share.gradient - slope * vector_of(sums[k]);
+      const BoundaryDensity boundary_density = boundary_at(p[i], boundary == obstacle);
+      out.rho[i] += model_.rest_density * boundary_density.density;
+      const Vec3 gradient = boundary_density.gradient - slope * vector_of(sums[k]);
       multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
-      out.wall[i] = {static_cast<T>(share.gradient.x()), static_cast<T>(share.gradient.y()),
-                     static_cast<T>(share.gradient.z()), static_cast<T>(boundary)};
+      out.wall[i] = {static_cast<T>(boundary_density.gradient.x()), static_cast<T>(boundary_density.gradient.y()),
+                     static_cast<T>(boundary_density.gradient.z()), static_cast<T>(boundary)};
     });
     out.use(here, multiplier.data());
   });
@@ -167,7 +167,7 @@ void DensityConstraint<T>::sum_deltas(const DeltaLoop& delta_loop, const Pairs<T
     delta_loop(pairs, here, sums);
   };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
-    if (obstacles_ && walls_ && obstacles_->records_impulses()) tell_obstacles(here, records, p, delta);
+    if (obstacles_ && walls_ && obstacles_->records_impulses()) record_obstacles(here, records, p, delta);
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
       const T multiplier = records[i].w;
       Vec4<T>& out = delta[i];

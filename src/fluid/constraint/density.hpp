@@ -2,7 +2,8 @@
 // scene:
 //   rho_i = m Σ_j W(p_ij);  C_i = rho_i/rho0 − 1 (inequality: not below 0)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
-//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls' share]
+//   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls'
+//   contribution]
 // W is the kernel of fluid.density_kernel, G that of fluid.gradient_kernel, with which the gradients in lambda_i are
 // formed, too. Not collective: the caller exchanges lambda, the scalar of the records, between the two loops.
 #pragma once
@@ -60,14 +61,14 @@ class DensityConstraint {
   /// whole of these.
   struct Lambdas {
     std::span<Real> rho;      ///< rho_i, kg/m³
-    std::span<Vec4<T>> wall;  ///< gradient of the walls' share, 1/m, and what it is from, for deltas()
+    std::span<Vec4<T>> wall;  ///< gradient of the walls' contribution, 1/m, and what it is from, for deltas()
     std::function<void(Range here, const T* multipliers)> use;
   };
   /// Finds rho_i and lambda_i for the range; p is an array of all owned particles.
   void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Lambdas& out) const;
 
   /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions, and tells
-  /// the obstacles' toll what the walls and they have in it.
+  /// the obstacles' ledger what the walls and they have in it.
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
     sum_deltas(delta_loop_, pairs, range, p, delta);
   }
@@ -86,9 +87,9 @@ class DensityConstraint {
                   std::span<Vec4<T>> delta) const;
   template <class Visit>
   void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
-  BoundaryShare share_at(const Vec3& p, bool at_obstacle) const;
-  void tell_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
-                      std::span<const Vec4<T>> wall) const;
+  BoundaryDensity boundary_at(const Vec3& p, bool at_obstacle) const;
+  void record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
+                        std::span<const Vec4<T>> wall) const;
 
   DensityModel model_;
   Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours

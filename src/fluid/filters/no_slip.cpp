@@ -23,34 +23,34 @@ Real NoSlip<T>::rate(Real distance) const {
   return rest > 0 ? factor_ * rest * rest * rest * rest * rest / u : 0;
 }
 
-// visit(taker, distance, how far the surface has moved in the substep).
+// visit(account, distance, displacement of the surface in the substep).
 template <class T>
 template <class Visit>
 void NoSlip<T>::for_each_wall(const Vec3& p, Visit&& visit) const {
   for (int a = 0; a < 3; ++a) {
     for (const Real distance : {p[a] - walls_.min[a], walls_.max[a] - p[a]})
-      if (distance < h_) visit(obstacles_ ? obstacles_->box_taker() : 0, distance, Vec3(Vec3::Zero()));
+      if (distance < h_) visit(obstacles_ ? obstacles_->box_account() : 0, distance, Vec3(Vec3::Zero()));
   }
   if (obstacles_) obstacles_->for_each_near(p, visit);
 }
 
 template <class T>
 Vec3 NoSlip<T>::held(const Vec3& p, const Vec3& v, Real dt) const {
-  Real shares = 1;
+  Real total_pull = 1;
   Vec3 sum = v;
-  for_each_wall(p, [&](std::size_t, Real distance, const Vec3& way) {
+  for_each_wall(p, [&](std::size_t, Real distance, const Vec3& displacement) {
     const Real pull = rate(distance);
-    shares += pull * dt;
-    sum += pull * way;
+    total_pull += pull * dt;
+    sum += pull * displacement;
   });
-  return sum / shares;
+  return sum / total_pull;
 }
 
 // What each of them gave to a particle that has the velocity v now.
 template <class T>
 void NoSlip<T>::tell(const Vec3& p, const Vec3& v, Real dt) {
-  for_each_wall(p, [&](std::size_t taker, Real distance, const Vec3& way) {
-    obstacles_->take(taker, rate(distance) * dt * (way - v * dt), p);
+  for_each_wall(p, [&](std::size_t account, Real distance, const Vec3& displacement) {
+    obstacles_->record(account, rate(distance) * dt * (displacement - v * dt), p);
   });
 }
 

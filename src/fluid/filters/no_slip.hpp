@@ -4,7 +4,7 @@
 //   dv/dt = (nu/M) n (v_wall − v) ∫_d^h A(z) z/d dz = (nu/M) n h³ W6(0) (π/40) (v_wall − v) (1 − u²)⁵/u,  u = d/h,
 // n being particles a volume, M as in xsph_viscosity.hpp, and A(z) = W6(0) h² (π/4) (1 − z²/h²)⁴ what Poly6 is on a
 // plane z away.
-// Taken implicitly, so that no distance and no step is too short. Not collective.
+// Applied implicitly, so that no distance and no step is too short. Not collective.
 #pragma once
 
 #include <memory>

@@ -13,7 +13,7 @@ class VorticityConfinement : public VelocityFilter<T> {
  public:
   VorticityConfinement(const DensityModel& model, Real epsilon, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return omega_.capacity() * sizeof(Vec4<T>) + share_of(velocity_); }
+  std::size_t bytes() const override { return omega_.capacity() * sizeof(Vec4<T>) + contribution_of(velocity_); }
 
  private:
   void compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);

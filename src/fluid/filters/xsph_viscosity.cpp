@@ -38,7 +38,7 @@ Real longest_viscous_step(Real nu, Real spacing, Real h) {
   return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(kernel_named(Poly6::name), spacing, h));
 }
 
-Real least_second_moment(Real spacing, Real h) {
+Real min_second_moment(Real spacing, Real h) {
   const Real without_order = h * h / (22 * spacing * spacing * spacing);
   return std::min(1.0, without_order / lattice_laplacian_moment(spacing, h)) *
          (1 - 3.0 / lattice_neighbours(spacing, h));
@@ -50,7 +50,7 @@ KinematicViscosity<T>::KinematicViscosity(Real nu, Real spacing, Real h, std::sh
   const Real lattice = lattice_laplacian_moment(spacing, h);
   per_second_ = nu / lattice * Poly6::factor(h) / 2;
   moment_factor_ = static_cast<T>(h * h * Poly6::factor(h) / (6 * lattice));
-  least_ = static_cast<T>(least_second_moment(spacing, h));
+  least_ = static_cast<T>(min_second_moment(spacing, h));
 }
 
 // M_lattice/M_i to the scalar of each velocity.

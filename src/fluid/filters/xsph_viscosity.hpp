@@ -8,7 +8,7 @@
 // particles are. Water in layers has up to 6 % more of the moment across them than along them with h = 2 s, and as much
 // more viscosity.
 //   Neighbours must not stand in for those that are missing at walls and surfaces: where M_i is below
-// least_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
+// min_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
 // apart keeps its rate to 5 % at 10 across (tests/mpi/test_viscosity.cpp). Collective.
 #pragma once
 
@@ -19,10 +19,10 @@ namespace trevi {
 template <class T>
 class XsphViscosity : public VelocityFilter<T> {
  public:
-  /// `c` in m³/kg, a share of each step.
+  /// `c` in m³/kg, a fraction of each step.
   XsphViscosity(Real c, const DensityModel& model, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return share_of(velocity_); }
+  std::size_t bytes() const override { return contribution_of(velocity_); }
 
  private:
   Event event_{"XsphViscosity"};
@@ -37,9 +37,9 @@ class XsphViscosity : public VelocityFilter<T> {
 Real longest_viscous_step(Real nu, Real spacing, Real h);
 
 /// The M_i, over that of the lattice, below which neighbours are missing: that of the lattice or of water without
-/// order, h²/(22 s³), whichever is less, without the share of three neighbours, which is what M_i scatters by in
+/// order, h²/(22 s³), whichever is less, without the contribution of three neighbours, which is what M_i scatters by in
 /// flowing water.
-Real least_second_moment(Real spacing, Real h);
+Real min_second_moment(Real spacing, Real h);
 
 template <class T>
 class KinematicViscosity : public VelocityFilter<T> {
@@ -47,7 +47,7 @@ class KinematicViscosity : public VelocityFilter<T> {
   /// `nu` in m²/s.
   KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return share_of(velocity_); }
+  std::size_t bytes() const override { return contribution_of(velocity_); }
 
  private:
   void weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const;

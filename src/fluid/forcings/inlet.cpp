@@ -113,7 +113,7 @@ Real Inlet::speed(const StepInfo& info) const {
   return now ? now->speed : 0;
 }
 
-Real Inlet::way(const StepInfo& info) const {
+Real Inlet::path_length(const StepInfo& info) const {
   const TimeSpan times = working(info);
   return times.begin < times.end ? speed(info) * (times.end - times.begin) : 0;
 }

@@ -1,7 +1,7 @@
 // Inlets: openings through which water enters (inputs/README.md, Inlets and drains). An inlet makes particles layer by
 // layer, on a square lattice with the fluid's spacing across its opening: a layer whenever the water has gone one
-// spacing. Who makes them, and with which ids, is the matter of OpenFlow (solver/open_flow.hpp). Collective: prepare()
-// only.
+// spacing. Who makes them, and with which ids, is the matter of InflowOutflow (solver/open_flow.hpp). Collective:
+// prepare() only.
 #pragma once
 
 #include <array>
@@ -60,7 +60,7 @@ class Inlet : public PumpedForcing {
   const InletLattice& lattice() const { return lattice_; }
   bool recycles() const { return recycles_; }
   /// How far the water comes in the substep, m.
-  Real way(const StepInfo& info) const;
+  Real path_length(const StepInfo& info) const;
   /// The speed without jitter while it comes, m/s; 0 where the pump is off.
   Real speed(const StepInfo& info) const;
   Vec3 velocity(Real speed, GlobalId id, const StepInfo& info) const { return jet(speed, id, info); }

@@ -137,7 +137,7 @@ HWY_INLINE void store_records(const Encoding<T>& encoding, const WideVec3& p, Pa
   }
 }
 
-// For most vectors all ways are inside of the box.
+// For most vectors all paths are inside of the box.
 template <class T>
 HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* p, Packed<T>* records) {
   const Wide d;

@@ -50,7 +50,7 @@ struct Moved {
   std::span<Vec3> p;
   Packed<T>* records;
 };
-/// Those whose way leaves the box, and a few beside them, stay as they are: writes which, in their order, and returns
+/// Those whose path leaves the box, and a few beside them, stay as they are: writes which, in their order, and returns
 /// how many; `left` has room for all.
 template <class T>
 std::size_t move_particles(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left);

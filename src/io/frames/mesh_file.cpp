@@ -136,8 +136,8 @@ vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
 TriangleMesh read_mesh_file(const std::string& path) {
   const vtkSmartPointer<vtkPolyData> surface = read_surface(path);
   // Corners are counted by 32 bits, and the mesh goes to all ranks in one message of less than 2 GB.
-  constexpr vtkIdType most_triangles = 25'000'000;
-  if (surface->GetNumberOfCells() > most_triangles)
+  constexpr vtkIdType max_triangles = 25'000'000;
+  if (surface->GetNumberOfCells() > max_triangles)
     throw InputError(path + ": holds more than 25 million triangles; make it coarser");
   TriangleMesh mesh;
   std::map<std::array<Real, 3>, std::int32_t> number;

@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-constexpr Real most_cells = 2e6;
+constexpr Real max_cells = 2e6;
 
 // Leaves a mark where both neighbours along an axis have one, too; beyond the ends there is none. A run of `count`
 // cells, `stride` apart, goes along the axis; cells side by side are worked on together.
@@ -29,7 +29,7 @@ void erode(std::vector<std::uint8_t>& marks, std::size_t stride, std::size_t cou
 
 VisibleCells::VisibleCells(const Box& box, Real size) : min_(box.min) {
   const Vec3 extent = box.max - box.min;
-  per_metre_ = 1 / std::max(size, std::cbrt(extent.prod() / most_cells));
+  per_metre_ = 1 / std::max(size, std::cbrt(extent.prod() / max_cells));
   std::ptrdiff_t cells = 1;
   for (int a = 0; a < 3; ++a) {
     count_[static_cast<std::size_t>(a)] = std::max<std::ptrdiff_t>(1, std::lround(std::ceil(extent[a] * per_metre_)));

@@ -41,7 +41,7 @@ void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
   write_on_root(comm, file, "/flow",
                 std::vector<std::int64_t>{flow->next_id, flow->inflow, flow->outflow, flow->waiting});
   std::vector<Real> streams;
-  for (const FlowState::Stream& stream : flow->streams) streams.insert(streams.end(), {stream.way, stream.speed});
+  for (const FlowState::Stream& stream : flow->streams) streams.insert(streams.end(), {stream.travelled, stream.speed});
   write_on_root(comm, file, "/streams", streams);
 }
 

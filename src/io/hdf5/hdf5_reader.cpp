@@ -64,7 +64,7 @@ bool is_elsewhere(hid_t dataset) {
 }
 
 // Deflate makes a thousandth of zeros at best; what claims to be smaller has never been written, and reads as zeros.
-constexpr double most_compression = 1100, smallest_table = 1e4;
+constexpr double max_compression = 1100, smallest_table = 1e4;
 
 /// The value of a fixed-length string type, whatever reads it.
 template <class Read>
@@ -129,7 +129,7 @@ void Hdf5Reader::check_room(const std::string& name, RowFormat format, RowSlice 
   const double there =
       std::min(static_cast<double>(H5Dget_storage_size(dataset.id())), static_cast<double>(file_size_));
   const double claimed = static_cast<double>(slice.total) * bytes_of(format);
-  if (claimed > most_compression * (there + smallest_table) && !is_elsewhere(dataset.id())) {
+  if (claimed > max_compression * (there + smallest_table) && !is_elsewhere(dataset.id())) {
     fail(name, fmt::format("claims {} rows, {}, of which the file holds {}; it is damaged or was never filled, use "
                            "another copy",
                            slice.total, bytes_text(claimed), bytes_text(there)));

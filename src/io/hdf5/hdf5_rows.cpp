@@ -11,7 +11,7 @@ static_assert(sizeof(Vec3) == 3 * sizeof(Real), "rows of Vec3 are written as the
 
 namespace {
 
-herr_t take_first(unsigned index, const H5E_error2_t* error, void* reason) {
+herr_t keep_first(unsigned index, const H5E_error2_t* error, void* reason) {
   if (index == 0 && error->desc != nullptr) *static_cast<std::string*>(reason) = error->desc;
   return 0;
 }
@@ -27,7 +27,7 @@ void silence_hdf5() {
 
 std::string hdf5_reason() {
   std::string reason = "no reason given";
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &reason);
   return reason;
 }
 

@@ -64,8 +64,8 @@ struct RowSlice {
 
 /// Slice `rank` of `size` slices that differ by one block at most; they begin at multiples of `block`.
 inline RowSlice equal_slice(std::int64_t total, int rank, int size, std::int64_t block = 1) {
-  const std::int64_t blocks = (total + block - 1) / block, share = blocks / size, rest = blocks % size;
-  const auto start = [&](std::int64_t k) { return std::min(total, block * (share * k + std::min(k, rest))); };
+  const std::int64_t blocks = (total + block - 1) / block, blocks_each = blocks / size, rest = blocks % size;
+  const auto start = [&](std::int64_t k) { return std::min(total, block * (blocks_each * k + std::min(k, rest))); };
   return {start(rank), start(rank + 1) - start(rank), total};
 }
 

@@ -36,13 +36,13 @@ void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_
   constexpr LocalId part_size = 32768;
   const auto digit = [shift](std::uint64_t n) { return (n >> shift) % digits; };
   std::vector<std::array<LocalId, digits>> starts(from.size() / part_size + 1);  // of each part's share of a digit
-  const auto for_each_share = [&](const auto& work) {
+  const auto for_each_thread_part = [&](const auto& work) {
     for_each_part(all_of(from), part_size, [&](Range part) {
       work(std::span(from).subspan(static_cast<std::size_t>(part.begin), static_cast<std::size_t>(part.size())),
            starts[static_cast<std::size_t>(part.begin / part_size)].data());
     });
   };
-  for_each_share([digit](std::span<const std::uint64_t> numbers, LocalId* counts) {
+  for_each_thread_part([digit](std::span<const std::uint64_t> numbers, LocalId* counts) {
     const auto own = digit;  // which the compiler may keep in a register
     for (const std::uint64_t n : numbers) ++counts[own(n)];
   });
@@ -50,7 +50,7 @@ void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_
   for (std::size_t d = 0; d < digits; ++d) {
     for (auto& part : starts) start += std::exchange(part[d], start);
   }
-  for_each_share([digit, to = to.data()](std::span<const std::uint64_t> numbers, LocalId* places) {
+  for_each_thread_part([digit, to = to.data()](std::span<const std::uint64_t> numbers, LocalId* places) {
     const auto own = digit;
     std::uint64_t* const sorted = to;
     for (const std::uint64_t n : numbers) sorted[places[own(n)]++] = n;

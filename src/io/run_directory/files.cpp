@@ -64,7 +64,7 @@ void rename_file(const std::string& from, const std::string& to) {
 }
 
 /// The digits that `text` begins with, which leave it.
-std::string_view take_digits(std::string_view& text) {
+std::string_view read_digits(std::string_view& text) {
   const std::string_view digits = text.substr(0, text.find_first_not_of("0123456789"));
   text.remove_prefix(digits.size());
   return digits;
@@ -215,7 +215,7 @@ std::optional<std::int64_t> step_in_name(std::string_view name, const SteppedNam
   std::string_view suffix = kind.suffix;
   if (!name.starts_with(prefix)) return std::nullopt;
   name.remove_prefix(prefix.size());
-  const std::string_view digits = take_digits(name);
+  const std::string_view digits = read_digits(name);
   std::int64_t step = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), step);
   if (error != std::errc() || digits != step_digits(step)) return std::nullopt;
@@ -224,7 +224,7 @@ std::optional<std::int64_t> step_in_name(std::string_view name, const SteppedNam
   name.remove_prefix(mark);
   suffix.remove_prefix(mark);
   if (suffix.starts_with('#')) {
-    if (take_digits(name).empty()) return std::nullopt;
+    if (read_digits(name).empty()) return std::nullopt;
     suffix.remove_prefix(1);
   }
   return name == suffix ? std::optional(step) : std::nullopt;

@@ -43,7 +43,7 @@ struct RunReport {
   double simulated_seconds = unknown, wall_seconds = unknown;
   double steps_per_second = unknown, particle_steps_per_second = unknown;
   double nanoseconds_per_pair = unknown;
-  double energy_gain = unknown;         ///< EnergyRise::share(); unknown without a series, or where something pumps
+  double energy_gain = unknown;         ///< EnergyRise::fraction(); unknown without a series, or where something pumps
   std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
   std::vector<double> halo_wait_seconds;                                   ///< of each rank

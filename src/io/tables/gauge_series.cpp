@@ -34,7 +34,7 @@ GaugeSeries::GaugeSeries(MPI_Comm comm, const TableOptions& options, const Setti
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
   const Real volume = spacing_ * spacing_ * spacing_;
   for (const GaugeSettings& gauge : gauges_)
-    volume_.push_back(is_pressure(gauge) ? 0 : volume / gauge_share(gauge, spacing_, settings.domain, {}));
+    volume_.push_back(is_pressure(gauge) ? 0 : volume / open_fraction_of_gauge(gauge, spacing_, settings.domain, {}));
 }
 
 // Each particle is a cube of one spacing, cut at the foot of the gauge. A wire that is wetted measures the same: air in

@@ -23,7 +23,7 @@ class GaugeSeries : public TableSeries {
   std::vector<GaugeSettings> gauges_;
   Real spacing_;              // m, the edge of a particle's cube
   bool pressures_;            // whether there are gauges of pressure
-  std::vector<Real> volume_;  // of a particle over the share of the disc that is in the box, m³; by the gauge
+  std::vector<Real> volume_;  // of a particle over the fraction of the disc that is in the box, m³; by the gauge
   PerThread<std::vector<std::int64_t>> sums_;
 };
 

@@ -1,9 +1,9 @@
-// What a solid is to the density of a particle near it: the distance of the plane that takes the same share of the
+// What a solid is to the density of a particle near it: the distance of the plane that takes the same fraction of the
 // density kernel's ball (volume maps, Bender et al. 2019, by way of plane_volume.hpp). For a plane at any angle that is
-// the distance itself; a wedge, a ball or a thin sheet takes less and so is a plane further away. The share is summed
-// over cells of h/8, cut by the surface where they meet it, for the nodes of a grid of h/4; between nodes a cubic
-// without kinks (Catmull & Rom) is used with its exact derivative, so that the solid returns just the energy that it
-// took.
+// the distance itself; a wedge, a ball or a thin sheet takes less and so is a plane further away. The fraction is
+// summed over cells of h/8, cut by the surface where they meet it, for the nodes of a grid of h/4; between nodes a
+// cubic without kinks (Catmull & Rom) is used with its exact derivative, so that the solid returns just the energy that
+// it took.
 //
 // In the frame of the solid, for any number of poses. Blocks of the grid are made when a particle first comes near,
 // from the shape alone: the same bits on any ranks and threads. Not collective.
@@ -19,7 +19,7 @@
 namespace trevi {
 
 /// Distance of the plane that is worth the solid, m, and its gradient.
-struct PlaneLike {
+struct EquivalentPlane {
   Real distance;
   Vec3 gradient;
 };
@@ -31,15 +31,15 @@ struct Fixed {
   Box box;
 };
 
-class SolidMap {
+class VolumeMap {
  public:
-  SolidMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed);
+  VolumeMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed);
 
   /// Whether the surface may be within h of p.
   bool is_near(const Vec3& p) const;
-  PlaneLike at(const Vec3& p) const;
+  EquivalentPlane at(const Vec3& p) const;
   /// Bytes that the map of a shape takes before anyone has come near to it.
-  static Real least_bytes(const Box& bounds, Real h);
+  static Real min_bytes(const Box& bounds, Real h);
   std::size_t bytes() const { return cells_.bytes() + nodes_.bytes(); }
 
  private:
@@ -53,7 +53,7 @@ class SolidMap {
   // Shares of the cells of a block that are solid.
   struct Cells {
     Kind kind = Kind::empty;
-    std::vector<float> share;
+    std::vector<float> fraction;
   };
   // Plane distances at the nodes of a block, m; none where all are as far as can be.
   struct Nodes {
@@ -68,17 +68,17 @@ class SolidMap {
     Real weight;
   };
   Real solid_distance(const Vec3& p) const;
-  Real cut_share(const Vec3& middle, Real size) const;
+  Real cut_fraction(const Vec3& middle, Real size) const;
   void fill_cells(const Vec3& corner, Cells& cells) const;
   std::unique_ptr<Cells> make_cells(const BlockPlace& place) const;
   std::unique_ptr<Nodes> make_nodes(const BlockPlace& place) const;
   const Cells& cells_at(const BlockPlace& place) const;
   const Nodes& nodes_at(const BlockPlace& place) const;
   bool gather(const BlockPlace& place, Window& cells, Kind& kind) const;
-  Real plane_distance(Real share, const Vec3& node) const;
+  Real plane_distance(Real fraction, const Vec3& node) const;
   BlockPlace block_of(const Vec3& p) const;
   bool covers(const BlockPlace& place) const;
-  PlaneLike interpolated(const Nodes& here, const Vec3& in_nodes) const;
+  EquivalentPlane interpolated(const Nodes& here, const Vec3& in_nodes) const;
 
   const Shape& shape_;
   std::optional<Fixed> fixed_;

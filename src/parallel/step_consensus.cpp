@@ -1,4 +1,4 @@
-#include "parallel/vote.hpp"
+#include "parallel/step_consensus.hpp"
 
 #include <algorithm>
 #include <type_traits>
@@ -7,13 +7,13 @@
 
 namespace trevi {
 
-static_assert(std::is_trivially_copyable_v<Vote>);
+static_assert(std::is_trivially_copyable_v<StepState>);
 
 namespace {
 
 void combine(void* in, void* inout, int* count, MPI_Datatype*) {
-  const auto* from = static_cast<const Vote*>(in);
-  auto* into = static_cast<Vote*>(inout);
+  const auto* from = static_cast<const StepState*>(in);
+  auto* into = static_cast<StepState*>(inout);
   for (int k = 0; k < *count; ++k) {
     into[k].particles += from[k].particles;
     into[k].ids += from[k].ids;
@@ -27,8 +27,8 @@ void combine(void* in, void* inout, int* count, MPI_Datatype*) {
 
 }  // namespace
 
-Vote vote_of(std::span<const GlobalId> ids) {
-  PerThread<Vote> votes;
+StepState state_of(std::span<const GlobalId> ids) {
+  PerThread<StepState> votes;
   constexpr LocalId part_size = 8192;
   for_each_part({0, static_cast<LocalId>(ids.size())}, part_size, [&](Range part) {
     std::uint64_t sum = 0, squares = 0;
@@ -40,28 +40,28 @@ Vote vote_of(std::span<const GlobalId> ids) {
     votes.mine().ids += sum;
     votes.mine().squares += squares;
   });
-  Vote total;
+  StepState total;
   total.particles = ids.size();
-  votes.for_each([&](const Vote& vote) {
+  votes.for_each([&](const StepState& vote) {
     total.ids += vote.ids;
     total.squares += vote.squares;
   });
   return total;
 }
 
-Ballot::Ballot(MPI_Comm comm) : comm_(comm) {
-  MPI_Type_contiguous(sizeof(Vote), MPI_BYTE, &type_);
+StepConsensus::StepConsensus(MPI_Comm comm) : comm_(comm) {
+  MPI_Type_contiguous(sizeof(StepState), MPI_BYTE, &type_);
   MPI_Type_commit(&type_);
   MPI_Op_create(combine, 1, &op_);
 }
 
-Ballot::~Ballot() {
+StepConsensus::~StepConsensus() {
   MPI_Op_free(&op_);
   MPI_Type_free(&type_);
 }
 
-Vote Ballot::count(const Vote& mine) const {
-  Vote total = mine;
+StepState StepConsensus::count(const StepState& mine) const {
+  StepState total = mine;
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, type_, op_, comm_);
   return total;
 }

@@ -1,4 +1,4 @@
-#include "boundary/volume_map/solid_map.hpp"
+#include "boundary/volume_map/volume_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,13 +38,13 @@ struct Spline {
 
 }  // namespace
 
-Real SolidMap::least_bytes(const Box& bounds, Real h) {
+Real VolumeMap::min_bytes(const Box& bounds, Real h) {
   const Real brick = LazyBlocks<Nodes>::edge * block * h / (static_cast<Real>(reach) / fine);
   return 2 * sizeof(void*) * ((bounds.max - bounds.min).array() / brick + 1).prod();
 }
 
 // The outermost blocks are as far from the surface as one has to see.
-SolidMap::SolidMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed)
+VolumeMap::VolumeMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed)
     : shape_(shape),
       fixed_(fixed),
       h_(h),
@@ -72,7 +72,7 @@ SolidMap::SolidMap(const Shape& shape, const Kernel& kernel, Real h, const std::
 
 // Clamping to the box makes no distance larger, so it stays a safe one. To a little inside of the box, as the face on
 // which a solid stands would else count as half solid.
-Real SolidMap::solid_distance(const Vec3& p) const {
+Real VolumeMap::solid_distance(const Vec3& p) const {
   if (!fixed_) return shape_.distance(p);
   const Vec3 world = fixed_->pose.into_world(p);
   const Vec3 gap = Vec3::Constant(h_ / 32);
@@ -81,7 +81,7 @@ Real SolidMap::solid_distance(const Vec3& p) const {
 }
 
 // Of a cube that the surface meets: in 27 parts, each cut as by a plane.
-Real SolidMap::cut_share(const Vec3& middle, Real size) const {
+Real VolumeMap::cut_fraction(const Vec3& middle, Real size) const {
   constexpr int parts = 3;
   Real sum = 0;
   for (int z = 0; z < parts; ++z) {
@@ -96,11 +96,11 @@ Real SolidMap::cut_share(const Vec3& middle, Real size) const {
 }
 
 // By groups of 4³ cells, most of which the surface does not meet.
-void SolidMap::fill_cells(const Vec3& corner, Cells& cells) const {
+void VolumeMap::fill_cells(const Vec3& corner, Cells& cells) const {
   constexpr int group = 4;
   constexpr Real half_diagonal = 0.8661;  // of a cube, in edges, rounded up
   const Real cell = node_ / fine;
-  cells.share.assign(edge * edge * edge, 0.0F);
+  cells.fraction.assign(edge * edge * edge, 0.0F);
   const auto middle = [&](int x, int y, int z, int count) {
     return Vec3(corner + cell * (Vec3(x, y, z) + Vec3::Constant(count / 2.0)));
   };
@@ -114,13 +114,13 @@ void SolidMap::fill_cells(const Vec3& corner, Cells& cells) const {
       const int x = x0 + k % group, y = y0 + k / group % group, z = z0 + k / group / group;
       const Vec3 here = middle(x, y, z, 1);
       const Real d = whole ? far : solid_distance(here);
-      const Real share = std::abs(d) > half_diagonal * cell ? (d < 0 ? 1 : 0) : cut_share(here, cell);
-      cells.share[static_cast<std::size_t>((z * edge + y) * edge + x)] = static_cast<float>(share);
+      const Real fraction = std::abs(d) > half_diagonal * cell ? (d < 0 ? 1 : 0) : cut_fraction(here, cell);
+      cells.fraction[static_cast<std::size_t>((z * edge + y) * edge + x)] = static_cast<float>(fraction);
     }
   }
 }
 
-std::unique_ptr<SolidMap::Cells> SolidMap::make_cells(const BlockPlace& place) const {
+std::unique_ptr<VolumeMap::Cells> VolumeMap::make_cells(const BlockPlace& place) const {
   auto cells = std::make_unique<Cells>();
   const Real size = block * node_;
   const Vec3 corner = corner_of(place, size);
@@ -134,15 +134,15 @@ std::unique_ptr<SolidMap::Cells> SolidMap::make_cells(const BlockPlace& place) c
   return cells;
 }
 
-const SolidMap::Cells& SolidMap::cells_at(const BlockPlace& place) const {
+const VolumeMap::Cells& VolumeMap::cells_at(const BlockPlace& place) const {
   return cells_.at(place, [&] { return make_cells(place); });
 }
-const SolidMap::Nodes& SolidMap::nodes_at(const BlockPlace& place) const {
+const VolumeMap::Nodes& VolumeMap::nodes_at(const BlockPlace& place) const {
   return nodes_.at(place, [&] { return make_nodes(place); });
 }
 
 // The cells that the nodes of a block see; false where all of the blocks around are empty, or all full.
-bool SolidMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind) const {
+bool VolumeMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind) const {
   std::array<const Cells*, 27> around;
   for (int k = 0; k < 27; ++k) {
     const BlockPlace there{place[0] + k % 3 - 1, place[1] + k / 3 % 3 - 1, place[2] + k / 9 - 1};
@@ -160,27 +160,27 @@ bool SolidMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind)
         const int fx = x - before + edge, fy = y - before + edge, fz = z - before + edge;
         const Cells& from = *around[static_cast<std::size_t>((fz / edge * 3 + fy / edge) * 3 + fx / edge)];
         const int cell = (fz % edge * edge + fy % edge) * edge + fx % edge;
-        const float share = from.kind == Kind::cut    ? from.share[static_cast<std::size_t>(cell)]
-                            : from.kind == Kind::full ? 1.0F
-                                                      : 0.0F;
-        window_cells[static_cast<std::size_t>(x % 2)].push_back(static_cast<Real>(share));
+        const float fraction = from.kind == Kind::cut    ? from.fraction[static_cast<std::size_t>(cell)]
+                               : from.kind == Kind::full ? 1.0F
+                                                         : 0.0F;
+        window_cells[static_cast<std::size_t>(x % 2)].push_back(static_cast<Real>(fraction));
       }
     }
   }
   return true;
 }
 
-// Near h, where the share says hardly anything any more, the distance of the surface takes its place.
-Real SolidMap::plane_distance(Real share, const Vec3& node) const {
+// Near h, where the fraction says hardly anything any more, the distance of the surface takes its place.
+Real VolumeMap::plane_distance(Real fraction, const Vec3& node) const {
   constexpr Real begin = 0.8;  // of h
-  const Real d = plane_.distance(std::clamp(share, 0.0, 1.0));
+  const Real d = plane_.distance(std::clamp(fraction, 0.0, 1.0));
   const Real t = (std::abs(d) / h_ - begin) / (1 - begin);
   if (t <= 0) return d;
   const Real surface = solid_distance(node), far = d > 0 ? std::max(surface, d) : std::min(surface, d);
   return d + t * t * (3 - 2 * t) * (far - d);
 }
 
-std::unique_ptr<SolidMap::Nodes> SolidMap::make_nodes(const BlockPlace& place) const {
+std::unique_ptr<VolumeMap::Nodes> VolumeMap::make_nodes(const BlockPlace& place) const {
   auto result = std::make_unique<Nodes>();
   Window cells;
   if (!gather(place, cells, result->kind)) return result;
@@ -189,33 +189,33 @@ std::unique_ptr<SolidMap::Nodes> SolidMap::make_nodes(const BlockPlace& place) c
   for (int z = 0; z < nodes; ++z) {
     for (int y = 0; y < nodes; ++y) {
       const std::ptrdiff_t row = (z * window + y) * fine * (window / 2);
-      std::array<Real, nodes> share{};  // of the nodes of a row at once, which takes vectors
+      std::array<Real, nodes> fraction{};  // of the nodes of a row at once, which takes vectors
       for (const Weight& one : weights_) {
         const Real* from = cells[one.odd].data() + row + one.offset;
-        for (std::size_t x = 0; x < nodes; ++x) share[x] += one.weight * from[x];
+        for (std::size_t x = 0; x < nodes; ++x) fraction[x] += one.weight * from[x];
       }
       for (int x = 0; x < nodes; ++x)
         result->distance.push_back(
-            plane_distance(share[static_cast<std::size_t>(x)], corner + node_ * Vec3(x - 1, y - 1, z - 1)));
+            plane_distance(fraction[static_cast<std::size_t>(x)], corner + node_ * Vec3(x - 1, y - 1, z - 1)));
     }
   }
   return result;
 }
 
-BlockPlace SolidMap::block_of(const Vec3& p) const { return place_of(p, block * node_); }
+BlockPlace VolumeMap::block_of(const Vec3& p) const { return place_of(p, block * node_); }
 
-bool SolidMap::covers(const BlockPlace& place) const {
+bool VolumeMap::covers(const BlockPlace& place) const {
   bool inside = true;
   for (std::size_t a = 0; a < 3; ++a) inside = inside && place[a] >= low_[a] && place[a] < high_[a];
   return inside;
 }
 
-bool SolidMap::is_near(const Vec3& p) const {
+bool VolumeMap::is_near(const Vec3& p) const {
   const BlockPlace place = block_of(p);
   return covers(place) ? nodes_at(place).kind != Kind::empty : vessel_;
 }
 
-PlaneLike SolidMap::at(const Vec3& p) const {
+EquivalentPlane VolumeMap::at(const Vec3& p) const {
   const BlockPlace place = block_of(p);
   if (!covers(place)) return {vessel_ ? -h_ : h_, Vec3::Zero()};
   const Nodes& here = nodes_at(place);
@@ -223,7 +223,7 @@ PlaneLike SolidMap::at(const Vec3& p) const {
   return interpolated(here, (p - corner_of(place, block * node_)) / node_);
 }
 
-PlaneLike SolidMap::interpolated(const Nodes& here, const Vec3& in_nodes) const {
+EquivalentPlane VolumeMap::interpolated(const Nodes& here, const Vec3& in_nodes) const {
   std::array<int, 3> cell;
   for (int a = 0; a < 3; ++a)
     cell[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(in_nodes[a]), 0, block - 1);

@@ -13,7 +13,7 @@
 
 namespace trevi {
 
-class Wrap {
+class PeriodicDomain {
  public:
   /// The box with ends on the quantum, a whole number of cells at least h wide between them; at most as much larger.
   static Box fitted(const Box& box, const std::array<bool, 3>& periodic, Real h) {
@@ -41,7 +41,8 @@ class Wrap {
   }
 
   /// `box` as fitted() has made it; `first`: where cells begin to be counted, as of turned().
-  Wrap(const Box& box, const std::array<bool, 3>& periodic, const Vec3& first) : min_(box.min), first_(first) {
+  PeriodicDomain(const Box& box, const std::array<bool, 3>& periodic, const Vec3& first)
+      : min_(box.min), first_(first) {
     for (int a = 0; a < 3; ++a) {
       if (!periodic[static_cast<std::size_t>(a)]) continue;
       length_[a] = box.max[a] - box.min[a];
@@ -55,7 +56,7 @@ class Wrap {
   Vec3 in_order(const Vec3& p) const { return into(first_, p); }
   /// The nearest multiples of the quantum along the periodic axes; v along others.
   Vec3 rounded(const Vec3& v) const { return Vec3(v + rounding_) - rounding_; }
-  /// p without its coordinates along the periodic axes: ways are worked out from there.
+  /// p without its coordinates along the periodic axes: displacements are computed from there.
   Vec3 without_place(const Vec3& p) const { return p - place(p); }
   /// From p to where `target` is, seen from without_place(p).
   Vec3 moved(const Vec3& p, const Vec3& target) const { return place(p) + rounded(target); }
@@ -71,11 +72,11 @@ class Wrap {
   }
   Vec3 place(const Vec3& p) const { return p.cwiseProduct(endless_); }
   Vec3 into(const Vec3& min, const Vec3& p) const {
-    Vec3 way = Vec3::Zero();
+    Vec3 displacement = Vec3::Zero();
     for (int a = 0; a < 3; ++a) {
-      if (length_[a] > 0) way[a] = -std::floor((p[a] - min[a]) / length_[a]) * length_[a];
+      if (length_[a] > 0) displacement[a] = -std::floor((p[a] - min[a]) / length_[a]) * length_[a];
     }
-    return way;
+    return displacement;
   }
 
   Vec3 min_, first_, length_ = Vec3::Zero();  // length 0: not periodic

@@ -11,7 +11,7 @@
 
 #include "domain/slabs.hpp"
 #include "fluid/forcings/inlet.hpp"
-#include "parallel/vote.hpp"
+#include "parallel/step_consensus.hpp"
 #include "particles/cell_grid.hpp"
 #include "trevi/box.hpp"
 #include "trevi/observer.hpp"
@@ -19,7 +19,7 @@
 
 namespace trevi {
 
-class OpenFlow {
+class InflowOutflow {
  public:
   struct Parts {
     std::vector<std::shared_ptr<Inlet>> inlets;
@@ -28,14 +28,14 @@ class OpenFlow {
     Real spacing = 0;
   };
   /// `state`: that of a run that goes on.
-  OpenFlow(Parts parts, std::optional<FlowState> state);
+  InflowOutflow(Parts parts, std::optional<FlowState> state);
 
   /// The nozzles of the inlets, in their order.
   std::vector<std::unique_ptr<Forcing>> forcings() const;
   /// Before the first substep, with all particles there are. New ids follow the largest of them.
   void begin(MPI_Comm comm, const Particles& particles);
   /// The particles of all ranks that have come, less those that have gone.
-  Vote exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
+  StepState exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
 
   const FlowState& state() const { return state_; }
 
@@ -55,17 +55,17 @@ class OpenFlow {
     GlobalId count = 0;
     Real ahead(GlobalId layer, Real spacing) const { return first - static_cast<Real>(layer) * spacing; }
   };
-  void drain(Particles& particles, Vote& change);
-  void run(std::size_t k, Water& water, Vote& change);
+  void drain(Particles& particles, StepState& change);
+  void run(std::size_t k, Water& water, StepState& change);
   std::vector<char> open_places(const Layers& layers, const Particles& particles) const;
-  std::optional<GlobalId> make(const Layers& layers, Water& water, Vote& change);
+  std::optional<GlobalId> make(const Layers& layers, Water& water, StepState& change);
   void add(Water& water, const Vec3& place, const Vec3& velocity) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   Parts parts_;
   FlowState state_;
   bool recycles_;
-  std::optional<Ballot> ballot_;
+  std::optional<StepConsensus> consensus_;
   Event event_{"OpenFlow"};
 };
 

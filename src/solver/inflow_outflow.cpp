@@ -1,4 +1,4 @@
-#include "solver/open_flow.hpp"
+#include "solver/inflow_outflow.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-// A forcing lives in its solver's list, an inlet in the OpenFlow, too.
+// A forcing lives in its solver's list, an inlet in the InflowOutflow, too.
 class Nozzle : public Forcing {
  public:
   explicit Nozzle(std::shared_ptr<Inlet> inlet) : inlet_(std::move(inlet)) {}
@@ -24,7 +24,7 @@ class Nozzle : public Forcing {
   std::shared_ptr<Inlet> inlet_;
 };
 
-constexpr Real most_owed = 2;  // layers that an inlet still has to make, at most; the rest is forgotten
+constexpr Real max_owed = 2;  // layers that an inlet still has to make, at most; the rest is forgotten
 
 // Those in a region, in ascending order.
 std::vector<LocalId> drained(const std::vector<DrainSettings>& regions, const std::vector<Vec3>& positions) {
@@ -44,7 +44,7 @@ std::vector<LocalId> drained(const std::vector<DrainSettings>& regions, const st
   return found;
 }
 
-void count(Vote& change, GlobalId id, std::uint64_t sign) {
+void count(StepState& change, GlobalId id, std::uint64_t sign) {
   const auto n = static_cast<std::uint64_t>(id);
   change.particles += sign;
   change.ids += sign * n;
@@ -53,42 +53,43 @@ void count(Vote& change, GlobalId id, std::uint64_t sign) {
 
 }  // namespace
 
-OpenFlow::OpenFlow(Parts parts, std::optional<FlowState> state)
+InflowOutflow::InflowOutflow(Parts parts, std::optional<FlowState> state)
     : parts_(std::move(parts)),
       state_(state.value_or(FlowState{})),
       recycles_(std::any_of(parts_.inlets.begin(), parts_.inlets.end(), [](const auto& i) { return i->recycles(); })) {
   state_.streams.resize(parts_.inlets.size());
 }
 
-std::vector<std::unique_ptr<Forcing>> OpenFlow::forcings() const {
+std::vector<std::unique_ptr<Forcing>> InflowOutflow::forcings() const {
   std::vector<std::unique_ptr<Forcing>> nozzles;
   for (const auto& inlet : parts_.inlets) nozzles.push_back(std::make_unique<Nozzle>(inlet));
   return nozzles;
 }
 
-void OpenFlow::begin(MPI_Comm comm, const Particles& particles) {
+void InflowOutflow::begin(MPI_Comm comm, const Particles& particles) {
   comm_ = comm;
-  if (!ballot_) ballot_.emplace(comm);
+  if (!consensus_) consensus_.emplace(comm);
   GlobalId next = state_.next_id;
   for (const GlobalId id : particles.id) next = std::max(next, id + 1);
   MPI_Allreduce(&next, &state_.next_id, 1, MPI_INT64_T, MPI_MAX, comm);
 }
 
-Vote OpenFlow::exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs) {
+StepState InflowOutflow::exchange(Particles& particles, const StepInfo& info, const CellGrid& grid,
+                                  const Slabs& slabs) {
   const ScopedEvent timed(event_);
-  Vote change;
+  StepState change;
   if (!parts_.drains.empty()) drain(particles, change);
   Water water{particles, info, grid, slabs};
   for (std::size_t k = 0; k < parts_.inlets.size(); ++k) run(k, water, change);
   return change;
 }
 
-void OpenFlow::drain(Particles& particles, Vote& change) {
+void InflowOutflow::drain(Particles& particles, StepState& change) {
   const std::vector<LocalId> gone = drained(parts_.drains, particles.position);
-  Vote mine;
+  StepState mine;
   for (const LocalId i : gone) count(mine, particles.id[static_cast<std::size_t>(i)], 1);
   remove_particles(particles, gone);
-  const Vote all = ballot_->count(mine);
+  const StepState all = consensus_->count(mine);
   const auto taken = static_cast<GlobalId>(all.particles);
   state_.outflow += taken;
   if (recycles_) state_.waiting += taken;
@@ -99,31 +100,31 @@ void OpenFlow::drain(Particles& particles, Vote& change) {
 
 // A layer is due when the water has come a spacing since the last one. It is made at the start of the next substep, as
 // far ahead of the opening as it has come by then: no amount and no distance depends on how time is cut.
-void OpenFlow::run(std::size_t k, Water& water, Vote& change) {
+void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
   const Inlet& inlet = *parts_.inlets[k];
   FlowState::Stream& stream = state_.streams[k];
-  const auto due = static_cast<GlobalId>(std::floor(stream.way / parts_.spacing));
+  const auto due = static_cast<GlobalId>(std::floor(stream.travelled / parts_.spacing));
   const GlobalId within_box = std::llround((parts_.box.max - parts_.box.min).norm() / parts_.spacing) + 1;
-  stream.way -= static_cast<Real>(due) * parts_.spacing;
+  stream.travelled -= static_cast<Real>(due) * parts_.spacing;
   const GlobalId layers = std::min(due, within_box);
-  const Real first = stream.way + static_cast<Real>(layers - 1) * parts_.spacing;
+  const Real first = stream.travelled + static_cast<Real>(layers - 1) * parts_.spacing;
   if (layers > 0) {
     const std::optional<GlobalId> made = make({inlet, stream.speed, first, layers}, water, change);
     if (!made) {
-      stream.way = parts_.spacing;  // the next layer waits in the opening
+      stream.travelled = parts_.spacing;  // the next layer waits in the opening
       return;
     }
     // What was in the way is made up for by layers that come sooner: deep water gives way only when it is pressed.
     const Real all = static_cast<Real>(layers * inlet.lattice().open_places());
     const Real owed = parts_.spacing * static_cast<Real>(layers) * (1 - static_cast<Real>(*made) / all);
-    stream.way = std::min(stream.way + owed, most_owed * parts_.spacing);
+    stream.travelled = std::min(stream.travelled + owed, max_owed * parts_.spacing);
   }
   stream.speed = inlet.speed(water.info);
-  stream.way += inlet.way(water.info);
+  stream.travelled += inlet.path_length(water.info);
 }
 
 // Places are numbered layer by layer, the farthest layer first.
-std::vector<char> OpenFlow::open_places(const Layers& layers, const Particles& particles) const {
+std::vector<char> InflowOutflow::open_places(const Layers& layers, const Particles& particles) const {
   const InletLattice& lattice = layers.inlet.lattice();
   const Real spacing = parts_.spacing;
   const Real least = spacing / 2;
@@ -159,7 +160,7 @@ std::vector<char> OpenFlow::open_places(const Layers& layers, const Particles& p
 }
 
 // How many were made; nothing where there was not enough water for all of them.
-std::optional<GlobalId> OpenFlow::make(const Layers& layers, Water& water, Vote& change) {
+std::optional<GlobalId> InflowOutflow::make(const Layers& layers, Water& water, StepState& change) {
   const InletLattice& lattice = layers.inlet.lattice();
   const std::vector<char> open = open_places(layers, water.particles);
   GlobalId made = 0;
@@ -183,7 +184,7 @@ std::optional<GlobalId> OpenFlow::make(const Layers& layers, Water& water, Vote&
   return made;
 }
 
-void OpenFlow::add(Water& water, const Vec3& position, const Vec3& velocity) const {
+void InflowOutflow::add(Water& water, const Vec3& position, const Vec3& velocity) const {
   Particles& particles = water.particles;
   const std::size_t n = particles.id.size();
   particles.for_each_field([&](auto& field) { resize_tightly(field, n + 1); });

@@ -1,7 +1,7 @@
 // What all ranks must agree on once a substep, in one small reduction: which particles exist, whether a guard has
 // failed on any rank, and what is requested from outside the run. Ids enter as two sums modulo 2^64, of the ids and of
 // their squares. A single particle lost or doubled changes the first sum by its id, so that the message can name it;
-// the sums change, too, where one particle is lost and another is there twice. Collective: Ballot::count.
+// the sums change, too, where one particle is lost and another is there twice. Collective: StepConsensus::count.
 #pragma once
 
 #include <mpi.h>
@@ -14,23 +14,23 @@
 
 namespace trevi {
 
-struct Vote {
+struct StepState {
   std::uint64_t particles = 0, ids = 0, squares = 0;
   std::uint64_t failures = 0;
   RequestCounts requests{};  ///< the largest over all ranks
 };
 
 /// The part of a vote that counts particles.
-Vote vote_of(std::span<const GlobalId> ids);
+StepState state_of(std::span<const GlobalId> ids);
 
-class Ballot {
+class StepConsensus {
  public:
-  explicit Ballot(MPI_Comm comm);
-  ~Ballot();
-  Ballot(const Ballot&) = delete;
-  Ballot& operator=(const Ballot&) = delete;
+  explicit StepConsensus(MPI_Comm comm);
+  ~StepConsensus();
+  StepConsensus(const StepConsensus&) = delete;
+  StepConsensus& operator=(const StepConsensus&) = delete;
 
-  Vote count(const Vote& mine) const;
+  StepState count(const StepState& mine) const;
 
  private:
   MPI_Comm comm_;

@@ -7,9 +7,10 @@
 namespace trevi {
 
 template <class T>
-class MomentumKeeper : public VelocityFilter<T> {
+class MomentumConserving : public VelocityFilter<T> {
  public:
-  MomentumKeeper(MPI_Comm comm, std::unique_ptr<VelocityFilter<T>> filter) : comm_(comm), filter_(std::move(filter)) {}
+  MomentumConserving(MPI_Comm comm, std::unique_ptr<VelocityFilter<T>> filter)
+      : comm_(comm), filter_(std::move(filter)) {}
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
   std::size_t bytes() const override { return filter_->bytes() + before_.capacity() * sizeof(Vec3); }
 
@@ -23,7 +24,7 @@ class MomentumKeeper : public VelocityFilter<T> {
   std::vector<Vec3> before_;  // velocities, m/s
 };
 
-extern template class MomentumKeeper<float>;
-extern template class MomentumKeeper<double>;
+extern template class MomentumConserving<float>;
+extern template class MomentumConserving<double>;
 
 }  // namespace trevi

@@ -1,4 +1,4 @@
-#include "fluid/filters/momentum_keeper.hpp"
+#include "fluid/filters/momentum_conserving.hpp"
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
@@ -7,7 +7,7 @@
 namespace trevi {
 
 template <class T>
-void MomentumKeeper<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
+void MomentumConserving<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   std::vector<Vec3>& velocity = particles.velocity;
   keep(velocity);
   filter_->apply(near, particles, dt);
@@ -17,14 +17,14 @@ void MomentumKeeper<T>::apply(Neighbourhood<T>& near, Particles& particles, Real
 }
 
 template <class T>
-void MomentumKeeper<T>::keep(const std::vector<Vec3>& velocity) {
+void MomentumConserving<T>::keep(const std::vector<Vec3>& velocity) {
   const ScopedEvent timed(event_);
   resize_tightly(before_, velocity.size());
   for_each_index({0, static_cast<LocalId>(velocity.size())}, [&](std::size_t i) { before_[i] = velocity[i]; });
 }
 
 template <class T>
-Vec3 MomentumKeeper<T>::mean_change(const CellOrder& order, const std::vector<Vec3>& velocity) const {
+Vec3 MomentumConserving<T>::mean_change(const CellOrder& order, const std::vector<Vec3>& velocity) const {
   constexpr std::size_t columns = 4;  // sum of the changes, count
   std::vector<Real> partial(columns * static_cast<std::size_t>(order.planes()));
   for_each_part(order.planes(), [&](LocalId plane) {
@@ -40,7 +40,7 @@ Vec3 MomentumKeeper<T>::mean_change(const CellOrder& order, const std::vector<Ve
   return total[3] > 0 ? Vec3(Vec3(total[0], total[1], total[2]) / total[3]) : Vec3(Vec3::Zero());
 }
 
-template class MomentumKeeper<float>;
-template class MomentumKeeper<double>;
+template class MomentumConserving<float>;
+template class MomentumConserving<double>;
 
 }  // namespace trevi

@@ -1,4 +1,4 @@
-#include "boundary/toll.hpp"
+#include "boundary/impulse_ledger.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@ namespace trevi {
 
 namespace {
 
-// In units: far beyond any way that a solver would let a particle go, and a number in any case.
+// In units: far beyond any distance that a solver would let a particle travel, and a number in any case.
 Real countable(Real units) {
   constexpr Real most = 0x1p55;
   return std::max(-most, std::min(most, units));
@@ -18,8 +18,8 @@ Real countable(Real units) {
 
 }  // namespace
 
-Toll::Toll(std::size_t takers, Real h)
-    : columns_(numbers * takers),
+ImpulseLedger::ImpulseLedger(std::size_t accounts, Real h)
+    : columns_(numbers * accounts),
       unit_(std::ldexp(h, -34)),
       arm_(h),
       per_shift_(1 / unit_),
@@ -27,14 +27,14 @@ Toll::Toll(std::size_t takers, Real h)
   clear();
 }
 
-void Toll::clear() {
+void ImpulseLedger::clear() {
   sums_.for_each([&](auto& sums) { sums.assign(columns_, 0); });
 }
 
 // Rounded in one instruction, which std::llround() is not; a scene with obstacles does this for all that is at a wall.
-void Toll::add(std::size_t taker, std::span<const Push> pushes) {
+void ImpulseLedger::add(std::size_t account, std::span<const Impulse> impulses) {
   std::array<std::int64_t, numbers> sums{};
-  for (const auto& [shift, arm] : pushes) {
+  for (const auto& [shift, arm] : impulses) {
     const Vec3 moment(arm.y() * shift.z() - arm.z() * shift.y(), arm.z() * shift.x() - arm.x() * shift.z(),
                       arm.x() * shift.y() - arm.y() * shift.x());
     for (std::size_t a = 0; a < 3; ++a) {
@@ -43,13 +43,13 @@ void Toll::add(std::size_t taker, std::span<const Push> pushes) {
       sums[a + 3] += std::llrint(countable(moment[axis] * per_moment_));
     }
   }
-  std::int64_t* const all = sums_.mine().data() + numbers * taker;
+  std::int64_t* const all = sums_.mine().data() + numbers * account;
   for (std::size_t k = 0; k < numbers; ++k) all[k] += sums[k];
 }
 
-std::vector<Taken> Toll::total(MPI_Comm comm) {
+std::vector<TotalImpulse> ImpulseLedger::total(MPI_Comm comm) {
   const std::vector<std::int64_t> all = sum_over_threads_and_ranks(comm, sums_);
-  std::vector<Taken> taken(columns_ / numbers);
+  std::vector<TotalImpulse> taken(columns_ / numbers);
   for (std::size_t k = 0; k < taken.size(); ++k) {
     for (std::size_t a = 0; a < 3; ++a) {
       const auto axis = static_cast<Eigen::Index>(a);

@@ -1,0 +1,104 @@
+#include "boundary/boundary.hpp"
+
+#include "base/threads.hpp"
+
+namespace trevi {
+
+namespace {
+
+class WallBoundary : public Boundary {
+ public:
+  using Boundary::Boundary;
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return walls().predict(p, v, dt); }
+  Vec3 collide(const Vec3& p, const Vec3& shift) override { return walls().collide(p, shift); }
+  Box open_box(std::span<const Vec3>) const override { return walls().box(); }
+  bool is_open_inside() const override { return true; }
+};
+
+class ObstacleBoundary : public Boundary {
+ public:
+  ObstacleBoundary(const Walls& walls, std::shared_ptr<Obstacles> obstacles)
+      : Boundary(walls), obstacles_(std::move(obstacles)) {}
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
+  Vec3 collide(const Vec3& p, const Vec3& shift) override { return obstacles_->collide(p, shift); }
+  Box open_box(std::span<const Vec3> p) const override { return obstacles_->open_box(p); }
+  void begin_step() override {
+    obstacles_->ledger().clear();
+    obstacles_->gauges().clear();
+  }
+  void move(Real begin, Real end) override { obstacles_->move(begin, end); }
+  Real fastest(Real begin, Real end) const override { return obstacles_->fastest(begin, end); }
+  Obstacles* obstacles() const override { return obstacles_.get(); }
+
+ private:
+  std::shared_ptr<Obstacles> obstacles_;
+};
+
+// `Inside` is what particles meet in the box, which knows nothing of its repetition.
+template <class Inside>
+class PeriodicBoundary : public Inside {
+ public:
+  template <class... Rest>
+  explicit PeriodicBoundary(const PeriodicDomain& domain, Rest&&... rest)
+      : Inside(std::forward<Rest>(rest)...), domain_(domain) {}
+
+  Box open_box(std::span<const Vec3>) const override { return {Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)}; }
+  bool is_open_inside() const override { return false; }
+
+  void round_positions(Particles& particles) const override {
+    for_each_index({0, particles.size()},
+                   [&](std::size_t i) { particles.position[i] = domain_.rounded(particles.position[i]); });
+  }
+  void wrap_positions(Particles& particles) const override {
+    for_each_index({0, particles.size()}, [&](std::size_t i) {
+      Vec3& p = particles.position[i];
+      p = domain_.rounded(p);
+      p += domain_.back(p);
+    });
+  }
+  void wrap_predicted(Particles& particles) const override {
+    for_each_index({0, particles.size()}, [&](std::size_t i) {
+      const Vec3 back = domain_.in_order(particles.predicted[i]);
+      particles.predicted[i] += back;
+      particles.position[i] += back;
+    });
+  }
+
+ protected:
+  PeriodicDomain domain_;
+};
+
+// Walls along the other axes do not depend on the place along the periodic ones, so paths are computed without it.
+class PeriodicWalls final : public PeriodicBoundary<WallBoundary> {
+ public:
+  using PeriodicBoundary::PeriodicBoundary;
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override {
+    return domain_.moved(p, walls().predict(domain_.without_place(p), v, dt));
+  }
+  Vec3 collide(const Vec3& p, const Vec3& shift) override {
+    return domain_.moved(p, walls().collide(domain_.without_place(p), shift));
+  }
+};
+
+class PeriodicObstacles final : public PeriodicBoundary<ObstacleBoundary> {
+ public:
+  using PeriodicBoundary::PeriodicBoundary;
+  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override {
+    return domain_.moved_to(p, ObstacleBoundary::predict(p, v, dt));
+  }
+  Vec3 collide(const Vec3& p, const Vec3& shift) override {
+    return domain_.moved_to(p, ObstacleBoundary::collide(p, shift));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Boundary> make_boundary(BoundaryParts parts) {
+  if (parts.periodic && parts.obstacles)
+    return std::make_unique<PeriodicObstacles>(*parts.periodic, parts.walls, std::move(parts.obstacles));
+  if (parts.periodic) return std::make_unique<PeriodicWalls>(*parts.periodic, parts.walls);
+  if (parts.obstacles) return std::make_unique<ObstacleBoundary>(parts.walls, std::move(parts.obstacles));
+  return std::make_unique<WallBoundary>(parts.walls);
+}
+
+}  // namespace trevi

@@ -1,0 +1,62 @@
+// What a moving particle meets: the walls of the box, obstacles, the ends of periodic axes. There is one kind for each
+// combination, chosen once by make_boundary(); nothing else in a step asks what a scene has. What walls and obstacles
+// add to the density is in wall_density.hpp and obstacles.hpp. Metres and seconds. predict(), collide() and open_box()
+// may be called in loops that threads share. Not collective.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "boundary/obstacles/obstacles.hpp"
+#include "boundary/periodic_domain.hpp"
+#include "boundary/walls.hpp"
+#include "trevi/particles.hpp"
+
+namespace trevi {
+
+class Boundary {
+ public:
+  explicit Boundary(const Walls& walls) : walls_(walls) {}
+  virtual ~Boundary() = default;
+  Boundary(const Boundary&) = delete;
+  Boundary& operator=(const Boundary&) = delete;
+
+  /// Where the path of a velocity ends after the time dt, bounces included.
+  virtual Vec3 predict(const Vec3& p, const Vec3& v, Real dt) = 0;
+  /// Where a shift of the density solve ends.
+  virtual Vec3 collide(const Vec3& p, const Vec3& shift) = 0;
+  /// The part of the box in which shifts of these particles meet nothing; empty where each has to be asked for.
+  virtual Box open_box(std::span<const Vec3> p) const = 0;
+  /// Whether all particles are inside of open_box().
+  virtual bool is_open_inside() const { return false; }
+
+  /// What moves by itself is taken to where it is from `begin` to `end`; with a new step its records are cleared.
+  virtual void begin_step() {}
+  virtual void move(Real /*begin*/, Real /*end*/) {}
+  /// The highest speed of what moves by itself, m/s.
+  virtual Real fastest(Real /*begin*/, Real /*end*/) const { return 0; }
+
+  /// Along periodic axes: positions to the quantum; then back into the box; and p* with its x into the length of the
+  /// box that begins at the first cell, together, as velocities come from the displacement between the two.
+  virtual void round_positions(Particles&) const {}
+  virtual void wrap_positions(Particles&) const {}
+  virtual void wrap_predicted(Particles&) const {}
+
+  /// The walls of the box, far away along periodic axes.
+  const Walls& walls() const { return walls_; }
+  /// Null where there are none.
+  virtual Obstacles* obstacles() const { return nullptr; }
+
+ private:
+  Walls walls_;
+};
+
+/// What make_boundary() chooses from; `obstacles` may be null, `periodic` absent.
+struct BoundaryParts {
+  Walls walls;
+  std::shared_ptr<Obstacles> obstacles;
+  std::optional<PeriodicDomain> periodic;
+};
+std::unique_ptr<Boundary> make_boundary(BoundaryParts parts);
+
+}  // namespace trevi

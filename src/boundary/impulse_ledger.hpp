@@ -1,0 +1,45 @@
+// The impulse that the box and the obstacles receive from the water: sums of displacements, m, and of their moments,
+// m², that they give to particles. Sums are integers, multiples of a length far below rounding of the positions' own,
+// so that no order of the particles, and no number of ranks or threads, is seen in them. add() may be called in loops
+// that threads share. Collective: total().
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/threads.hpp"
+#include "trevi/session.hpp"
+#include "trevi/types.hpp"
+
+namespace trevi {
+
+/// Of all particles together.
+struct TotalImpulse {
+  Vec3 shift = Vec3::Zero();   ///< m
+  Vec3 moment = Vec3::Zero();  ///< m², about the reference point of the account
+};
+
+/// What an obstacle or the box gives to a particle.
+struct Impulse {
+  Vec3 shift;  ///< m
+  Vec3 arm;    ///< m, from the point of the moments to the particle
+};
+
+class ImpulseLedger {
+ public:
+  ImpulseLedger(std::size_t accounts, Real h);
+  void add(std::size_t account, std::span<const Impulse> impulses);
+  /// In the order of the accounts, since clear().
+  std::vector<TotalImpulse> total(MPI_Comm comm);
+  void clear();
+
+ private:
+  static constexpr std::size_t numbers = 6;  // of an account
+
+  std::size_t columns_;
+  Real unit_, arm_;              // m
+  Real per_shift_, per_moment_;  // units, 1/m and 1/m²
+  PerThread<std::vector<std::int64_t>> sums_;
+};
+
+}  // namespace trevi
