@@ -5,7 +5,7 @@ The rules (ARCHITECTURE.md): a module includes only itself and lower modules; no
 include/trevi, listed below with their module) includes public headers only; mpi.h and petsc*.h in headers of parallel/ and
 domain/ only; HDF5 and VTK only in src/io, VTK in src/view, too, which alone may draw (X11, VTK's rendering); sndfile
 only in src/music/*.cpp; ZeroMQ only in src/live and src/view; no file over 400 lines; no other folders at the top than
-the known ones.
+the known ones; the figure of the modules in ARCHITECTURE.md is that of the code; no banned words.
 Prints each violation as file:line: message and exits 1 when there is one.
 """
 
@@ -112,6 +112,44 @@ def check_public(tree):
             yield file, 1, "no program that uses the library needs it; keep it beside its source"
 
 
+def module_graph(tree):
+    """The figure of ARCHITECTURE.md: an arrow from each module to those that it includes, but for those that it reaches
+    by another arrow anyway."""
+    used = {module: set() for module in MODULES}
+    for file, includes in tree.includes.items():
+        if file.startswith("src/") and module_of(file):
+            targets = (tree.resolve(file, include.name) for include in includes)
+            used[module_of(file)] |= {module_of(t) for t in targets if t and t.startswith("src/")} - {module_of(file), None}
+    reached = {}
+    for module in MODULES:  # those below come first
+        reached[module] = used[module].union(*(reached[other] for other in used[module]))
+    lines = ["flowchart TD"]
+    for module in reversed(MODULES):
+        direct = [o for o in MODULES if o in used[module] and not any(o in reached[p] for p in used[module])]
+        lines += [f"  {module} --> {other}" for other in direct]
+    return lines
+
+
+def check_figure(tree, root):
+    page = root / "ARCHITECTURE.md"
+    if page.exists():
+        match = re.search(r"```mermaid\n(flowchart TD\n.*?)```", page.read_text(), re.S)
+        if match is None or match[1].splitlines() != module_graph(tree):
+            yield "ARCHITECTURE.md", 1, "the figure of the modules is not that of the code; see tests/layering.py --figure"
+
+
+BANNED = re.compile(r"\b(Toll|SolidMap|PlaneLike|WaterReach|CoarseSolids|Ballot|MomentumKeeper|last_plane|crowded|seam|"
+                    r"tell_\w+|leave_water|start_at_rest|most_\w+|least_(?!squares)\w+)\b")
+
+
+def check_words(tree, root):
+    """Words of former versions that nobody else uses; the glossary of ARCHITECTURE.md has the field's."""
+    for file in tree.includes:
+        for number, line in enumerate((root / file).read_text().splitlines(), start=1):
+            for word in BANNED.findall(line):
+                yield file, number, f"\"{word}\" is not a word of the field; see the glossary of ARCHITECTURE.md"
+
+
 def check_libraries(tree):
     for file, includes in tree.includes.items():
         for line, name in includes:
@@ -165,7 +203,7 @@ def violations(root):
     root = root.resolve()
     tree = Tree(root)
     checks = (check_layers(tree), check_public(tree), check_libraries(tree), check_circles(tree), check_lengths(root),
-              check_folders(root))
+              check_folders(root), check_figure(tree, root), check_words(tree, root))
     return [violation for check in checks for violation in check]
 
 
@@ -208,6 +246,7 @@ BAD = [  # file, text, the line and a word of the violation
     ("src/app/peep.cpp", '#include "../view/peephole.hpp"\n', 1, "higher module"),
     ("src/domain/b.hpp", '#include "domain/a.hpp"\n', 1, "circular"),
     ("src/fluid/long.cpp", "\n" * (MAX_LINES + 1), MAX_LINES + 1, "401 lines"),
+    ("src/fluid/words.hpp", "class Toll;\n", 1, "not a word"),
     ("docs/manual.txt", "", 1, "unknown folder"),
 ]
 BAD_HELPERS = {"src/solver/private.hpp": "\n", "src/view/peephole.hpp": "\n", "include/trevi/settings.hpp": "\n",
@@ -242,7 +281,11 @@ def main():
     parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent,
                         help="project (default: this one)")
     parser.add_argument("--self-test", action="store_true", help="plant violations in a temporary tree and find them")
+    parser.add_argument("--figure", action="store_true", help="print the figure of the modules for ARCHITECTURE.md")
     arguments = parser.parse_args()
+    if arguments.figure:
+        print("\n".join(module_graph(Tree(arguments.root.resolve()))))
+        return 0
     if arguments.self_test:
         failures = self_test()
         print("\n".join(failures) or f"{len(BAD)} planted violations found, no false alarm")

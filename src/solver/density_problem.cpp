@@ -87,7 +87,7 @@ void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
     for (std::size_t k = 0; k < count; ++k) {
       const auto i = static_cast<std::size_t>(left[k]);
       p[i] = boundary_.collide(p[i], relaxation * vector_of(delta_[first + i]));
-      records[i] = near_.encoding()(p[i], T{0});
+      near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
     }
   });
 }

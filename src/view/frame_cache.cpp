@@ -12,8 +12,8 @@ std::size_t bytes_of(const FrameCache::Entry& entry) {
 
 }  // namespace
 
-FrameCache::FrameCache(Read read, std::size_t most_bytes)
-    : read_(std::move(read)), most_bytes_(most_bytes), thread_([this] { work(); }) {}
+FrameCache::FrameCache(Read read, std::size_t max_bytes)
+    : read_(std::move(read)), max_bytes_(max_bytes), thread_([this] { work(); }) {}
 
 FrameCache::~FrameCache() {
   {
@@ -73,7 +73,7 @@ std::optional<std::size_t> FrameCache::next_missing() const {
 }
 
 void FrameCache::make_room() {
-  while (bytes_ > most_bytes_ && kept_.size() > ahead + 2) {
+  while (bytes_ > max_bytes_ && kept_.size() > ahead + 2) {
     // Never one that is wanted now or next: it would be read again at once.
     auto oldest = kept_.end();
     for (auto it = kept_.begin(); it != kept_.end(); ++it) {

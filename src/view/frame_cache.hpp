@@ -19,7 +19,7 @@ class FrameCache {
  public:
   /// `read` is called in the thread only; what it throws becomes the frame's error.
   using Read = std::function<ViewedFrame(std::size_t)>;
-  FrameCache(Read read, std::size_t most_bytes);
+  FrameCache(Read read, std::size_t max_bytes);
   ~FrameCache();
   FrameCache(const FrameCache&) = delete;
   FrameCache& operator=(const FrameCache&) = delete;
@@ -41,7 +41,7 @@ class FrameCache {
   void make_room();
 
   Read read_;
-  std::size_t most_bytes_, bytes_ = 0;
+  std::size_t max_bytes_, bytes_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   struct Kept {

@@ -23,7 +23,7 @@ constexpr auto between_wishes = std::chrono::milliseconds(500);  // repeated, an
 constexpr int heartbeat = 2000, presumed_gone = 10000;           // ms
 
 constexpr std::int64_t longest_message = std::int64_t{1} << 30;  // bytes
-constexpr std::size_t most_parts = 3;                            // sender, text, particles
+constexpr std::size_t max_parts = 3;                            // sender, text, particles
 
 /// Says once that somebody without the key has called; ZeroMQ has turned him away.
 class CallerMonitor : public zmq::monitor_t {
@@ -142,7 +142,7 @@ class ZmqLiveSource : public LiveSource {
     std::vector<std::string> parts;
     zmq::message_t part;
     while (socket_.recv(part, zmq::recv_flags::dontwait)) {
-      if (parts.size() < most_parts) parts.push_back(part.to_string());
+      if (parts.size() < max_parts) parts.push_back(part.to_string());
       if (!part.more()) break;
     }
     if (parts.size() >= 2) take(parts[0], parts[1], parts.size() > 2 ? parts[2] : "");

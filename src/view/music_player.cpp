@@ -16,8 +16,8 @@ namespace trevi {
 
 namespace {
 
-constexpr double most_drift = 0.25;  // s between picture and sound before the sound begins anew
-constexpr double least_rest = 1.0;   // s between two beginnings, or it would stutter
+constexpr double max_drift = 0.25;  // s between picture and sound before the sound begins anew
+constexpr double min_rest = 1.0;   // s between two beginnings, or it would stutter
 constexpr double real_time[] = {0.9, 1.1};
 
 // Each takes a file and ends by itself; quiet, without a window.
@@ -83,7 +83,7 @@ void MusicPlayer::follow(double time, double rate) {
   const bool wanted = rate > real_time[0] && rate < real_time[1];
   const double length = static_cast<double>(music_.samples.size()) / pcm_rate;
   if (!wanted || time >= length) return stop();
-  if (child_ && std::abs(heard_at(now) - time) < most_drift) return;
+  if (child_ && std::abs(heard_at(now) - time) < max_drift) return;
   stop();
   if (now >= not_before_) start(time);
 }
@@ -105,7 +105,7 @@ void MusicPlayer::start(double time) {
   }
   from_ = time;
   started_ = Clock::now();
-  not_before_ = started_ + std::chrono::milliseconds(static_cast<int>(1000 * least_rest));
+  not_before_ = started_ + std::chrono::milliseconds(static_cast<int>(1000 * min_rest));
 }
 
 void MusicPlayer::stop() {

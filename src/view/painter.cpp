@@ -26,7 +26,7 @@ namespace trevi {
 
 namespace {
 
-constexpr double least_point = 2, largest_point = 16;  // pixels
+constexpr double min_point = 2, largest_point = 16;  // pixels
 constexpr double sphere_radius = 0.5;                  // in spacings: neighbours touch
 constexpr double fluid_radius = 0.75;                  // larger, so that the gaps close
 constexpr double view_angle = 30;                      // degrees, VTK's own
@@ -184,7 +184,7 @@ void Painter::size_points() {
   vtkCamera* camera = renderer_->GetActiveCamera();
   const double height = 2 * camera->GetDistance() * std::tan(0.5 * camera->GetViewAngle() * std::numbers::pi / 180);
   const double pixels = scene_.spacing * renderer_->GetSize()[1] / height;
-  points_actor_->GetProperty()->SetPointSize(static_cast<float>(std::clamp(pixels, least_point, largest_point)));
+  points_actor_->GetProperty()->SetPointSize(static_cast<float>(std::clamp(pixels, min_point, largest_point)));
 }
 
 void Painter::show(std::shared_ptr<const ViewedFrame> frame) {

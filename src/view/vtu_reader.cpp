@@ -35,13 +35,13 @@ namespace fs = std::filesystem;
 
 /// The number behind each `name="` of a text must be a count of things of which a file of this size can hold so many.
 void check_counts(const std::string& path, std::string_view text, std::string_view name, double size) {
-  constexpr double least_bytes = 4, most_compression = 1100;  // of a point or a cell; of zlib
+  constexpr double min_bytes = 4, max_compression = 1100;  // of a point or a cell; of zlib
   for (std::size_t at = 0; (at = text.find(name, at)) != std::string_view::npos;) {
     at += name.size();
     std::int64_t count = -1;
     const auto [end, problem] = std::from_chars(text.data() + at, text.data() + text.size(), count);
     const bool good = problem == std::errc() && end != text.data() + text.size() && *end == '"';
-    if (good && count >= 0 && least_bytes * static_cast<double>(count) <= most_compression * size) continue;
+    if (good && count >= 0 && min_bytes * static_cast<double>(count) <= max_compression * size) continue;
     fail(path,
          fmt::format("{}{}\" in a file of {}", name, text.substr(at, text.substr(at, 24).find('"')), bytes_text(size)));
   }

@@ -15,7 +15,7 @@ from program import WITHOUT, ProgramTest, main
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "postprocess/results"
 PAGES = sorted(page for folder in (".", "inputs", "inputs/tutorial", "postprocess", "postprocess/results", "jobs", "jobs/cluster")
-               for page in (ROOT / folder).glob("*.md"))
+               for page in (ROOT / folder).glob("*.md")) + sorted((ROOT / "src").glob("*/README.md"))
 
 
 def without_code(text):
@@ -36,6 +36,14 @@ def commands(page):
 
 
 class Pages(ProgramTest):
+    def test_pages_of_the_code_are_short(self):
+        """At most 150 lines of 120 characters; rows of tables cannot be broken."""
+        for page in [ROOT / "ARCHITECTURE.md", *(ROOT / "src").glob("*/README.md")]:
+            lines = page.read_text().splitlines()
+            with self.subTest(page=page.relative_to(ROOT)):
+                self.assertLessEqual(len(lines), 150)
+                self.assertEqual([line for line in lines if len(line) > 120 and not line.startswith("|")], [])
+
     def test_links_and_pictures_lead_somewhere(self):
         self.assertGreater(len(PAGES), 12)
         for page in PAGES:

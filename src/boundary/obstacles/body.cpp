@@ -12,7 +12,7 @@ namespace {
 // thinner than the step could be passed.
 constexpr Real contact = 1e-6, min_step = 0.01;
 // And how far from a wall of the box a solid goes on to it; it does so for the density (solid_map.cpp).
-constexpr Real seam = 1.0 / 32;
+constexpr Real extension = 1.0 / 32;
 // Largest distance at which a solid contributes to the density, in units of h; see wall_density.hpp.
 constexpr Real density_reach = 1.25;
 
@@ -31,7 +31,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
       restitution_(obstacle.restitution.value_or(rules.walls.restitution)),
       friction_(obstacle.friction),
       radius_(radius_of(shape_->bounds())),
-      wall_extension_(seam * rules.h),
+      wall_extension_(extension * rules.h),
       inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_} {
   move(0, 0);
   std::optional<Fixed> fixed;
