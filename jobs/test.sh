@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# usage: jobs/test.sh [--preset PRESET] [--label REGEX] [--instruction-set NAME] [more arguments of ctest]
+# usage: jobs/test.sh [--quick] [--preset PRESET] [--label REGEX] [--instruction-set NAME] [more arguments of ctest]
 #
 # Installs what is missing, builds PRESET (default release) and runs all tests, or those with a matching label; with
 # the instruction set of the pair loops that is named (SSE4, AVX2 or AVX-512, say) in place of the best.
 #
+# --quick: unit tests, MPI tests on one rank and the bits of three scenes, one minute on two cores once it is built.
+#
 #   jobs/test.sh
+#   jobs/test.sh --quick
 #   jobs/test.sh --preset asan --label unit
 #   jobs/test.sh --preset tsan --label '^unit$|^mpi$'
 #   jobs/test.sh -R halo --verbose
@@ -20,6 +23,7 @@ main() {
       -h | --help) print_help && exit 0 ;;
       --preset) preset="${2:?--preset needs a name}" && shift 2 ;;
       --preset=*) preset="${1#*=}" && shift ;;
+      --quick) arguments+=(-L '^quick$') && shift ;;
       --label) arguments+=(-L "${2:?--label needs a pattern}") && shift 2 ;;
       --label=*) arguments+=(-L "${1#*=}") && shift ;;
       --instruction-set) export TREVI_TEST_INSTRUCTION_SET="${2:?--instruction-set needs a name}" && shift 2 ;;
