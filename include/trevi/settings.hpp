@@ -173,8 +173,11 @@ struct Settings {
   Derived<int> slab_axis{};        ///< 0 x, 1 y; default the longer one
   SlabCuts slabs = SlabCuts::balanced;
   FluidSettings fluid;
-  Real dt = 1.0 / 60;           ///< s
-  Derived<Real> cfl{};          ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
+  Real dt = 1.0 / 60;      ///< s
+  Derived<Real> cfl{};     ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
+  int max_substeps = 500;  ///< of a step; one that would need more ends the run
+  /// Mean compression of the water from which on a run counts as crushed, which it tells; above 0.5 it ends.
+  Real max_compression = 0.05;
   std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;

@@ -56,6 +56,12 @@ class Solver {
       std::int64_t looks = 0, moves = 0;
       Real sum = 0, max = 1;
     } balance;
+    /// Mean compression of the water: the largest at the end of a step so far, and the first step (from 1; 0 is the
+    /// start, −1 none) in which it was above Settings::max_compression. The same on all ranks.
+    struct Compression {
+      Real largest = 0;
+      std::int64_t first_crushed = -1;
+    } compression;
     std::size_t bytes = 0;  ///< memory of particles, ghosts, lists and everything else the solver holds
     double seconds = 0;     ///< in step(), observers not counted
   };

@@ -18,6 +18,7 @@
 #include "scene/make_flow.hpp"
 #include "scene/obstacle_files.hpp"
 #include "scene/scene_changes.hpp"
+#include "solver/density_solver.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -132,7 +133,10 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   for (std::size_t a = 0; a < 3; ++a)  // water falls for ever along a periodic axis
     if (scene.periodic[a] && gravity[static_cast<Eigen::Index>(a)] != 0) return nullptr;
   const Real g = gravity.norm();
-  return std::make_shared<EnergyRise>(particle_mass(scene.fluid) * g * scene.fluid.kernel_radius);
+  auto energy = std::make_shared<EnergyRise>(water_mass(scene.fluid), g, scene.fluid.kernel_radius);
+  const Vec3 extent = scene.domain.max - scene.domain.min;
+  if (scene.obstacles.empty() && is_downward(gravity)) energy->set_tank(extent.x() * extent.y(), scene.fluid.spacing);
+  return energy;
 }
 
 std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOptions options) {

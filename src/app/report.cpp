@@ -90,7 +90,8 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.warnings = start_warnings(context.scene);
   if (context.energy != nullptr) {
     report.energy_gain = context.energy->fraction();
-    for (std::string& warning : energy_warnings(context.scene, report.energy_gain))
+    report.motion_gain = context.energy->fraction_of_motion();
+    for (std::string& warning : energy_warnings(context.scene, *context.energy))
       report.warnings.push_back(std::move(warning));
   }
   report.instruction_set = instruction_set_name();
@@ -98,7 +99,12 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.first_step = context.first_step;
   report.last_step = solver.clock().step;
   report.steps = report.last_step - report.first_step;
-  report.unconverged_solves = solver.counters().unconverged;
+  const Solver::Counters counters = solver.counters();
+  report.unconverged_solves = counters.unconverged;
+  report.compression_largest = counters.compression.largest;
+  report.crushed_step = counters.compression.first_crushed;
+  for (std::string& warning : crush_warnings(context.scene, counters.compression))
+    report.warnings.push_back(std::move(warning));
   report.simulated_seconds = static_cast<double>(report.steps) * solver.clock().dt;
   return report;
 }

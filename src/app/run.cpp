@@ -46,18 +46,39 @@ void warn_at_the_end(const Session& session, const RunContext& context, const So
                      "smaller dt",
                      counters.unconverged, counters.substeps));
   }
+  for (const std::string& warning : crush_warnings(context.scene, counters.compression))
+    tell(session, "warning: " + warning);
   if (context.energy == nullptr) return;
-  for (const std::string& warning : energy_warnings(context.scene, context.energy->fraction()))
+  for (const std::string& warning : energy_warnings(context.scene, *context.energy))
     tell(session, "warning: " + warning);
 }
 
+// Says that the water is crushed when that begins; it is said again at the end.
+class CrushWatch {
+ public:
+  CrushWatch(const Session& session, const Scene& scene) : session_(session), scene_(scene) {}
+  void look(const Solver& solver) {
+    const Solver::Counters::Compression seen = solver.counters().compression;
+    if (told_ || seen.first_crushed < 0) return;
+    told_ = true;
+    for (const std::string& warning : crush_warnings(scene_, seen)) tell(session_, "warning: " + warning);
+  }
+
+ private:
+  const Session& session_;
+  const Scene& scene_;
+  bool told_ = false;
+};
+
 // Runs to the last step or until a stop is requested. A request after the last step has no effect.
-Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted) {
+Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted, CrushWatch watch) {
   const ScopedStage stage("Solve");
   if (!restarted) solver.start();
+  watch.look(solver);
   std::int64_t saves = 0;
   while (solver.clock().step < last_step) {
     solver.step();
+    watch.look(solver);
     const RequestCounts& asked = solver.requests();
     const auto reason = solver.clock().step < last_step ? stop_reason(asked) : std::nullopt;
     if (reason || count_of(asked, Request::checkpoint) > saves) solver.save();
@@ -110,7 +131,7 @@ std::string leave_traces(const Session& session, const RunContext& context, cons
 
 Outcome run_guarded(const Session& session, const RunContext& context, Solver& solver, std::int64_t last_step) {
   try {
-    const Outcome outcome = run_steps(solver, last_step, context.restarted);
+    const Outcome outcome = run_steps(solver, last_step, context.restarted, {session, context.scene});
     write_report(session, context, solver, outcome);
     return outcome;
   } catch (const BlowUp& error) {

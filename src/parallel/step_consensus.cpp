@@ -19,6 +19,7 @@ void combine(void* in, void* inout, int* count, MPI_Datatype*) {
     into[k].ids += from[k].ids;
     into[k].squares += from[k].squares;
     into[k].failures += from[k].failures;
+    into[k].compression += from[k].compression;
     for (std::size_t r = 0; r < into[k].requests.size(); ++r) {
       into[k].requests[r] = std::max(into[k].requests[r], from[k].requests[r]);
     }

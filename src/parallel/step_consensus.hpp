@@ -17,7 +17,8 @@ namespace trevi {
 struct StepState {
   std::uint64_t particles = 0, ids = 0, squares = 0;
   std::uint64_t failures = 0;
-  RequestCounts requests{};  ///< the largest over all ranks
+  std::int64_t compression = 0;  ///< sum over particles, in units of 2^-20
+  RequestCounts requests{};      ///< the largest over all ranks
 };
 
 /// The part of a vote that counts particles.

@@ -110,8 +110,9 @@ std::string why_never(const std::string& path, std::pair<bool, bool> by_volume) 
   if (path == "fluid.rest_density") return "it would change the mass of the particles in the checkpoint";
   if ((path == "fluid.mass" || path == "density.preset") && by_volume.first != by_volume.second)
     return "it would change the mass of the particles in the checkpoint";
-  if (path == "fluid.kernel_radius" && by_volume.first)
-    return "with fluid.mass = \"volume\" the water of the checkpoint would have another density";
+  if (path == "fluid.kernel_radius" || path == "fluid.density_kernel")
+    return "it would change the density of the water in the checkpoint; steps with another kernel need a run of their "
+           "own";
   if (path.starts_with("particles.")) return "a restart has its particles from the checkpoint; put it back";
   return {};
 }

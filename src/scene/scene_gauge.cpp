@@ -25,8 +25,14 @@ void read_gauge(Section& section, Scene& scene, bool box_known) {
       gauge.center);
   if (box_known && section.fine("center"))
     section.check("center", scene.domain.contains(gauge.center), "is outside the box; move it inside, or onto a wall");
-  gauge.radius = 2 * scene.fluid.spacing;
+  constexpr Real least = 1;  // spacings: a smaller disc holds a particle at times, and none at others
+  gauge.radius = (is_pressure(gauge) ? 2 : 4) * scene.fluid.spacing;
   section.number({"radius", "the radius in metres of the disc over which the mean is taken"}, gauge.radius, above(0));
+  section.check(
+      "radius", gauge.radius >= least * scene.fluid.spacing * (1 - 1e-9),
+      fmt::format("is less than the spacing, and such a disc holds a particle at times only; give {:.6g} m or "
+                  "more",
+                  least * scene.fluid.spacing));
   if (box_known)
     section.check("radius", gauge.radius <= (scene.domain.max - scene.domain.min).maxCoeff(),
                   "is more than the box is long; make it smaller");

@@ -243,6 +243,8 @@ void PhysicsReader::read_time() {
                 "the CFL number that splits a step; 0 never splits; default 2, 0.2 without gravity, and 0 with another "
                 "method than the default one"},
                scene_.cfl, at_least(0));
+  time.integer({"max_substeps", "the largest number of substeps of a step, above which the run ends; default 500"},
+               scene_.max_substeps, 1);
   dt_known_ = time.fine("dt");
   if (dt_known_) {
     const Real steps = scene_.end / scene_.dt;
@@ -364,8 +366,7 @@ void PhysicsReader::check_viscosity(Section& section) {
                            c, fluid.rest_density));
   }
   if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
-  constexpr int max_parts = 1000;  // of a step; more is taken for a mistake
-  const int parts = scene_.cfl > 0 ? max_parts : 1;
+  const int parts = scene_.cfl > 0 ? scene_.max_substeps : 1;
   const Real nu = *scene_.kinematic_viscosity;
   const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²
   if (nu * scene_.dt <= largest * (1 + 1e-9)) return;

@@ -70,6 +70,8 @@ class DensityProblem {
 
   /// rho_i of all owned particles at the present p*, without touching lambda.
   void compute_density();
+  /// The same before the first step: no pass that is counted.
+  void look_at_density();
 
   const CellOrder& order() const { return near_.order(); }
   /// All owned particles.

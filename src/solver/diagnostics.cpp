@@ -24,7 +24,8 @@ DiagnosticsSum::DiagnosticsSum(MPI_Comm comm, const DensityModel& model, const S
       walls_(around.walls),
       model_(model),
       full_neighbourhood_(0.9 * around.lattice_neighbours),
-      gravity_(around.gravity) {}
+      gravity_(around.gravity),
+      water_mass_(around.water_mass) {}
 
 bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
   return neighbours >= full_neighbourhood_ && ((p - walls_.min).array() > model_.h).all() &&
@@ -92,9 +93,9 @@ Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
   row.density_interior = sum.interior_rho / sum.interior_count;  // 0/0, nan, where there is no interior
   row.compression_mean = sum.compression / sum.count;
   row.compression_rms = std::sqrt(sum.compression2 / sum.count);
-  row.kinetic_energy = model_.mass / 2 * sum.v2;
-  row.potential_energy = model_.mass * sum.height;
-  row.momentum = model_.mass * sum.momentum;
+  row.kinetic_energy = water_mass_ / 2 * sum.v2;
+  row.potential_energy = water_mass_ * sum.height;
+  row.momentum = water_mass_ * sum.momentum;
   row.com = sum.position / sum.count;
   add_maxima(input, row);
   const auto q99 = static_cast<GlobalId>(std::ceil(0.99 * sum.count));

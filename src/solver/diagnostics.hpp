@@ -25,11 +25,13 @@ struct DiagnosticsInput {
 class DiagnosticsSum {
  public:
   /// `walls`: where they are, which is far away along periodic axes; `lattice_neighbours`: number of neighbours of an
-  /// interior point of the start lattice; `gravity` in m/s².
+  /// interior point of the start lattice; `gravity` in m/s²;
+  /// `water_mass`, kg, that a particle stands for.
   struct Surroundings {
     Box box, walls;
     int lattice_neighbours;
     Vec3 gravity;
+    Real water_mass;
   };
   DiagnosticsSum(MPI_Comm comm, const DensityModel& model, const Surroundings& around);
 
@@ -47,6 +49,7 @@ class DiagnosticsSum {
   DensityModel model_;
   Real full_neighbourhood_;
   Vec3 gravity_;
+  Real water_mass_;
 };
 
 /// The largest distance that p* of an owned particle moves between begin() and end(), while the neighbour list stays as

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/threads.hpp"
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -44,8 +47,26 @@ void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_
                          unstable));
 }
 
+// In integers, so that no order of the particles is seen. What lies on one another counts as a hundredfold at most.
+void Guard::note_compression(std::span<const Real> density, Real rest_density) {
+  constexpr Real largest = 100, units = 1 << 20;
+  constexpr LocalId part_size = 8192;
+  PerThread<std::int64_t> sums;
+  for_each_part({0, static_cast<LocalId>(density.size())}, part_size, [&](Range part) {
+    std::int64_t sum = 0;
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      const Real c = density[static_cast<std::size_t>(i)] / rest_density - 1;
+      sum += std::llrint(units * std::min(std::max(c, 0.0), largest));
+    }
+    sums.mine() += sum;
+  });
+  noted_compression_ = 0;
+  sums.for_each([&](std::int64_t sum) { noted_compression_ += sum; });
+}
+
 void Guard::agree(const Particles& particles, std::int64_t step) {
   StepState mine = state_of(particles.id);
+  mine.compression = noted_compression_;
   mine.failures = failure_.empty() ? 0 : 1;
   if (ask_) mine.requests = ask_();
   const StepState now = consensus_.count(mine);
@@ -53,6 +74,15 @@ void Guard::agree(const Particles& particles, std::int64_t step) {
   if (now.failures > 0) throw BlowUp(first_text(comm_, failure_));
   const std::string wrong = lost_or_doubled(now);
   if (!wrong.empty()) throw BlowUp(fmt::format("step {}: {}", step, wrong));
+  compression_ =
+      now.particles > 0 ? std::ldexp(static_cast<Real>(now.compression), -20) / static_cast<Real>(now.particles) : 0;
+  constexpr Real crushed = 0.5;
+  if (step > 0 && compression_ > crushed) {
+    throw BlowUp(
+        fmt::format("step {}: the water is compressed by {:.0f} % in the mean: {}", step, 100 * compression_,
+                    "particles lie on one another, there is more water than space, or solids press it; look at "
+                    "the particles and at what moves"));
+  }
 }
 
 std::string Guard::lost_or_doubled(const StepState& now) const {

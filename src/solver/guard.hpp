@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 
 #include "boundary/walls.hpp"
@@ -32,8 +33,15 @@ class Guard {
   /// Notes the first particle whose p* is outside the box, or whose p* or v is not a number.
   void check(const Particles& particles, const Walls& walls, std::int64_t step);
 
-  /// Throws BlowUp on all ranks alike when any has noted a failure, or a particle is missing or there twice.
+  /// Notes the compression of the water, from the densities of the owned particles; counted with the next agree().
+  void note_compression(std::span<const Real> density, Real rest_density);
+
+  /// Throws BlowUp on all ranks alike when any has noted a failure, a particle is missing or there twice, or,
+  /// after a step, the water is compressed by more than a half in the mean.
   void agree(const Particles& particles, std::int64_t step);
+
+  /// The mean compression that was noted before the last agree(): the same on all ranks.
+  Real compression() const { return compression_; }
 
   /// The requests from outside the run, as of the last agree(): the same on all ranks.
   const RequestCounts& requests() const { return requests_; }
@@ -47,6 +55,8 @@ class Guard {
   StepState start_;
   std::string failure_;
   RequestCounts requests_{};
+  std::int64_t noted_compression_ = 0;  // of this rank, as in StepState
+  Real compression_ = 0;
 };
 
 }  // namespace trevi

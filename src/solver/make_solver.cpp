@@ -109,6 +109,7 @@ Settings checked_and_resolved(const Settings& settings) {
     demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
   }
   demand(all.dt > 0, "dt must be positive");
+  demand(all.max_substeps >= 1 && all.max_compression > 0, "max_substeps and max_compression must be positive");
   demand(all.density.iterations >= 1, "density.iterations must be at least 1");
   demand(all.density.method != Method::chebyshev || all.density.constraint == Constraint::inequality,
          "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
@@ -147,12 +148,15 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.density_solver = make_density_solver<T>(
       settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get()});
+  parts.max_compression = settings.max_compression;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,
-                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h)};
+                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h),
+                        settings.max_substeps};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       *parts.comm, model,
-      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(spacing, model.h), gravity});
+      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(spacing, model.h), gravity,
+                                   water_mass(settings.fluid)});
 }
 
 template <class T>

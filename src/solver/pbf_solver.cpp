@@ -23,7 +23,8 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
-      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(), parts_.first_cell},
+      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(), parts_.first_cell,
+                 parts_.max_compression},
                 std::move(parts_.observers), *parts_.diagnostics) {}
 
 template <class T>
@@ -35,7 +36,10 @@ void PbfSolver<T>::start() {
   find_neighbours(Velocities::preserve);
   boundary.wrap_positions(parts_.particles);
   problem_.start(parts_.particles, parts_.clock.dt);
+  problem_.look_at_density();
+  guard_.note_compression(problem_.density(), problem_.model().rest_density);
   guard_.agree(parts_.particles, 0);
+  reporter_.note_compression(guard_.compression(), 0);
   reporter_.observe();
 }
 
@@ -75,8 +79,10 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   reporter_.note_solution(result);
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
   apply_velocity_filters(info.dt);                                            // 22
-  vote_on_failures();                                                         //     all ranks throw, or none
-  accept_positions();                                                         // 23
+  guard_.note_compression(problem_.density(), problem_.model().rest_density);
+  vote_on_failures();  //     all ranks throw, or none
+  reporter_.note_compression(guard_.compression(), info.step + 1);
+  accept_positions();  // 23
 }
 
 template <class T>
@@ -180,6 +186,7 @@ void PbfSolver<T>::change_particles(const std::function<void(Particles&)>& chang
     });
   });
   guard_.recount(particles);
+  guard_.note_compression({}, 1);  // not known before the next solve
   if (parts_.flow) parts_.flow->begin(*parts_.comm, particles);
   vote_on_failures();
   migrate_particles(&Particles::position);

@@ -26,6 +26,13 @@ void Reporter<T>::note_solution(const SolveResult& result) {
 }
 
 template <class T>
+void Reporter<T>::note_compression(Real mean, std::int64_t step) {
+  Solver::Counters::Compression& seen = counters_.compression;
+  seen.largest = std::max(seen.largest, mean);
+  if (mean > state_.max_compression && seen.first_crushed < 0) seen.first_crushed = step;
+}
+
+template <class T>
 bool Reporter<T>::wanted(bool (Observer::*what)() const, std::int64_t step) const {
   Clock clock = state_.clock;
   clock.step = step;

@@ -23,6 +23,7 @@ struct ReportedState {
   const std::vector<std::unique_ptr<Forcing>>& forcings;
   const FlowState* flow;  ///< null without inlets and drains
   std::array<LocalId, 3> first_cell;
+  Real max_compression;  ///< Settings::max_compression
 };
 
 template <class T>
@@ -36,6 +37,8 @@ class Reporter {
   /// between.
   void note_search(int substep);
   void note_solution(const SolveResult& result);
+  /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.
+  void note_compression(Real mean, std::int64_t step);
   void count_migrated(GlobalId particles) { counters_.migrated += particles; }
 
   /// Calls the observers that are due, while the particles are still in the cell order of the step. Density and

@@ -1,6 +1,9 @@
 #include "solver/substep_rule.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "base/threads.hpp"
 #include "parallel/reductions.hpp"
@@ -16,9 +19,12 @@ int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& pa
   const Real by_speed = dt * v / (cfl * h);
   const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
   const Real parts = std::max({by_speed, by_gravity, dt / longest});
-  if (!(parts < 1e6)) {  // the same numbers on all ranks
-    throw BlowUp("step " + std::to_string(clock.step + 1) + ": " + std::to_string(v) +
-                 " m/s would need more than a million substeps: the run has become unstable; use a smaller dt");
+  if (!(parts * (1 - 1e-9) <= max_substeps)) {  // the same numbers on all ranks
+    throw BlowUp(
+        fmt::format("step {}: water of {:.4g} m/s would need {:.0f} substeps, and time.max_substeps is {}: it has "
+                    "become unstable or "
+                    "is crushed; use a smaller dt, look at what presses it, or raise the limit",
+                    clock.step + 1, v, std::ceil(parts), max_substeps));
   }
   return std::max(1, static_cast<int>(std::ceil(parts * (1 - 1e-9))));
 }

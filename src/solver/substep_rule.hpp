@@ -15,9 +15,10 @@ struct SubstepRule {
   Real h = 0;                   ///< m
   Vec3 gravity = Vec3::Zero();  ///< m/s²
   Real longest = INFINITY;      ///< s, the longest step that viscosity allows
+  int max_substeps = 500;
 
   /// Number of substeps of the step that begins now; `fastest_pushed`, m/s, is what pumps and obstacles will give to
-  /// particles within it. Throws BlowUp on all ranks alike where more than a million would be needed.
+  /// particles within it. Throws BlowUp on all ranks alike where more than max_substeps would be needed.
   int substeps(MPI_Comm comm, const Clock& clock, const Particles& particles, Real fastest_pushed) const;
 };
 

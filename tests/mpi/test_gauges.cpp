@@ -161,7 +161,7 @@ TEST_F(Gauges, HeightIsTheVolumeAboveTheFoot) {
   const Vec3 center = places[0].center;
   Real sum = 0;
   for (const Vec3& p : all.position)
-    sum += 1e-3 * gauge_weight(std::pow(p.x() - center.x(), 2) + std::pow(p.y() - center.y(), 2), 0.2);
+    sum += 1e-3 * gauge_weight(std::pow(p.x() - center.x(), 2) + std::pow(p.y() - center.y(), 2), 0.4);
   EXPECT_NEAR(row[2], sum, 1e-8);
 }
 

@@ -71,6 +71,67 @@ std::string blow_up_of(Sabotage sabotage) {
 
 std::string last_rank() { return "rank " + std::to_string(size_of(world) - 1) + ", step 4"; }
 
+std::string end_of(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const BlowUp& error) {
+    EXPECT_EQ(error.reach(), Reach::all_ranks);
+    return error.what();
+  }
+  return "no blow-up";
+}
+
+// What lies on one another is crushed, whoever brings it.
+TEST(Guards, EveryParticleFourTimesEndsTheRun) {
+  Particles more = block();
+  const std::size_t own = more.id.size();
+  for (std::size_t k = 0; k < 3 * own; ++k) {
+    more.id.push_back(more.id[k % own] + 160 * (1 + static_cast<GlobalId>(k / own)));
+    more.position.push_back(more.position[k % own]);
+    more.velocity.push_back(Vec3::Zero());
+  }
+  Settings settings = box_of_water();
+  settings.domain.max.z() = 0.4;  // no space to go to
+  const auto solver = make_solver(world, settings, more);
+  solver->start();
+  EXPECT_EQ(solver->counters().compression.first_crushed, 0);
+  expect_mentions(end_of([&] { solver->step(); }), {"step 1", "compressed by", "in the mean", "lie on one another"});
+}
+
+// A fifth too dense is told, with the first step; a hundredth is not. The mass of the report with Spiky is such.
+TEST(Guards, CrushedWaterIsToldWithItsFirstStep) {
+  Settings settings = box_of_water();
+  settings.density.method = Method::chebyshev;
+  settings.walls.density = WallDensity::analytic;
+  settings.gravity = Vec3(0, 0, -9.8);
+  for (const bool by_volume : {false, true}) {
+    settings.fluid.mass = by_volume ? Mass::volume : Mass::calibrated;
+    const auto solver = make_solver(world, settings, block());
+    solver->start();
+    for (int k = 0; k < 5; ++k) solver->step();
+    const Solver::Counters::Compression seen = solver->counters().compression;
+    EXPECT_EQ(seen.first_crushed, by_volume ? 0 : -1);
+    EXPECT_NEAR(seen.largest, by_volume ? 0.2 : 0, by_volume ? 0.06 : 0.01);
+  }
+}
+
+TEST(Guards, AStepOfTooManySubstepsEndsTheRun) {
+  Settings settings = box_of_water();
+  settings.cfl = 1;
+  settings.max_substeps = 20;
+  for (const Real speed : {150.0, 1500.0}) {  // 8 and 75 substeps
+    Particles particles = block();
+    for (Vec3& v : particles.velocity) v.x() = speed;
+    const auto solver = make_solver(world, settings, particles);
+    const std::string end = end_of([&] { solver->step(); });
+    if (speed < 1000) {
+      EXPECT_EQ(end, "no blow-up");
+    } else {
+      expect_mentions(end, {"step 1", "75 substeps", "time.max_substeps is 20"});
+    }
+  }
+}
+
 TEST(Guards, NothingWrong) {
   EXPECT_EQ(blow_up_of([](Particles&) {}), "no blow-up");
 }

@@ -165,20 +165,20 @@ Diagnostics row_of_energies(Real kinetic, Real potential) {
 }
 
 TEST(EnergyRise, IsTheHighestAboveTheStartAsAShare) {
-  EnergyRise rise(4);  // 40 J for ten particles
+  EnergyRise rise(4, 1, 1);  // 40 J for ten particles
   EXPECT_TRUE(std::isnan(rise.fraction()));
   for (const Real kinetic : {10.0, 12.0, 14.0, 6.0}) rise.add(row_of_energies(kinetic, 10));
   EXPECT_DOUBLE_EQ(rise.fraction(), 0.1) << "shallow water counts by a kernel radius";
-  EnergyRise deep(1);
+  EnergyRise deep(1, 1, 1);
   for (const Real potential : {50.0, 40.0, 51.0}) deep.add(row_of_energies(0, potential));
   EXPECT_DOUBLE_EQ(deep.fraction(), 0.02);
-  EnergyRise fall(1);
+  EnergyRise fall(1, 1, 1);
   for (const Real potential : {50.0, 40.0}) fall.add(row_of_energies(0, potential));
   EXPECT_EQ(fall.fraction(), 0);
 }
 
 TEST(EnergyRise, WithoutGravityIsAShareOfTheMotionAtTheStart) {
-  EnergyRise moving(0), resting(0), compressed(1);
+  EnergyRise moving(0, 0, 1), resting(0, 0, 1), compressed(1, 1, 1);
   for (const Real kinetic : {2.0, 3.0}) moving.add(row_of_energies(kinetic, 0));
   EXPECT_DOUBLE_EQ(moving.fraction(), 0.5);
   for (const Real kinetic : {0.0, 3.0}) resting.add(row_of_energies(kinetic, 0));
@@ -186,15 +186,28 @@ TEST(EnergyRise, WithoutGravityIsAShareOfTheMotionAtTheStart) {
   Diagnostics dense = row_of_energies(1, 1);
   dense.compression_max = 0.011;
   compressed.add(dense);
-  compressed.add(row_of_energies(30, 1));
   EXPECT_TRUE(std::isnan(compressed.fraction()));
+  for (const Real kinetic : {30.0, 33.1}) compressed.add(row_of_energies(kinetic, 1));
+  EXPECT_DOUBLE_EQ(compressed.fraction(), 0.1) << "begins when the water has come apart";
+}
+
+// Ten particles of 1 kg a metre apart on 5 m² are 2 m deep: 10 J m⁻¹ at rest, with g = 1.
+TEST(EnergyRise, OfTheMotionCountsWhatAWaveHasAboveStillWater) {
+  EnergyRise wave(1, 1, 2), still(1, 1, 2), unknown(1, 1, 2);
+  for (EnergyRise* one : {&wave, &still}) one->set_tank(5, 1);
+  for (const Real kinetic : {1.0, 0.5, 1.37}) wave.add(row_of_energies(kinetic, 10));
+  EXPECT_NEAR(wave.fraction_of_motion(), 0.37, 1e-12);
+  for (const Real kinetic : {0.0, 0.005}) still.add(row_of_energies(kinetic, 10));
+  EXPECT_TRUE(std::isnan(still.fraction_of_motion())) << "hardly anything moves";
+  for (const Real kinetic : {1.0, 2.0}) unknown.add(row_of_energies(kinetic, 10));
+  EXPECT_TRUE(std::isnan(unknown.fraction_of_motion()));
 }
 
 // A run that goes on hears of the rows it keeps, on all ranks, and so knows its start.
 TEST_F(Output, SeriesRecallsTheEnergyOfItsStart) {
   SeriesOptions options{folder(), Schedule{0, 1}, 2, std::nullopt};
   const auto write = [&](std::int64_t first, const std::vector<Real>& energies) {
-    options.energy = std::make_shared<EnergyRise>(1);
+    options.energy = std::make_shared<EnergyRise>(1, 1, 1);
     SeriesWriter series(world, options);
     const Particles particles;
     const std::vector<FountainState> fountains(2);

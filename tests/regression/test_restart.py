@@ -361,13 +361,13 @@ class SceneChanges(unittest.TestCase):
                 (self.text, self.output, ["fluid.rest_density=900.0"], "fluid.rest_density: (absent) -> 900; it would change the mass"),
                 (self.text, self.output, ["fluid.mass=volume"], "it would change the mass"),
                 (self.text, self.output, ["density.preset=report"], "it would change the mass"),
-                (volume, output, ["fluid.kernel_radius=0.25"], 'with fluid.mass = "volume" the water')):
+                (self.text, self.output, ["fluid.kernel_radius=0.21"], "it would change the density of the water"),
+                (self.text, self.output, ["fluid.density_kernel=poly6"], "it would change the density of the water"),
+                (volume, output, ["fluid.kernel_radius=0.25"], "it would change the density of the water")):
             more = [word for setting in settings for word in ("--set", setting)]
             code, told = runs.run(1, self.folder.scene(text), folder, "--restart", "latest", "--steps", 12, *more)
             self.assertEqual(code, 2, told)
             self.assertIn(words, told)
-        code, told = self.restart(self.text, "--set", "fluid.kernel_radius=0.21")  # calibrated anew
-        self.assertEqual(code, 0, told)
 
     def test_length_of_a_step_never(self):
         code, told = self.restart(self.text, "--set", "time.dt=0.01")

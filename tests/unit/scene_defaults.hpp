@@ -24,6 +24,7 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "particles.0.velocity=[0, 0, 0]",
           "particles.0.vortex=0",
           "time.cfl=2",
+          "time.max_substeps=500",
           "density.preset='default'",
           "density.method='chebyshev'",
           "density.iterations=4",
@@ -39,6 +40,7 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "walls.reflection='normal'",
           "walls.floor_friction=0.0",
           fmt::format("output.directory='out/{}'", scene.name),
+          "run.max_compression=0.05",
           "random.seed=1"};
 }
 
@@ -80,7 +82,7 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "obstacle.0.angular_velocity=[0, 0, 0]",
                                                               "obstacle.0.restitution=0.5",
                                                               "obstacle.0.friction=0",
-                                                              "gauge.0.radius=0.2",
+                                                              "gauge.0.radius=0.4",
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
                                                               "output.checkpoint.keep=2",

@@ -10,9 +10,11 @@
 namespace trevi::test {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 const std::string poly6 = "fluid.density_kernel='poly6'";
 
@@ -48,12 +50,30 @@ TEST(Envelope, NamesWhatIsOutside) {
 
 TEST(Envelope, TellsOfEnergyThatRose) {
   const Scene scene = parse(scene_plus("[gravity]\nacceleration = [0, 0, -9.8]"), {});
-  EXPECT_THAT(energy_warnings(scene, 0.005), IsEmpty());
-  EXPECT_THAT(energy_warnings(scene, std::nan("")), IsEmpty());
-  EXPECT_THAT(energy_warnings(scene, 0.0567), ElementsAre(HasSubstr("rose by 5.7 % above its start")));
-  EXPECT_THAT(energy_warnings(scene, 0.0567), ElementsAre(HasSubstr("[viscosity] nu = 0.015 m²/s")));
-  EXPECT_THAT(energy_warnings(parse(scene_plus(), {"vorticity.epsilon=1"}), 0.01),
-              ElementsAre(HasSubstr("[vorticity] adds; lower its epsilon")));
+  const auto risen = [](Real by) {
+    EnergyRise energy(1, 10, 0.2);
+    for (const Real kinetic : {100.0, 100 * (1 + by)}) {
+      Diagnostics row;
+      row.particles = 1;
+      row.kinetic_energy = kinetic;
+      energy.add(row);
+    }
+    return energy;
+  };
+  EXPECT_THAT(energy_warnings(scene, risen(0.0049)), IsEmpty());
+  EXPECT_THAT(energy_warnings(scene, EnergyRise(1, 10, 0.2)), IsEmpty());
+  EXPECT_THAT(energy_warnings(scene, risen(0.0567)), ElementsAre(HasSubstr("rose by 5.7 % above its start")));
+  EXPECT_THAT(energy_warnings(scene, risen(0.0567)), ElementsAre(HasSubstr("[viscosity] nu = 0.015 m²/s")));
+  const auto without_gravity = energy_warnings(parse(scene_plus(), {"vorticity.epsilon=1"}), risen(0.01));
+  EXPECT_THAT(without_gravity, ElementsAre(HasSubstr("[vorticity] adds; lower its epsilon")));
+  EXPECT_THAT(without_gravity, ElementsAre(Not(HasSubstr("[viscosity]"))));
+}
+
+TEST(Envelope, TellsOfCrushedWater) {
+  const Scene scene = parse(scene_plus(), {});
+  EXPECT_THAT(crush_warnings(scene, {0.04, -1}), IsEmpty());
+  EXPECT_THAT(crush_warnings(scene, {0.21, 7}),
+              ElementsAre(AllOf(HasSubstr("from step 7 on"), HasSubstr("up to 21 %"), HasSubstr("is 5 %"))));
 }
 
 TEST(Envelope, NothingFallsWithoutGravity) {

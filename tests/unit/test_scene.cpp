@@ -163,7 +163,7 @@ TEST(Scene, ViscosityIsAShareOfAStepOrInUnits) {
   EXPECT_TRUE(!report.viscosity && report.kinematic_viscosity == 0.01) << "an explicit key wins";
   // What the messages for larger ones name is taken.
   EXPECT_EQ(problems(scene_plus("cfl = 0\n[viscosity]\nnu = 0.19")), "");
-  EXPECT_EQ(problems(scene_plus("[viscosity]\nnu = 190")), "");
+  EXPECT_EQ(problems(scene_plus("[viscosity]\nnu = 95.4")), "");
 }
 
 TEST(Scene, SlabAxisIsTheLongestHorizontalOne) {

@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{11, "end = 1\ncfl = 0\n[viscosity]\nnu = 0.191", "14: [viscosity] nu",
                  "overshoot in a step of 0.01 s; lower nu to 0.19 or dt to 0.00999, or let time.cfl split"},
         BadScene{appended, "[viscosity]\nnu = 191", "13: [viscosity] nu",
-                 "would split steps into more than 1000 parts; lower nu to 190 or dt to 0.00999"},
+                 "would split steps into more than 500 parts; lower nu to 95.4 or dt to 0.00499"},
         BadScene{appended, "[viscosity]\nno_slip = true", "13: [viscosity] no_slip", "give nu"},
         BadScene{appended, "[viscosity]\nc = -1", "13: [viscosity] c", "must not be negative"},
         BadScene{5, "spacing = 0.1\nrest_density = 1001\n[viscosity]", "6: [fluid] rest_density",

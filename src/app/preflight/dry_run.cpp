@@ -157,7 +157,6 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory) {
   make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
   make_flow(session.comm(), scene);
-  const DensityModel model = density_model(scene);
   const CellGrid grid = cell_grid(scene, scene.domain);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
@@ -167,7 +166,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   const double particles = std::accumulate(weights.begin(), weights.end(), 0.0);
   fmt::print("scene       {}\n", scene.path);
   fmt::print("launch      {}\n", launch_text(launch, scene));
-  fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, model.mass);
+  fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, water_mass(scene.fluid));
   fmt::print("{}", inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));

@@ -22,6 +22,8 @@ Real quieting_viscosity(const Scene& scene) {
   return 0.15 * std::sqrt(g * s * s * s);
 }
 
+bool is_gravity(const Scene& scene) { return scene.gravity && !scene.gravity->isZero(); }
+
 }  // namespace
 
 std::vector<std::string> envelope_warnings(const Scene& scene) {
@@ -76,15 +78,33 @@ std::vector<std::string> start_warnings(const Scene& scene) {
   return warnings;
 }
 
-std::vector<std::string> energy_warnings(const Scene& scene, Real fraction) {
-  constexpr Real mark = 0.005;
-  if (!(fraction > mark)) return {};
-  return {fmt::format(
-      "the total energy rose by {:.2g} % above its start although nothing pumps{}; set [viscosity] nu = {:.2g} m²/s, "
-      "which "
-      "damps it",
-      100 * fraction, scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : ": the method adds it",
-      quieting_viscosity(scene))};
+std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy) {
+  constexpr Real mark = 0.005, mark_of_motion = 0.1;
+  std::vector<std::string> warnings;
+  const std::string remedy =
+      is_gravity(scene) ? fmt::format("; set [viscosity] nu = {:.2g} m²/s, which damps it", quieting_viscosity(scene))
+                        : std::string("; use a smaller dt, or time.cfl");
+  const char* source = scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : "";
+  if (energy.fraction() > mark) {
+    warnings.push_back(fmt::format("the total energy rose by {:.2g} % above its start although nothing pumps{}{}",
+                                   100 * energy.fraction(), source, remedy));
+  }
+  if (energy.fraction_of_motion() > mark_of_motion) {
+    warnings.push_back(
+        fmt::format("the moving part of the energy, what waves have above water at rest, rose by {:.0f} % of itself{}; "
+                    "use a smaller spacing for waves as low as this",
+                    100 * energy.fraction_of_motion(), source));
+  }
+  return warnings;
+}
+
+std::vector<std::string> crush_warnings(const Scene& scene, const Solver::Counters::Compression& seen) {
+  if (seen.first_crushed < 0) return {};
+  return {
+      fmt::format("the water is crushed from step {} on: it is compressed by up to {:.0f} % in the mean, and "
+                  "run.max_compression is {:.0f} %; look for particles that lie on one another, for more water than "
+                  "space, for solids that press it, or use more density.iterations",
+                  seen.first_crushed, 100 * seen.largest, 100 * scene.max_compression)};
 }
 
 }  // namespace trevi

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "io/tables/energy_rise.hpp"
 #include "trevi/scene.hpp"
+#include "trevi/solver.hpp"
 
 namespace trevi {
 
@@ -19,6 +21,9 @@ std::vector<std::string> start_warnings(const Scene& scene);
 
 /// What is said at the end of a run without pumps whose energy rose by this fraction (EnergyRise): one sentence with
 /// remedies above 0.5 %, the mark of the stability study, else none.
-std::vector<std::string> energy_warnings(const Scene& scene, Real fraction);
+std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy);
+
+/// What is said of water that was crushed (Settings::max_compression), when that begins and at the end.
+std::vector<std::string> crush_warnings(const Scene& scene, const Solver::Counters::Compression& seen);
 
 }  // namespace trevi

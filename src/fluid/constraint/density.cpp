@@ -9,8 +9,12 @@
 
 namespace trevi {
 
+Real water_mass(const FluidSettings& fluid) {
+  return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
+}
+
 Real particle_mass(const FluidSettings& fluid) {
-  if (fluid.mass == Mass::volume) return fluid.rest_density * fluid.spacing * fluid.spacing * fluid.spacing;
+  if (fluid.mass == Mass::volume) return water_mass(fluid);
   return fluid.rest_density / lattice_density_sum(kernels_of(fluid).density, fluid.spacing, fluid.kernel_radius);
 }
 

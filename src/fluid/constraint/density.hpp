@@ -23,7 +23,7 @@ namespace trevi {
 
 /// Physical constants of the constraint, already scaled to the resolution of the scene.
 struct DensityModel {
-  Real mass = 1;             ///< of a particle, kg
+  Real mass = 1;             ///< of a particle in kernel sums, kg
   Real rest_density = 1000;  ///< kg/m³
   Real h = 0.2;              ///< m
   Real epsilon = 1;          ///< 1/m²
@@ -31,8 +31,10 @@ struct DensityModel {
   Kernels kernels = kernels_of(FluidSettings{});
 };
 
-/// Mass of a particle, kg: "volume" rest_density · spacing³; "calibrated" such that the lattice interior is at rest
-/// density.
+/// The water that a particle stands for, kg: rest_density · spacing³. All that is reported goes by it.
+Real water_mass(const FluidSettings& fluid);
+/// The weight of a particle in kernel sums, kg: with mass "volume" the water's own; "calibrated" such that the lattice
+/// interior is at rest density.
 Real particle_mass(const FluidSettings& fluid);
 
 /// Physical constants, with epsilon and artificial pressure scaled to the spacing: settings give their values at a

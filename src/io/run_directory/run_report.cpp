@@ -50,6 +50,9 @@ Json report_json(const RunReport& report) {
   json["particle_steps_per_second"] = report.particle_steps_per_second;
   json["nanoseconds_per_pair"] = report.nanoseconds_per_pair;
   json["energy_gain"] = report.energy_gain;
+  json["motion_gain"] = report.motion_gain;
+  json["compression_largest"] = report.compression_largest;
+  json["crushed_step"] = report.crushed_step;
   json["unconverged_solves"] = report.unconverged_solves;
   json["halo_bytes_per_step"] = report.halo_bytes_per_step;
   json["halo_messages_per_step"] = report.halo_messages_per_step;

@@ -43,8 +43,11 @@ struct RunReport {
   double simulated_seconds = unknown, wall_seconds = unknown;
   double steps_per_second = unknown, particle_steps_per_second = unknown;
   double nanoseconds_per_pair = unknown;
-  double energy_gain = unknown;         ///< EnergyRise::fraction(); unknown without a series, or where something pumps
-  std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
+  double energy_gain = unknown;          ///< EnergyRise::fraction(); unknown without a series, or where something pumps
+  double motion_gain = unknown;          ///< EnergyRise::fraction_of_motion()
+  double compression_largest = unknown;  ///< mean over the water at the end of a substep
+  std::int64_t crushed_step = -1;        ///< first with more than run.max_compression; -1: none
+  std::int64_t unconverged_solves = 0;   ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
   std::vector<double> halo_wait_seconds;                                   ///< of each rank
   /// Largest over mean work of a rank, at looks some steps apart, before cuts moved if they did.

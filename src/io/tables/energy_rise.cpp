@@ -9,11 +9,22 @@ void EnergyRise::add(const Diagnostics& row) {
   constexpr Real compressed = 0.01;
   const Real energy = row.kinetic_energy + row.potential_energy;
   if (std::isnan(start_)) {
+    if (!(row.compression_max <= compressed)) return;
     start_ = highest_ = energy;
-    const Real scale = std::max(std::abs(energy), weight_height_ * static_cast<Real>(row.particles));
-    if (scale > 0 && row.compression_max <= compressed) scale_ = scale;
+    const auto count = static_cast<Real>(row.particles);
+    const Real weight = mass_ * g_ * count;
+    const Real scale = std::max(std::abs(energy), weight * h_);
+    if (scale > 0) scale_ = scale;
+    const Real depth = count * spacing_ * spacing_ * spacing_ / floor_;
+    least_ = 1e-3 * spacing_ * weight;
+    motion_ = energy - weight * depth / 2;
   }
   highest_ = std::max(highest_, energy);
+}
+
+Real EnergyRise::fraction_of_motion() const {
+  const Real rise = highest_ - start_;
+  return least_ > 0 && motion_ > least_ && rise > least_ ? rise / motion_ : NAN;
 }
 
 }  // namespace trevi

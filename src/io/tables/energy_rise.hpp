@@ -1,8 +1,10 @@
 // How far the total energy of a run has risen above its start, from the rows of its series: kinetic and potential
-// energy as they are there. Without pumps water can only lose energy, so a rise is the method's own. It is told as a
-// fraction of max(|E0|, m g h N), in which deep water counts by its height and shallow water by a kernel radius;
-// without gravity that is the kinetic energy of the start. The definition is that of the stability study
-// (postprocess/study.py). Not collective; the same rows give the same fraction on all ranks. May be copied as bytes.
+// energy as they are there. Without pumps water can only lose energy, so a rise is the method's own. It is told twice.
+// As a fraction of max(|E0|, m g h N) deep water counts by its height and shallow water by a kernel radius; without
+// gravity that is the kinetic energy of the start (the definition of the stability study, postprocess/study.py). As a
+// fraction of the moving part, what the start has above the same water at rest, a wave counts by itself. A start that
+// is compressed may well push the water apart: it begins with the first row that is not. Not collective; the same rows
+// give the same fractions on all ranks. May be copied as bytes.
 #pragma once
 
 #include "trevi/observer.hpp"
@@ -11,19 +13,25 @@ namespace trevi {
 
 class EnergyRise {
  public:
-  /// `weight_height`: m g h of a particle, J.
-  explicit EnergyRise(Real weight_height) : weight_height_(weight_height) {}
+  /// Of a particle the water that it stands for, kg; g, m/s², and h, m.
+  EnergyRise(Real mass, Real g, Real h) : mass_(mass), g_(g), h_(h) {}
+  /// Water at rest is level in a closed box of that floor, m², with nothing in it; its particles are `spacing` apart.
+  void set_tank(Real floor, Real spacing) { floor_ = floor, spacing_ = spacing; }
 
-  /// The next row; the first is the start.
+  /// The next row; the first that is compressed by at most 1 % is the start.
   void add(const Diagnostics& row);
 
-  /// The highest rise so far; nan without a row, for a start at rest without gravity, and for one that is compressed by
-  /// more than 1 %, which may well push the water apart.
+  /// The highest rise so far; nan without a start, and for one at rest without gravity.
   Real fraction() const { return (highest_ - start_) / scale_; }
+  /// The same of the moving part; nan without set_tank(), without gravity, and where hardly anything moves: where it,
+  /// or the rise, is less than to lift all of the water by a thousandth of the spacing.
+  Real fraction_of_motion() const;
 
  private:
-  Real weight_height_;
+  Real mass_, g_, h_;
+  Real floor_ = NAN, spacing_ = NAN;
   Real start_ = NAN, highest_ = NAN, scale_ = NAN;  // J
+  Real motion_ = NAN, least_ = NAN;                 // J
 };
 
 }  // namespace trevi
