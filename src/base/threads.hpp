@@ -18,6 +18,18 @@ int thread_count();
 void use_threads(int count);
 inline constexpr int max_threads = 1024;  ///< a larger number is taken for a mistake
 
+/// At most as many threads as there were when a solver, whose memory for each thread goes by that, was made.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int most) : before_(thread_count()) { use_threads(std::min(before_, most)); }
+  ~ThreadLimit() { use_threads(before_); }
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  int before_;
+};
+
 /// The processors of all of OpenMP's places, where OMP_PLACES, OMP_PROC_BIND or GOMP_CPU_AFFINITY makes some.
 std::vector<int> placed_processors();
 

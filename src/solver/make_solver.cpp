@@ -15,6 +15,7 @@
 #include "fluid/forcings/gravity.hpp"
 #include "kernels/kernels.hpp"
 #include "parallel/collective.hpp"
+#include "solver/check_input.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
 #include "solver/pbf_solver.hpp"
@@ -61,69 +62,6 @@ std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
                              settings.fluid.spacing, settings.fluid.kernel_radius);
 }
 
-void check_inside(MPI_Comm comm, const Settings& settings, const Particles& particles) {
-  all_or_none(comm, [&] {
-    const auto bad = std::find_if(particles.position.begin(), particles.position.end(),
-                                  [&](const Vec3& p) { return !settings.domain.contains(p); });
-    if (bad == particles.position.end()) return;
-    throw InputError(fmt::format("particle {} at ({}, {}, {}) is outside the box; enlarge the domain or move it",
-                                 particles.id[static_cast<std::size_t>(bad - particles.position.begin())], bad->x(),
-                                 bad->y(), bad->z()));
-  });
-}
-
-void demand(bool holds, const char* rule) {
-  if (!holds) throw InputError(std::string("settings of the solver: ") + rule);
-}
-
-void check_periodic(const Settings& all) {
-  const Vec3 extent = all.domain.max - all.domain.min, gravity = all.gravity.value_or(Vec3::Zero());
-  for (int a = 0; a < 3; ++a) {
-    const bool periodic = all.periodic[static_cast<std::size_t>(a)];
-    demand(!periodic || is_whole_period(extent[a], all.fluid.kernel_radius),
-           "a periodic axis must be a whole number of kernel_radius long, three at least");
-  }
-  demand(!all.periodic[2] || gravity.z() == 0, "z cannot be periodic with gravity along it");
-  for (const ObstacleSettings& obstacle : all.obstacles) {
-    const std::string wrong = why_not_periodic(obstacle, all);
-    demand(wrong.empty(), ("an obstacle " + wrong).c_str());
-  }
-}
-
-// What a scene's reader has checked before, with the line at fault; a program may hand over anything. Comparisons are
-// written so that a NaN fails. Lengths first: sums over the lattice would hardly end with an absurd radius.
-Settings checked_and_resolved(const Settings& settings) {
-  constexpr Real rounding = 1e-9;
-  const FluidSettings& fluid = settings.fluid;
-  demand(fluid.spacing > 0 && fluid.rest_density > 0, "fluid.spacing and rest_density must be positive");
-  demand(!fluid.kernel_radius.given() || (fluid.kernel_radius >= (min_kernel_ratio - rounding) * fluid.spacing &&
-                                          fluid.kernel_radius <= (largest_kernel_ratio + rounding) * fluid.spacing),
-         "fluid.kernel_radius must be 1.2 to 4 times the spacing");
-  Settings all = resolved(settings);
-  const Real h = all.fluid.kernel_radius;
-  demand(((all.domain.max - all.domain.min).array() >= h).all(),
-         "the domain must be at least a kernel_radius wide in each axis");
-  check_periodic(all);
-  for (const GaugeSettings& gauge : all.gauges) {
-    demand(gauge.radius > 0 && gauge.normal.allFinite(), "a gauge must have a radius and a normal");
-    demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
-  }
-  demand(all.dt > 0, "dt must be positive");
-  demand(all.max_substeps >= 1 && all.max_compression > 0, "max_substeps and max_compression must be positive");
-  demand(all.density.iterations >= 1, "density.iterations must be at least 1");
-  demand(all.density.method != Method::chebyshev || all.density.constraint == Constraint::inequality,
-         "density.method chebyshev explodes with an equality; use the inequality, or jacobi");
-  demand(all.density.method != Method::anderson || all.obstacles.empty(),
-         "density.method anderson knows no obstacles; use chebyshev or jacobi");
-  all.domain = PeriodicDomain::fitted(all.domain, all.periodic, h);
-  demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
-  demand(!all.no_slip || all.kinematic_viscosity, "no_slip needs a kinematic_viscosity");
-  demand(!all.kinematic_viscosity || all.cfl > 0 ||
-             all.dt <= longest_viscous_step(*all.kinematic_viscosity, fluid.spacing, h) * (1 + rounding),
-         "kinematic_viscosity is too much for dt; lower one of them, or give a cfl, which splits steps");
-  return all;
-}
-
 std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {
   if (settings.obstacles.empty()) return nullptr;
   auto obstacles = std::make_shared<Obstacles>(settings, walls, make_wall_density(settings));
@@ -164,12 +102,12 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   SolverParts<T> parts;
   parts.comm = std::make_unique<OwnCommunicator>(comm);
   parts.particles = std::move(particles);
-  check_inside(*parts.comm, settings, parts.particles);
+  check_particles(*parts.comm, settings, parts.particles);
   if (settings.obstacles.empty() && !extras.flow)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
   parts.box = PeriodicDomain::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
-  demand(settings.domain.contains(parts.box.min) && (parts.box.min.array() < settings.domain.max.array()).all(),
-         "the first cell must be in the box");
+  if (!settings.domain.contains(parts.box.min) || (parts.box.min.array() >= settings.domain.max.array()).any())
+    throw InputError("settings of the solver: SolverExtras::first_cell must be in the box");
   parts.grid = std::make_unique<CellGrid>(cell_grid(settings, parts.box));
   parts.particles.predicted = parts.particles.position;
   parts.slabs = std::make_unique<Slabs>(
@@ -186,6 +124,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
     parts.flow->begin(*parts.comm, parts.particles);
     for (auto& nozzle : parts.flow->forcings()) extras.forcings.push_back(std::move(nozzle));
   }
+  parts.has_own_forcings = !extras.forcings.empty();
   parts.forcings = make_forcings(settings, std::move(extras.forcings));
   make_fluid(settings, parts);
   return std::make_unique<PbfSolver<T>>(std::move(parts));
@@ -195,6 +134,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
 
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
   const Settings all = checked_and_resolved(settings);
+  check_extras(comm, extras);
   if (all.density.precision == Precision::single)
     return make<float>(comm, all, std::move(particles), std::move(extras));
   return make<double>(comm, all, std::move(particles), std::move(extras));

@@ -23,12 +23,25 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
-      reporter_({parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(), parts_.first_cell,
-                 parts_.max_compression},
+      reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
+                 parts_.first_cell, parts_.max_compression},
                 std::move(parts_.observers), *parts_.diagnostics) {}
 
 template <class T>
+void PbfSolver<T>::save() {
+  const ThreadLimit limit(threads_);
+  reporter_.save();
+}
+
+template <class T>
+void PbfSolver<T>::finish() {
+  const ThreadLimit limit(threads_);
+  reporter_.finish();
+}
+
+template <class T>
 void PbfSolver<T>::start() {
+  const ThreadLimit limit(threads_);
   const Boundary& boundary = *parts_.boundary;
   boundary.wrap_positions(parts_.particles);
   parts_.particles.predicted = parts_.particles.position;
@@ -45,6 +58,7 @@ void PbfSolver<T>::start() {
 
 template <class T>
 void PbfSolver<T>::step() {
+  const ThreadLimit limit(threads_);
   Clock& clock = parts_.clock;
   {
     const Stopwatch::Lap lap(reporter_.stopwatch());
@@ -110,7 +124,21 @@ void PbfSolver<T>::exchange_water(const StepInfo& info) {
 
 template <class T>
 void PbfSolver<T>::apply_forcings(const StepInfo& info) {
-  for (const auto& forcing : parts_.forcings) forcing->apply(parts_.particles, info);
+  Particles& particles = parts_.particles;
+  for (const auto& forcing : parts_.forcings) {
+    try {
+      forcing->apply(particles, info);
+    } catch (const std::exception& error) {  // perhaps on this rank alone: thrown when all ranks vote
+      guard_.note(info.step + 1, fmt::format("a forcing failed: {}", error.what()));
+    }
+  }
+  if (!parts_.has_own_forcings) return;
+  const LocalId lost = first_index(
+      {0, particles.size()}, [&](std::size_t i) { return !parts_.boundary->walls().inside(particles.position[i]); });
+  if (lost < particles.size()) {
+    particles.predicted[static_cast<std::size_t>(lost)] = particles.position[static_cast<std::size_t>(lost)];
+    guard_.note_particle(particles, static_cast<std::size_t>(lost), info.step + 1);
+  }
 }
 
 // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
@@ -177,6 +205,7 @@ void PbfSolver<T>::accept_positions() {
 
 template <class T>
 void PbfSolver<T>::change_particles(const std::function<void(Particles&)>& change) {
+  const ThreadLimit limit(threads_);
   Particles& particles = parts_.particles;
   all_or_none(*parts_.comm, [&] {
     change(particles);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "boundary/boundary.hpp"
 #include "domain/balance.hpp"
 #include "fluid/filters/velocity_filter.hpp"
@@ -45,6 +46,7 @@ struct SolverParts {
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<InflowOutflow> flow;  ///< may be null
   std::vector<std::unique_ptr<Forcing>> forcings;
+  bool has_own_forcings = false;  ///< some are not ours: where they leave the particles is looked at
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
@@ -62,9 +64,9 @@ class PbfSolver : public Solver {
 
   void start() override;
   void step() override;
-  void save() override { reporter_.save(); }
+  void save() override;
   const RequestCounts& requests() const override { return guard_.requests(); }
-  void finish() override { reporter_.finish(); }
+  void finish() override;
 
   const Clock& clock() const override { return parts_.clock; }
   const Particles& particles() const override { return parts_.particles; }
@@ -89,6 +91,7 @@ class PbfSolver : public Solver {
   void vote_on_failures();
   void accept_positions();
 
+  int threads_ = thread_count();
   SolverParts<T> parts_;
   Guard guard_;
   Neighbourhood<T> near_;

@@ -1,7 +1,10 @@
 #include "solver/reporter.hpp"
 
 #include <algorithm>
+#include <exception>
+#include <string>
 
+#include "parallel/collective.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -62,8 +65,27 @@ void Reporter<T>::observe() {
     seen.diagnostics = &row;
   }
   for (const auto& observer : observers_) {
-    if (observer->due(seen.clock)) observer->observe(seen);
+    if (observer->due(seen.clock)) show(*observer, seen);
   }
+}
+
+// Our observers throw on all ranks alike, or cannot communicate any more; a caller's may throw on one rank alone.
+template <class T>
+void Reporter<T>::show(Observer& observer, const Frame& frame) {
+  std::exception_ptr own;
+  std::string failure;
+  try {
+    observer.observe(frame);
+  } catch (const Error& error) {
+    if (error.reach() == Reach::one_rank) throw;
+    own = std::current_exception();
+    failure = error.what();
+  } catch (const std::exception& error) {
+    failure = std::string("an observer failed: ") + error.what();
+  }
+  const std::string first = first_text(state_.comm, failure);
+  if (own) std::rethrow_exception(own);
+  if (!first.empty()) throw RunError(first, Reach::all_ranks);
 }
 
 template <class T>

@@ -16,6 +16,7 @@ namespace trevi {
 /// The parts of a solver that are reported on; they outlive the reporter.
 template <class T>
 struct ReportedState {
+  MPI_Comm comm;
   const Clock& clock;
   const Particles& particles;
   const Neighbourhood<T>& near;
@@ -54,6 +55,7 @@ class Reporter {
   Stopwatch& stopwatch() { return stopwatch_; }
 
  private:
+  void show(Observer& observer, const Frame& frame);
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   Frame frame();
   void find_forces();
