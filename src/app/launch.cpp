@@ -53,6 +53,13 @@ Launch use_threads(const Session& session, std::optional<int> wanted, const Scen
     const int fair = session.fair_threads();  // on all ranks, as they may have different environments
     wanted = from_environment.value_or(fair);
   }
+  all_or_none(session.comm(), [&] {
+    if (can_start_threads(*wanted)) return;
+    throw InputError(
+        fmt::format("{} cannot be started here; give fewer by --threads, or raise the limits of memory and "
+                    "processes (ulimit -v, ulimit -u)",
+                    counted(*wanted, "thread")));
+  });
   Session::use_threads(*wanted);
   return {session.size(), static_cast<int>(min_over_ranks(session.comm(), *wanted)),
           static_cast<int>(max_over_ranks(session.comm(), *wanted))};

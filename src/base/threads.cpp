@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <thread>
 
 #include "base/simd.hpp"
 
@@ -92,6 +93,23 @@ class ThreadParts {
 int thread_count() { return wanted_threads(); }
 void use_threads(int count) { wanted_threads() = count; }
 int thread_number() { return omp_get_thread_num(); }
+
+bool can_start_threads(int count) {
+  std::mutex gate;
+  std::vector<std::thread> started;
+  bool enough = true;
+  {
+    const std::lock_guard<std::mutex> closed(gate);  // they wait for each other, so all are there at a time
+    try {
+      while (std::ssize(started) < count - 1)
+        started.emplace_back([&gate] { const std::lock_guard<std::mutex> lock(gate); });
+    } catch (const std::exception&) {  // no thread, or no memory for it
+      enough = false;
+    }
+  }
+  for (std::thread& thread : started) thread.join();
+  return enough;
+}
 
 std::vector<int> placed_processors() {
   std::vector<int> all;

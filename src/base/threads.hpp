@@ -18,6 +18,10 @@ int thread_count();
 void use_threads(int count);
 inline constexpr int max_threads = 1024;  ///< a larger number is taken for a mistake
 
+/// Whether the system gives this process so many threads at a time: OpenMP's library ends the program where it does
+/// not.
+bool can_start_threads(int count);
+
 /// At most as many threads as there were when a solver, whose memory for each thread goes by that, was made.
 class ThreadLimit {
  public:

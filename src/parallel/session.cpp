@@ -94,6 +94,7 @@ Session::Session(int& argc, char**& argv) {
   require(PetscInitialize(&argc, &argv, nullptr, nullptr) == 0, "PETSc could not start");
   PetscPopSignalHandler();
   sigaction(SIGHUP, &hangup, nullptr);  // PETSc's handler, too, leaves the default where nohup had set it to ignore
+  std::signal(SIGXFSZ, SIG_IGN);        // a file over the limit of the shell is then a failed write, with its reason
   std::signal(SIGPIPE, SIG_IGN);        // a run goes on when nobody reads its progress any more
   begin();
 }

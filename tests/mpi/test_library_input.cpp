@@ -198,12 +198,17 @@ TEST(LibraryInput, ExtrasThatAreNullAreRefused) {
   EXPECT_THAT(refusal(tank(), block(), std::move(observer)), testing::HasSubstr("an observer is null"));
 }
 
+using Act = std::function<void(Particles&, std::size_t)>;
+
+/// Acts in the second step on the one rank that has particle 0.
 struct OwnForcing : Forcing {
-  explicit OwnForcing(std::function<void(Particles&)> acts) : act(std::move(acts)) {}
+  explicit OwnForcing(Act acts) : act(std::move(acts)) {}
   void apply(Particles& particles, const StepInfo& info) override {
-    if (info.step == 1 && rank_of(world) == size_of(world) - 1) act(particles);
+    const auto found = std::find(particles.id.begin(), particles.id.end(), 0);
+    if (info.step == 1 && found != particles.id.end())
+      act(particles, static_cast<std::size_t>(found - particles.id.begin()));
   }
-  std::function<void(Particles&)> act;
+  Act act;
 };
 
 struct OwnObserver : Observer {
@@ -226,16 +231,17 @@ std::string end_of(SolverExtras extras) {
 }
 
 TEST(LibraryInput, AFailureOfACallersObjectOnOneRankEndsTheRunOnAll) {
-  const auto with = [](std::function<void(Particles&)> act) {
+  const auto with = [](Act act) {
     SolverExtras extras;
     extras.forcings.push_back(std::make_unique<OwnForcing>(std::move(act)));
     return end_of(std::move(extras));
   };
   using testing::HasSubstr;
-  EXPECT_EQ(with([](Particles&) {}), "went well");
-  EXPECT_THAT(with([](Particles&) { throw std::runtime_error("no wind"); }), HasSubstr("a forcing failed: no wind"));
-  EXPECT_THAT(with([](Particles& p) { p.position.at(0).z() = -3; }), HasSubstr("outside the box"));
-  EXPECT_THAT(with([](Particles& p) { p.velocity.at(0).z() = nan; }), HasSubstr("not a number"));
+  EXPECT_EQ(with([](Particles&, std::size_t) {}), "went well");
+  EXPECT_THAT(with([](Particles&, std::size_t) { throw std::runtime_error("no wind"); }),
+              HasSubstr("a forcing failed: no wind"));
+  EXPECT_THAT(with([](Particles& p, std::size_t i) { p.position[i].z() = -3; }), HasSubstr("outside the box"));
+  EXPECT_THAT(with([](Particles& p, std::size_t i) { p.velocity[i].z() = nan; }), HasSubstr("not a number"));
   SolverExtras extras;
   extras.observers.push_back(std::make_unique<OwnObserver>());
   EXPECT_THAT(end_of(std::move(extras)), HasSubstr("an observer failed: no paper"));

@@ -80,9 +80,21 @@ void Hdf5Writer::create_groups(const std::string& name) const {
   }
 }
 
+// HDF5 does not survive a file that it could not close, and ends the program by a signal when MPI ends.
+void Hdf5Writer::check_limit(const std::string& name, std::int64_t bytes) const {
+  const std::optional<std::int64_t> limit = file_size_limit();
+  hsize_t size = 0;
+  check(H5Fget_filesize(file_.id(), &size) >= 0, name);
+  if (!limit || static_cast<std::int64_t>(size) + bytes <= *limit) return;
+  throw RunError(
+      fmt::format("{}: cannot write {}: no file may be larger than {} bytes here; raise the limit (ulimit -f)", path_,
+                  name, *limit));
+}
+
 // Returns where in the file the rows begin.
 std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat format, std::int64_t total) {
   create_groups(name);
+  check_limit(name, total * bytes_of(format));
   const int rank = format.components == 1 ? 1 : 2;
   const hsize_t shape[2] = {static_cast<hsize_t>(total), static_cast<hsize_t>(format.components)};
   const Hdf5Handle creation = timeless(H5P_DATASET_CREATE);

@@ -66,6 +66,7 @@ class Hdf5Writer {
   void copy_layout();
   void check(bool good, const std::string& object) const;
   void create_groups(const std::string& name) const;
+  void check_limit(const std::string& name, std::int64_t bytes) const;
   std::int64_t create_dataset(const std::string& name, RowFormat format, std::int64_t total);
   void create_text(const std::string& name, const std::string& value) const;
 

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -80,6 +81,12 @@ void set_aside(const std::string& path) {
 
 void throw_file_error(const std::string& path, const std::string& action, int error) {
   throw RunError(fmt::format("{}: cannot {}: {}", path, action, std::strerror(error)));
+}
+
+std::optional<std::int64_t> file_size_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return static_cast<std::int64_t>(limit.rlim_cur);
 }
 
 std::string free_space(const std::string& path) {

@@ -14,6 +14,9 @@ namespace trevi {
 /// Throws RunError "path: cannot <action>: <reason>" with the text of `error`, an errno value.
 [[noreturn]] void throw_file_error(const std::string& path, const std::string& action, int error);
 
+/// The most bytes that a file of this process may have (ulimit -f); none where there is no limit.
+std::optional<std::int64_t> file_size_limit();
+
 /// "12.3 MB free there": what the folder of `path` has room for, to go with errors of libraries that hide their reason.
 std::string free_space(const std::string& path);
 
