@@ -1,12 +1,10 @@
 #include "app/launch.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <fstream>
 
 #include "base/simd.hpp"
 #include "base/threads.hpp"
@@ -71,21 +69,6 @@ std::string launch_text(const Launch& launch, const Scene& scene) {
                                   : fmt::format("{} to {} threads", launch.threads_min, launch.threads_max);
   return fmt::format("{} x {}, {}, {} precision", counted(launch.ranks, "rank"), threads, instruction_set_name(),
                      scene.density.precision == Precision::single ? "single" : "double");
-}
-
-std::string busy_machine_warning(const Launch& launch, const std::string& load_file) {
-  if (launch.threads_max == 1 || std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr)
-    return "";
-  // Of the last minute, and at this moment with this rank: a run that ended just now is still in the former.
-  double minute = 0, unused = 0, now = 0;
-  if (!(std::ifstream(load_file) >> minute >> unused >> unused >> now)) return "";
-  const double others = std::min(minute, now - 1);
-  const auto processors = static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN));
-  if (others < 0.5 || others + launch.threads_max < processors + 0.5) return "";
-  return fmt::format(
-      "other work keeps {:.0f} of the {:.0f} processors busy; threads that spin while they wait make a step "
-      "many times as long then: set OMP_WAIT_POLICY=passive",
-      std::min(others, processors), processors);
 }
 
 std::string with_commas(std::int64_t number) {

@@ -27,10 +27,6 @@ Launch use_threads(const Session& session, std::optional<int> wanted, const Scen
 /// "2 ranks x 4 threads, AVX-512, single precision". Not collective.
 std::string launch_text(const Launch& launch, const Scene& scene);
 
-/// What to do where other work of this machine makes threads wait for each other; empty where there is none or where
-/// the environment says how they wait. `load_file` is as /proc/loadavg. Not collective.
-std::string busy_machine_warning(const Launch& launch, const std::string& load_file = "/proc/loadavg");
-
 /// "96,000". Not collective.
 std::string with_commas(std::int64_t number);
 

@@ -1,9 +1,27 @@
+#include <unistd.h>
+
+#include <cstdlib>
 #include <optional>
 
 #include "app/run.hpp"
 #include "base/memory.hpp"
 
+namespace {
+
+// Threads that wait for each other spin. On a core that other work wants, too, a wait of microseconds then lasts as long
+// as the others' time slices: a step took five times as long beside two busy processes. So they spin for some 50 µs and
+// then sleep. OpenMP's library reads that when it is loaded, so the program starts itself anew; what the user has set
+// stays.
+void bound_waiting(char** argv) {
+  if (std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+  setenv("GOMP_SPINCOUNT", "3000", 0);
+  execv("/proc/self/exe", argv);  // returns only where it fails: then as it is
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  bound_waiting(argv);
   const trevi::Mpi mpi(argc, argv);
   std::optional<trevi::Session> session;  // outlives the report of an error, as its end needs all ranks
   try {

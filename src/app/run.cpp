@@ -176,8 +176,6 @@ void announce(const Session& session, const RunContext& context, const Solver& s
   }
   if (!restart.empty()) tell(session, restart);
   for (const std::string& warning : start_warnings(context.scene)) tell(session, "warning: " + warning);
-  const std::string busy = busy_machine_warning(context.launch);
-  if (!busy.empty()) tell(session, "warning: " + busy);
   if (context.restarted) return;  // said before
   for (const std::string& warning : scene_advice(context.scene)) tell(session, "warning: " + warning);
   if (session.rank() != 0) return;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <numeric>
 
 #include "music/sound.hpp"
 #include "trevi/error.hpp"
@@ -43,6 +44,47 @@ struct Memory {
   static sf_count_t tell(void* self) { return of(self).at; }
 };
 
+/// The mean of all channels, and the loudest channel alone.
+struct Mixes {
+  std::vector<float> mean, loudest;
+  Real power_of_mean = 0, power_of_loudest = 0;
+};
+
+Mixes mixes_of(const std::string& name, SNDFILE* file, std::size_t channels, std::size_t one) {
+  constexpr sf_count_t block = 4096;
+  std::vector<float> frames(block * channels);
+  Mixes mixes;
+  for (sf_count_t count = 0; (count = sf_readf_float(file, frames.data(), block)) > 0;) {
+    if (mixes.mean.size() > max_samples) {
+      throw InputError(name +
+                       ": more than 2^28 samples, which is an hour and a half at 48 kHz; cut it, or use a lower rate");
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const float* const frame = &frames[i * channels];
+      mixes.mean.push_back(std::accumulate(frame, frame + channels, 0.0F) / static_cast<float>(channels));
+      mixes.loudest.push_back(frame[one]);
+      mixes.power_of_mean += static_cast<Real>(mixes.mean.back()) * mixes.mean.back();
+      mixes.power_of_loudest += static_cast<Real>(frame[one]) * frame[one];
+    }
+  }
+  return mixes;
+}
+
+// Channels in opposite phase cancel in their mean. Where that leaves less than a hundredth of the power of one of them,
+// that one is what a listener hears.
+Recording heard_of(const std::string& name, SNDFILE* file, const SF_INFO& info) {
+  constexpr Real cancelled = 0.01;
+  const auto channels = static_cast<std::size_t>(info.channels);
+  Mixes mixes = mixes_of(name, file, channels, 0);
+  for (std::size_t one = 1; one < channels && mixes.power_of_mean < cancelled * mixes.power_of_loudest; ++one) {
+    sf_seek(file, 0, SEEK_SET);
+    Mixes other = mixes_of(name, file, channels, one);
+    if (other.power_of_loudest > mixes.power_of_loudest) mixes = std::move(other);
+  }
+  const bool is_cancelled = mixes.power_of_mean < cancelled * mixes.power_of_loudest;
+  return {static_cast<Real>(info.samplerate), std::move(is_cancelled ? mixes.loudest : mixes.mean)};
+}
+
 Recording decode(const std::string& name, const std::string& bytes) {
   if (bytes.empty()) throw InputError(name + ": byte 0: the sound file is empty; record or export it again");
   Memory memory{bytes};
@@ -57,22 +99,7 @@ Recording decode(const std::string& name, const std::string& bytes) {
     throw InputError(name + ": a rate of " + std::to_string(info.samplerate) +
                      " Hz is not from 1 kHz to 1 MHz; convert the file to 44.1 kHz");
   }
-  Recording sound{static_cast<Real>(info.samplerate), {}};
-  constexpr sf_count_t block = 4096;
-  const auto channels = static_cast<std::size_t>(info.channels);
-  std::vector<float> frames(block * channels);
-  for (sf_count_t count = 0; (count = sf_readf_float(file.get(), frames.data(), block)) > 0;) {
-    if (sound.samples.size() > max_samples) {
-      throw InputError(name +
-                       ": more than 2^28 samples, which is an hour and a half at 48 kHz; cut it, or use a lower rate");
-    }
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-      float sum = 0;
-      for (std::size_t c = 0; c < channels; ++c) sum += frames[i * channels + c];
-      sound.samples.push_back(sum / static_cast<float>(channels));
-    }
-  }
-  return sound;
+  return heard_of(name, file.get(), info);
 }
 
 /// Moment k is the window around k hops, with silence before the start and after the end.

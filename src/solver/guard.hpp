@@ -4,6 +4,7 @@
 // with rank, step, particle and likely cause. Collective: the constructor, recount() and agree().
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <span>
 #include <string>
@@ -27,6 +28,18 @@ class Guard {
 
   /// Notes a failure; only the first one of a rank is reported. `step` counts from 1.
   void note(std::int64_t step, const std::string& failure);
+
+  /// Calls what may throw on this rank alone, and notes it. `who` failed.
+  template <class Work>
+  void attempt(std::int64_t step, const char* who, Work&& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      note(step, std::string(who) + " failed: " + error.what());
+    } catch (...) {
+      note(step, std::string(who) + " failed");
+    }
+  }
 
   void note_particle(const Particles& particles, std::size_t i, std::int64_t step);
 

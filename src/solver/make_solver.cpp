@@ -15,6 +15,7 @@
 #include "fluid/forcings/gravity.hpp"
 #include "kernels/kernels.hpp"
 #include "parallel/collective.hpp"
+#include "parallel/reductions.hpp"
 #include "solver/check_input.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
@@ -102,6 +103,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   SolverParts<T> parts;
   parts.comm = std::make_unique<OwnCommunicator>(comm);
   parts.particles = std::move(particles);
+  parts.particles.has_hue = max_over_ranks(comm, parts.particles.has_hue ? 1.0 : 0.0) > 0;
   check_particles(*parts.comm, settings, parts.particles);
   if (settings.obstacles.empty() && !extras.flow)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
@@ -133,7 +135,8 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
 }  // namespace
 
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
-  const Settings all = checked_and_resolved(settings);
+  Settings all;
+  all_or_none(comm, [&] { all = checked_and_resolved(settings); });  // perhaps wrong on one rank alone
   check_extras(comm, extras);
   if (all.density.precision == Precision::single)
     return make<float>(comm, all, std::move(particles), std::move(extras));

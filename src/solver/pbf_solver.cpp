@@ -103,7 +103,9 @@ template <class T>
 void PbfSolver<T>::prepare_step() {
   const Clock& clock = parts_.clock;
   parts_.boundary->begin_step();
-  for (const auto& forcing : parts_.forcings) forcing->prepare({clock.step, 0, clock.time(), clock.dt});
+  for (const auto& forcing : parts_.forcings) {
+    guard_.attempt(clock.step + 1, "a forcing", [&] { forcing->prepare({clock.step, 0, clock.time(), clock.dt}); });
+  }
 }
 
 // Of what forcings and moving obstacles give to the water in the step that begins now, m/s.
@@ -126,11 +128,13 @@ template <class T>
 void PbfSolver<T>::apply_forcings(const StepInfo& info) {
   Particles& particles = parts_.particles;
   for (const auto& forcing : parts_.forcings) {
-    try {
+    guard_.attempt(info.step + 1, "a forcing", [&] {
       forcing->apply(particles, info);
-    } catch (const std::exception& error) {  // perhaps on this rank alone: thrown when all ranks vote
-      guard_.note(info.step + 1, fmt::format("a forcing failed: {}", error.what()));
-    }
+      particles.for_each_field([&](const auto& field) {
+        require(field.size() == particles.id.size(), "it left fields of different lengths");
+      });
+    });
+    particles.resize(particles.id.size());
   }
   if (!parts_.has_own_forcings) return;
   const LocalId lost = first_index(

@@ -65,23 +65,25 @@ void Reporter<T>::observe() {
     seen.diagnostics = &row;
   }
   for (const auto& observer : observers_) {
-    if (observer->due(seen.clock)) show(*observer, seen);
+    if (observer->due(seen.clock)) attempt([&] { observer->observe(seen); });
   }
 }
 
 // Our observers throw on all ranks alike, or cannot communicate any more; a caller's may throw on one rank alone.
 template <class T>
-void Reporter<T>::show(Observer& observer, const Frame& frame) {
+void Reporter<T>::attempt(const std::function<void()>& work) {
   std::exception_ptr own;
   std::string failure;
   try {
-    observer.observe(frame);
+    work();
   } catch (const Error& error) {
     if (error.reach() == Reach::one_rank) throw;
     own = std::current_exception();
     failure = error.what();
   } catch (const std::exception& error) {
     failure = std::string("an observer failed: ") + error.what();
+  } catch (...) {
+    failure = "an observer failed";
   }
   const std::string first = first_text(state_.comm, failure);
   if (own) std::rethrow_exception(own);
@@ -109,12 +111,12 @@ void Reporter<T>::find_forces() {
 
 template <class T>
 void Reporter<T>::save() {
-  for (const auto& observer : observers_) observer->save(frame());
+  for (const auto& observer : observers_) attempt([&] { observer->save(frame()); });
 }
 
 template <class T>
 void Reporter<T>::finish() {
-  for (const auto& observer : observers_) observer->finish(frame());
+  for (const auto& observer : observers_) attempt([&] { observer->finish(frame()); });
 }
 
 template <class T>

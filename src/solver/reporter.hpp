@@ -3,6 +3,7 @@
 // density, which it computes again when an observer asks for it. Collective: observe, save, finish.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -55,7 +56,7 @@ class Reporter {
   Stopwatch& stopwatch() { return stopwatch_; }
 
  private:
-  void show(Observer& observer, const Frame& frame);
+  void attempt(const std::function<void()>& work);
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   Frame frame();
   void find_forces();

@@ -172,6 +172,12 @@ TEST(LibraryInput, ObstaclesThatCannotBeAreRefused) {
   }
 }
 
+TEST(LibraryInput, SettingsThatAreWrongOnOneRankAreRefusedOnAll) {
+  Settings settings = tank();
+  if (rank_of(world) == size_of(world) - 1) settings.dt = 0;
+  EXPECT_THAT(refusal(settings), testing::HasSubstr("dt must be positive"));
+}
+
 // The last rank alone brings what is wrong.
 TEST(LibraryInput, ParticlesThatCannotBeAreRefusedOnAllRanks) {
   const auto spoiled = [](const std::function<void(Particles&)>& spoil) {
@@ -240,6 +246,8 @@ TEST(LibraryInput, AFailureOfACallersObjectOnOneRankEndsTheRunOnAll) {
   EXPECT_EQ(with([](Particles&, std::size_t) {}), "went well");
   EXPECT_THAT(with([](Particles&, std::size_t) { throw std::runtime_error("no wind"); }),
               HasSubstr("a forcing failed: no wind"));
+  EXPECT_THAT(with([](Particles&, std::size_t) { throw 42; }), HasSubstr("a forcing failed"));
+  EXPECT_THAT(with([](Particles& p, std::size_t) { p.velocity.pop_back(); }), HasSubstr("different lengths"));
   EXPECT_THAT(with([](Particles& p, std::size_t i) { p.position[i].z() = -3; }), HasSubstr("outside the box"));
   EXPECT_THAT(with([](Particles& p, std::size_t i) { p.velocity[i].z() = nan; }), HasSubstr("not a number"));
   SolverExtras extras;

@@ -46,6 +46,16 @@ inline std::string wav(const std::vector<Real>& samples, unsigned rate) {
          little_endian(16, 2) + "data" + little_endian(size, 4) + data;
 }
 
+/// The same samples in two channels, turned over in the second.
+inline std::string antiphase_wav(const std::vector<Real>& samples, unsigned rate) {
+  std::vector<Real> both;
+  for (const Real sample : samples) both.insert(both.end(), {sample, -sample});
+  std::string file = wav(both, rate);
+  file.replace(22, 2, little_endian(2, 2));
+  file.replace(28, 4, little_endian(4 * rate, 4));
+  return file.replace(32, 2, little_endian(4, 2));
+}
+
 /// A tone with two overtones, at full height from the first sample to the last.
 inline std::vector<Real> sung(Real note, Real seconds, Real rate, Real height = 0.5) {
   std::vector<Real> samples(static_cast<std::size_t>(seconds * rate));

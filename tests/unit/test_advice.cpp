@@ -63,31 +63,6 @@ TEST(Advice, LongStepsThatAreNeverSplit) {
 
 TEST(Advice, NoOutput) { expect_said("no output", pool.substr(0, pool.find("[output")), {}); }
 
-std::string busy_text(const std::string& load, int threads) {
-  const std::string file = testing::TempDir() + "trevi_loadavg";
-  std::ofstream(file) << load;
-  return busy_machine_warning({1, threads, threads}, file);
-}
-
-TEST(Launch, ThreadsThatOtherWorkHoldsUp) {
-  const char* set = std::getenv("OMP_WAIT_POLICY");
-  const std::string policy = set == nullptr ? "" : set;
-  unsetenv("OMP_WAIT_POLICY");
-  const std::string busy = "1000.50 3.00 3.00 1001/2000 4711\n";
-  EXPECT_NE(busy_text(busy, 2).find("OMP_WAIT_POLICY=passive"), std::string::npos);
-  EXPECT_EQ(busy_text(busy, 1), "");
-  EXPECT_EQ(busy_text("1000.50 3.00 3.00 1/2000 4711\n", 2), "");  // what was busy has ended
-  EXPECT_EQ(busy_text("0.00 0.00 0.00 1/2000 4711\n", 2), "");
-  EXPECT_EQ(busy_text("", 2), "");
-  setenv("OMP_WAIT_POLICY", "active", 1);
-  EXPECT_EQ(busy_text(busy, 2), "");
-  if (policy.empty()) {
-    unsetenv("OMP_WAIT_POLICY");
-  } else {
-    setenv("OMP_WAIT_POLICY", policy.c_str(), 1);
-  }
-}
-
 TEST(RunCost, MoreThanTheDiskHolds) {
   EXPECT_TRUE(disk_warnings(1e3, "there/is/no/such/folder").empty());
   EXPECT_EQ(disk_warnings(1e24, "there/is/no/such/folder").size(), 1U);

@@ -119,5 +119,15 @@ TEST(Sound, CutShortAnywhereIsReadOrRefused) {
     refused(whole.substr(0, length), Follow::pitch);
 }
 
+// Their mean is silence; a listener hears either.
+TEST(Sound, ChannelsInOppositePhaseAreNotSilent) {
+  const std::vector<Real> tone = sung(69, 1, 16000);
+  const Melody one = read_sound("v.wav", wav(tone, 16000), Follow::pitch);
+  const Melody two = read_sound("v.wav", antiphase_wav(tone, 16000), Follow::pitch);
+  ASSERT_FALSE(one.tones.empty());
+  ASSERT_EQ(one.tones.size(), two.tones.size());
+  for (std::size_t k = 0; k < one.tones.size(); ++k) EXPECT_NEAR(one.tones[k].height, two.tones[k].height, 1e-3);
+}
+
 }  // namespace
 }  // namespace trevi::test
