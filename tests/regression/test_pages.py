@@ -162,7 +162,7 @@ class Figures(unittest.TestCase):
             self.assert_written(low, min(periods))
             self.assert_written(high, max(periods))
         losses = [100 * float(row["loss_per_half"]) for row in tanks if row["ratio"] == "2"]
-        low, high = re.search(r"lose ([\d.]+) to ([\d.]+) %", text).groups()
+        low, high = re.search(r"lose ([\u2212\d.]+) to ([\d.]+) %", text).groups()
         self.assert_written(low, min(losses))
         self.assert_written(high, max(losses))
         pools = [float(row["kinetic_per_mass"]) for row in rows if row["group"] == "pools" and row["ratio"] == "2"]
