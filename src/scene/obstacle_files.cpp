@@ -36,8 +36,12 @@ std::shared_ptr<const TriangleMesh> read_mesh(MPI_Comm comm, const ObstacleSetti
   if (const std::string wrong = why_not_closed(*mesh); !wrong.empty())
     throw InputError(obstacle.path + ": the mesh is not closed: " + wrong +
                      "; mend it, or give the sheet a thickness, as only a closed surface has an inside");
+  if (is_flat(*mesh)) throw InputError(obstacle.path + ": the mesh encloses no volume; give the sheet a thickness");
   for (Vec3& p : mesh->points) p *= obstacle.scale;
   face_outwards(*mesh);
+  if (const std::string where = where_shells_overlap(*mesh); !where.empty())
+    throw InputError(obstacle.path + ": one of its shells reaches into another at " + where +
+                     " m; join them to one surface, or make two obstacles of them");
   return mesh;
 }
 
@@ -78,7 +82,15 @@ std::int64_t checksum_of(const std::vector<T>& rows) {
 
 void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
   constexpr Real max_bytes = 1e9;
+  constexpr Real least = 1e-3;  // spacings, of the longest edge
   const Box bounds = bounds_of(obstacle);
+  const Real length = (bounds.max - bounds.min).maxCoeff();
+  if (length < least * scene.fluid.spacing) {
+    throw InputError(
+        fmt::format("it is {:.3g} m long, less than a thousandth of the spacing, and no water would feel it; "
+                    "make it larger, a mesh by its scale",
+                    length));
+  }
   if (VolumeMap::min_bytes(bounds, scene.fluid.kernel_radius) <= max_bytes) return;
   throw InputError(
       fmt::format("it is {:.3g} m long, and its map would not fit in memory; it need not go on far beyond the box, so "

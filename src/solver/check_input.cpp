@@ -90,6 +90,9 @@ void check_mesh(const ObstacleSettings& obstacle, const std::string& name) {
   }
   const std::string wrong = why_not_closed(*obstacle.mesh);
   demand(wrong.empty(), name + "mesh is not closed: " + wrong);
+  const std::string where = where_shells_overlap(*obstacle.mesh);
+  demand(where.empty(), name + "mesh has shells that overlap at " + where);
+  demand(!is_flat(*obstacle.mesh), name + "mesh encloses no volume");
 }
 
 void check_shape(const ObstacleSettings& one, const std::string& name) {

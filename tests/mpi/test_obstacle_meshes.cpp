@@ -190,5 +190,41 @@ radius = 1
   }
 }
 
+TriangleMesh box_mesh(const Vec3& low, Real edge, bool inwards = false) {
+  TriangleMesh mesh;
+  for (int k = 0; k < 8; ++k) mesh.points.push_back(low + edge * Vec3(k & 1, (k >> 1) & 1, (k >> 2) & 1));
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  if (inwards)
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
+  const auto count = static_cast<std::int32_t>(a.points.size());
+  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+  for (auto t : b.triangles) a.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+  return a;
+}
+
+TEST(Meshes, ShellsThatOverlapAreFound) {
+  const TriangleMesh box = box_mesh({0, 0, 0}, 1);
+  EXPECT_EQ(why_not_closed(box), "");
+  EXPECT_EQ(where_shells_overlap(box), "");
+  EXPECT_EQ(where_shells_overlap(joined(box, box_mesh({2, 0, 0}, 1))), "") << "beside each other";
+  EXPECT_EQ(where_shells_overlap(joined(box, box_mesh({0.25, 0.25, 0.25}, 0.5, true))), "") << "a hollow";
+  EXPECT_NE(where_shells_overlap(joined(box, box_mesh({0.25, 0.25, 0.25}, 0.5))), "") << "a solid in a solid";
+  EXPECT_NE(where_shells_overlap(joined(box, box_mesh({0.5, 0.5, 0.5}, 1))), "") << "corners in each other";
+}
+
+TEST(Meshes, SheetsHaveNoVolume) {
+  TriangleMesh sheet;
+  sheet.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 1}};
+  EXPECT_EQ(why_not_closed(sheet), "");
+  EXPECT_TRUE(is_flat(sheet));
+  EXPECT_FALSE(is_flat(box_mesh({1e3, 0, 0}, 1e-3)));
+}
+
 }  // namespace
 }  // namespace trevi::test

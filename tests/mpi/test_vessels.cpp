@@ -260,5 +260,25 @@ end = 3
   }
 }
 
+// Less than a spacing of air above the water, or a lid: with 1.0.0 4 to 25 J for ever.
+TEST(Vessels, WaterUnderALidRests) {
+  const auto scene = [](Real height, Real depth, const std::string& more) {
+    return "[domain]\nmin = [0, 0, 0]\nmax = [1.2, 0.6, " + std::to_string(height) + "]\n[fluid]\nspacing = 0.1\n" +
+           "[[particles]]\nmin = [0, 0, 0]\nmax = [1.2, 0.6, " + std::to_string(depth) +
+           "]\n[time]\ndt = 0.016666666666666667\nend = 9\n[gravity]\n" + more;
+  };
+  const auto lid = [](Real gap) {
+    return "[[obstacle]]\ntype = 'box'\ncenter = [0.6, 0.3, " + std::to_string(0.6 + gap) + "]\nsize = [2, 2, 0.2]\n";
+  };
+  const std::string away = "[[obstacle]]\ntype = 'sphere'\ncenter = [0.6, 0.3, 9]\nradius = 0.1\n";
+  for (const std::string& text : {scene(0.5, 0.5, away), scene(0.52, 0.5, away), scene(0.58, 0.5, away),
+                                  scene(1, 0.5, lid(0.005)), scene(1, 0.5, lid(0.02))}) {
+    VesselRun run(world, text);
+    run.steps(120);
+    EXPECT_LT(run.rows.back().kinetic_energy, 1e-12 * run.rows.back().potential_energy) << text;
+    EXPECT_LT(run.rows.back().compression_mean, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace trevi::test

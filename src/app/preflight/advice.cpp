@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
+
 namespace trevi {
 
 namespace {
@@ -42,6 +45,41 @@ void look_at_overlaps(const Scene& scene, Advice& advice) {
           b.line, a.line));
     }
   }
+}
+
+// At the start; bounds are those about its centre.
+Box place_of(const ObstacleSettings& obstacle) {
+  const Box bounds = bounds_of(obstacle);
+  const BodyMotion motion(obstacle);
+  const Pose pose = motion.at(0);
+  Box place{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner((k & 1) != 0 ? bounds.max.x() : bounds.min.x(), (k & 2) != 0 ? bounds.max.y() : bounds.min.y(),
+                      (k & 4) != 0 ? bounds.max.z() : bounds.min.z());
+    const Vec3 there = pose.into_world(corner);
+    place.min = place.min.cwiseMin(there);
+    place.max = place.max.cwiseMax(there);
+  }
+  return place;
+}
+
+// A mesh in millimetres that nobody scaled, for instance.
+void look_at_obstacle(const Scene& scene, const ObstacleSettings& obstacle, Advice& advice) {
+  if (obstacle.inside || obstacle.moves()) return;
+  const Box place = place_of(obstacle);
+  const Vec3 extent = place.max - place.min, box = scene.domain.max - scene.domain.min;
+  const bool outside =
+      (place.min.array() > scene.domain.max.array()).any() || (place.max.array() < scene.domain.min.array()).any();
+  const bool huge = obstacle.shape == ShapeKind::mesh && (extent.array() > 100 * box.array()).all();
+  if (!outside && !huge) return;
+  std::string remedy = "move it";
+  if (obstacle.shape == ShapeKind::mesh && extent.maxCoeff() > box.maxCoeff())
+    remedy = fmt::format("move it, or give scale = {:g} if its file is in {}", 0.001 * obstacle.scale, "millimetres");
+  advice.push_back(
+      fmt::format("the obstacle of line {} is {} the box: it goes from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, "
+                  "{:.4g}, {:.4g}) m; {}",
+                  obstacle.line, outside ? "wholly outside of" : "far larger than", place.min.x(), place.min.y(),
+                  place.min.z(), place.max.x(), place.max.y(), place.max.z(), remedy));
 }
 
 bool shows_colours(const std::optional<FrameSettings>& frames) {
@@ -114,6 +152,7 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   if (!output.vtu && !output.vtkhdf && !output.series && !output.checkpoint)
     advice.emplace_back("the scene asks for no output; add [output.vtu] for frames, [output.series] for sums");
   look_at_colours(scene, advice);
+  for (const ObstacleSettings& obstacle : scene.obstacles) look_at_obstacle(scene, obstacle, advice);
   constexpr Real longest_cfl = 2;  // to which the default method was found stable
   if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
     advice.push_back(
