@@ -1,5 +1,6 @@
 #include "projection/record_forces.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace trevi {
@@ -8,9 +9,35 @@ template <class T>
 void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const {
   Vec3 sum = Vec3::Zero();
   for (const Vec4<T>& one : moved) sum += vector_of(one);
-  obstacles_.record_projection(obstacles_.box_account(), sum, Vec3::Zero());
+  obstacles_.record_projection(obstacles_.rest_account(), sum, Vec3::Zero());
+  const ProjectionGrid& grid = surface_.grid();
+  const bool beside_wall = grid.is_wall(0, k, r, 1) || grid.is_wall(0, k + 1, r, 1) || grid.is_wall(1, k, r, 1) ||
+                           grid.is_wall(1, k, r + 1, 1);
+  for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+    if (beside_wall || grid.is_wall(2, k, r, c) || grid.is_wall(2, k, r, c + 1)) of_walls(k, r, c);
+  }
   if (!surface_.cuts()->cuts_row(k, r)) return;
-  for (LocalId c = 0; c < surface_.grid().columns(); ++c) of_cell(k, r, c);
+  for (LocalId c = 0; c < grid.columns(); ++c) of_cell(k, r, c);
+}
+
+// The pressure of a cell on the walls of the box that it touches, at their height.
+void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t at = grid.index(k, r, c);
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
+  const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
+  Vec3 shift = Vec3::Zero();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real size = grid.size()[static_cast<Eigen::Index>(a)], half = a == 2 ? g_dt2_ * size / 2 : 0;
+    const std::array<LocalId, 3> above{k + (a == 0 ? 1 : 0), r + (a == 1 ? 1 : 0), c + (a == 2 ? 1 : 0)};
+    Real& along = shift[static_cast<Eigen::Index>(grid.axis(a))];
+    const CutCells& solids = *surface_.cuts();
+    if (grid.is_wall(a, k, r, c)) along -= (pressure_.phi(at) - half) * solids.face(a, at) * particles / size;
+    if (grid.is_wall(a, above[0], above[1], above[2]))
+      along += (pressure_.phi(at) + half) * solids.face(a, at + grid.step(a)) * particles / size;
+  }
+  obstacles_.record_projection(obstacles_.box_account(), shift, surface_.cuts()->middle(k, r, c));
+  obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
 }
 
 // The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
@@ -31,7 +58,7 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   if (shift.isZero()) return;
   const std::size_t nearest = solids.nearest(at);
   obstacles_.record_projection(nearest, shift, solids.middle(k, r, c));
-  obstacles_.record_projection(obstacles_.box_account(), -shift, Vec3::Zero());
+  obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
 }
 
 // In the cell before the face, half a cell off it.

@@ -14,14 +14,15 @@ class RecordForces {
   RecordForces(const FreeSurface& surface, const Pressure& pressure, Obstacles& obstacles, Real spacing, Real g_dt2)
       : surface_(surface), pressure_(pressure), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
 
-  /// Obstacles have what the pressure of the cells does to their surface, the box has the rest of what moves the
-  /// particles of the row, all of which are `moved`.
+  /// Obstacles and box have what the pressure of the cells does to their surface; what it leaves of all that moves the
+  /// particles of the row, which are `moved`, is the rest (Obstacles::total()).
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
   void of_gauges(const Box& box) const;
 
  private:
   void of_cell(LocalId k, LocalId r, LocalId c) const;
+  void of_walls(LocalId k, LocalId r, LocalId c) const;
   Real phi_at(LocalId k, LocalId r, Real height) const;
 
   const FreeSurface& surface_;

@@ -81,7 +81,7 @@ class DensityProblem {
   /// Null where there are none.
   const Obstacles* obstacles() const { return boundary_.obstacles(); }
   /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
-  std::vector<TotalImpulse> taken() const { return boundary_.obstacles()->ledger().total(comm_); }
+  std::vector<TotalImpulse> taken() const { return boundary_.obstacles()->total(comm_); }
   /// What pressed on the gauges of pressure in this step, m² (PressureGauges); as taken().
   std::vector<Real> pressed() const { return boundary_.obstacles()->gauges().total(comm_); }
   const DensityModel& model() const { return constraint_.model(); }

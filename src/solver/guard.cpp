@@ -76,8 +76,11 @@ void Guard::agree(const Particles& particles, std::int64_t step) {
   if (!wrong.empty()) throw BlowUp(fmt::format("step {}: {}", step, wrong));
   compression_ =
       now.particles > 0 ? std::ldexp(static_cast<Real>(now.compression), -20) / static_cast<Real>(now.particles) : 0;
+}
+
+void Guard::end_if_crushed(std::int64_t step) const {
   constexpr Real crushed = 0.5;
-  if (step > 0 && compression_ > crushed) {
+  if (compression_ > crushed) {
     throw BlowUp(
         fmt::format("step {}: the water is compressed by {:.0f} % in the mean: {}", step, 100 * compression_,
                     "particles lie on one another, there is more water than space, or solids press it; look at "

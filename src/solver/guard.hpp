@@ -49,9 +49,11 @@ class Guard {
   /// Notes the compression of the water, from the densities of the owned particles; counted with the next agree().
   void note_compression(std::span<const Real> density, Real rest_density);
 
-  /// Throws BlowUp on all ranks alike when any has noted a failure, a particle is missing or there twice, or,
-  /// after a step, the water is compressed by more than a half in the mean.
+  /// Throws BlowUp on all ranks alike when any has noted a failure, a particle is missing or there twice.
   void agree(const Particles& particles, std::int64_t step);
+
+  /// Throws BlowUp on all ranks alike when the water is compressed by more than a half in the mean.
+  void end_if_crushed(std::int64_t step) const;
 
   /// The mean compression that was noted before the last agree(): the same on all ranks.
   Real compression() const { return compression_; }

@@ -96,6 +96,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   guard_.note_compression(problem_.density(), problem_.model().rest_density);
   vote_on_failures();  //     all ranks throw, or none
   reporter_.note_compression(guard_.compression(), info.step + 1);
+  guard_.end_if_crushed(info.step + 1);
   accept_positions();  // 23
 }
 

@@ -280,5 +280,22 @@ TEST(Vessels, WaterUnderALidRests) {
   }
 }
 
+// A block falls on a plate that touches no wall: the plate has all of the force, which 1.0.0 shared with the box.
+TEST(Vessels, WhatTouchesAPlateAloneIsThePlates) {
+  VesselRun run(
+      world,
+      "[domain]\nmin = [0, 0, 0]\nmax = [2, 2, 2]\n[fluid]\nspacing = 0.1\n[[particles]]\nmin = [0.7, 0.7, 1.05]\n"
+      "max = [1.3, 1.3, 1.65]\nvelocity = [0, 0, -3]\n[time]\ndt = 0.00833333333333\nend = 9\n[gravity]\n"
+      "[[obstacle]]\ntype = 'box'\ncenter = [1, 1, 0.9]\nsize = [1.4, 1.4, 0.2]\n");
+  run.steps(15);
+  Real largest = 0;
+  for (const auto& forces : run.forces) {
+    if (forces.size() < 2) continue;
+    largest = std::max(largest, forces[0].force.norm());
+    EXPECT_LT(forces[1].force.norm(), 1e-9 * (1 + forces[0].force.norm()));
+  }
+  EXPECT_GT(largest, 216 * 9.8) << "the block has met the plate";
+}
+
 }  // namespace
 }  // namespace trevi::test

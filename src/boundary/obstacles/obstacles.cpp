@@ -1,5 +1,6 @@
 #include "boundary/obstacles/obstacles.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +11,7 @@ namespace trevi {
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
     : walls_(walls),
       law_(std::move(law)),
-      ledger_(settings.obstacles.size() + 1, settings.fluid.kernel_radius),
+      ledger_(settings.obstacles.size() + 2, settings.fluid.kernel_radius),
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing) {
@@ -84,6 +85,22 @@ void Obstacles::record_gradient(const BoundaryDensity& box, const Vec3& p, Real 
     if (one.density != 0) record(k, factor * (1 - box.density) * one.gradient, p);
   }
   if (box.density != 0) record(box_account(), factor * (1 - solid) * box.gradient, p);
+}
+
+std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
+  std::vector<TotalImpulse> all = ledger_.total(comm);
+  const TotalImpulse rest = all.back();
+  all.pop_back();
+  Real sum = 0;
+  for (const TotalImpulse& one : all) sum += one.shift.norm();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool is_box = k == box_account();
+    const Real part = sum > 0 ? all[k].shift.norm() / sum : is_box ? 1 : 0;
+    const Vec3 center = is_box ? Vec3(Vec3::Zero()) : bodies_[k]->now().center;
+    all[k].shift += part * rest.shift;
+    all[k].moment += part * (rest.moment - center.cross(rest.shift));
+  }
+  return all;
 }
 
 void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {

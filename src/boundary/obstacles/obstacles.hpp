@@ -75,6 +75,12 @@ class Obstacles {
   /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
   ImpulseLedger& ledger() { return ledger_; }
   std::size_t box_account() const { return bodies_.size(); }
+  /// What moves the water beside the pressure on surfaces: its transfer between particles and cells does not balance to
+  /// the last digit.
+  std::size_t rest_account() const { return bodies_.size() + 1; }
+  /// What obstacles and box gave to the water since the ledger was cleared, in the order of the accounts. The rest is
+  /// shared among them by what each gave, so that the sum is that of the water. Collective.
+  std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
   /// Records in the ledger and the gauges a shift that the box or an obstacle gave to a particle at p.
