@@ -37,10 +37,17 @@ struct FlowState {
   std::vector<Stream> streams;  ///< in the order of the scene
 };
 
-/// What the water did to an obstacle, or to the box, in the mean over the last step.
+/// What the water did to an obstacle, or to the box, in the mean over the steps since an observer last heard of it.
 struct BodyForce {
   Vec3 force = Vec3::Zero();   ///< N
   Vec3 torque = Vec3::Zero();  ///< N m, about the centre of the obstacle
+};
+
+/// The forces of the steps since an observer last heard of them, added up; what a restart needs to go on with the mean.
+struct ForceSums {
+  std::int64_t steps = 0;
+  std::vector<BodyForce> forces;  ///< on each obstacle, then on the box
+  std::vector<Real> pressures;    ///< of each gauge of pressure
 };
 
 /// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
@@ -52,8 +59,9 @@ struct Frame {
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
   std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
-  std::span<const Real> pressures{};         ///< Pa, of each gauge of pressure in the mean over the step; with forces
-  std::array<LocalId, 3> first_cell{};       ///< Solver::first_cell()
+  std::span<const Real> pressures{};    ///< Pa, of each gauge of pressure in the mean over the same steps; with forces
+  std::array<LocalId, 3> first_cell{};  ///< Solver::first_cell()
+  const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles
 };
 
 class Observer {

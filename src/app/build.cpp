@@ -149,6 +149,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     extras.step = options.restart->step;
     extras.substeps = options.restart->substeps;
     extras.first_cell = options.restart->first_cell;
+    extras.force_sums = options.restart->force_sums;
   }
   extras.requests = options.requests;
   std::shared_ptr<LiveSound> live;

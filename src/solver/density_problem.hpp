@@ -84,6 +84,7 @@ class DensityProblem {
   std::vector<TotalImpulse> taken() const { return boundary_.obstacles()->total(comm_); }
   /// What pressed on the gauges of pressure in this step, m² (PressureGauges); as taken().
   std::vector<Real> pressed() const { return boundary_.obstacles()->gauges().total(comm_); }
+  std::size_t gauges() const { return boundary_.obstacles()->gauges().count(); }
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return boundary_.walls(); }
   Particles& particles() { return *particles_; }

@@ -119,6 +119,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   parts.balance = std::make_unique<Balance>(
       *parts.comm, settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
   parts.clock = {extras.step, settings.dt, extras.substeps};
+  parts.force_sums = std::move(extras.force_sums);
   parts.requests = std::move(extras.requests);
   parts.observers = std::move(extras.observers);
   parts.flow = std::move(extras.flow);

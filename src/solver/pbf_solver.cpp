@@ -25,7 +25,9 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
                  parts_.first_cell, parts_.max_compression},
-                std::move(parts_.observers), *parts_.diagnostics) {}
+                std::move(parts_.observers), *parts_.diagnostics) {
+  reporter_.set_force_sums(std::move(parts_.force_sums));
+}
 
 template <class T>
 void PbfSolver<T>::save() {
@@ -71,6 +73,7 @@ void PbfSolver<T>::step() {
       substep({clock.step, k, clock.time() + k * dt, dt});
     }
     ++clock.step;
+    reporter_.add_forces();
   }
   reporter_.observe();
   const Stopwatch::Lap lap(reporter_.stopwatch());

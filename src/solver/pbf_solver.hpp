@@ -51,6 +51,7 @@ struct SolverParts {
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
+  ForceSums force_sums;  ///< of the solver before
   Real max_compression = 0;
   Clock clock;
   std::function<RequestCounts()> requests;  ///< requests from outside that this rank sees; may be empty

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <string>
+#include <utility>
 
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -52,9 +53,9 @@ void Reporter<T>::observe() {
     seen.density = state_.problem.density();
   }
   if (wanted(&Observer::wants_forces, seen.clock.step)) {
-    find_forces();
-    seen.forces = forces_;
-    seen.pressures = pressures_;
+    means_ = take_mean_forces();
+    seen.forces = means_.forces;
+    seen.pressures = means_.pressures;
   }
   Diagnostics row;
   if (diagnose) {
@@ -93,20 +94,50 @@ void Reporter<T>::attempt(const std::function<void()>& work) {
 template <class T>
 Frame Reporter<T>::frame() {
   fountain_states_ = fountains();
-  return {state_.clock, state_.particles, {}, nullptr, fountain_states_, state_.flow, {}, {}, state_.first_cell};
+  return {state_.clock,
+          state_.particles,
+          {},
+          nullptr,
+          fountain_states_,
+          state_.flow,
+          {},
+          {},
+          state_.first_cell,
+          state_.problem.obstacles() != nullptr ? &sums_ : nullptr};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.
 template <class T>
-void Reporter<T>::find_forces() {
+void Reporter<T>::add_forces() {
+  const Obstacles* const obstacles = state_.problem.obstacles();
+  const auto wants = [](const auto& observer) { return observer->wants_forces(); };
+  if (obstacles == nullptr || std::none_of(observers_.begin(), observers_.end(), wants)) return;
   const Clock& clock = state_.clock;
+  const Real per = obstacles->water_mass() * clock.substeps / (clock.dt * clock.dt);
+  const Real per_pressure = state_.problem.model().rest_density * clock.substeps / (clock.dt * clock.dt);
+  const std::vector<TotalImpulse> impulses = state_.problem.taken();
+  const std::vector<Real> pressed = state_.problem.pressed();
+  sums_.forces.resize(impulses.size());
+  sums_.pressures.resize(pressed.size());
+  for (std::size_t k = 0; k < impulses.size(); ++k) {
+    sums_.forces[k].force -= per * impulses[k].shift;
+    sums_.forces[k].torque -= per * impulses[k].moment;
+  }
+  for (std::size_t k = 0; k < pressed.size(); ++k) sums_.pressures[k] += per_pressure * pressed[k];
+  ++sums_.steps;
+}
+
+template <class T>
+ForceSums Reporter<T>::take_mean_forces() {
   const Obstacles* const obstacles = state_.problem.obstacles();
   require(obstacles != nullptr, "forces without obstacles");
-  const Real per = obstacles->water_mass() * clock.substeps / (clock.dt * clock.dt);
-  forces_.clear();
-  for (const TotalImpulse& taken : state_.problem.taken()) forces_.push_back({-per * taken.shift, -per * taken.moment});
-  pressures_ = state_.problem.pressed();
-  for (Real& one : pressures_) one *= state_.problem.model().rest_density * clock.substeps / (clock.dt * clock.dt);
+  sums_.forces.resize(obstacles->count() + 1);
+  sums_.pressures.resize(state_.problem.gauges());
+  ForceSums means = std::exchange(sums_, {});
+  const auto steps = static_cast<Real>(std::max<std::int64_t>(means.steps, 1));
+  for (BodyForce& one : means.forces) one = {one.force / steps, one.torque / steps};
+  for (Real& one : means.pressures) one /= steps;
+  return means;
 }
 
 template <class T>

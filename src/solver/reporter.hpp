@@ -39,6 +39,9 @@ class Reporter {
   /// between.
   void note_search(int substep);
   void note_solution(const SolveResult& result);
+  /// The forces of the step that has just been made are added to those since the last row.
+  void add_forces();
+  void set_force_sums(ForceSums sums) { sums_ = std::move(sums); }
   /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.
   void note_compression(Real mean, std::int64_t step);
   void count_migrated(GlobalId particles) { counters_.migrated += particles; }
@@ -59,7 +62,7 @@ class Reporter {
   void attempt(const std::function<void()>& work);
   bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   Frame frame();
-  void find_forces();
+  ForceSums take_mean_forces();
 
   ReportedState<T> state_;
   std::vector<std::unique_ptr<Observer>> observers_;
@@ -69,8 +72,7 @@ class Reporter {
   Stopwatch stopwatch_;
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
-  std::vector<BodyForce> forces_;               // to this, too
-  std::vector<Real> pressures_;                 // and to this
+  ForceSums sums_, means_;
   Event diagnostics_event_{"Diagnostics"};
 };
 

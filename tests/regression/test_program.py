@@ -143,6 +143,36 @@ class Outputs(ProgramTest):
         passes = phases["Lambda"]["flops"] / 27 + phases["Delta"]["flops"] / 24  # DensityConstraint: of a pair
         self.assertAlmostEqual(report["nanoseconds_per_pair"] / (1e9 * seconds / passes), 1, 6)
 
+    def test_forces_are_means_between_rows(self):
+        """Also where the run was interrupted between two rows."""
+        scene = self.folder / "gauged.toml"
+        scene.write_text((INPUTS / "dam_break_obstacle_small.toml").read_text() +
+                         '[[gauge]]\ntype = "pressure"\ncenter = [0.3, 0.5, 0.0]\nnormal = [0, 0, 1]\n')
+
+        def numbers(folder, name):
+            with open(self.folder / folder / name, newline="") as file:
+                return [[float(value) for value in row] for row in list(csv.reader(file))[1:]]
+
+        def run(folder, every, *more):
+            self.run_well(2, scene, "--output", folder, "--set", f"output.series.every_steps={every}", *more)
+
+        run("each", 1, "--steps", 40)
+        run("tenth", 10, "--steps", 40)
+        run("halved", 10, "--steps", 25, "--set", "output.checkpoint.every_steps=25")
+        run("halved", 10, "--steps", 40, "--set", "output.checkpoint.every_steps=25", "--restart", "latest")
+        for name in ("obstacles.csv", "gauges.csv"):
+            each, tenth = numbers("each", name), numbers("tenth", name)
+            self.assertEqual([row[0] for row in tenth], [0, 10, 20, 30, 40])
+            columns = range(2, len(tenth[0])) if name == "obstacles.csv" else [
+                k for k, title in enumerate((self.folder / "tenth" / name).read_text().splitlines()[0].split(","))
+                if title.startswith("pressure")]
+            self.assertTrue(columns)
+            for row in tenth[1:]:
+                for column in columns:
+                    mean = sum(one[column] for one in each if row[0] - 10 < one[0] <= row[0]) / 10
+                    self.assertAlmostEqual(row[column], mean, delta=1e-9 * (1 + abs(mean)))
+            self.assertEqual(numbers("halved", name), tenth)
+
     def test_second_run_into_the_same_folder_is_refused(self):
         self.run_well(1, CUBE, "--output", "run", "--steps", 1)
         before = self.contents()

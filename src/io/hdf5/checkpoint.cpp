@@ -76,6 +76,38 @@ std::array<LocalId, 3> read_first_cell(const std::string& path, const Hdf5Reader
   return cell;
 }
 
+// Steps, numbers of bodies and gauges; then forces and torques, then pressures.
+void write_force_sums(MPI_Comm comm, Hdf5Writer& file, const ForceSums* sums) {
+  if (sums == nullptr || sums->steps == 0) return;
+  std::vector<Real> rows;
+  for (const BodyForce& one : sums->forces) {
+    rows.insert(rows.end(), one.force.begin(), one.force.end());
+    rows.insert(rows.end(), one.torque.begin(), one.torque.end());
+  }
+  rows.insert(rows.end(), sums->pressures.begin(), sums->pressures.end());
+  write_on_root(comm, file, "/force_steps",
+                std::vector<std::int64_t>{sums->steps, std::ssize(sums->forces), std::ssize(sums->pressures)});
+  write_on_root(comm, file, "/force_sums", rows);
+}
+
+ForceSums read_force_sums(const std::string& path, const Hdf5Reader& file) {
+  if (!file.has("/force_steps")) return {};
+  const auto counts = file.read<std::int64_t>("/force_steps", {0, 3, 3});
+  const std::int64_t total = file.rows<Real>("/force_sums"), bodies = counts[1], gauges = counts[2];
+  const auto rows = file.read<Real>("/force_sums", {0, total, total});
+  const bool finite = std::all_of(rows.begin(), rows.end(), [](Real x) { return std::isfinite(x); });
+  if (counts[0] < 1 || bodies < 1 || bodies > total || gauges < 0 || gauges > total || 6 * bodies + gauges != total ||
+      !finite)
+    throw DamagedFile(path + ": /force_steps, /force_sums: cannot be forces since a row; use another checkpoint");
+  ForceSums sums{counts[0], std::vector<BodyForce>(static_cast<std::size_t>(bodies)),
+                 std::vector<Real>(rows.end() - gauges, rows.end())};
+  for (std::size_t k = 0; k < sums.forces.size(); ++k) {
+    const Real* const row = &rows[6 * k];
+    sums.forces[k] = {Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5])};
+  }
+  return sums;
+}
+
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
@@ -99,6 +131,7 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   if (!info.music.empty()) write_on_root(comm, file, "/music", info.music);
   if (!info.obstacle_files.empty()) write_on_root(comm, file, "/obstacle_files", info.obstacle_files);
   write_flow(comm, file, frame.flow);
+  write_force_sums(comm, file, frame.force_sums);
   if (frame.first_cell != std::array<LocalId, 3>{}) {
     write_on_root(comm, file, "/first_cell",
                   std::vector<std::int64_t>(frame.first_cell.begin(), frame.first_cell.end()));
@@ -222,6 +255,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.info.obstacle_files = read_checksums(file, "/obstacle_files");
   state.flow = read_flow(path, file);
   state.first_cell = read_first_cell(path, file);
+  state.force_sums = read_force_sums(path, file);
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);

@@ -40,6 +40,7 @@ struct CheckpointState {
   CheckpointInfo info;
   std::optional<FlowState> flow;  ///< with inlets or drains only
   std::array<LocalId, 3> first_cell{};
+  ForceSums force_sums;
 };
 
 /// InputError on all ranks alike when the file is missing, foreign or larger than the memory; DamagedFile when it is
