@@ -8,10 +8,10 @@
 
 namespace {
 
-// Threads that wait for each other spin. On a core that other work wants, too, a wait of microseconds then lasts as long
-// as the others' time slices: a step took five times as long beside two busy processes. So they spin for some 50 µs and
-// then sleep. OpenMP's library reads that when it is loaded, so the program starts itself anew; what the user has set
-// stays.
+// Threads that wait for each other spin. On a core that other work wants, too, a wait of microseconds then lasts as
+// long as the others' time slices: a step took five times as long beside two busy processes. So they spin for some 50
+// µs and then sleep. OpenMP's library reads that when it is loaded, so the program starts itself anew; what the user
+// has set stays.
 void bound_waiting(char** argv) {
   if (std::getenv("GOMP_SPINCOUNT") != nullptr) return;
   setenv("GOMP_SPINCOUNT", "3000", 0);
