@@ -84,8 +84,16 @@ choose_launch() {
   fi
 }
 
+# The fields of the frames, as their first file names them.
+fields_of_frames() {
+  find "$output/vtu" -name '*.pvtu' -print -quit |
+    xargs -r sed -n '/<PPointData/,/<\/PPointData/s/.*<PDataArray[^>]*Name="\([^"]*\)".*/\1/p' | paste -sd, | sed 's/,/, /g'
+}
+
 # report: what the run left, and how to look at it.
 report() {
+  local shown # as the shell takes it
+  shown="$(printf %q "$output")"
   echo
   if [[ -e $output/series.csv ]]; then
     /usr/bin/python3 postprocess/plot_series.py "$output" --scene "$scene" >/dev/null &&
@@ -94,10 +102,11 @@ report() {
   fi
   if [[ -e $output/particles.pvd ]]; then
     echo "particles       $output/particles.pvd, pieces in $output/vtu"
-    echo "look at them    paraview $output/particles.pvd (Apply, then colour by rgb, speed or density)"
+    echo "look at them    paraview $shown/particles.pvd (Apply, then colour by $(fields_of_frames))"
+    echo "                jobs/view.sh $shown"
   fi
   if [[ -e $output/particles.hdf.series ]]; then
-    echo "particles       paraview $output/particles.hdf.series"
+    echo "particles       paraview $shown/particles.hdf.series"
   fi
 }
 

@@ -63,6 +63,7 @@ parse_arguments() {
 }
 
 build_benchmarks() {
+  echo "Building with benchmarks in build/bench, five minutes on two cores the first time."
   trevi_packages+=(libbenchmark-dev)
   install_packages
   cmake --preset release -B build/bench -DTREVI_BENCHMARKS=ON -DTREVI_TESTS=OFF >/dev/null

@@ -113,7 +113,9 @@ setup_program() {
   (
     cd "$trevi_root"
     configure release OFF
-    cmake --build --preset release -j "$(build_jobs)" --target "$@"
+    # Nothing is said where nothing is to be done.
+    cmake --build --preset release --target "$@" -- -n | grep -q "no work to do" ||
+      cmake --build --preset release -j "$(build_jobs)" --target "$@"
   )
 }
 

@@ -179,6 +179,8 @@ void announce(const Session& session, const RunContext& context, const Solver& s
   if (context.restarted) return;  // said before
   for (const std::string& warning : scene_advice(context.scene)) tell(session, "warning: " + warning);
   if (session.rank() != 0) return;
+  for (const std::string& warning : volume_warnings(context.scene, static_cast<double>(particles)))
+    tell(session, "warning: " + warning);
   const double bytes = output_bytes(context.scene, static_cast<double>(particles));
   for (const std::string& warning : disk_warnings(bytes, context.directory)) tell(session, "warning: " + warning);
 }

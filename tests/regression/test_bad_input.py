@@ -229,7 +229,14 @@ class BadInput(ProgramTest):
             case("empty.ply", b"", ["cannot be read as a mesh: it does not begin as a PLY file"]),
             case("headless.ply", b"ply\nformat ascii 1.0\nend_header\n", ["does not begin as a PLY file"]),
             case("open.obj", obj(corners)[:-8], ["not closed: 3 open edges"]),
+            case("sheet.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n", ["encloses no volume"]),
             case("empty.obj", b"", ["holds no triangles"])], rank_counts=(2,))
+        ball = "\n[[obstacle]]\ntype = 'sphere'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\n"
+        speck = "\n[[obstacle]]\ntype = 'mesh'\npath = 'box.obj'\nscale = 1e-30\n"
+        self.assert_all_refused([
+            ("twins", "\n".join(GOOD) + ball + ball, ["scene.toml"], ["same as that of line", "would count twice"]),
+            ("speck", "\n".join(GOOD) + speck, ["scene.toml"], ["less than a thousandth of the spacing"],
+             lambda folder: (folder / "box.obj").write_bytes(obj(corners)))], rank_counts=(2,))
         (self.folder / "circle.ply").symlink_to("circle.ply")
         with (self.folder / "endless.stl").open("wb") as file:
             file.truncate(2**43)

@@ -61,6 +61,20 @@ TEST(Advice, LongStepsThatAreNeverSplit) {
   EXPECT_EQ(said(pool, {"time.dt=0.2"}), "");
 }
 
+TEST(Advice, ObstaclesOutsideOfTheBox) {
+  const std::string ball = "[[obstacle]]\ntype = \"sphere\"\nradius = 0.1\ncenter = ";
+  expect_said("wholly outside of the box", pool + ball + "[100, 0.5, 0.5]\n", {});
+  EXPECT_EQ(said(pool + ball + "[0.5, 0.5, 0.9]\n"), "");
+}
+
+TEST(Advice, MoreWaterThanSpace) {
+  const Scene scene = parse_scene("scene.toml", pool, {});
+  const Real box = (scene.domain.max - scene.domain.min).prod(), s = scene.fluid.spacing;
+  EXPECT_TRUE(volume_warnings(scene, box / (s * s * s)).empty()) << "a full box";
+  ASSERT_EQ(volume_warnings(scene, 1.1 * box / (s * s * s)).size(), 1U);
+  EXPECT_DOUBLE_EQ(open_volume(scene), box);
+}
+
 TEST(Advice, NoOutput) { expect_said("no output", pool.substr(0, pool.find("[output")), {}); }
 
 TEST(RunCost, MoreThanTheDiskHolds) {

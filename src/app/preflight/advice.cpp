@@ -7,6 +7,7 @@
 
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
+#include "scene/free_places.hpp"
 
 namespace trevi {
 
@@ -124,6 +125,33 @@ void look_at_fountain(const Scene& scene, const FountainSettings& fountain, Real
 }
 
 }  // namespace
+
+Real open_volume(const Scene& scene) {
+  const Vec3 extent = scene.domain.max - scene.domain.min;
+  if (scene.obstacles.empty()) return extent.prod();
+  constexpr int samples = 64;  // along each axis
+  const FreePlaces places(scene);
+  std::int64_t open = 0;
+  for (int i = 0; i < samples; ++i) {
+    for (int j = 0; j < samples; ++j) {
+      for (int k = 0; k < samples; ++k) {
+        const Vec3 place = (Vec3(i, j, k).array() + 0.5) / samples;
+        open += places.solid_at(scene.domain.min + extent.cwiseProduct(place)) < 0 ? 1 : 0;
+      }
+    }
+  }
+  return extent.prod() * static_cast<Real>(open) / (samples * samples * samples);
+}
+
+std::vector<std::string> volume_warnings(const Scene& scene, double particles) {
+  constexpr Real rounding = 0.02;  // of the samples, and of lattices that just fit
+  const Real s = scene.fluid.spacing, water = particles * s * s * s, open = open_volume(scene);
+  if (water <= (1 + rounding) * open) return {};
+  return {fmt::format(
+      "{:.0f} particles are {:.4g} m³ of water, and {:.4g} m³ of the box are open: it will be crushed; give it less "
+      "water, or more space",
+      particles, water, open)};
+}
 
 Real expected_speed(const Scene& scene) {
   Real speed = 0, top = scene.domain.min.z();

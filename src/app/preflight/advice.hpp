@@ -18,4 +18,10 @@ Real longest_step(const Scene& scene, Real cfl);
 /// A sentence with the remedy for each.
 std::vector<std::string> scene_advice(const Scene& scene);
 
+/// What the box holds beside its obstacles at the start, m³; with obstacles by samples, to a per cent.
+Real open_volume(const Scene& scene);
+
+/// More water than space: one sentence, or none.
+std::vector<std::string> volume_warnings(const Scene& scene, double particles);
+
 }  // namespace trevi

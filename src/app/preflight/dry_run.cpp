@@ -167,6 +167,8 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   fmt::print("scene       {}\n", scene.path);
   fmt::print("launch      {}\n", launch_text(launch, scene));
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, water_mass(scene.fluid));
+  fmt::print("space       {:.4g} m³ of water, {:.4g} m³ open\n",
+             particles * water_mass(scene.fluid) / scene.fluid.rest_density, open_volume(scene));
   fmt::print("{}", inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
@@ -175,6 +177,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   const double bytes = output_bytes(scene, particles);
   fmt::print("{}  in all      up to {}\n", output_text(scene, directory), size_text(bytes));
   std::vector<std::string> warnings = start_warnings(scene);
+  for (std::string& warning : volume_warnings(scene, particles)) warnings.push_back(std::move(warning));
   for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
   for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
   for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
