@@ -86,8 +86,8 @@ choose_launch() {
 
 # The fields of the frames, as their first file names them.
 fields_of_frames() {
-  find "$output/vtu" -name '*.pvtu' -print -quit |
-    xargs -r sed -n '/<PPointData/,/<\/PPointData/s/.*<PDataArray[^>]*Name="\([^"]*\)".*/\1/p' | paste -sd, | sed 's/,/, /g'
+  find "$output/vtu" -name '*.pvtu' -print0 -quit |
+    xargs -0 -r sed -n '/<PPointData/,/<\/PPointData/s/.*<PDataArray[^>]*Name="\([^"]*\)".*/\1/p' | paste -sd, | sed 's/,/, /g'
 }
 
 # report: what the run left, and how to look at it.
