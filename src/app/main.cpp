@@ -1,7 +1,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <system_error>
 
 #include "app/run.hpp"
 #include "base/memory.hpp"
@@ -15,7 +18,9 @@ namespace {
 void bound_waiting(char** argv) {
   if (std::getenv("GOMP_SPINCOUNT") != nullptr) return;
   setenv("GOMP_SPINCOUNT", "3000", 0);
-  execv("/proc/self/exe", argv);  // returns only where it fails: then as it is
+  std::error_code unknown;
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe", unknown);  // whose name the process keeps
+  execv(program.c_str(), argv);  // returns only where it fails: then as it is
 }
 
 }  // namespace
