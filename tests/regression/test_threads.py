@@ -10,7 +10,7 @@ from unittest import mock
 from program import INPUTS, MPI_SETTINGS, TIME_LIMIT, ProgramTest, main
 
 CUBE = INPUTS / "falling_cube_small.toml"
-FIRST_LINE = re.compile(r"trevi \d+\.\d+\.\d+: (\d+) ranks? x (\d+) threads?, (\w+), (single|double) precision, "
+FIRST_LINE = re.compile(r"trevi \d+\.\d+\.\d+: (\d+) ranks? x (\d+) threads?, ([\w-]+), (single|double) precision, "
                         r"([\d,]+) particles?\n")
 CORES = len(os.sched_getaffinity(0))  # processors, rather: there may be two a core
 
