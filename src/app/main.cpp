@@ -16,7 +16,9 @@ namespace {
 // µs and then sleep. OpenMP's library reads that when it is loaded, so the program starts itself anew; what the user
 // has set stays.
 void bound_waiting(char** argv) {
-  if (std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+  // Where OpenMP binds threads it has bound this one already, and the new program would see the one core alone.
+  for (const char* set : {"GOMP_SPINCOUNT", "OMP_PROC_BIND", "OMP_PLACES", "GOMP_CPU_AFFINITY"})
+    if (std::getenv(set) != nullptr) return;
   setenv("GOMP_SPINCOUNT", "3000", 0);
   std::error_code unknown;
   const std::string program = std::filesystem::read_symlink("/proc/self/exe", unknown);  // whose name the process keeps
