@@ -30,9 +30,13 @@ struct FlowState {
   GlobalId next_id = 0;              ///< of the next particle that an inlet makes
   GlobalId inflow = 0, outflow = 0;  ///< made by inlets, taken by drains
   GlobalId waiting = 0;              ///< taken by drains for the inlets that recycle
-  /// Of an inlet: how far the water has come since its last layer, m, and its speed in the last substep, m/s.
+  /// Of an inlet: how far the water has come since its last layer, m, and its speed in the last substep, m/s. Then, in
+  /// particles: those made, and those that were asked for and never will be, as a solid covers their places, as other
+  /// water was in their places for too long, or as drains had taken too little for them.
   struct Stream {
     Real travelled = 0, speed = 0;
+    Real made = 0, covered = 0, crowded = 0, dry = 0;
+    Real asked() const { return made + covered + crowded + dry; }
   };
   std::vector<Stream> streams;  ///< in the order of the scene
 };

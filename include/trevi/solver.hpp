@@ -57,7 +57,7 @@ class Solver {
       Real sum = 0, max = 1;
     } balance;
     /// Mean compression of the water: the largest at the end of a step so far, and the first step (from 1; 0 is the
-    /// start, −1 none) in which it was above Settings::max_compression. The same on all ranks.
+    /// start, −1 none) in which it was above DensitySettings::crush_limit. The same on all ranks.
     struct Compression {
       Real largest = 0;
       std::int64_t first_crushed = -1;

@@ -39,7 +39,8 @@ void flush_output(MPI_Comm comm) {
   });
 }
 
-void warn_at_the_end(const Session& session, const RunContext& context, const Solver::Counters& counters) {
+void warn_at_the_end(const Session& session, const RunContext& context, const Solver& solver) {
+  const Solver::Counters counters = solver.counters();
   if (counters.unconverged > 0) {
     tell(session,
          fmt::format("warning: {} of {} density solves missed density.tolerance; use more density.iterations or a "
@@ -48,30 +49,35 @@ void warn_at_the_end(const Session& session, const RunContext& context, const So
   }
   for (const std::string& warning : crush_warnings(context.scene, counters.compression))
     tell(session, "warning: " + warning);
+  for (const std::string& warning : flow_warnings(context.scene, solver.flow())) tell(session, "warning: " + warning);
   if (context.energy == nullptr) return;
   for (const std::string& warning : energy_warnings(context.scene, *context.energy))
     tell(session, "warning: " + warning);
 }
 
-// Says that the water is crushed when that begins; it is said again at the end.
-class CrushWatch {
+// Says that water is crushed, or that inlets make less than they should, when that begins; it is said again at the end.
+class Watch {
  public:
-  CrushWatch(const Session& session, const Scene& scene) : session_(session), scene_(scene) {}
+  Watch(const Session& session, const Scene& scene) : session_(session), scene_(scene) {}
   void look(const Solver& solver) {
-    const Solver::Counters::Compression seen = solver.counters().compression;
-    if (told_ || seen.first_crushed < 0) return;
-    told_ = true;
-    for (const std::string& warning : crush_warnings(scene_, seen)) tell(session_, "warning: " + warning);
+    tell_once(told_crushed_, crush_warnings(scene_, solver.counters().compression));
+    tell_once(told_flow_, flow_warnings(scene_, solver.flow()));
   }
 
  private:
+  void tell_once(bool& told, const std::vector<std::string>& warnings) const {
+    if (told || warnings.empty()) return;
+    told = true;
+    for (const std::string& warning : warnings) tell(session_, "warning: " + warning);
+  }
+
   const Session& session_;
   const Scene& scene_;
-  bool told_ = false;
+  bool told_crushed_ = false, told_flow_ = false;
 };
 
 // Runs to the last step or until a stop is requested. A request after the last step has no effect.
-Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted, CrushWatch watch) {
+Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted, Watch watch) {
   const ScopedStage stage("Solve");
   if (!restarted) solver.start();
   watch.look(solver);
@@ -215,7 +221,7 @@ ExitCode run_scene(const Session& session, const Scene& scene, const Launch& lau
   const std::unique_ptr<Solver> solver = build_solver(session.comm(), scene, std::move(options));
   announce(session, context, *solver, restart ? restart->message : "");
   const Outcome outcome = run_guarded(session, context, *solver, last_step);
-  warn_at_the_end(session, context, solver->counters());
+  warn_at_the_end(session, context, *solver);
   if (viewer && !viewer->trouble().empty()) tell(session, "warning: " + viewer->trouble());
   if (outcome.code == ExitCode::stopped) {
     watch.remove_stop_file();

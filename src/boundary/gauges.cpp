@@ -28,37 +28,35 @@ Plane across(const Vec3& normal) {
 // How far a curved surface may be off the disc that stands for it.
 constexpr Real bulge = 0.25;  // spacings
 
-// A rectangle around some of the disc, in radii from its centre.
-struct Part {
-  Real low[2], high[2];
-};
-constexpr Part whole{{-1, -1}, {1, 1}};
-
-// The weight of what counts in that part, but for a factor.
+// The weight of what counts of the disc, but for a factor.
 template <class Counts>
-Real weight_in(const Part& part, const Counts& counts) {
+Real weight_of(const Counts& counts) {
   constexpr int samples = 64;  // across
-  const Real width = (part.high[0] - part.low[0]) / samples, length = (part.high[1] - part.low[1]) / samples;
   Real sum = 0;
   for (int k = 0; k < samples * samples; ++k) {
-    const Real a = part.low[0] + (k % samples + 0.5) * width, b = part.low[1] + (k / samples + 0.5) * length;
+    const Real a = 2 * (k % samples + 0.5) / samples - 1, b = 2 * (k / samples + 0.5) / samples - 1;
     const Real weight = 1 - (a * a + b * b);
     if (weight > 0 && counts(a, b)) sum += weight;
   }
-  return sum * width * length;
+  return sum;
+}
+
+// The integral of 1 - x² - y² over [0, a] x [0, b] as far as that is in the disc of radius 1.
+Real integral_to(Real a, Real b) {
+  if (a < 0) return -integral_to(-a, b);
+  if (b < 0) return -integral_to(a, -b);
+  a = std::min(a, 1.0);
+  b = std::min(b, 1.0);
+  const auto below = [b](Real x) { return x * b * (1 - (x * x + b * b) / 3); };  // where all of [0, b] is in the disc
+  if (a * a + b * b <= 1) return below(a);
+  const auto within = [](Real x) {  // of 2/3 (1 - x²)^(3/2), which is what is left up to the edge
+    return (x * (5 - 2 * x * x) * std::sqrt(1 - x * x) + 3 * std::asin(x)) / 12;
+  };
+  const Real edge = std::sqrt(1 - b * b);
+  return below(edge) + within(a) - within(edge);
 }
 
 constexpr auto everywhere = [](Real, Real) { return true; };
-
-// Samples lie in the box alone, as that may be much narrower than the disc.
-Real open_fraction_of_height_gauge(const GaugeSettings& gauge, const Box& box) {
-  Part part = whole;
-  for (int a = 0; a < 2; ++a) {
-    part.low[a] = std::max(-1.0, (box.min[a] - gauge.center[a]) / gauge.radius);
-    part.high[a] = std::min(1.0, (box.max[a] - gauge.center[a]) / gauge.radius);
-  }
-  return weight_in(part, everywhere) / weight_in(whole, everywhere);
-}
 
 }  // namespace
 
@@ -67,8 +65,17 @@ Real gauge_weight(Real distance2, Real radius) {
   return distance2 < area ? 2 / (std::numbers::pi * area) * (1 - distance2 / area) : 0;
 }
 
+Real gauge_weight_of(const Box2& rectangle, Real radius) {
+  const auto to = [radius](Real x, Real y) { return integral_to(x / radius, y / radius); };
+  const auto& [x0, y0, x1, y1] = rectangle;
+  return 2 / std::numbers::pi * (to(x1, y1) - to(x0, y1) - to(x1, y0) + to(x0, y0));
+}
+
 Real open_fraction_of_gauge(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid) {
-  if (gauge.kind == GaugeKind::height) return open_fraction_of_height_gauge(gauge, box);
+  if (gauge.kind == GaugeKind::height) {
+    const Vec3 low = box.min - gauge.center, high = box.max - gauge.center;
+    return gauge_weight_of({low.x(), low.y(), high.x(), high.y()}, gauge.radius);
+  }
   const Plane plane = across(gauge.normal);
   const Vec3 off = bulge * spacing * gauge.normal;
   const auto open = [&](const Vec3& p) { return box.contains(p) && !is_solid(p); };
@@ -76,7 +83,7 @@ Real open_fraction_of_gauge(const GaugeSettings& gauge, Real spacing, const Box&
     const Vec3 p = gauge.center + gauge.radius * (a * plane.u + b * plane.v);
     return open(p + off) && !open(p - off);
   };
-  return weight_in(whole, counts) / weight_in(whole, everywhere);
+  return weight_of(counts) / weight_of(everywhere);
 }
 
 PressureGauges::PressureGauges(const Settings& settings, const IsSolid& is_solid)

@@ -15,8 +15,16 @@
 
 namespace trevi {
 
+/// Level; m.
+struct Box2 {
+  Real min_x, min_y, max_x, max_y;
+};
+
 /// At a distance from the axis of the gauge, 1/m²; its integral over the disc is 1.
 Real gauge_weight(Real distance2, Real radius);
+
+/// The integral of the weight over a rectangle as far as that is in the disc, from the centre of the gauge in m. Exact.
+Real gauge_weight_of(const Box2& rectangle, Real radius);
 
 /// Whether a place is in an obstacle.
 using IsSolid = std::function<bool(const Vec3&)>;

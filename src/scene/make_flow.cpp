@@ -31,7 +31,8 @@ std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene&
 std::shared_ptr<InflowOutflow> make_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state,
                                          std::shared_ptr<LiveSound>& live) {
   if (scene.inlets.empty() && scene.drains.empty()) return nullptr;
-  InflowOutflow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing};
+  InflowOutflow::Parts parts{{}, scene.drains, scene.domain, scene.fluid.spacing,
+                             scene.gravity.value_or(Vec3::Zero())};
   auto index = static_cast<int>(scene.fountains.size());
   for (const InletSettings& inlet : scene.inlets) {
     parts.inlets.push_back(std::make_shared<Inlet>(inlet, make_pump(comm, scene, inlet, "[[inlet]] music", live),

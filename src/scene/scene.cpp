@@ -69,12 +69,6 @@ void read_instruction_set(Section& run, Scene& scene) {
   }
 }
 
-void read_max_compression(Section& run, Scene& scene) {
-  run.number({"max_compression",
-              "the mean compression from which on the run warns that its water is crushed; default 0.05, 5 %"},
-             scene.max_compression, above(0));
-}
-
 void read_threads(Section& run, Scene& scene) {
   int threads = 0;
   if (!run.integer({"threads", "the number of threads of each rank; default OMP_NUM_THREADS, or as the cores allow"},
@@ -87,7 +81,6 @@ void read_threads(Section& run, Scene& scene) {
 
 void read_run(Section run, Scene& scene) {
   read_wall_limit(run, scene);
-  read_max_compression(run, scene);
   read_threads(run, scene);
   read_instruction_set(run, scene);
   run.reject_unknown();

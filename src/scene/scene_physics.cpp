@@ -287,6 +287,9 @@ void PhysicsReader::read_density(Section& section) {
       "constraint", density.constraint == Constraint::inequality || density.method != Method::chebyshev,
       "with density.method = \"chebyshev\" an equality pulls particles into clumps that explode: a cube's energy "
       "grows by 13,000 in a second; leave it out, or take density.preset = \"report\"");
+  section.number({"crush_limit",
+                  "the mean compression from which on the run warns that its water is crushed; default 0.05, 5 %"},
+                 density.crush_limit, above(0));
   section.choice<Precision>({"precision", "the arithmetic of the pair loops"}, density.precision,
                             {{"double", Precision::double_}, {"single", Precision::single}});
 }

@@ -44,7 +44,6 @@ void check_numbers(const Settings& all) {
   demand(is_positive(all.dt), "dt must be positive");
   demand(is_amount(all.cfl), "cfl must not be negative");
   demand(all.max_substeps >= 1, "max_substeps must be at least 1");
-  demand(is_positive(all.max_compression), "max_compression must be positive");
   demand(!all.gravity || all.gravity->allFinite(), "gravity must be finite");
   demand(all.slab_axis == 0 || all.slab_axis == 1, "slab_axis must be 0 or 1");
   demand(is_amount(all.walls.floor_friction), "walls.floor_friction must not be negative");
@@ -57,6 +56,7 @@ void check_numbers(const Settings& all) {
 }
 
 void check_density(const DensitySettings& density) {
+  demand(is_positive(density.crush_limit), "density.crush_limit must be positive");
   demand(density.iterations >= 1, "density.iterations must be at least 1");
   demand(!density.tolerance || is_positive(*density.tolerance), "density.tolerance must be positive");
   demand(is_amount(density.epsilon), "density.epsilon must not be negative");

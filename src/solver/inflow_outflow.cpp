@@ -66,8 +66,12 @@ std::vector<std::unique_ptr<Forcing>> InflowOutflow::forcings() const {
   return nozzles;
 }
 
-void InflowOutflow::begin(MPI_Comm comm, const Particles& particles) {
+void InflowOutflow::begin(MPI_Comm comm, const Boundary& boundary, const Particles& particles) {
   comm_ = comm;
+  boundary_ = &boundary;
+  for (const auto& inlet : parts_.inlets) {
+    inlet->place_in(parts_.gravity, [this](const Vec3& from, const Vec3& place) { return covers(from, place); });
+  }
   if (!consensus_) consensus_.emplace(comm);
   GlobalId next = state_.next_id;
   for (const GlobalId id : particles.id) next = std::max(next, id + 1);
@@ -90,9 +94,9 @@ void InflowOutflow::drain(Particles& particles, StepState& change) {
   for (const LocalId i : gone) count(mine, particles.id[static_cast<std::size_t>(i)], 1);
   remove_particles(particles, gone);
   const StepState all = consensus_->count(mine);
-  const auto taken = static_cast<GlobalId>(all.particles);
-  state_.outflow += taken;
-  if (recycles_) state_.waiting += taken;
+  const auto gone_everywhere = static_cast<GlobalId>(all.particles);
+  state_.outflow += gone_everywhere;
+  if (recycles_) state_.waiting += gone_everywhere;
   change.particles -= all.particles;
   change.ids -= all.ids;
   change.squares -= all.squares;
@@ -105,30 +109,36 @@ void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
   FlowState::Stream& stream = state_.streams[k];
   const auto due = static_cast<GlobalId>(std::floor(stream.travelled / parts_.spacing));
   const GlobalId within_box = std::llround((parts_.box.max - parts_.box.min).norm() / parts_.spacing) + 1;
+  const Real came = stream.travelled;
   stream.travelled -= static_cast<Real>(due) * parts_.spacing;
   const GlobalId layers = std::min(due, within_box);
   const Real first = stream.travelled + static_cast<Real>(layers - 1) * parts_.spacing;
   if (layers > 0) {
-    const std::optional<GlobalId> made = make({inlet, stream.speed, first, layers}, water, change);
-    if (!made) {
+    const Made made = make({inlet, stream.speed, first, layers}, water, change);
+    const auto in_layer = static_cast<Real>(inlet.lattice().open_places());
+    stream.made += static_cast<Real>(made.particles);
+    stream.covered += static_cast<Real>(made.covered) + static_cast<Real>(due - layers) * in_layer;
+    if (made.dry) {
+      const auto done = static_cast<Real>(made.particles + made.covered + made.crowded);
+      stream.crowded += static_cast<Real>(made.crowded);
+      stream.dry += std::max<Real>(0, (came / parts_.spacing - 1) * in_layer - done);
       stream.travelled = parts_.spacing;  // the next layer waits in the opening
       return;
     }
     // What was in the way is made up for by layers that come sooner: deep water gives way only when it is pressed.
-    const Real all = static_cast<Real>(layers * inlet.lattice().open_places());
-    const Real owed = parts_.spacing * static_cast<Real>(layers) * (1 - static_cast<Real>(*made) / all);
-    stream.travelled = std::min(stream.travelled + owed, max_owed * parts_.spacing);
+    const Real owed = stream.travelled + parts_.spacing * static_cast<Real>(made.crowded) / in_layer;
+    stream.travelled = std::min(owed, max_owed * parts_.spacing);
+    stream.crowded += (owed - stream.travelled) / parts_.spacing * in_layer;
   }
   stream.speed = inlet.speed(water.info);
   stream.travelled += inlet.path_length(water.info);
 }
 
-// Places are numbered layer by layer, the farthest layer first.
-std::vector<char> InflowOutflow::open_places(const Layers& layers, const Particles& particles) const {
+std::vector<char> InflowOutflow::places(const Layers& layers, const Particles& particles) const {
   const InletLattice& lattice = layers.inlet.lattice();
   const Real spacing = parts_.spacing;
   const Real least = spacing / 2;
-  PerThread<std::vector<GlobalId>> taken;
+  PerThread<std::vector<GlobalId>> found;
   constexpr LocalId part_size = 2048;
   for_each_part({0, particles.size()}, part_size, [&](Range part) {
     for (LocalId i = part.begin; i < part.end; ++i) {
@@ -141,43 +151,56 @@ std::vector<char> InflowOutflow::open_places(const Layers& layers, const Particl
           if (place < 0) continue;
           const Vec3 there = lattice.position(place, layers.first - layer * spacing);
           if ((p - there).squaredNorm() < least * least)
-            taken.mine().push_back(static_cast<GlobalId>(layer) * lattice.places() + place);
+            found.mine().push_back(static_cast<GlobalId>(layer) * lattice.places() + place);
         }
       }
     }
   });
-  std::vector<char> open(static_cast<std::size_t>(layers.count * lattice.places()), 1);
-  for (std::size_t n = 0; n < open.size(); ++n) {
+  std::vector<char> places(static_cast<std::size_t>(layers.count * lattice.places()), open);
+  for (std::size_t n = 0; n < places.size(); ++n) {
     const GlobalId layer = static_cast<GlobalId>(n) / lattice.places(),
                    place = static_cast<GlobalId>(n) % lattice.places();
-    open[n] = lattice.is_open(place) && parts_.box.contains(lattice.position(place, layers.ahead(layer, spacing)));
+    if (!lattice.is_open(place)) {
+      places[n] = taken;
+    } else if (covers(lattice.position(place, 0), lattice.position(place, layers.ahead(layer, spacing)))) {
+      places[n] = covered;
+    }
   }
-  taken.for_each([&](const auto& places) {
-    for (const GlobalId place : places) open[static_cast<std::size_t>(place)] = 0;
+  found.for_each([&](const auto& water) {
+    for (const GlobalId place : water) places[static_cast<std::size_t>(place)] &= covered;
   });
-  MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_BYTE, MPI_BAND, comm_);
-  return open;
+  MPI_Allreduce(MPI_IN_PLACE, places.data(), static_cast<int>(places.size()), MPI_BYTE, MPI_BAND, comm_);
+  return places;
 }
 
-// How many were made; nothing where there was not enough water for all of them.
-std::optional<GlobalId> InflowOutflow::make(const Layers& layers, Water& water, StepState& change) {
+bool InflowOutflow::covers(const Vec3& from, const Vec3& place) const {
+  const Obstacles* obstacles = boundary_->obstacles();
+  return !parts_.box.contains(place) || (obstacles != nullptr && obstacles->covers(from, place));
+}
+
+InflowOutflow::Made InflowOutflow::make(const Layers& layers, Water& water, StepState& change) {
   const InletLattice& lattice = layers.inlet.lattice();
-  const std::vector<char> open = open_places(layers, water.particles);
-  GlobalId made = 0;
+  const std::vector<char> all = places(layers, water.particles);
+  Made made;
   for (GlobalId layer = 0; layer < layers.count; ++layer) {
-    const auto begin = open.begin() + layer * lattice.places(), end = begin + lattice.places();
-    const GlobalId wanted = std::count(begin, end, 1);
-    if (layers.inlet.recycles()) {
-      if (wanted > state_.waiting) return std::nullopt;
-      state_.waiting -= wanted;
-    }
+    const auto begin = all.begin() + layer * lattice.places(), end = begin + lattice.places();
+    const GlobalId wanted = std::count(begin, end, open), hidden = std::count(begin, end, covered);
+    made.dry = layers.inlet.recycles() && wanted > state_.waiting;
+    if (made.dry) return made;
+    if (layers.inlet.recycles()) state_.waiting -= wanted;
     state_.inflow += wanted;
-    made += wanted;
+    made.particles += wanted;
+    made.covered += hidden;
+    made.crowded += lattice.open_places() - hidden - wanted;
+    // It left the nozzle that long ago.
+    const Real ahead = layers.ahead(layer, parts_.spacing);
+    const Real flown = layers.speed > 0 ? std::max<Real>(0, ahead - parts_.spacing) / layers.speed : 0;
+    const Vec3 fallen = parts_.gravity * flown;
     for (auto place = begin; place != end; ++place) {
-      if (*place == 0) continue;
-      const Vec3 position = lattice.position(place - begin, layers.ahead(layer, parts_.spacing));
+      if (*place != open) continue;
+      const Vec3 position = lattice.position(place - begin, ahead);
       if (water.slabs.owner(water.grid.plane_of(position)) == rank_of(comm_))
-        add(water, position, layers.inlet.velocity(layers.speed, state_.next_id, water.info));
+        add(water, position, layers.inlet.velocity(layers.speed, state_.next_id, water.info) + fallen);
       count(change, state_.next_id++, 1);
     }
   }

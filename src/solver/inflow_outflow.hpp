@@ -2,13 +2,16 @@
 // layers that are due. All ranks know what has been done so far (FlowState) and find the same layers from it: which
 // places are free is a small reduction over the ranks, and the ids are those that follow, so that no id and no place
 // depends on the ranks. A particle is made by the rank that owns its place. Places with water nearer than half a
-// spacing are left out, and made up for by layers that come sooner. Collective: begin() and exchange().
+// spacing are left out, and made up for by layers that come sooner; those that a solid or a wall covers are not made up
+// for. Within a spacing ahead of the opening water keeps the velocity of the jet, from there on it flies under gravity,
+// to the part of a substep. Collective: begin() and exchange().
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "boundary/boundary.hpp"
 #include "domain/slabs.hpp"
 #include "fluid/forcings/inlet.hpp"
 #include "parallel/step_consensus.hpp"
@@ -26,14 +29,16 @@ class InflowOutflow {
     std::vector<DrainSettings> drains;
     Box box;
     Real spacing = 0;
+    Vec3 gravity = Vec3::Zero();
   };
   /// `state`: that of a run that goes on.
   InflowOutflow(Parts parts, std::optional<FlowState> state);
 
   /// The nozzles of the inlets, in their order.
   std::vector<std::unique_ptr<Forcing>> forcings() const;
-  /// Before the first substep, with all particles there are. New ids follow the largest of them.
-  void begin(MPI_Comm comm, const Particles& particles);
+  /// Before the first substep, with all particles there are. New ids follow the largest of them. `boundary` outlives
+  /// the forcings.
+  void begin(MPI_Comm comm, const Boundary& boundary, const Particles& particles);
   /// The particles of all ranks that have come, less those that have gone.
   StepState exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
 
@@ -55,13 +60,21 @@ class InflowOutflow {
     GlobalId count = 0;
     Real ahead(GlobalId layer, Real spacing) const { return first - static_cast<Real>(layer) * spacing; }
   };
+  // Places layer by layer, the farthest layer first: what can be made of each.
+  enum Place : char { taken, open, covered };
+  struct Made {
+    GlobalId particles = 0, covered = 0, crowded = 0;
+    bool dry = false;  // there was not enough water for all of the layers
+  };
   void drain(Particles& particles, StepState& change);
   void run(std::size_t k, Water& water, StepState& change);
-  std::vector<char> open_places(const Layers& layers, const Particles& particles) const;
-  std::optional<GlobalId> make(const Layers& layers, Water& water, StepState& change);
+  std::vector<char> places(const Layers& layers, const Particles& particles) const;
+  bool covers(const Vec3& from, const Vec3& place) const;
+  Made make(const Layers& layers, Water& water, StepState& change);
   void add(Water& water, const Vec3& place, const Vec3& velocity) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
+  const Boundary* boundary_ = nullptr;
   Parts parts_;
   FlowState state_;
   bool recycles_;

@@ -87,7 +87,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.density_solver = make_density_solver<T>(
       settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get()});
-  parts.max_compression = settings.max_compression;
+  parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,
                         longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h),
@@ -123,13 +123,13 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   parts.requests = std::move(extras.requests);
   parts.observers = std::move(extras.observers);
   parts.flow = std::move(extras.flow);
+  make_fluid(settings, parts);
   if (parts.flow) {
-    parts.flow->begin(*parts.comm, parts.particles);
+    parts.flow->begin(*parts.comm, *parts.boundary, parts.particles);
     for (auto& nozzle : parts.flow->forcings()) extras.forcings.push_back(std::move(nozzle));
   }
   parts.has_own_forcings = !extras.forcings.empty();
   parts.forcings = make_forcings(settings, std::move(extras.forcings));
-  make_fluid(settings, parts);
   return std::make_unique<PbfSolver<T>>(std::move(parts));
 }
 

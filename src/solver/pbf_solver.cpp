@@ -24,7 +24,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
-                 parts_.first_cell, parts_.max_compression},
+                 parts_.first_cell, parts_.crush_limit},
                 std::move(parts_.observers), *parts_.diagnostics) {
   reporter_.set_force_sums(std::move(parts_.force_sums));
 }
@@ -224,7 +224,7 @@ void PbfSolver<T>::change_particles(const std::function<void(Particles&)>& chang
   });
   guard_.recount(particles);
   guard_.note_compression({}, 1);  // not known before the next solve
-  if (parts_.flow) parts_.flow->begin(*parts_.comm, particles);
+  if (parts_.flow) parts_.flow->begin(*parts_.comm, *parts_.boundary, particles);
   vote_on_failures();
   migrate_particles(&Particles::position);
 }

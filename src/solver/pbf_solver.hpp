@@ -52,7 +52,7 @@ struct SolverParts {
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
   ForceSums force_sums;  ///< of the solver before
-  Real max_compression = 0;
+  Real crush_limit = 0;
   Clock clock;
   std::function<RequestCounts()> requests;  ///< requests from outside that this rank sees; may be empty
   Particles particles;                      ///< those in this rank's slab by position

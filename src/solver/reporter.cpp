@@ -33,7 +33,7 @@ template <class T>
 void Reporter<T>::note_compression(Real mean, std::int64_t step) {
   Solver::Counters::Compression& seen = counters_.compression;
   seen.largest = std::max(seen.largest, mean);
-  if (mean > state_.max_compression && seen.first_crushed < 0) seen.first_crushed = step;
+  if (mean > state_.crush_limit && seen.first_crushed < 0) seen.first_crushed = step;
 }
 
 template <class T>

@@ -25,7 +25,7 @@ struct ReportedState {
   const std::vector<std::unique_ptr<Forcing>>& forcings;
   const FlowState* flow;  ///< null without inlets and drains
   std::array<LocalId, 3> first_cell;
-  Real max_compression;  ///< Settings::max_compression
+  Real crush_limit;  ///< DensitySettings::crush_limit
 };
 
 template <class T>

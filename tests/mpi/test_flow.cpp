@@ -257,6 +257,61 @@ TEST(Inlet, KeepsHalfASpacingFromWater) {
     known = solver->flow()->next_id;
   }
 }
+// Level jets: after x m beyond the nozzle all water has fallen for x/u s, however many layers a substep makes.
+TEST(Inlet, AJetHasOnePathInAnyStep) {
+  const std::string level = "[[inlet]]\ncenter = [0.1, 0.45, 2.5]\ndirection = [1, 0, 0]\nradius = 0.2\n";
+  for (const Real dt : {0.003, 0.0166666667, 0.05}) {
+    for (const Real speed : {2.0, 7.0, 12.0}) {
+      SCOPED_TRACE(fmt::format("dt {} s, {} m/s", dt, speed));
+      const Scene scene = scene_with(shaft + "[gravity]\n" + level,
+                                     {fmt::format("inlet.0.speed={}", speed), fmt::format("time.dt={}", dt),
+                                      "time.cfl=0"});
+      const std::unique_ptr<Solver> solver = solver_of(world, scene);
+      run(*solver, 1.0 / speed);
+      const Cloud water = gathered(world, solver->particles());
+      ASSERT_GT(water.id.size(), 60U);
+      for (std::size_t k = 0; k < water.id.size(); ++k) {
+        const Real flown = std::max(0.0, water.position[k].x() - 0.1 - spacing) / speed;
+        EXPECT_NEAR(water.velocity[k].z(), -9.8 * flown, 0.01) << water.position[k].x();
+        EXPECT_NEAR(water.velocity[k].y(), 0, 1e-3);
+      }
+    }
+  }
+}
+
+// A plate that is before half of the opening from the start, and one that comes to stand in all of it.
+TEST(Inlet, MakesNothingInASolidNorBehindOne) {
+  const std::string plate = "[[obstacle]]\ntype = \"box\"\nsize = [0.8, 0.9, 0.1]\n";
+  const auto flow_of = [&](const std::string& more, const std::vector<std::string>& changes) {
+    const Scene scene = scene_with(shaft + "[gravity]\n" + jet + "speed = 3\n" + bottom + plate + more, changes);
+    const std::unique_ptr<Solver> solver = solver_of(world, scene);
+    run(*solver, 1);
+    for (const Vec3& v : solver->particles().velocity) EXPECT_LT(v.norm(), 8.5) << "3 m/s and a fall of 3 m";
+    return solver->flow()->streams[0];
+  };
+  const FlowState::Stream open = flow_of("center = [0.4, 0.45, 0.9]\n", {});
+  EXPECT_EQ(open.covered, 0);
+  EXPECT_NEAR(open.made, open.asked(), 1e-9);
+  const FlowState::Stream half = flow_of("center = [0.4, 0.45, 2.85]\n", {"inlet.0.center=[0.8, 0.45, 2.95]"});
+  EXPECT_NEAR(half.covered, half.asked() / 2, half.asked() / 12);
+  const FlowState::Stream shut = flow_of("center = [0.8, 0.45, 2.3]\nvelocity = [0, 0, 0.8]\n",
+                                          {"obstacle.0.size=[0.8, 0.9, 0.5]"});
+  EXPECT_GT(shut.covered, shut.asked() / 3);
+  EXPECT_LT(shut.made, 2 * shut.asked() / 3);
+  EXPECT_NEAR(shut.asked(), open.asked(), 24);
+}
+
+// Water between an opening and a wall a spacing away falls, as nothing holds it there.
+TEST(Inlet, FacingAWallLeavesNothingInTheAir) {
+  const std::string facing = "[[inlet]]\ncenter = [1.5, 0.45, 2.0]\ndirection = [1, 0, 0]\nradius = 0.2\nspeed = 2\n";
+  const Scene scene = scene_with(shaft + "[gravity]\n" + facing, {"inlet.0.stop=0.5"});
+  const std::unique_ptr<Solver> solver = solver_of(world, scene);
+  run(*solver, 0.5);
+  EXPECT_GT(total(*solver), 12);
+  for (int k = 0; k < 60; ++k) solver->step();
+  for (const Vec3& p : solver->particles().position) EXPECT_FALSE(p.x() > 1.5 && std::abs(p.z() - 2) < 0.25) << p;
+}
+
 
 TEST(Drain, TakesWhatIsInsideAndNothingElse) {
   const Scene scene = scene_with(cloud_scene + R"(

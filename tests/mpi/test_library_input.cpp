@@ -70,7 +70,7 @@ TEST(LibraryInput, SettingsThatCannotBeAreRefused) {
       {"dt must", [](Settings& s) { s.dt = nan; }},
       {"cfl", [](Settings& s) { s.cfl = nan; }},
       {"max_substeps", [](Settings& s) { s.max_substeps = 0; }},
-      {"max_compression", [](Settings& s) { s.max_compression = nan; }},
+      {"density.crush_limit", [](Settings& s) { s.density.crush_limit = nan; }},
       {"gravity", [](Settings& s) { s.gravity = Vec3(0, nan, 0); }},
       {"domain", [](Settings& s) { s.domain.max.x() = nan; }},
       {"domain", [](Settings& s) { s.domain.max = s.domain.min; }},

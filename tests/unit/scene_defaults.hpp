@@ -28,6 +28,7 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "density.preset='default'",
           "density.method='chebyshev'",
           "density.iterations=4",
+          "density.crush_limit=0.05",
           "density.spectral_radius=0.95",
           "density.coarse_grid=true",
           "density.max_shift=0.1",
@@ -40,7 +41,6 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "walls.reflection='normal'",
           "walls.floor_friction=0.0",
           fmt::format("output.directory='out/{}'", scene.name),
-          "run.max_compression=0.05",
           "random.seed=1"};
 }
 
@@ -82,7 +82,7 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "obstacle.0.angular_velocity=[0, 0, 0]",
                                                               "obstacle.0.restitution=0.5",
                                                               "obstacle.0.friction=0",
-                                                              "gauge.0.radius=0.4",
+                                                              "gauge.0.radius=0.2",
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
                                                               "output.checkpoint.keep=2",

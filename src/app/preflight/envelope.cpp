@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/simd.hpp"
+#include "fluid/forcings/inlet.hpp"
 #include "solver/density_solver.hpp"
 
 namespace trevi {
@@ -101,10 +103,26 @@ std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& e
 std::vector<std::string> crush_warnings(const Scene& scene, const Solver::Counters::Compression& seen) {
   if (seen.first_crushed < 0) return {};
   return {
-      fmt::format("the water is crushed from step {} on: it is compressed by up to {:.0f} % in the mean, and "
-                  "run.max_compression is {:.0f} %; look for particles that lie on one another, for more water than "
+      fmt::format("the water is crushed from step {} on: its mean compression is up to {:.0f} %, and "
+                  "density.crush_limit is {:.0f} %; look for particles that lie on one another, for more water than "
                   "space, for solids that press it, or use more density.iterations",
-                  seen.first_crushed, 100 * seen.largest, 100 * scene.max_compression)};
+                  seen.first_crushed, 100 * seen.largest, 100 * scene.density.crush_limit)};
+}
+
+std::vector<std::string> flow_warnings(const Scene& scene, const FlowState* flow) {
+  std::vector<std::string> warnings;
+  constexpr Real missed = 0.02;
+  for (std::size_t k = 0; flow != nullptr && k < scene.inlets.size(); ++k) {
+    const FlowState::Stream& stream = flow->streams.at(k);
+    const Real less = stream.covered + stream.crowded, asked = stream.asked() - stream.dry;
+    const InletLattice lattice(scene.inlets[k], scene.fluid.spacing);
+    if (less < std::max(missed * asked, static_cast<Real>(lattice.open_places()))) continue;
+    warnings.push_back(fmt::format(
+        "inlet {} made {:.0f} of the {:.0f} particles asked of it: for {:.0f} a solid, or a wall, is in the opening or "
+        "less than the path of a substep ahead of it, for {:.0f} other water was; move it, or ask for less",
+        k, stream.made, asked, stream.covered, stream.crowded));
+  }
+  return warnings;
 }
 
 }  // namespace trevi

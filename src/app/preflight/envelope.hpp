@@ -23,7 +23,11 @@ std::vector<std::string> start_warnings(const Scene& scene);
 /// remedies above 0.5 %, the mark of the stability study, else none.
 std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy);
 
-/// What is said of water that was crushed (Settings::max_compression), when that begins and at the end.
+/// What is said of water that was crushed (DensitySettings::crush_limit), when that begins and at the end.
 std::vector<std::string> crush_warnings(const Scene& scene, const Solver::Counters::Compression& seen);
+
+/// What is said of each inlet that made less than 98 % of what was asked of it, and at least a layer less: how much, and
+/// why. One that waits for what drains take is as it should be. `flow` may be null.
+std::vector<std::string> flow_warnings(const Scene& scene, const FlowState* flow);
 
 }  // namespace trevi

@@ -153,6 +153,13 @@ std::optional<Real> Body::first_contact(const Segment& segment) const {
   return std::nullopt;
 }
 
+bool Body::covers(const Vec3& from, const Vec3& place) const {
+  if (is_passed_by(from, place)) return false;
+  const Segment segment{{now_.into_body(from), from}, {now_.into_body(place), place}};
+  if (shape_->distance(segment.from.in_body) < -tolerance_ || shape_->distance(segment.to.in_body) < 0) return true;
+  return first_contact(segment).has_value();
+}
+
 bool Body::is_clear(const ContactPoint& point) const { return distance(point, h_) >= tolerance_ / 2; }
 
 Vec3 Body::exit_shift(const ContactPoint& point) const {

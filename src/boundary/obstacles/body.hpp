@@ -78,6 +78,8 @@ class Body {
   /// Whether the straight segment in between may come to the surface; true where that is not known.
   bool may_cross(const Vec3& from, const Vec3& to) const;
 
+  /// Whether one of two places is in the solid, or the straight line between them meets it.
+  bool covers(const Vec3& from, const Vec3& place) const;
   /// How far along the segment, from 0 to 1, the surface is met; no value where it is not. A segment that begins nearer
   /// to the surface than contacts are meets it where it comes nearer still.
   std::optional<Real> first_contact(const Segment& segment) const;

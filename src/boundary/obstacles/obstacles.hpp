@@ -56,6 +56,11 @@ class Obstacles {
     }
   }
 
+  /// Whether a place is in a solid, or one stands on the straight line to it, the obstacles where they are now.
+  bool covers(const Vec3& from, const Vec3& place) const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->covers(from, place); });
+  }
+
   /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
     const Vec3 straight = p + v * dt;

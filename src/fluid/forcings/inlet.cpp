@@ -91,14 +91,21 @@ Inlet::Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spa
     : PumpedForcing(settings, std::move(pump), seed, index),
       event_("Inlet"),
       lattice_(settings, spacing),
-      recycles_(settings.recycle) {}
+      recycles_(settings.recycle),
+      spacing_(spacing),
+      direction_(settings.direction) {}
 
 void Inlet::apply(Particles& particles, const StepInfo& info) {
   const ScopedEvent timed(event_);
   const std::optional<FountainState> now = pumped(info.time);
   if (!now) return;
   for_each_index({0, particles.size()}, [&](std::size_t i) {
-    if (lattice_.in_nozzle(particles.position[i])) particles.velocity[i] = jet(now->speed, particles.id[i], info);
+    const Vec3& p = particles.position[i];
+    if (!lattice_.in_nozzle(p) || (covers_ && covers_(p, p + spacing_ * direction_))) return;
+    const Vec3 out = jet(now->speed, particles.id[i], info);
+    const Real speed = out.dot(direction_), rest = spacing_ - lattice_.seen(p).ahead;
+    const Real falls = speed * info.dt > rest ? info.dt - rest / speed : 0;
+    particles.velocity[i] = out + falls * gravity_;
   });
 }
 

@@ -1,10 +1,11 @@
 // Inlets: openings through which water enters (inputs/README.md, Inlets and drains). An inlet makes particles layer by
 // layer, on a square lattice with the fluid's spacing across its opening: a layer whenever the water has gone one
-// spacing. Who makes them, and with which ids, is the matter of InflowOutflow (solver/open_flow.hpp). Collective:
+// spacing. Who makes them, and with which ids, is the matter of InflowOutflow (solver/inflow_outflow.hpp). Collective:
 // prepare() only.
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "fluid/forcings/fountain.hpp"
 
@@ -51,11 +52,18 @@ class InletLattice {
 };
 
 /// Sets the velocity of the particles within one spacing ahead of its opening as a fountain does, so that water in the
-/// way does not hold up the next layer at once.
+/// way does not hold up the next layer at once. What leaves that nozzle within a substep falls for the rest of it: all
+/// layers of a jet have the same path, however many of them a substep makes. Water that has a solid or a wall less than
+/// a spacing ahead of it is left alone.
 class Inlet : public PumpedForcing {
  public:
   Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spacing, std::uint64_t seed, int index);
   void apply(Particles& particles, const StepInfo& info) override;
+  /// `covers`: whether something solid is between two places, or at one of them.
+  void place_in(const Vec3& gravity, std::function<bool(const Vec3&, const Vec3&)> covers) {
+    gravity_ = gravity;
+    covers_ = std::move(covers);
+  }
 
   const InletLattice& lattice() const { return lattice_; }
   bool recycles() const { return recycles_; }
@@ -71,6 +79,10 @@ class Inlet : public PumpedForcing {
   Event event_;
   InletLattice lattice_;
   bool recycles_;
+  Vec3 gravity_ = Vec3::Zero();
+  std::function<bool(const Vec3&, const Vec3&)> covers_;
+  Real spacing_;
+  Vec3 direction_;
 };
 
 /// Whether a drain removes what is there.

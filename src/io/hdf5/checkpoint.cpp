@@ -41,8 +41,13 @@ void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
   write_on_root(comm, file, "/flow",
                 std::vector<std::int64_t>{flow->next_id, flow->inflow, flow->outflow, flow->waiting});
   std::vector<Real> streams;
-  for (const FlowState::Stream& stream : flow->streams) streams.insert(streams.end(), {stream.travelled, stream.speed});
+  std::vector<Real> counts;
+  for (const FlowState::Stream& stream : flow->streams) {
+    streams.insert(streams.end(), {stream.travelled, stream.speed});
+    counts.insert(counts.end(), {stream.made, stream.covered, stream.crowded, stream.dry});
+  }
   write_on_root(comm, file, "/streams", streams);
+  write_on_root(comm, file, "/stream_counts", counts);
 }
 
 std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& file) {
@@ -51,10 +56,17 @@ std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& fi
   const std::int64_t rows = file.rows<Real>("/streams");
   const auto streams = file.read<Real>("/streams", {0, rows, rows});
   FlowState flow{counts[0], counts[1], counts[2], counts[3], {}};
-  const bool finite = std::all_of(streams.begin(), streams.end(), [](Real x) { return x >= 0 && std::isfinite(x); });
-  if (*std::min_element(counts.begin(), counts.end()) < 0 || !finite || rows % 2 != 0)
+  const std::int64_t count_rows = file.has("/stream_counts") ? file.rows<Real>("/stream_counts") : 0;  // since 1.1.0
+  const auto made = file.has("/stream_counts") ? file.read<Real>("/stream_counts", {0, count_rows, count_rows})
+                                               : std::vector<Real>(2 * streams.size());
+  const auto fine = [](Real x) { return x >= 0 && std::isfinite(x); };
+  if (*std::min_element(counts.begin(), counts.end()) < 0 || !std::all_of(streams.begin(), streams.end(), fine) ||
+      !std::all_of(made.begin(), made.end(), fine) || rows % 2 != 0 || made.size() != 2 * streams.size())
     throw DamagedFile(path + ": /flow, /streams: cannot be what inlets and drains have done; use another checkpoint");
-  for (std::size_t k = 0; k < streams.size(); k += 2) flow.streams.push_back({streams[k], streams[k + 1]});
+  for (std::size_t k = 0; k < streams.size(); k += 2) {
+    const std::size_t n = 2 * k;
+    flow.streams.push_back({streams[k], streams[k + 1], made[n], made[n + 1], made[n + 2], made[n + 3]});
+  }
   return flow;
 }
 

@@ -53,6 +53,14 @@ Json report_json(const RunReport& report) {
   json["motion_gain"] = report.motion_gain;
   json["compression_largest"] = report.compression_largest;
   json["crushed_step"] = report.crushed_step;
+  json["inlets"] = Json::array();
+  for (const RunReport::Inlet& inlet : report.inlets) {
+    json["inlets"].push_back(Json{{"asked", inlet.asked},
+                                  {"made", inlet.made},
+                                  {"covered", inlet.covered},
+                                  {"crowded", inlet.crowded},
+                                  {"dry", inlet.dry}});
+  }
   json["unconverged_solves"] = report.unconverged_solves;
   json["halo_bytes_per_step"] = report.halo_bytes_per_step;
   json["halo_messages_per_step"] = report.halo_messages_per_step;

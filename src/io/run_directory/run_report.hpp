@@ -46,7 +46,12 @@ struct RunReport {
   double energy_gain = unknown;          ///< EnergyRise::fraction(); unknown without a series, or where something pumps
   double motion_gain = unknown;          ///< EnergyRise::fraction_of_motion()
   double compression_largest = unknown;  ///< mean over the water at the end of a substep
-  std::int64_t crushed_step = -1;        ///< first with more than run.max_compression; -1: none
+  std::int64_t crushed_step = -1;        ///< first with more than density.crush_limit; -1: none
+  /// Particles that were asked of an inlet, and what became of them (FlowState::Stream).
+  struct Inlet {
+    double asked, made, covered, crowded, dry;
+  };
+  std::vector<Inlet> inlets;             ///< in the order of the scene
   std::int64_t unconverged_solves = 0;   ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
   std::vector<double> halo_wait_seconds;                                   ///< of each rank

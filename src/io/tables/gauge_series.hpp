@@ -18,12 +18,13 @@ class GaugeSeries : public TableSeries {
   void observe(const Frame& frame) override;
 
  private:
-  std::vector<Real> heights(const Particles& particles);
+  std::vector<std::int64_t> sums(const Particles& particles);
 
   std::vector<GaugeSettings> gauges_;
-  Real spacing_;              // m, the edge of a particle's cube
-  bool pressures_;            // whether there are gauges of pressure
-  std::vector<Real> volume_;  // of a particle over the fraction of the disc that is in the box, m³; by the gauge
+  std::vector<std::size_t> first_;  // of the sums of each gauge; one more at the end
+  Real spacing_;                    // m, the edge of a particle's cube
+  bool pressures_;                  // whether there are gauges of pressure
+  std::vector<Real> open_;          // of gauges of height: the fraction of the disc that is in the box
   PerThread<std::vector<std::int64_t>> sums_;
 };
 
