@@ -35,8 +35,8 @@ struct FlowState {
   /// water was in their places for too long, or as drains had taken too little for them.
   struct Stream {
     Real travelled = 0, speed = 0;
-    Real made = 0, covered = 0, crowded = 0, dry = 0;
-    Real asked() const { return made + covered + crowded + dry; }
+    Real made = 0, covered = 0, blocked = 0, dry = 0;
+    Real asked() const { return made + covered + blocked + dry; }
   };
   std::vector<Stream> streams;  ///< in the order of the scene
 };

@@ -13,7 +13,8 @@
 
 namespace trevi {
 
-enum class ShapeKind { sphere, box, cylinder, capsule, torus, mesh };
+/// A basin is open at the top: upright walls and a floor around a space that is a box, or without a size a cylinder.
+enum class ShapeKind { sphere, box, cylinder, capsule, torus, mesh, basin };
 
 /// A closed surface of triangles, each with its corners counterclockwise as seen from outside.
 struct TriangleMesh {
@@ -29,12 +30,23 @@ struct ObstacleKnot {
   bool operator==(const ObstacleKnot&) const = default;
 };
 
+/// About the place and the pose at the start, with the factor f(t) = r(t/ramp) sin(2 pi t/period), r(u) = u²(3 - 2u) up
+/// to 1: a shift by f amplitude and a rotation by f rotation, an axis with the angle as its length.
+struct Oscillation {
+  Vec3 amplitude = Vec3::Zero();  ///< m
+  Vec3 rotation = Vec3::Zero();   ///< degrees
+  Real period = 1;                ///< s
+  Real ramp = 0;                  ///< s; 0: at once
+  bool operator==(const Oscillation&) const = default;
+};
+
 struct ObstacleSettings {
   ShapeKind shape = ShapeKind::sphere;
   Vec3 center = Vec3::Zero();                ///< of a mesh: where the origin of its file is
-  Vec3 size = Vec3::Zero();                  ///< box: its edges
+  Vec3 size = Vec3::Zero();                  ///< box: its edges; basin: those of the space in it, or zero
   Real radius = 0, tube = 0;                 ///< torus: of its middle line, and of the tube around it
-  Real height = 0;                           ///< cylinder, capsule: from end to end along the axis
+  Real height = 0;                           ///< cylinder, capsule: from end to end along the axis; round basin: within
+  Real wall = 0;                             ///< basin: thickness of walls and floor
   Vec3 axis = Vec3::UnitZ();                 ///< cylinder, capsule, torus
   Vec3 rotate = Vec3::Zero();                ///< degrees about x, then y, then z, through the centre
   bool inside = false;                       ///< a vessel: solid is what is outside of the shape
@@ -45,11 +57,12 @@ struct ObstacleSettings {
   Vec3 angular_velocity = Vec3::Zero();      ///< rad/s, about the centre
   std::string motion;                        ///< a file of times and places
   std::vector<ObstacleKnot> knots;           ///< in place of a velocity; at rest before the first and after the last
+  std::optional<Oscillation> oscillation;    ///< in place of velocities and knots
   std::optional<Real> restitution;           ///< that of the walls where there is none
   Real friction = 0;                         ///< Coulomb's coefficient in a bounce
   int line = 0;                              ///< of the table in the scene file, for later messages
 
-  bool moves() const { return !knots.empty() || !velocity.isZero() || !angular_velocity.isZero(); }
+  bool moves() const { return !knots.empty() || oscillation || !velocity.isZero() || !angular_velocity.isZero(); }
   bool operator==(const ObstacleSettings&) const = default;
 };
 

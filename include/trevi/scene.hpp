@@ -25,9 +25,12 @@ struct ParticleSource {
   enum class Type { block, file } type = Type::block;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m, block
   Vec3 velocity = Vec3::Zero();                 ///< m/s, block
-  Real vortex = 0;                              ///< m/s, block: of the vortex that is added
-  std::string path;                             ///< file, resolved against the scene's folder
-  int line = 0;                                 ///< of the table in the scene file, for later messages
+  /// Block: in place of a velocity, expressions of x, y and z for each of its three coordinates; none or three.
+  std::vector<std::string> velocity_formulas;
+  std::string surface;  ///< block: an expression of x and y for the height of its surface, m
+  Real vortex = 0;      ///< m/s, block: of the vortex that is added
+  std::string path;     ///< file, resolved against the scene's folder
+  int line = 0;         ///< of the table in the scene file, for later messages
   bool operator==(const ParticleSource&) const = default;
 };
 

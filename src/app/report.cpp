@@ -105,10 +105,11 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.crushed_step = counters.compression.first_crushed;
   for (std::string& warning : crush_warnings(context.scene, counters.compression))
     report.warnings.push_back(std::move(warning));
-  for (std::string& warning : flow_warnings(context.scene, solver.flow())) report.warnings.push_back(std::move(warning));
+  for (std::string& warning : flow_warnings(context.scene, solver.flow()))
+    report.warnings.push_back(std::move(warning));
   if (solver.flow() != nullptr) {
     for (const FlowState::Stream& stream : solver.flow()->streams)
-      report.inlets.push_back({stream.asked(), stream.made, stream.covered, stream.crowded, stream.dry});
+      report.inlets.push_back({stream.asked(), stream.made, stream.covered, stream.blocked, stream.dry});
   }
   report.simulated_seconds = static_cast<double>(report.steps) * solver.clock().dt;
   return report;

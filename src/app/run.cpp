@@ -60,12 +60,12 @@ class Watch {
  public:
   Watch(const Session& session, const Scene& scene) : session_(session), scene_(scene) {}
   void look(const Solver& solver) {
-    tell_once(told_crushed_, crush_warnings(scene_, solver.counters().compression));
-    tell_once(told_flow_, flow_warnings(scene_, solver.flow()));
+    warn_once(told_crushed_, crush_warnings(scene_, solver.counters().compression));
+    warn_once(told_flow_, flow_warnings(scene_, solver.flow()));
   }
 
  private:
-  void tell_once(bool& told, const std::vector<std::string>& warnings) const {
+  void warn_once(bool& told, const std::vector<std::string>& warnings) const {
     if (told || warnings.empty()) return;
     told = true;
     for (const std::string& warning : warnings) tell(session_, "warning: " + warning);

@@ -22,11 +22,4 @@ int FreePlaces::solid_at(const Vec3& p, Real depth) const {
   return -1;
 }
 
-GlobalId FreePlaces::count(const Lattice& lattice, int axis, GlobalId layer) const {
-  GlobalId free = 0;
-  for_each_point(lattice, axis, layer,
-                 [&](GlobalId i, GlobalId j, GlobalId k) { free += is_free(lattice.point(i, j, k)) ? 1 : 0; });
-  return free;
-}
-
 }  // namespace trevi

@@ -20,8 +20,6 @@ class FreePlaces {
   bool is_free(const Vec3& p) const;
   /// Whether p is in an obstacle, and deeper than so many m; its number, or −1.
   int solid_at(const Vec3& p, Real depth = 0) const;
-  /// Free points of a layer of a lattice across an axis.
-  GlobalId count(const Lattice& lattice, int axis, GlobalId layer) const;
 
  private:
   struct Solid {

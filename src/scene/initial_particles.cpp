@@ -12,10 +12,10 @@
 #include "parallel/collective.hpp"
 #include "parallel/core_share.hpp"
 #include "parallel/reductions.hpp"
+#include "scene/block_start.hpp"
 #include "scene/free_places.hpp"
 #include "scene/lattice.hpp"
 #include "scene/scene_place.hpp"
-#include "scene/vortex.hpp"
 #include "solver/first_slabs.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
@@ -42,18 +42,16 @@ void add_particle(Particles& particles, GlobalId id, const Vec3& position, const
 
 // A block of the scene with the ids that its points have; those in obstacles are left out.
 struct Block {
-  const ParticleSource& source;
+  const BlockStart& start;
   Lattice lattice;
   GlobalId first_id;
 };
 
-void add_layer(Particles& particles, const Block& block, int axis, GlobalId layer, const FreePlaces& places) {
-  const ParticleSource& source = block.source;
+void add_layer(Particles& particles, const Block& block, int axis, GlobalId layer) {
   for_each_point(block.lattice, axis, layer, [&](GlobalId i, GlobalId j, GlobalId k) {
     const Vec3 point = block.lattice.point(i, j, k);
-    if (!places.is_free(point)) return;
-    const Vec3 velocity = source.vortex == 0 ? source.velocity : Vec3(source.velocity + vortex_at(source, point));
-    add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, velocity);
+    if (!block.start.holds_water(point)) return;
+    add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, block.start.velocity(point));
   });
 }
 
@@ -125,43 +123,48 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene, const FreePlaces& pl
   return result;
 }
 
-// Particles in each plane, for those sources that are blocks.
-std::vector<Real> block_weights(const Scene& scene, const CellGrid& grid) {
-  std::vector<Real> weights(static_cast<std::size_t>(grid.planes()), 0.0);
-  for (const ParticleSource& source : scene.particles) {
+// Calls visit(block, number of the source) for those sources that are blocks.
+template <class Visit>
+void for_each_block(const Scene& scene, const FreePlaces& places, const std::vector<GlobalId>& first_id,
+                    const Visit& visit) {
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    const ParticleSource& source = scene.particles[k];
     if (source.type != ParticleSource::Type::block) continue;
-    const Lattice lattice(source, scene.fluid.spacing);
-    const GlobalId in_layer = lattice.size() / lattice.count[static_cast<std::size_t>(grid.slab_axis())];
-    for_each_layer(lattice, grid, [&](GlobalId, LocalId plane) {
-      weights[static_cast<std::size_t>(plane)] += static_cast<Real>(in_layer);
+    told_at(scene, source.line, "[[particles]]", [&] {
+      const BlockStart start(source, places);
+      visit(Block{start, Lattice(source, scene.fluid.spacing), first_id[k]});
     });
   }
-  return weights;
 }
 
-// The same where obstacles take some of the places: ranks take turns with the layers.
-std::vector<Real> free_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places) {
+// Particles of blocks in each plane. Where some of the places are without water ranks take turns with the layers.
+std::vector<Real> block_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places,
+                                const std::vector<GlobalId>& first_id) {
   std::vector<GlobalId> count(static_cast<std::size_t>(grid.planes()), 0);
-  for (const ParticleSource& source : scene.particles) {
-    if (source.type != ParticleSource::Type::block) continue;
-    const Lattice lattice(source, scene.fluid.spacing);
-    for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
-      if (layer % size_of(comm) != rank_of(comm)) return;
-      count[static_cast<std::size_t>(plane)] += places.count(lattice, grid.slab_axis(), layer);
+  const int axis = grid.slab_axis(), rank = rank_of(comm), ranks = size_of(comm);
+  all_or_none(comm, [&] {
+    for_each_block(scene, places, first_id, [&](const Block& block) {
+      const GlobalId in_layer = block.lattice.size() / block.lattice.count[static_cast<std::size_t>(axis)];
+      for_each_layer(block.lattice, grid, [&](GlobalId layer, LocalId plane) {
+        if (layer % ranks != rank) return;
+        count[static_cast<std::size_t>(plane)] +=
+            block.start.is_whole() ? in_layer : block.start.count(block.lattice, axis, layer);
+      });
     });
-  }
+  });
   count = sum_over_ranks(comm, count);
   return {count.begin(), count.end()};
 }
 
 // The same with particles from files, which may be on any rank.
 std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places,
-                                 const Particles& files) {
-  std::vector<Real> weights = plane_weights(comm, grid, files);
-  const std::vector<Real> blocks = places.all() ? block_weights(scene, grid) : free_weights(comm, scene, grid, places);
+                                 const FileParticles& files) {
+  std::vector<Real> weights = plane_weights(comm, grid, files.particles);
+  const std::vector<Real> blocks = block_weights(comm, scene, grid, places, files.first_id);
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
   if (!scene.particles.empty() && std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
-    throw InputError(scene.path + ": [[particles]]: no particle is left outside of the obstacles; move them");
+    throw InputError(scene.path +
+                     ": [[particles]]: no particle is left outside of the obstacles and below the surface; move them");
   return weights;
 }
 
@@ -186,7 +189,7 @@ void add_hue(MPI_Comm comm, Particles& particles) {
 Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights) {
   const FreePlaces places(scene);
   const FileParticles files = read_files(comm, scene, places);
-  weights = source_weights(comm, scene, grid, places, files.particles);
+  weights = source_weights(comm, scene, grid, places, files);
   return first_slabs(scene, grid, weights, size_of(comm));
 }
 
@@ -194,7 +197,7 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   const CellGrid grid = cell_grid(scene, scene.domain);
   const FreePlaces places(scene);
   FileParticles files = read_files(comm, scene, places);
-  const std::vector<Real> weights = source_weights(comm, scene, grid, places, files.particles);
+  const std::vector<Real> weights = source_weights(comm, scene, grid, places, files);
   const Slabs slabs = first_slabs(scene, grid, weights, size_of(comm));
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
@@ -211,15 +214,13 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
   // run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
-  for (std::size_t s = 0; s < scene.particles.size(); ++s) {
-    const ParticleSource& source = scene.particles[s];
-    if (source.type != ParticleSource::Type::block) continue;
-    const Lattice lattice(source, scene.fluid.spacing);
-    for_each_layer(lattice, grid, [&](GlobalId layer, LocalId plane) {
-      if (slabs.owner(plane) != rank) return;
-      add_layer(particles, {source, lattice, files.first_id[s]}, grid.slab_axis(), layer, places);
+  all_or_none(comm, [&] {
+    for_each_block(scene, places, files.first_id, [&](const Block& block) {
+      for_each_layer(block.lattice, grid, [&](GlobalId layer, LocalId plane) {
+        if (slabs.owner(plane) == rank) add_layer(particles, block, grid.slab_axis(), layer);
+      });
     });
-  }
+  });
   if (scene.colour == Colour::rainbow_x) add_hue(comm, particles);
   return particles;
 }

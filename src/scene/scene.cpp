@@ -227,7 +227,8 @@ std::string scene_reference() {
   // what is missing from them does not matter here.
   const std::string every_table =
       "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
-      "obstacle = [{type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh'}]\n"
+      "obstacle = [{type = 'basin'}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh', motion = "
+      "{}}]\n"
       "gauge = [{type = 'pressure'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";

@@ -7,11 +7,6 @@
 
 namespace trevi {
 
-/// What of the scene is known to be good before its inlets are read.
-struct KnownGood {
-  bool box, spacing;
-};
-
 /// Adds them to the scene, whose box, spacing and fountains are read already.
 void read_inlet(Section& section, Scene& scene, const KnownGood& known);
 void read_drain(Section& section, Scene& scene);

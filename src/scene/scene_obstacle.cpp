@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "scene/scene_fountain.hpp"
@@ -9,11 +10,27 @@
 namespace trevi {
 namespace {
 
+void read_basin(Section& section, const FluidSettings& fluid, ObstacleSettings& obstacle) {
+  section.numbers({"size", "the edges [x, y, z] of the space in a basin that is a box, in metres"}, obstacle.size);
+  section.number({"radius", "the radius of the space in a round basin in metres"}, obstacle.radius, above(0));
+  section.number({"height", "the height of the space in a round basin in metres"}, obstacle.height, above(0));
+  obstacle.wall = 2 * (fluid.kernel_radius.given() ? fluid.kernel_radius.value() : 2 * fluid.spacing);
+  section.number({"wall", "the thickness of a basin's walls and floor in metres"}, obstacle.wall, above(0));
+  const bool box = section.given("size");
+  section.check("size", !box || !section.fine("size") || obstacle.size.minCoeff() > 0,
+                "must be positive on every axis; give the edges of the space in the basin");
+  for (const char* key : {"radius", "height"}) {
+    section.check(key, !box || !section.given(key), "is of a round basin, and size is given, too; keep one of them");
+    section.check(key, box || section.given(key), "missing; give radius and height of a round basin, or size of a box");
+  }
+}
+
 // Only the keys of its shape are asked for; others are unknown.
-void read_lengths(Section& section, ObstacleSettings& obstacle) {
+void read_lengths(Section& section, const FluidSettings& fluid, ObstacleSettings& obstacle) {
   const ShapeKind shape = obstacle.shape;
   const bool has_height = shape == ShapeKind::cylinder || shape == ShapeKind::capsule;
   if (shape == ShapeKind::mesh) return;
+  if (shape == ShapeKind::basin) return read_basin(section, fluid, obstacle);
   if (shape == ShapeKind::box) {
     section.numbers({"size", "the edges [x, y, z] of the box in metres", true}, obstacle.size);
     section.check("size", obstacle.size.minCoeff() > 0, "must be positive on every axis; give the edges of the box");
@@ -45,7 +62,8 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
     section.numbers({"center", "the middle [x, y, z] in metres", true}, obstacle.center);
   }
   section.numbers({"rotate", "degrees [x, y, z] about the axes through the centre, x first"}, obstacle.rotate);
-  section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
+  if (obstacle.shape != ShapeKind::basin)
+    section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
 }
 
 bool may_follow(const ObstacleKnot& last, const ObstacleKnot& next) {
@@ -72,6 +90,27 @@ std::vector<ObstacleKnot> knots_of(const toml::node& node) {
   return knots;
 }
 
+// motion = { type = "sine", ... }
+void read_oscillation(Section section, ObstacleSettings& obstacle) {
+  Oscillation swing;
+  std::string type;
+  const std::vector<std::string> types = {"sine"};
+  section.choice({"type", "how it moves", true}, type, types);
+  section.numbers({"amplitude", "the largest shift [x, y, z] in metres"}, swing.amplitude);
+  section.numbers({"rotation", "the largest rotation [x, y, z] about the centre in degrees, an axis times its angle"},
+                  swing.rotation);
+  section.number({"period", "the time of a whole oscillation in seconds", true}, swing.period, above(0));
+  section.number({"ramp", "the time in seconds in which the amplitude grows from 0; default 0"}, swing.ramp,
+                 at_least(0));
+  section.check("amplitude", !swing.amplitude.isZero() || !swing.rotation.isZero(),
+                "is zero, and so is rotation: it would not move; give one of them, or leave motion out");
+  const Real fastest = 2 * std::numbers::pi / swing.period * swing.amplitude.norm();
+  section.check("period", !section.fine("period") || fastest <= fastest_obstacle,
+                "with this amplitude makes it faster than 10000 m/s; check the units");
+  section.reject_unknown();
+  obstacle.oscillation = swing;
+}
+
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
   section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, obstacle.velocity);
   section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
@@ -82,17 +121,21 @@ void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacl
                 "must be at most 10000 rad/s about each axis; check the units");
   const Key motion{"motion",
                    "times and places, [[time, x, y, z], ...] in s and m with times increasing, or the name of a CSV "
-                   "file of them relative to the scene's folder"};
-  const toml::node* node = section.find(motion, "text or list");
+                   "file of them relative to the scene's folder, or a table { type = \"sine\", ... }"};
+  const toml::node* node = section.find(motion, "text, list or table");
   if (node == nullptr) return;
   if (const auto* path = node->as_string()) {
     obstacle.motion = beside_scene(scene.path, path->get());
+  } else if (node->is_table()) {
+    read_oscillation(section.child("motion"), obstacle);
   } else {
     obstacle.knots = knots_of(*node);
     if (obstacle.knots.empty())
       return section.refuse(motion, "must be two times and places or more, in order, at most 10000 m/s apart");
   }
   section.check("motion", !section.given("velocity"), "velocity is given, too; keep one of them");
+  section.check("motion", !node->is_table() || !section.given("angular_velocity"),
+                "angular_velocity is given, too; a sine has a rotation of its own");
 }
 
 }  // namespace
@@ -107,9 +150,10 @@ void read_obstacle(Section& section, Scene& scene) {
                              {"cylinder", cylinder},
                              {"capsule", capsule},
                              {"torus", torus},
+                             {"basin", basin},
                              {"mesh", mesh}});
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
-  read_lengths(section, obstacle);
+  read_lengths(section, scene.fluid, obstacle);
   read_place(section, scene, obstacle);
   read_motion(section, scene, obstacle);
   Real restitution = scene.walls.restitution;

@@ -12,13 +12,12 @@
 #include "scene/scene_gauge.hpp"
 #include "scene/scene_inlet.hpp"
 #include "scene/scene_obstacle.hpp"
+#include "scene/scene_particles.hpp"
 #include "scene/scene_periodic.hpp"
 
 namespace trevi {
 namespace {
 
-/// A count (of steps, particles) above this is taken for a mistake; it would no longer be exact in a double.
-constexpr Real max_counted = 1e15;
 /// A request to stop is seen between two steps, so a step must not take hours.
 constexpr int max_iterations = 10000;
 
@@ -71,8 +70,6 @@ class PhysicsReader {
   void read_domain();
   void read_fluid();
   void read_particles();
-  void read_particle_source(Section& section);
-  void read_block(Section& section, ParticleSource& source);
   void read_time();
   void read_density(Section& density);
   void read_forces();
@@ -191,47 +188,7 @@ void PhysicsReader::read_particles() {
   std::vector<Section> sections = root_.children("particles");
   root_.check("particles", !sections.empty() || root_.given("inlet"),
               "missing; add at least one [[particles]] table, a block or a file");
-  for (Section& section : sections) read_particle_source(section);
-}
-
-void PhysicsReader::read_particle_source(Section& section) {
-  ParticleSource source;
-  source.line = section.line();
-  section.choice<ParticleSource::Type>({"type", "where the particles come from; default block"}, source.type,
-                                       {{"block", ParticleSource::Type::block}, {"file", ParticleSource::Type::file}});
-  if (!section.fine("type")) return;  // which of the other keys belong here is not known
-  if (source.type == ParticleSource::Type::file) {
-    section.text({"path", "the HDF5 file with /particles/position, relative to the scene's folder", true}, source.path);
-    source.path = beside_scene(scene_.path, source.path);
-  } else {
-    read_block(section, source);
-  }
-  section.reject_unknown();
-  scene_.particles.push_back(source);
-}
-
-void PhysicsReader::read_block(Section& section, ParticleSource& source) {
-  section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, source.min);
-  section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, source.max);
-  section.numbers({"velocity", "the start velocity [x, y, z] in m/s"}, source.velocity);
-  section.number({"vortex", "the largest speed of a Taylor-Green vortex in x and y that is added, in m/s"},
-                 source.vortex);
-  if (!section.fine("min") || !section.fine("max")) return;
-  const Vec3 extent = source.max - source.min;
-  section.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the block");
-  if (box_known()) {
-    section.check("min", (source.min - scene_.domain.min).minCoeff() >= 0,
-                  "the block is outside the box; move min to [domain] min or above");
-    section.check("max", (scene_.domain.max - source.max).minCoeff() >= 0,
-                  "the block is outside the box; move max to [domain] max or below");
-  }
-  if (!fluid_.fine("spacing") || !section.fine("max")) return;
-  const Real spacing = scene_.fluid.spacing;
-  const Vec3 counts = (extent / spacing).array().round();
-  section.check("max", counts.minCoeff() >= 1,
-                fmt::format("zero particles: the block is thinner than half the spacing {} m; enlarge it", spacing));
-  section.check("max", counts.prod() <= max_counted,
-                fmt::format("{:.1e} particles are too many; check the units, or coarsen the spacing", counts.prod()));
+  for (Section& section : sections) read_particle_source(section, scene_, {box_known(), fluid_.fine("spacing")});
 }
 
 void PhysicsReader::read_time() {
@@ -287,9 +244,9 @@ void PhysicsReader::read_density(Section& section) {
       "constraint", density.constraint == Constraint::inequality || density.method != Method::chebyshev,
       "with density.method = \"chebyshev\" an equality pulls particles into clumps that explode: a cube's energy "
       "grows by 13,000 in a second; leave it out, or take density.preset = \"report\"");
-  section.number({"crush_limit",
-                  "the mean compression from which on the run warns that its water is crushed; default 0.05, 5 %"},
-                 density.crush_limit, above(0));
+  section.number(
+      {"crush_limit", "the mean compression from which on the run warns that its water is crushed; default 0.05, 5 %"},
+      density.crush_limit, above(0));
   section.choice<Precision>({"precision", "the arithmetic of the pair loops"}, density.precision,
                             {{"double", Precision::double_}, {"single", Precision::single}});
 }

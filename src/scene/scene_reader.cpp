@@ -149,7 +149,10 @@ const toml::table* Section::accept_table(const toml::node& node, const Place& pl
 Section Section::child(const std::string& name) {
   known_.push_back(name);
   const std::string path = place_.path.empty() ? name : place_.path + '.' + name;
-  Place place{place_.where, path, '[' + path + ']'};
+  // Of a table in a list TOML's own header has no number: [obstacle.motion].
+  std::string label = place_.label;
+  std::erase_if(label, [](char c) { return c == '[' || c == ']'; });
+  Place place{place_.where, path, fmt::format("[{}{}{}]", label, label.empty() ? "" : ".", name)};
   const toml::node* node = table_ ? table_->get(name) : nullptr;
   const toml::table* table = nullptr;
   if (node) {

@@ -68,6 +68,11 @@ struct Interval {
 inline Interval above(Real low) { return {.low = low, .with_low = false}; }
 inline Interval at_least(Real low) { return {.low = low}; }
 
+/// What of a scene is known to be good before the tables that depend on it are read.
+struct KnownGood {
+  bool box, spacing;
+};
+
 class Section {
  public:
   Section(const toml::table& root, Findings& findings);

@@ -107,6 +107,12 @@ void check_shape(const ObstacleSettings& one, const std::string& name) {
   demand((!is_tall && one.shape != torus) || (one.axis.allFinite() && one.axis.norm() > 0),
          name + "axis must have a length");
   if (one.shape == mesh) check_mesh(one, name);
+  if (one.shape != basin) return;
+  const bool is_box = !one.size.isZero();
+  demand(!is_box || (one.size.allFinite() && one.size.minCoeff() > 0), name + "size must be positive");
+  demand(is_box || (is_positive(one.radius) && is_positive(one.height)), name + "radius and height must be positive");
+  demand(is_positive(one.wall), name + "wall must be positive");
+  demand(!one.inside, name + "inside is not for a basin");
 }
 
 void check_obstacle(const ObstacleSettings& one, const std::string& name) {
@@ -116,6 +122,15 @@ void check_obstacle(const ObstacleSettings& one, const std::string& name) {
   demand(!one.restitution || (*one.restitution >= 0 && *one.restitution <= 1),
          name + "restitution must be from 0 to 1");
   demand(is_amount(one.friction), name + "friction must not be negative");
+  if (one.oscillation) {
+    const Oscillation& swing = *one.oscillation;
+    demand(swing.amplitude.allFinite() && swing.rotation.allFinite(), name + "oscillation must be finite");
+    demand(is_positive(swing.period) && is_amount(swing.ramp), name +
+                                                                   "oscillation.period must be positive, ramp not "
+                                                                   "negative");
+    demand(one.knots.empty() && one.velocity.isZero() && one.angular_velocity.isZero(),
+           name + "oscillation is in place of knots and velocities");
+  }
   for (std::size_t k = 0; k < one.knots.size(); ++k) {
     demand(std::isfinite(one.knots[k].time) && one.knots[k].center.allFinite(), name + "knots must be finite");
     demand(k == 0 || one.knots[k].time > one.knots[k - 1].time, name + "knots must be in the order of their times");

@@ -119,16 +119,16 @@ void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
     stream.made += static_cast<Real>(made.particles);
     stream.covered += static_cast<Real>(made.covered) + static_cast<Real>(due - layers) * in_layer;
     if (made.dry) {
-      const auto done = static_cast<Real>(made.particles + made.covered + made.crowded);
-      stream.crowded += static_cast<Real>(made.crowded);
+      const auto done = static_cast<Real>(made.particles + made.covered + made.blocked);
+      stream.blocked += static_cast<Real>(made.blocked);
       stream.dry += std::max<Real>(0, (came / parts_.spacing - 1) * in_layer - done);
       stream.travelled = parts_.spacing;  // the next layer waits in the opening
       return;
     }
     // What was in the way is made up for by layers that come sooner: deep water gives way only when it is pressed.
-    const Real owed = stream.travelled + parts_.spacing * static_cast<Real>(made.crowded) / in_layer;
+    const Real owed = stream.travelled + parts_.spacing * static_cast<Real>(made.blocked) / in_layer;
     stream.travelled = std::min(owed, max_owed * parts_.spacing);
-    stream.crowded += (owed - stream.travelled) / parts_.spacing * in_layer;
+    stream.blocked += (owed - stream.travelled) / parts_.spacing * in_layer;
   }
   stream.speed = inlet.speed(water.info);
   stream.travelled += inlet.path_length(water.info);
@@ -191,7 +191,7 @@ InflowOutflow::Made InflowOutflow::make(const Layers& layers, Water& water, Step
     state_.inflow += wanted;
     made.particles += wanted;
     made.covered += hidden;
-    made.crowded += lattice.open_places() - hidden - wanted;
+    made.blocked += lattice.open_places() - hidden - wanted;
     // It left the nozzle that long ago.
     const Real ahead = layers.ahead(layer, parts_.spacing);
     const Real flown = layers.speed > 0 ? std::max<Real>(0, ahead - parts_.spacing) / layers.speed : 0;

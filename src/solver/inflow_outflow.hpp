@@ -63,7 +63,7 @@ class InflowOutflow {
   // Places layer by layer, the farthest layer first: what can be made of each.
   enum Place : char { taken, open, covered };
   struct Made {
-    GlobalId particles = 0, covered = 0, crowded = 0;
+    GlobalId particles = 0, covered = 0, blocked = 0;
     bool dry = false;  // there was not enough water for all of the layers
   };
   void drain(Particles& particles, StepState& change);

@@ -29,7 +29,8 @@ TIMES = ("imbalance", "wall_seconds")
 ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
 SCENE = """
-gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}]
+gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
+         {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]}]
 [domain]
 min = [0, 0, 0]
 max = [1.6, 0.8, 2.4]

@@ -37,6 +37,13 @@ TEST(Advice, WaterThatDoesNotFitBetweenWalls) {
   expect_said("along y", pool, {"domain.max=[2.4,1.65,3]", "particles.0.max=[2.4,1.65,0.6]"});
 }
 
+TEST(Advice, ThinWallsOfABasin) {
+  const std::string basin =
+      pool + "[[obstacle]]\ntype = 'basin'\ncenter = [1.2, 0.8, 1.5]\nradius = 0.4\nheight = 0.5\n";
+  EXPECT_EQ(said(basin), "");
+  expect_said("walls of the basin", basin, {"obstacle.0.wall=0.3"});
+}
+
 TEST(Advice, Overlap) {
   expect_said("overlap", pool, {"particles.1.min=[1,1,0.3]", "particles.1.max=[1.4,1.4,1]"});
   EXPECT_EQ(said(pool, {"particles.1.min=[1,1,0.6]", "particles.1.max=[1.4,1.4,1]"}), "");

@@ -7,6 +7,7 @@
 
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
+#include "scene/block_start.hpp"
 #include "scene/free_places.hpp"
 
 namespace trevi {
@@ -62,6 +63,17 @@ Box place_of(const ObstacleSettings& obstacle) {
     place.max = place.max.cwiseMax(there);
   }
   return place;
+}
+
+// Of cells as wide as the kernel radius the diagonal is 1.7 times as long.
+void look_at_walls(const Scene& scene, const ObstacleSettings& obstacle, Advice& advice) {
+  const Real least = std::sqrt(3.0) * scene.fluid.kernel_radius;
+  if (obstacle.shape != ShapeKind::basin || obstacle.wall >= least) return;
+  advice.push_back(
+      fmt::format("the walls of the basin of line {} are {:.3g} m thick, and cells of the coarse grid see both sides "
+                  "of them, which "
+                  "crushes the water beside them; set wall = {:.3g} or more",
+                  obstacle.line, obstacle.wall, 2 * scene.fluid.kernel_radius));
 }
 
 // A mesh in millimetres that nobody scaled, for instance.
@@ -161,8 +173,9 @@ Real expected_speed(const Scene& scene) {
     speed = std::max(speed, inlet.top_speed() + inlet.jitter);
     top = std::max(top, inlet.center.z());
   }
+  const FreePlaces places(scene);
   for (const ParticleSource& source : scene.particles) {
-    speed = std::max(speed, source.velocity.norm() + std::abs(source.vortex));
+    speed = std::max(speed, BlockStart(source, places).fastest());
     top = std::max(top, source.max.z());
   }
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
@@ -180,7 +193,10 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   if (!output.vtu && !output.vtkhdf && !output.series && !output.checkpoint)
     advice.emplace_back("the scene asks for no output; add [output.vtu] for frames, [output.series] for sums");
   look_at_colours(scene, advice);
-  for (const ObstacleSettings& obstacle : scene.obstacles) look_at_obstacle(scene, obstacle, advice);
+  for (const ObstacleSettings& obstacle : scene.obstacles) {
+    look_at_obstacle(scene, obstacle, advice);
+    look_at_walls(scene, obstacle, advice);
+  }
   constexpr Real longest_cfl = 2;  // to which the default method was found stable
   if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
     advice.push_back(

@@ -114,13 +114,13 @@ std::vector<std::string> flow_warnings(const Scene& scene, const FlowState* flow
   constexpr Real missed = 0.02;
   for (std::size_t k = 0; flow != nullptr && k < scene.inlets.size(); ++k) {
     const FlowState::Stream& stream = flow->streams.at(k);
-    const Real less = stream.covered + stream.crowded, asked = stream.asked() - stream.dry;
+    const Real less = stream.covered + stream.blocked, asked = stream.asked() - stream.dry;
     const InletLattice lattice(scene.inlets[k], scene.fluid.spacing);
     if (less < std::max(missed * asked, static_cast<Real>(lattice.open_places()))) continue;
     warnings.push_back(fmt::format(
         "inlet {} made {:.0f} of the {:.0f} particles asked of it: for {:.0f} a solid, or a wall, is in the opening or "
         "less than the path of a substep ahead of it, for {:.0f} other water was; move it, or ask for less",
-        k, stream.made, asked, stream.covered, stream.crowded));
+        k, stream.made, asked, stream.covered, stream.blocked));
   }
   return warnings;
 }

@@ -11,7 +11,7 @@ namespace {
 // Where its surface is: of one that turns, at any time.
 Box place_of(const ObstacleSettings& obstacle) {
   const Box bounds = bounds_of(obstacle);
-  if (!obstacle.angular_velocity.isZero()) {
+  if (!obstacle.angular_velocity.isZero() || (obstacle.oscillation && !obstacle.oscillation->rotation.isZero())) {
     const Real radius = bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm();
     return {obstacle.center.array() - radius, obstacle.center.array() + radius};
   }
@@ -46,7 +46,8 @@ bool fits(const ObstacleSettings& obstacle, const Box& place, const Settings& se
 
 std::string why_not_periodic(const ObstacleSettings& obstacle, const Settings& settings) {
   if (settings.periodic == std::array<bool, 3>{}) return "";
-  if (!obstacle.velocity.isZero() || !obstacle.knots.empty())
+  if (!obstacle.velocity.isZero() || !obstacle.knots.empty() ||
+      (obstacle.oscillation && !obstacle.oscillation->amplitude.isZero()))
     return "goes places, which it cannot in a box with periodic axes; leave out its velocity or motion, or "
            "[domain] periodic";
   const Box place = place_of(obstacle);

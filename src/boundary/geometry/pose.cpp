@@ -73,11 +73,20 @@ BodyMotion::BodyMotion(const ObstacleSettings& obstacle)
       spin_axis_(Vec3::UnitZ()),
       turns_per_second_(obstacle.angular_velocity.norm() / (2 * std::numbers::pi)),
       start_(start_of(obstacle)),
-      knots_(obstacle.knots) {
+      knots_(obstacle.knots),
+      oscillation_(obstacle.oscillation) {
   if (turns_per_second_ > 0) spin_axis_ = obstacle.angular_velocity / obstacle.angular_velocity.norm();
 }
 
 Pose BodyMotion::at(Real time) const {
+  if (oscillation_) {
+    const auto& [amplitude, rotation, period, ramp] = *oscillation_;
+    const Real u = ramp > 0 ? std::clamp(time / ramp, 0.0, 1.0) : 1;
+    const Real factor = u * u * (3 - 2 * u) * sine_cosine_of_turns(time / period).sine;
+    const Real degrees = rotation.norm();
+    if (degrees == 0) return {center_ + factor * amplitude, start_};
+    return {center_ + factor * amplitude, turn_about(rotation / degrees, factor * degrees / 360) * start_};
+  }
   const Vec3 center = knots_.empty() ? Vec3(center_ + velocity_ * time) : center_at(time);
   if (turns_per_second_ == 0) return {center, start_};
   return {center, turn_about(spin_axis_, turns_per_second_ * time) * start_};
@@ -102,6 +111,11 @@ Vec3 BodyMotion::center_at(Real time) const {
 
 // Of the cubics by samples; they bend too little between these to matter for the choice of substeps.
 Real BodyMotion::fastest(Real begin, Real end, Real radius) const {
+  if (oscillation_) {  // a bound that holds at all times
+    const auto& [amplitude, rotation, period, ramp] = *oscillation_;
+    const Real rate = 2 * std::numbers::pi / period + (ramp > 0 && begin < ramp ? 1.5 / ramp : 0);
+    return rate * (amplitude.norm() + rotation.norm() * std::numbers::pi / 180 * radius);
+  }
   const Real spin = 2 * std::numbers::pi * turns_per_second_ * radius;
   if (knots_.empty()) return velocity_.norm() + spin;
   constexpr int samples = 8;

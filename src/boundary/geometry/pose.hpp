@@ -40,6 +40,7 @@ class BodyMotion {
   Real turns_per_second_;
   Rotation start_;
   std::vector<ObstacleKnot> knots_;
+  std::optional<Oscillation> oscillation_;
 };
 
 }  // namespace trevi

@@ -87,6 +87,75 @@ class Torus : public Shape {
   Real radius_, tube_;
 };
 
+// What two solids are together, the outside of which is a hull less a cavity that is open at its top: the distance to
+// both is exact outside, and inside that to the nearer of the hull's surface and the cavity.
+Real open_distance(Real hull, Real cavity, Real nearest_part) {
+  return hull < 0 && cavity > 0 ? -std::min(-hull, cavity) : nearest_part;
+}
+
+// Upright, around a space of this radius and height with its middle at the origin.
+class RoundBasin : public Shape {
+ public:
+  RoundBasin(Real radius, Real height, Real wall) : radius_(radius), half_(height / 2), wall_(wall) {}
+  Real distance(const Vec3& p) const override {
+    const Real r = radial(p), z = p.z(), outer = radius_ + wall_;
+    const auto rectangle = [&](Real low_r, Real low_z, Real high_z) {
+      const Real side = std::max(r - outer, low_r - r), end = std::max(z - high_z, low_z - z);
+      const Real a = std::max(side, 0.0), b = std::max(end, 0.0);
+      return std::sqrt(a * a + b * b) + std::min(std::max(side, end), 0.0);
+    };
+    const Real out_r = std::max(r - radius_, 0.0), out_z = std::max(-half_ - z, 0.0);
+    constexpr Real no_edge = -1e300;
+    return open_distance(
+        rectangle(no_edge, -half_ - wall_, half_), std::sqrt(out_r * out_r + out_z * out_z),
+        std::min(rectangle(no_edge, -half_ - wall_, -half_), rectangle(radius_, -half_ - wall_, half_)));
+  }
+  Box bounds() const override {
+    const Real outer = radius_ + wall_;
+    return {Vec3(-outer, -outer, -half_ - wall_), Vec3(outer, outer, half_)};
+  }
+  TriangleMesh surface(Real finest) const override {
+    const Real outer = radius_ + wall_, foot = -half_ - wall_;
+    return turned({{0, foot}, {outer, foot}, {outer, half_}, {radius_, half_}, {radius_, -half_}, {0, -half_}}, finest);
+  }
+
+ private:
+  Real radius_, half_, wall_;
+};
+
+// The same around a box.
+class BoxBasin : public Shape {
+ public:
+  BoxBasin(const Vec3& size, Real wall) : half_(size / 2), wall_(wall) {}
+  Real distance(const Vec3& p) const override {
+    const auto to = [&](const Vec3& low, const Vec3& high) {
+      const Vec3 q = (low - p).cwiseMax(p - high);
+      return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+    };
+    const Box all = bounds();
+    constexpr Real no_lid = 1e300;
+    Real nearest = to(all.min, Vec3(all.max.x(), all.max.y(), -half_.z()));
+    for (int a = 0; a < 2; ++a) {
+      Vec3 low = all.min, high = all.max;
+      low[a] = half_[a];
+      nearest = std::min(nearest, to(low, high));
+      low[a] = all.min[a];
+      high[a] = -half_[a];
+      nearest = std::min(nearest, to(low, high));
+    }
+    return open_distance(to(all.min, all.max), to(-half_, Vec3(half_.x(), half_.y(), no_lid)), nearest);
+  }
+  Box bounds() const override {
+    const Vec3 outer(half_.x() + wall_, half_.y() + wall_, half_.z());
+    return {Vec3(-outer.x(), -outer.y(), -half_.z() - wall_), outer};
+  }
+  TriangleMesh surface(Real) const override { return basin_surface(bounds(), half_); }
+
+ private:
+  Vec3 half_;
+  Real wall_;
+};
+
 // The rest of the world.
 class Outside : public Shape {
  public:
@@ -109,6 +178,9 @@ std::unique_ptr<Shape> make_solid(const ObstacleSettings& obstacle) {
       return std::make_unique<Capsule>(obstacle.radius, obstacle.height);
     case ShapeKind::torus:
       return std::make_unique<Torus>(obstacle.radius, obstacle.tube);
+    case ShapeKind::basin:
+      if (obstacle.size.isZero()) return std::make_unique<RoundBasin>(obstacle.radius, obstacle.height, obstacle.wall);
+      return std::make_unique<BoxBasin>(obstacle.size, obstacle.wall);
     case ShapeKind::mesh:
       return std::make_unique<MeshShape>(obstacle.mesh, obstacle.inside);
     default:

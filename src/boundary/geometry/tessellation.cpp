@@ -68,4 +68,28 @@ TriangleMesh cuboid_surface(const Vec3& half) {
   return mesh;
 }
 
+TriangleMesh basin_surface(const Box& outer, const Vec3& half) {
+  TriangleMesh mesh;
+  const auto rectangle = [&](const Vec3& low, const Vec3& high, Real z) {  // counterclockwise from above
+    mesh.points.insert(
+        mesh.points.end(),
+        {{low.x(), low.y(), z}, {high.x(), low.y(), z}, {high.x(), high.y(), z}, {low.x(), high.y(), z}});
+  };
+  const auto quad = [&](int a, int b, int c, int d) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  };
+  rectangle(outer.min, outer.max, outer.min.z());  // 0: under the floor
+  rectangle(outer.min, outer.max, outer.max.z());  // 4: the outer edge of the rim
+  rectangle(-half, half, outer.max.z());           // 8: its inner edge
+  rectangle(-half, half, -half.z());               // 12: the floor
+  quad(3, 2, 1, 0);
+  quad(12, 13, 14, 15);
+  for (int k = 0; k < 4; ++k) {
+    const int next = (k + 1) % 4;
+    for (int row = 0; row < 12; row += 4) quad(row + k, row + next, row + 4 + next, row + 4 + k);
+  }
+  return mesh;
+}
+
 }  // namespace trevi

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "trevi/box.hpp"
 #include "trevi/obstacle.hpp"
 
 namespace trevi {
@@ -20,5 +21,7 @@ Profile ring(Real radius, Real tube, Real finest);
 /// The surface that a profile leaves when it turns about z.
 TriangleMesh turned(const Profile& profile, Real finest);
 TriangleMesh cuboid_surface(const Vec3& half);
+/// Of a box without a lid: its hull, and half of the space in it.
+TriangleMesh basin_surface(const Box& outer, const Vec3& half);
 
 }  // namespace trevi

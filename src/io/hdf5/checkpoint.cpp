@@ -44,7 +44,7 @@ void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
   std::vector<Real> counts;
   for (const FlowState::Stream& stream : flow->streams) {
     streams.insert(streams.end(), {stream.travelled, stream.speed});
-    counts.insert(counts.end(), {stream.made, stream.covered, stream.crowded, stream.dry});
+    counts.insert(counts.end(), {stream.made, stream.covered, stream.blocked, stream.dry});
   }
   write_on_root(comm, file, "/streams", streams);
   write_on_root(comm, file, "/stream_counts", counts);

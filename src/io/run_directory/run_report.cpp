@@ -58,7 +58,7 @@ Json report_json(const RunReport& report) {
     json["inlets"].push_back(Json{{"asked", inlet.asked},
                                   {"made", inlet.made},
                                   {"covered", inlet.covered},
-                                  {"crowded", inlet.crowded},
+                                  {"blocked", inlet.blocked},
                                   {"dry", inlet.dry}});
   }
   json["unconverged_solves"] = report.unconverged_solves;

@@ -49,10 +49,10 @@ struct RunReport {
   std::int64_t crushed_step = -1;        ///< first with more than density.crush_limit; -1: none
   /// Particles that were asked of an inlet, and what became of them (FlowState::Stream).
   struct Inlet {
-    double asked, made, covered, crowded, dry;
+    double asked, made, covered, blocked, dry;
   };
-  std::vector<Inlet> inlets;             ///< in the order of the scene
-  std::int64_t unconverged_solves = 0;   ///< density solves that missed density.tolerance
+  std::vector<Inlet> inlets;            ///< in the order of the scene
+  std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
   std::vector<double> halo_wait_seconds;                                   ///< of each rank
   /// Largest over mean work of a rank, at looks some steps apart, before cuts moved if they did.

@@ -1,0 +1,278 @@
+#!/usr/bin/python3
+"""Reads what a run has written, as numpy arrays. No program of its own; needs numpy, and h5py for VTKHDF frames and
+checkpoints.
+
+  from trevi_run import Run
+
+  run = Run("out/fountain")
+  run.series["time"], run.series["kinetic_energy"]   # columns of series.csv; obstacles and gauges likewise
+  len(run.frames), run.frames.times                  # frames of [output.vtu], else of [output.vtkhdf]
+  run.frames[3].position, run.frames[-1].velocity    # of a frame by its number; sorted by id where that was written
+  run.frames.at(1.5).density                         # of the frame nearest a time, s
+  run.checkpoints[-1].position                       # checkpoints have the same interface
+  run.scene["fluid"]["spacing"], run.report          # the scene with its --set, and run.json
+
+Files are read when they are asked for. Whatever cannot be read is a RunError that names the file.
+"""
+
+import bisect
+import csv
+import json
+import re
+import tomllib
+import xml.etree.ElementTree as xml
+import zlib
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+TYPES = {"Float32": "<f4", "Float64": "<f8", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
+
+
+class RunError(Exception):
+    """A run, or a part of it, that is not there or cannot be read."""
+
+
+class Table(dict):
+    """Columns of a CSV file by their names, float64."""
+
+    def __init__(self, path):
+        try:
+            with open(path, newline="") as file:
+                names, *rows = csv.reader(file)
+            columns = np.array(rows, float).reshape(len(rows), len(names)).T
+        except (OSError, ValueError) as error:
+            raise RunError(f"{path}: {error}") from error
+        super().__init__(zip(names, columns))
+
+
+class Frame:
+    """The particles at a time. `fields` are the names that it has; each is an attribute, too: position, velocity (m/s),
+    density (kg/m³), id, rgb, rank, hue. `solids` is the file with the surfaces of obstacles, or None."""
+
+    def __init__(self, path, time, read, solids=None):
+        self.path, self.time, self.solids, self._read = path, time, solids, read
+
+    def __repr__(self):
+        return f"Frame({str(self.path)!r}, time={self.time:.6g})"
+
+    @cached_property
+    def _arrays(self):
+        try:
+            arrays = self._read(self.path)
+        except RunError:
+            raise
+        except Exception as error:  # whatever a damaged file makes of a parser
+            raise RunError(f"{self.path}: {error}") from error
+        if "id" in arrays:
+            order = np.argsort(arrays["id"], kind="stable")
+            arrays = {name: values[order] for name, values in arrays.items()}
+        return arrays
+
+    @property
+    def fields(self):
+        return tuple(self._arrays)
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in self._arrays:
+            raise AttributeError(f"{self.path} has no {name}; it has {', '.join(self.fields)}")
+        return self._arrays[name]
+
+    def __len__(self):
+        return len(self.position)
+
+
+class Frames:
+    """Frames in the order of time: by number, as slices, in loops, or the one nearest a time."""
+
+    def __init__(self, frames):
+        self._frames = sorted(frames, key=lambda frame: frame.time)
+        self.times = np.array([frame.time for frame in self._frames])
+
+    def __len__(self):
+        return len(self._frames)
+
+    def __getitem__(self, number):
+        return self._frames[number]
+
+    def at(self, time):
+        if not self._frames:
+            raise RunError("the run has no such frames; add [output.vtu], [output.vtkhdf] or [output.checkpoint]")
+        after = min(max(bisect.bisect(self.times, time), 1), len(self) - 1) if len(self) > 1 else 0
+        return min(self._frames[max(after - 1, 0):after + 1], key=lambda frame: abs(frame.time - time))
+
+
+class Run:
+    """What is in the directory of a run."""
+
+    def __init__(self, directory):
+        self.directory = Path(directory)
+        if not self.directory.is_dir():
+            raise RunError(f"{self.directory}: no such directory")
+
+    @cached_property
+    def report(self):
+        """run.json; there when the run has ended."""
+        return _json(self.directory / "run.json")
+
+    @cached_property
+    def scene(self):
+        """The tables of the scene as dicts, --set included; from a checkpoint, else from the file that run.json names."""
+        if len(self.checkpoints):
+            text = _scene_of_checkpoint(self.checkpoints[-1].path)
+        else:
+            path = Path(self.report["scene"])
+            try:
+                text = path.read_text()
+            except OSError as error:
+                raise RunError(f"{path}: {error}; the run has no checkpoint with its scene") from error
+        return scene_of(text)
+
+    @cached_property
+    def series(self):
+        return Table(self.directory / "series.csv")
+
+    @cached_property
+    def obstacles(self):
+        return Table(self.directory / "obstacles.csv")
+
+    @cached_property
+    def gauges(self):
+        return Table(self.directory / "gauges.csv")
+
+    @cached_property
+    def frames(self):
+        """Those of [output.vtu], else of [output.vtkhdf]; none where the run has neither."""
+        return self.vtu if len(self.vtu) else self.vtkhdf
+
+    @cached_property
+    def vtu(self):
+        index, entries = self.directory / "particles.pvd", {}
+        if not index.exists():
+            return Frames([])
+        try:
+            for entry in xml.parse(index).getroot().iter("DataSet"):
+                entries.setdefault(float(entry.get("timestep")), {})[entry.get("part")] = entry.get("file")
+        except (xml.ParseError, TypeError, ValueError) as error:
+            raise RunError(f"{index}: {error}") from error
+        return Frames([Frame(self.directory / files["0"], time, _read_pvtu,
+                             self.directory / files["1"] if "1" in files else None)
+                       for time, files in entries.items()])
+
+    @cached_property
+    def vtkhdf(self):
+        index = self.directory / "particles.hdf.series"
+        if not index.exists():
+            return Frames([])
+        solids = self.directory / "obstacles.vtp.series"
+        solids = {entry["time"]: entry["name"] for entry in _json(solids)["files"]} if solids.exists() else {}
+        return Frames([Frame(self.directory / entry["name"], entry["time"], _read_vtkhdf,
+                             self.directory / solids[entry["time"]] if entry["time"] in solids else None)
+                       for entry in _json(index)["files"]])
+
+    @cached_property
+    def checkpoints(self):
+        return Frames([Frame(path, _time_of_checkpoint(path), _read_checkpoint)
+                       for path in sorted(self.directory.glob("checkpoint_*.h5"))])
+
+
+def scene_of(text):
+    """The tables of a scene's text, which ends with a line `# --set table.key=value` for each override."""
+    scene = tomllib.loads(text)
+    for path, value in re.findall(r"^# --set ([^=\n]+)=(.*)$", text, re.MULTILINE):
+        *tables, key = path.strip().split(".")
+        try:
+            value = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            pass  # a bare word is text
+        place = scene
+        for table in tables:
+            place = place[int(table)] if isinstance(place, list) else place.setdefault(table, {})
+        if isinstance(place, list):
+            place[int(key)] = value
+        else:
+            place[key] = value
+    return scene
+
+
+def _json(path):
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        raise RunError(f"{path}: {error}") from error
+
+
+def _hdf5(path):
+    try:
+        import h5py  # pylint: disable=import-outside-toplevel
+    except ImportError as error:
+        raise RunError(f"{path}: needs h5py, the Debian package python3-h5py") from error
+    try:
+        return h5py.File(path)
+    except OSError as error:
+        raise RunError(f"{path}: {error}") from error
+
+
+def _read_checkpoint(path):
+    with _hdf5(path) as file:
+        return {name: values[:] for name, values in file["particles"].items()}
+
+
+def _time_of_checkpoint(path):
+    with _hdf5(path) as file:
+        return float(file.attrs["time"])
+
+
+def _scene_of_checkpoint(path):
+    with _hdf5(path) as file:
+        return file["scene"][()].decode()
+
+
+def _read_vtkhdf(path):
+    with _hdf5(path) as file:
+        data = file["VTKHDF"]
+        return {"position": data["Points"][:], **{name: values[:] for name, values in data["PointData"].items()}}
+
+
+def _read_pvtu(path):
+    pieces = [_read_vtu(path.parent / piece.get("Source")) for piece in xml.parse(path).getroot().iter("Piece")]
+    return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+
+
+def _read_vtu(path):
+    """The arrays of points of a file as VTK's writer makes it: appended raw blocks, with zlib or without."""
+    data = path.read_bytes()
+    start = data.index(b"<AppendedData")
+    start = data.index(b"_", start)
+    root = xml.fromstring(data[:start].rsplit(b"<AppendedData", 1)[0] + b"</VTKFile>")
+    if root.get("byte_order") != "LittleEndian" or root.get("header_type") != "UInt64":
+        raise RunError(f"{path}: not as Trevi writes it")
+    arrays = {}
+    for section in ("Points", "PointData"):
+        for array in root.find(f".//{section}"):
+            raw = _block(data, start + 1 + int(array.get("offset")), root.get("compressor"))
+            values = np.frombuffer(raw, TYPES[array.get("type")])
+            components = int(array.get("NumberOfComponents") or 1)
+            arrays["position" if section == "Points" else array.get("Name")] = (
+                values.reshape(-1, components) if components > 1 else values)
+    return arrays
+
+
+def _block(data, offset, compressor):
+    """Header without a compressor: bytes; with one: blocks, their size, that of the last, and compressed sizes."""
+    def header(n):
+        return np.frombuffer(data, "<u8", n, offset)
+    if not compressor:
+        size = int(header(1)[0])
+        return data[offset + 8:offset + 8 + size]
+    blocks = int(header(1)[0])
+    sizes = header(3 + blocks)[3:]
+    begin = offset + 8 * (3 + blocks)
+    parts = []
+    for size in map(int, sizes):
+        parts.append(zlib.decompress(data[begin:begin + size]))
+        begin += size
+    return b"".join(parts)

@@ -1,0 +1,37 @@
+// What a [[particles]] block is at the start: which places of its lattice hold water, and how fast that is. One thread
+// at a time. Not collective.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "scene/formula.hpp"
+#include "scene/free_places.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+class BlockStart {
+ public:
+  /// Its expressions have been checked, or InputError. `places` outlives this.
+  BlockStart(const ParticleSource& block, const FreePlaces& places);
+
+  /// Whether all places of the lattice hold water.
+  bool is_whole() const { return places_.all() && !surface_; }
+  /// Outside of obstacles, and not above the surface. Throws InputError where that is not a number.
+  bool holds_water(const Vec3& place) const;
+  /// Places with water in a layer of the lattice across an axis.
+  GlobalId count(const Lattice& lattice, int axis, GlobalId layer) const;
+  /// m/s. Throws InputError where it is not a number.
+  Vec3 velocity(const Vec3& place) const;
+  /// The largest speed at 9 x 9 x 9 places of the block, m/s.
+  Real fastest() const;
+
+ private:
+  const ParticleSource& block_;
+  const FreePlaces& places_;
+  std::vector<Formula> velocity_;  // of each coordinate, or none
+  std::optional<Formula> surface_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,134 @@
+#!/usr/bin/python3
+"""postprocess/trevi_run.py against what a run has written, by h5py and VTK's reader, and the notebook's cells."""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from program import WITHOUT, ProgramTest, main
+
+POSTPROCESS = Path(__file__).resolve().parents[2] / "postprocess"
+sys.path.insert(0, str(POSTPROCESS))
+from trevi_run import Run, RunError, scene_of  # noqa: E402
+
+SCENE = """
+[domain]
+min = [0, 0, 0]
+max = [1.6, 0.8, 1.2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [0.8, 0.8, 0.8]
+[time]
+dt = 0.02
+end = 0.4
+[colour]
+by = "speed"
+[gravity]
+[[obstacle]]
+type = "sphere"
+center = [1.2, 0.4, 0.4]
+radius = 0.2
+velocity = [0, 0, 0.1]
+[[gauge]]
+type = "height"
+center = [0.4, 0.4, 0]
+[output.vtkhdf]
+every = 0.2
+[output.checkpoint]
+every = 0.1
+keep = 9
+[output.series]
+every_steps = 1
+""" + ("" if "VTK" in WITHOUT else "[output.vtu]\nevery = 0.1\nfields = [\"velocity\", \"density\", \"id\", \"rgb\"]\n")
+
+
+class Reader(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "scene.toml").write_text(SCENE)
+        self.run_well(2, "scene.toml", "--output", "run", "--set", "fluid.rest_density=997", "--set",
+                      "particles.0.velocity=[1,0,0]")
+        self.run_folder = self.folder / "run"
+
+    def test_everything_of_a_run(self):
+        run = Run(self.run_folder)
+        self.assertEqual(run.scene["fluid"], {"spacing": 0.1, "rest_density": 997})
+        self.assertEqual(run.scene["particles"][0]["velocity"], [1, 0, 0])
+        self.assertEqual(run.report["particles"], 512)
+        lines = (self.run_folder / "series.csv").read_text().splitlines()
+        self.assertEqual(list(run.series), lines[0].split(","))
+        self.assertEqual([column[-1] for column in run.series.values()], [float(x) for x in lines[-1].split(",")])
+        self.assertEqual(len(run.series["time"]), 21)
+        self.assertIn("force_x_0", run.obstacles)
+        self.assertAlmostEqual(run.gauges["height_0"][0], 0.8)
+        self.assertEqual(len(run.vtkhdf), 3)
+        self.assertEqual(len(run.checkpoints), 5)
+        self.assertEqual(len(run.frames), 3 if "VTK" in WITHOUT else 5)
+        for frame in (*run.frames, *run.vtkhdf):
+            state = run.checkpoints.at(frame.time)
+            self.assertAlmostEqual(frame.time, state.time)
+            self.assertEqual(frame.id.tolist(), state.id.tolist())
+            self.assertEqual(np.abs(frame.position - state.position).max(), 0)
+            np.testing.assert_allclose(frame.velocity, state.velocity, rtol=1e-6, atol=1e-6)
+            self.assertTrue(frame.solids.exists())
+            self.assertEqual(frame.density.shape, (512,))
+        with h5py.File(run.checkpoints[-1].path) as file:
+            self.assertTrue((run.checkpoints[-1].position == file["particles/position"][:]).all())
+        if "VTK" not in WITHOUT:
+            self.assertEqual(run.frames[0].rgb.shape, (512, 3))
+
+    def test_frames_by_time(self):
+        states = Run(self.run_folder).checkpoints
+        for time, nearest in ((-1, 0), (0.04, 0), (0.06, 0.1), (0.1, 0.1), (0.34, 0.3), (9, 0.4)):
+            self.assertAlmostEqual(states.at(time).time, nearest)
+        self.assertEqual([frame.time for frame in states], sorted(frame.time for frame in states))
+
+    def test_what_cannot_be_read_is_named(self):
+        run = Run(self.run_folder)
+        with self.assertRaisesRegex(AttributeError, "has no rank; it has"):
+            _ = run.checkpoints[0].rank
+        with self.assertRaisesRegex(RunError, "nowhere: no such directory"):
+            Run(self.folder / "nowhere")
+        run.checkpoints[0].path.write_bytes(b"no HDF5")
+        with self.assertRaisesRegex(RunError, "checkpoint_000000.h5"):
+            _ = Run(self.run_folder).checkpoints
+        for frame in run.frames:
+            for piece in frame.path.parent.glob("*.vtu"):
+                piece.write_bytes(piece.read_bytes()[:700])
+        if "VTK" not in WITHOUT:
+            with self.assertRaisesRegex(RunError, "pvtu"):
+                _ = run.frames[0].position
+        (self.run_folder / "series.csv").write_text("step,time\n1,2\n3\n")
+        with self.assertRaisesRegex(RunError, "series.csv"):
+            _ = run.series
+
+    def test_overrides(self):
+        text = "[a]\nb = 1\n[[c]]\nd = [1, 2]\n# --set a.b=two\n# --set c.0.d=[3]\n# --set e.f.g=1.5\n"
+        self.assertEqual(scene_of(text), {"a": {"b": "two"}, "c": [{"d": [3]}], "e": {"f": {"g": 1.5}}})
+
+    def test_notebook(self):
+        cells = json.loads((POSTPROCESS / "look_at_a_run.ipynb").read_text())["cells"]
+        os.environ |= {"MPLBACKEND": "Agg", "TREVI_RUN": str(self.run_folder)}
+        folder, names = os.getcwd(), {}
+        self.addCleanup(os.chdir, folder)
+        os.chdir(POSTPROCESS)
+        for cell in cells:
+            if cell["cell_type"] == "code":
+                self.assertEqual(cell["outputs"], [])
+                exec("".join(cell["source"]), names)  # pylint: disable=exec-used
+        figures = names["plt"].get_fignums()
+        self.assertEqual(len(figures), 3)
+        for number in figures:
+            picture = self.folder / f"{number}.png"
+            names["plt"].figure(number).savefig(picture)
+            self.assertGreater(picture.stat().st_size, 5000)
+
+
+if __name__ == "__main__":
+    main()
