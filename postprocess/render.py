@@ -20,7 +20,7 @@ from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkFiltersSources import vtkCubeSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper
 
-from stage import BadInput, Run, add_options, camera_for, cloud_of, pixels, save, window_for
+from stage import BadInput, Run, add_options, camera_for, checked_output, cloud_of, pixels, save, window_for
 
 SKY = ((0.02, 0.03, 0.07), (0.10, 0.13, 0.24))  # bottom, top
 STONE = (0.30, 0.31, 0.36)
@@ -71,6 +71,7 @@ def show(actors, run, number):
 
 
 def floor(low, high):
+    """Its top is at z = 0."""
     source, actor = vtkCubeSource(), vtkActor()
     source.SetBounds(low[0] - RIM, high[0] + RIM, low[1] - RIM, high[1] + RIM, -RIM, 0)
     mapper = vtkPolyDataMapper()
@@ -118,10 +119,12 @@ def film(run, window, actors, options):
     command += ["-vf", "vflip", "-c:v", "libx264", "-crf", str(options.crf), "-pix_fmt", "yuv420p",
                 "-movflags", "+faststart", options.output]
     with subprocess.Popen(command, stdin=subprocess.PIPE) as encoder:
-        for number in range(len(run.times)):
+        for number, time in enumerate(run.times):
             show(actors, run, number)
             window.Render()
             encoder.stdin.write(pixels(window).tobytes())
+            print(f"\rframe {number + 1} of {len(run.times)}, {time:.2f} s", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
     if encoder.returncode:
         raise BadInput(f"ffmpeg failed with exit code {encoder.returncode}")
     print(options.output)
@@ -130,15 +133,16 @@ def film(run, window, actors, options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     add_options(parser)
-    parser.add_argument("--radius", type=float, default=0.055, help="of a ball, m (default %(default)s)")
+    parser.add_argument("--radius", type=float, help="of a ball, m (default 0.55 spacings)")
     parser.add_argument("--sound", help="sound file to play with a film")
     parser.add_argument("--crf", type=int, default=24, help="of H.264; lower is better (default %(default)s)")
     options = parser.parse_args()
     try:
         if options.sound and not Path(options.sound).is_file():
             raise BadInput(f"{options.sound}: no such sound file")
+        is_film = checked_output(options.output, (".png", ".mp4")) == ".mp4"
         run = Run(options.run)
-        is_film = options.output.endswith(".mp4")
+        options.radius = options.radius or 0.55 * run.spacing
         numbers = range(len(run.times)) if is_film else [run.nearest(options.time)]
         window, actors = stage(*run.bounds(numbers), options)
         if is_film:

@@ -4,7 +4,6 @@ Needs VTK's Python modules only, so it runs under pvbatch as well as under pytho
 """
 
 import argparse
-import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +13,12 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPUnstructuredGridReader
+from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
+
+import trevi_run
 
 BLUE = (40, 120, 220)
 
@@ -25,21 +28,23 @@ class BadInput(Exception):
 
 
 class Run:
-    """The VTU frames of a run: files, times (s), and of each frame the surfaces of obstacles."""
+    """The frames of a run as pictures want them: its floor is at z = 0. Times (s), spacing (m), corners of its box."""
 
     def __init__(self, folder):
-        index = Path(folder) / "particles.pvd"
         try:
-            entries = list(xml.parse(index).getroot().iter("DataSet"))
-        except (OSError, xml.ParseError) as error:
-            raise BadInput(f"{index}: {error}; was [output.vtu] in the scene?") from error
-        frames = {}
-        for entry in entries:
-            frames.setdefault(float(entry.get("timestep")), []).append(index.parent / entry.get("file"))
-        if not frames:
-            raise BadInput(f"{index}: holds no frame")
-        self.times = tuple(frames)
-        self.files, self.others = zip(*((files[0], files[1:]) for files in frames.values()))
+            self._run = trevi_run.Run(folder)
+            self._frames = self._run.frames
+            if not len(self._frames):
+                raise BadInput(f"{folder}: holds no frame; add [output.vtu] or [output.vtkhdf] to the scene")
+            scene = self._run.scene if not (self._run.directory / "run.json").exists() else None
+            report = {**scene["domain"], "spacing": scene["fluid"]["spacing"]} if scene else {
+                **self._run.report["domain"], "spacing": self._run.report["spacing"]}
+        except (trevi_run.RunError, KeyError) as error:
+            raise BadInput(f"{error}; a picture needs the frames of [output.vtu] or [output.vtkhdf], and run.json or a "
+                           "checkpoint") from error
+        self.times, self.spacing = tuple(self._frames.times), report["spacing"]
+        self._floor = report["min"][2]
+        self.box = tuple(np.array(report[end]) - [0, 0, self._floor] for end in ("min", "max"))
 
     def nearest(self, time):
         """Number of the frame nearest a time; the last one without a time."""
@@ -47,35 +52,45 @@ class Run:
 
     def read(self, number):
         """Positions (m), colours (uint8, blue where the run has none), and velocities (m/s, zero where it has none)."""
-        reader = vtkXMLPUnstructuredGridReader()
-        reader.SetFileName(str(self.files[number]))
-        reader.Update()
-        cloud = reader.GetOutput()
-        if not cloud.GetNumberOfPoints():
-            raise BadInput(f"{self.files[number]}: cannot be read, or holds no particle")
-        position = vtk_to_numpy(cloud.GetPoints().GetData()).astype(float)
-        rgb, velocity = (cloud.GetPointData().GetArray(name) for name in ("rgb", "velocity"))
-        rgb = vtk_to_numpy(rgb) if rgb else np.tile(np.array(BLUE, np.uint8), (len(position), 1))
-        return position, rgb, vtk_to_numpy(velocity).astype(float) if velocity else np.zeros_like(position)
+        frame = self._frames[number]
+        try:
+            position, fields = frame.position.astype(float) - [0, 0, self._floor], frame.fields
+            if not len(position):
+                raise BadInput(f"{frame.path}: holds no particle")
+            rgb = frame.rgb if "rgb" in fields else np.tile(np.array(BLUE, np.uint8), (len(position), 1))
+            return position, rgb, frame.velocity.astype(float) if "velocity" in fields else np.zeros_like(position)
+        except trevi_run.RunError as error:
+            raise BadInput(str(error)) from error
 
     def solids(self, number):
         """The surfaces of all obstacles, one vtkPolyData that looks towards the water; None without obstacles."""
-        if not self.others[number]:
+        files = [file for file in (self._frames[number].solids, self._run.directory / "obstacles.vtp",
+                                   self._run.directory / "vtu/obstacles.vtp") if file and file.exists()]
+        if not files:
             return None
-        together = vtkAppendPolyData()
-        for file in self.others[number]:
+        together, move, place = vtkAppendPolyData(), vtkTransformPolyDataFilter(), vtkTransform()
+        for file in dict.fromkeys(files):
             reader = vtkXMLPolyDataReader()
             reader.SetFileName(str(file))
             together.AddInputConnection(reader.GetOutputPort())
-        together.Update()
-        return together.GetOutput()
+        place.Translate(0, 0, -self._floor)
+        move.SetTransform(place)
+        move.SetInputConnection(together.GetOutputPort())
+        move.Update()
+        return move.GetOutput()
 
     def bounds(self, numbers):
-        """Lowest and highest corner (m) of the box around the first frame and these ones."""
-        clouds = [self.read(number)[0] for number in sorted({0, *numbers})]
-        for surface in filter(None, (self.solids(number) for number in sorted({0, *numbers}))):
-            clouds.append(vtk_to_numpy(surface.GetPoints().GetData()))
-        return np.min([c.min(axis=0) for c in clouds], axis=0), np.max([c.max(axis=0) for c in clouds], axis=0)
+        """Corners (m) of what a picture of these frames and the first one shows: the box, as high as water and obstacles
+        in it reach."""
+        low, high = (corner.copy() for corner in self.box)
+        top = 0
+        for number in sorted({0, *numbers}):
+            top = max(top, self.read(number)[0][:, 2].max())
+            surface = self.solids(number)
+            if surface and surface.GetNumberOfPoints():
+                top = max(top, min(surface.GetBounds()[5], high[2]))
+        high[2] = top
+        return low, high
 
 
 def camera_for(low, high, options):
@@ -139,6 +154,14 @@ def save(picture, path):
     print(path)
 
 
+def checked_output(path, endings):
+    """The ending of a file that is to be made, one of those that there are."""
+    ending = Path(path).suffix.lower()
+    if ending not in endings:
+        raise BadInput(f"{path}: cannot be made; give --output a name that ends in {' or '.join(endings)}")
+    return ending
+
+
 def cloud_of(position, rgb):
     """Points with the array rgb and one vertex each, as mappers draw cells."""
     cloud, points, vertices = vtkPolyData(), vtkPoints(), vtkCellArray()
@@ -156,8 +179,8 @@ def cloud_of(position, rgb):
 def add_options(parser):
     """The arguments that render.py and surface.py share."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("run", help="a run's directory, with [output.vtu] in its scene")
-    parser.add_argument("--output", default="picture.png", help="PNG, or .mp4 for a film (default %(default)s)")
+    parser.add_argument("run", help="a run's directory, with [output.vtu] or [output.vtkhdf] in its scene")
+    parser.add_argument("--output", default="picture.png", help="what is made, by its ending (default %(default)s)")
     parser.add_argument("--time", type=float, help="of the frame, s (default: the last)")
     parser.add_argument("--azimuth", type=float, default=-60, help="degrees around the vertical (default %(default)s)")
     parser.add_argument("--elevation", type=float, default=12, help="degrees above the horizon (default %(default)s)")

@@ -2,11 +2,12 @@
 """Reconstructs the water surface of a frame and renders it as water at night.
 
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.png
+  jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.ply   # the surface itself, for Blender; or .obj
 
 Surface: where the share of water, spread by kernels that follow the water's shape, is that of which it holds its
 volume, about 0.4 (anisotropic.py). Picture: each
-pixel's ray is refracted, reflected and absorbed (water.py). White is what air is driven into, and spray has white specks
-about it; both want [output.vtu] with the field velocity. --tint mixes in the particles' own colours, for a fountain lit by
+pixel's ray is refracted, reflected and absorbed (water.py), obstacles are stone (solids.py). White is what air is driven into, and spray has white specks
+about it; both want frames with the field velocity. --tint mixes in the particles' own colours, for a fountain lit by
 coloured lamps.
 """
 
@@ -20,13 +21,16 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkStaticPointLocator
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkMassProperties, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
 from vtkmodules.vtkFiltersPoints import vtkSPHCubicKernel, vtkSPHInterpolator
+from vtkmodules.vtkIOGeometry import vtkOBJWriter
+from vtkmodules.vtkIOPLY import vtkPLYWriter
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from anisotropic import LEVELS, share_of_water, white
-from stage import BadInput, Run, add_options, camera_for, cloud_of, pixels, save, window_for
+from solids import Solids, lit
+from stage import BadInput, Run, add_options, camera_for, checked_output, cloud_of, pixels, save, window_for
 from water import Ground, developed, normalised, water
 
-SMOOTHING, PASS_BAND = 10, 0.3
+SMOOTHING, PASS_BAND = 14, 0.2
 SPECKS = 12  # about a particle of spray, within a spacing
 SPECK_SIZE = 0.12  # spacings
 FOAM_WHITE = np.array([0.80, 0.86, 0.92], np.float32)
@@ -123,13 +127,11 @@ def actor_of(mesh):
     return actor
 
 
-def buffers(mesh, camera, size):
-    """Of each pixel, by VTK: normal in the camera's axes, colour, white, and depth buffers of the front and back sides."""
+def normals_and_depth(actor, camera, size):
+    """Of each pixel, by VTK: normal in the camera's axes and depth buffer of the front side; and the window."""
     window, renderer = window_for(size)
-    actor = actor_of(mesh)
     renderer.AddActor(actor)
     renderer.SetActiveCamera(camera)
-    renderer.ResetCameraClippingRange()
     actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Light::Impl", True, PACKED_NORMAL, False)
     window.Render()
     r, g, b = np.moveaxis(pixels(window).astype(np.int32), -1, 0)
@@ -137,6 +139,13 @@ def buffers(mesh, camera, size):
     normal = np.stack([x, y, np.sqrt(np.clip(1 - x * x - y * y, 0, 1))], axis=-1).astype(np.float32)
     front = pixels(window, depth=True)[..., 0].copy()
     actor.GetShaderProperty().ClearAllFragmentShaderReplacements()
+    return normal, front, window
+
+
+def buffers(mesh, camera, size):
+    """Of each pixel, by VTK: normal in the camera's axes, colour, white, and depth buffers of the front and back sides."""
+    actor = actor_of(mesh)
+    normal, front, window = normals_and_depth(actor, camera, size)
     mapper = actor.GetMapper()
     mapper.ScalarVisibilityOn()
     mapper.SetScalarModeToUsePointFieldData()
@@ -180,36 +189,88 @@ def specks(position, whiteness, spacing):
     return (position[:, None] + offset).reshape(-1, 3), np.repeat(whiteness, SPECKS)
 
 
-def add_specks(result, front, camera, size, places, brightness, width):
-    """Specks in front of the water, each as bright as the share of a pixel that it covers."""
+def projection(camera, size):
+    """A function from points to column, row and distance along the viewing axis; infinite columns behind the camera."""
     eye, _, axes = rays(camera, [1, 1])
-    x, y, back = ((places - eye) @ axes.T).T
-    scale = size[1] / 2 / np.tan(np.radians(camera.GetViewAngle() / 2)) / -back
-    column, row = (np.floor(c).astype(int) for c in (size[0] / 2 + x * scale, size[1] / 2 + y * scale))
-    seen = (back < 0) & (column >= 0) & (column < size[0]) & (row >= 0) & (row < size[1])
+    focal = size[1] / 2 / np.tan(np.radians(camera.GetViewAngle() / 2))
+
+    def project(points):
+        x, y, back = ((points - eye) @ axes.T).T
+        scale = np.where(back < 0, focal / np.minimum(back, -1e-9), np.nan) * -1
+        return (np.nan_to_num(size[0] / 2 + x * scale, nan=-1), np.nan_to_num(size[1] / 2 + y * scale, nan=-1), -back)
+    return project
+
+
+def add_specks(result, front, camera, size, places, brightness, width):
+    """Specks in front of the water, each as bright as the share of a pixel that it covers. front: distances."""
+    column, row, distance = projection(camera, size)(places)
+    column, row = (np.floor(c).astype(int) for c in (column, row))
+    seen = (column >= 0) & (column < size[0]) & (row >= 0) & (row < size[1])
     pixel = (row * size[0] + column)[seen]
-    free = -back[seen] < distance_of(front[pixel, 0], camera)
-    cover = brightness[seen] * np.minimum(1, (width * scale[seen]) ** 2)
+    free = distance[seen] < front[pixel]
+    scale = size[1] / 2 / np.tan(np.radians(camera.GetViewAngle() / 2)) / distance[seen]
+    cover = brightness[seen] * np.minimum(1, (width * scale) ** 2)
     covered = np.bincount(pixel[free], cover[free], len(result)).clip(0, 1)[:, None]
     return result * (1 - covered) + FOAM_WHITE * covered
 
 
-def picture(mesh, camera, size, low, high, options):
-    """Linear colours of all pixels, a row each, and the depth buffer of the front."""
+def clip(camera, low, high):
+    """One clipping range for all that is drawn with the camera, from its distance to the corners of a box."""
+    eye, _, axes = rays(camera, [1, 1])
+    corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
+    away = -((corners - eye) @ axes[2])
+    camera.SetClippingRange(max(away.min(), 0.01 * away.max()), away.max())
+
+
+def solids_of(surface, camera, size):
+    """Only what looks at the camera, so that one sees the water in a vessel. None without obstacles."""
+    if surface is None:
+        return None
+    normals = vtkPolyDataNormals()
+    normals.SetInputData(surface)
+    normals.SetFeatureAngle(35)  # degrees; sharper edges are seen as edges
+    normals.Update()
+    actor = actor_of(normals.GetOutput())
+    actor.GetProperty().BackfaceCullingOn()
+    normal, front, _ = normals_and_depth(actor, camera, size)
+    _, _, axes = rays(camera, size)
+    front = front.reshape(-1)
+    distance = np.where(front < 1, distance_of(front, camera), np.inf).astype(np.float32)
+    return Solids(normalised(normal.reshape(-1, 3) @ axes), distance, size, projection(camera, size))
+
+
+def picture(mesh, solids, camera, size, ground, options):
+    """Linear colours of all pixels, a row each, and the distance of the nearest water or stone."""
     layers = (layer.reshape(size[0] * size[1], -1) for layer in buffers(mesh, camera, size))
     normal, colour, whiteness, front, back = layers
     eye, plane, axes = rays(camera, size)
-    direction, ground = normalised(plane), Ground(low, high)
+    direction = normalised(plane)
     result = ground.seen(np.broadcast_to(eye, plane.shape), direction)
-    wet = np.flatnonzero(front[:, 0] < 1)
+    distance = np.where(front[:, 0] < 1, distance_of(front[:, 0], camera), np.inf).astype(np.float32)
+    dry = np.zeros(len(result), bool)
+    if solids:
+        dry = lit(result, solids, distance)
+        distance = np.minimum(distance, solids.distance)
+    wet = np.flatnonzero((front[:, 0] < 1) & ~dry)
     nearest, behind = distance_of(front[wet], camera), distance_of(back[wet], camera)
     slant = np.linalg.norm(plane[wet], axis=1, keepdims=True)
     hit = Hit(eye + plane[wet] * nearest, normalised(normal[wet] @ axes), direction[wet],
               np.clip(behind - nearest, 0.02, 20) * slant)
     tint = FOAM_WHITE + options.tint * (colour[wet] ** 2.2 - FOAM_WHITE)
     foam = 0.03 + 0.12 * options.tint + (options.foam - 0.03) * whiteness[wet, :1]
-    result[wet] = water(ground, hit, tint, foam)
-    return result, front
+    result[wet] = water(ground, hit, tint, foam, solids)
+    return result, distance
+
+
+def write_mesh(mesh, path):
+    """For other programs, with the colours of the particles (PLY)."""
+    writer = vtkPLYWriter() if path.endswith(".ply") else vtkOBJWriter()
+    if path.endswith(".ply"):
+        writer.SetArrayName("rgb")
+    writer.SetFileName(path)
+    writer.SetInputData(mesh)
+    writer.Write()
+    print(path)
 
 
 def halved(image):
@@ -221,21 +282,28 @@ def halved(image):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     add_options(parser)
-    parser.add_argument("--spacing", type=float, default=0.1, help="of the run's lattice, m (default %(default)s)")
+    parser.add_argument("--spacing", type=float, help="of the lattice, m (default: the run's)")
     parser.add_argument("--tint", type=float, default=0, help="share of the particles' colours, 0 to 1 (default 0)")
     parser.add_argument("--foam", type=float, default=0.9, help="white where air is driven in, 0 to 1 (default 0.9)")
     options = parser.parse_args()
     try:
+        ending = checked_output(options.output, (".png", ".ply", ".obj"))
         run = Run(options.run)
+        spacing = options.spacing or run.spacing
         number = run.nearest(options.time)
         position, rgb, velocity = run.read(number)
-        whiteness, spray = white(position, velocity, options.spacing)
-        mesh = coloured(surface_of(position, options.spacing), position, rgb, whiteness, options.spacing)
+        whiteness, spray = white(position, velocity, spacing)
+        mesh = coloured(surface_of(position, spacing), position, rgb, whiteness, spacing)
+        if ending != ".png":
+            write_mesh(mesh, options.output)
+            return 0
         low, high = run.bounds([number])
         size, camera = [2 * n for n in options.size], camera_for(low - 0.3, high + 0.3, options)
-        linear, front = picture(mesh, camera, size, low, high, options)
-        linear = add_specks(linear, front, camera, size, *specks(position[spray], whiteness[spray], options.spacing),
-                            SPECK_SIZE * options.spacing)
+        clip(camera, low - 1, high + 1)
+        solids = solids_of(run.solids(number), camera, size)
+        linear, front = picture(mesh, solids, camera, size, Ground(low, high), options)
+        linear = add_specks(linear, front, camera, size, *specks(position[spray], whiteness[spray], spacing),
+                            SPECK_SIZE * spacing)
         save(halved(developed(linear.reshape(size[1], size[0], 3))), options.output)
     except (BadInput, OSError) as error:
         print(f"surface.py: {error}", file=sys.stderr)

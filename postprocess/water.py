@@ -77,9 +77,10 @@ def refracted(direction, normal):
     return eta * direction + (eta * cosine - np.sqrt(1 - eta**2 * (1 - cosine**2))) * normal
 
 
-def water(ground, hit, tint, foam):
+def water(ground, hit, tint, foam, solids=None):
     """Colour of rays that meet the water. hit: point, normal, direction and depth (m to the nearest back side) of each;
-    tint: the water's own colour; foam in [0, 1]: how much light it scatters rather than lets through."""
+    tint: the water's own colour; foam in [0, 1]: how much light it scatters rather than lets through; solids: what else
+    rays in the water may meet (solids.py)."""
     inward = refracted(hit.direction, hit.normal)
     height, falling = np.maximum(hit.point[:, 2:], 0), -inward[:, 2:]
     to_floor = np.where(falling > 1e-3, height / np.maximum(falling, 1e-3), np.inf)
@@ -89,8 +90,11 @@ def water(ground, hit, tint, foam):
     # A drop bends the ray a second time as much as the first.
     beyond = ground.seen(out, normalised(2 * inward - hit.direction))
     behind = np.where(on_floor, ground.colour(out), beyond) * np.exp(-ABSORPTION * way)
+    if solids:
+        met, stone, length = solids.seen_through(hit.point, inward, way)
+        behind, way = np.where(met[:, None], stone, behind), np.where(met[:, None], length, way)
     light = 0.45 + 0.55 * np.clip(dot(hit.normal, LAMP), 0, 1) + 0.15 * hit.normal[:, 2:]
-    scattered = 1 - np.exp(-foam * np.minimum(hit.depth, 0.6) / 0.12)
+    scattered = 1 - np.exp(-foam * np.minimum(np.minimum(hit.depth, way), 0.6) / 0.12)
     behind = behind * (1 - scattered) + tint * light * scattered
     cosine = np.clip(-dot(hit.direction, hit.normal), 0, 1)
     fresnel = REFLECTANCE + (1 - REFLECTANCE) * (1 - cosine) ** 5

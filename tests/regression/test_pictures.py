@@ -32,6 +32,40 @@ class Pictures(ProgramTest):
                 self.assertGreater((brightness > 0.5).mean(), 0.05)  # water
                 self.assertLess(max(brightness[0].max(), brightness[:, 0].max(), brightness[:, -1].max()), 0.5)
 
+    def test_obstacles_are_stone_and_the_run_knows_its_spacing(self):
+        """A ball above the water: warm pixels, as many with a lattice of another spacing; the floor is the box's."""
+        scene = (self.folder / "ball.toml")
+        scene.write_text("""[domain]\nmin = [0, 0, 1]\nmax = [2, 1, 2.5]\n[fluid]\nspacing = 0.1\n[time]\ndt = 0.01\nend = 0
+[[particles]]\nmin = [0, 0, 1]\nmax = [2, 1, 1.4]\n[[obstacle]]\ntype = "sphere"\ncenter = [1, 0.5, 1.6]\nradius = 0.3
+[output.vtkhdf]\nevery = 1\n""")
+        warm = {}
+        for spacing in (0.1, 0.05):
+            self.run_well(1, scene, "--output", f"run{spacing}", "--set", f"fluid.spacing={spacing}")
+            for script in ("render.py", "surface.py"):
+                name = f"{script}{spacing}.png"
+                result = self.draw(script, f"run{spacing}", "--output", name, "--size", 240, 180)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                picture = image.imread(self.folder / name)[..., :3]
+                warm[script, spacing] = (picture[..., 0] > 1.1 * picture[..., 2]).mean()
+                self.assertGreater((picture[..., 2] > 1.1 * picture[..., 0]).mean(), 0.1)  # water, sky
+        for script in ("render.py", "surface.py"):
+            self.assertGreater(warm[script, 0.1], 0.01)
+            self.assertAlmostEqual(warm[script, 0.05] / warm[script, 0.1], 1, delta=0.2)
+
+    def test_the_surface_is_a_file_for_other_programs(self):
+        self.run_well(1, INPUTS / "falling_cube_small.toml", "--output", "run", "--steps", 2, "--set",
+                      "output.vtkhdf.every=1")
+        for ending, words in ((".ply", b"element vertex"), (".obj", b"\nf ")):
+            result = self.draw("surface.py", "run", "--output", f"water{ending}")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            data = (self.folder / f"water{ending}").read_bytes()
+            self.assertIn(words, data)
+            self.assertGreater(len(data), 10000)
+        for script in ("render.py", "surface.py"):
+            result = self.draw(script, "run", "--output", "water.gif")
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("water.gif: cannot be made; give --output a name that ends in .png", result.stderr)
+
     @unittest.skipUnless(shutil.which("ffprobe"), "no ffmpeg here")
     def test_a_film_has_each_frame_and_its_sound(self):
         self.run_well(2, INPUTS / "fountain_small.toml", "--output", "run", "--steps", 12)

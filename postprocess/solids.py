@@ -1,0 +1,46 @@
+"""Obstacles in the picture of surface.py: lit stone, seen directly and through the water. No program of its own.
+
+The stone is drawn once, as seen from the camera. A ray that the water bends is followed in that picture: it meets the
+stone where it goes behind what the picture shows there, so what no straight ray sees is not seen through water either.
+"""
+
+import numpy as np
+
+from water import ABSORPTION, LAMP, LAMPLIGHT, dot
+
+STONE = np.array([0.46, 0.41, 0.35], np.float32)
+STEPS = 24  # places at which a bent ray is compared with the picture
+THICK = 0.4  # m; a ray that is further behind a stone has passed it
+
+
+class Solids:
+    """`normal` and `distance` (along the viewing axis, infinite where there is none) of each pixel, rows of the picture
+    one after the other; `project` takes points to (column, row, distance)."""
+
+    def __init__(self, normal, distance, size, project):
+        self.distance, self.size, self.project = distance, size, project
+        lamp = (LAMP / np.linalg.norm(LAMP)).astype(np.float32)
+        light = 0.10 + 0.75 * LAMPLIGHT * np.clip(dot(normal, lamp), 0, 1) + 0.12 * np.clip(normal[:, 2:], 0, 1)
+        self.colour = STONE * light
+
+    def seen_through(self, point, direction, length):
+        """What rays within the water meet: whether they do, colour, and how far they have come (m)."""
+        met = np.zeros(len(point), bool)
+        colour, way = np.zeros_like(point), np.zeros((len(point), 1), np.float32)
+        for step in (np.arange(STEPS) + 1) / STEPS:
+            column, row, distance = self.project(point + step * length * direction)
+            column, row = (np.floor(c).astype(int) for c in (column, row))
+            inside = (column >= 0) & (column < self.size[0]) & (row >= 0) & (row < self.size[1]) & ~met
+            pixel = np.where(inside, row * self.size[0] + column, 0)
+            behind = distance - self.distance[pixel]
+            now = inside & (behind > 0) & (behind < THICK)
+            colour[now], way[now] = self.colour[pixel[now]], step * length[now]
+            met |= now
+        return met, colour * np.exp(-ABSORPTION * way), way
+
+
+def lit(result, solids, front):
+    """The stone where it is nearer than `front`, the distance of the water (infinite without), else what is there."""
+    nearer = np.isfinite(solids.distance) & (solids.distance < front)
+    result[nearer] = solids.colour[nearer]
+    return nearer
