@@ -188,6 +188,16 @@ class Outputs(ProgramTest):
             self.assertIn("3072", result.stdout.replace(",", ""))
             self.assertEqual(self.contents(), {})
 
+    def test_dry_run_tells_what_obstacles_take(self):
+        block = ["--set", "particles.0.min=[0,0,0]", "--set", "particles.0.max=[1,1,0.5]", "--set", "domain.min=[0,0,0]",
+                 "--set", "domain.max=[2,1,1]", "--set", "fluid.spacing=0.1"]
+        ball = 'obstacle=[{type="box",center=[0.5,0.5,0.25],size=[0.4,0.4,0.7]},' \
+               '{type="cylinder",center=[1,0.5,0.5],radius=2,height=1,inside=true}]'
+        told = self.run_well(1, CUBE, "--dry-run", *block, "--set", ball).stdout
+        self.assertIn("left out    80 of 500 places of the blocks", told)
+        self.assertIn("obstacle 0  from (0.3, 0.3, -0.1) to (0.7, 0.7, 0.6) m, reaches out of the box", told)
+        self.assertIn("a vessel: solid all around it, also above z = 1", told)
+
     def test_dry_run_knows_the_cfl_number_of_the_run(self):
         for cfl, told in ((2, "CFL 2: "), (0.5, "CFL 0.5: 0.0155 s"), (0, "CFL 0.4: 0.0124 s")):
             result = self.run_well(1, CUBE, "--dry-run", "--set", f"time.cfl={cfl}")

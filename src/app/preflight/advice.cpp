@@ -49,22 +49,6 @@ void look_at_overlaps(const Scene& scene, Advice& advice) {
   }
 }
 
-// At the start; bounds are those about its centre.
-Box place_of(const ObstacleSettings& obstacle) {
-  const Box bounds = bounds_of(obstacle);
-  const BodyMotion motion(obstacle);
-  const Pose pose = motion.at(0);
-  Box place{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
-  for (int k = 0; k < 8; ++k) {
-    const Vec3 corner((k & 1) != 0 ? bounds.max.x() : bounds.min.x(), (k & 2) != 0 ? bounds.max.y() : bounds.min.y(),
-                      (k & 4) != 0 ? bounds.max.z() : bounds.min.z());
-    const Vec3 there = pose.into_world(corner);
-    place.min = place.min.cwiseMin(there);
-    place.max = place.max.cwiseMax(there);
-  }
-  return place;
-}
-
 // Of cells as wide as the kernel radius the diagonal is 1.7 times as long.
 void look_at_walls(const Scene& scene, const ObstacleSettings& obstacle, Advice& advice) {
   const Real least = std::sqrt(3.0) * scene.fluid.kernel_radius;
@@ -137,6 +121,21 @@ void look_at_fountain(const Scene& scene, const FountainSettings& fountain, Real
 }
 
 }  // namespace
+
+Box place_of(const ObstacleSettings& obstacle) {
+  const Box bounds = bounds_of(obstacle);
+  const BodyMotion motion(obstacle);
+  const Pose pose = motion.at(0);
+  Box place{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner((k & 1) != 0 ? bounds.max.x() : bounds.min.x(), (k & 2) != 0 ? bounds.max.y() : bounds.min.y(),
+                      (k & 4) != 0 ? bounds.max.z() : bounds.min.z());
+    const Vec3 there = pose.into_world(corner);
+    place.min = place.min.cwiseMin(there);
+    place.max = place.max.cwiseMax(there);
+  }
+  return place;
+}
 
 Real open_volume(const Scene& scene) {
   const Vec3 extent = scene.domain.max - scene.domain.min;

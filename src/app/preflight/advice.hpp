@@ -18,6 +18,9 @@ Real longest_step(const Scene& scene, Real cfl);
 /// A sentence with the remedy for each.
 std::vector<std::string> scene_advice(const Scene& scene);
 
+/// The bounds of an obstacle's surface at the start, m.
+Box place_of(const ObstacleSettings& obstacle);
+
 /// What the box holds beside its obstacles at the start, m³; with obstacles by samples, to a per cent.
 Real open_volume(const Scene& scene);
 

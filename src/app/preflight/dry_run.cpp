@@ -13,6 +13,7 @@
 #include "fluid/forcings/inlet.hpp"
 #include "parallel/reductions.hpp"
 #include "scene/initial_particles.hpp"
+#include "scene/lattice.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
 
@@ -131,6 +132,31 @@ std::string run_time_text(const Scene& scene, double most, const MeasuredSpeed& 
       1e3 * speed.substep * static_cast<double>(speed.substeps) * speed.particles, with_commas(speed.particles));
 }
 
+// Places of blocks without water, and where obstacles are. `particles` are there at the start.
+std::string obstacle_text(const Scene& scene, double particles) {
+  std::string text;
+  GlobalId places = 0;
+  bool blocks = true;
+  for (const ParticleSource& source : scene.particles) {
+    blocks = blocks && source.type == ParticleSource::Type::block;
+    if (blocks) places += Lattice(source, scene.fluid.spacing).size();
+  }
+  const double left_out = static_cast<double>(places) - particles;
+  if (blocks && left_out > 0)
+    text += fmt::format("left out    {:.0f} of {} places of the blocks: in obstacles, or above a surface\n", left_out,
+                        places);
+  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+    const ObstacleSettings& obstacle = scene.obstacles[k];
+    const auto& [min, max] = place_of(obstacle);
+    const std::string lid = fmt::format(", a vessel: solid all around it, also above z = {:.4g}", max.z());
+    text += fmt::format("obstacle {:<2} from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m{}{}{}\n", k, min.x(),
+                        min.y(), min.z(), max.x(), max.y(), max.z(), obstacle.moves() ? " at the start" : "",
+                        obstacle.inside ? lid : obstacle.shape == ShapeKind::basin ? ", open at the top" : "",
+                        scene.domain.contains(min) && scene.domain.contains(max) ? "" : ", reaches out of the box");
+  }
+  return text;
+}
+
 double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
   double most = 0;
   for (int r = 0; r < slabs.ranks(); ++r)
@@ -169,7 +195,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, water_mass(scene.fluid));
   fmt::print("space       {:.4g} m³ of water, {:.4g} m³ open\n",
              particles * water_mass(scene.fluid) / scene.fluid.rest_density, open_volume(scene));
-  fmt::print("{}", inlet_text(scene));
+  fmt::print("{}{}", obstacle_text(scene, particles), inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
   if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
