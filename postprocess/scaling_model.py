@@ -7,7 +7,8 @@ of particles in lattice order, h = 2 spacings, so a cell plane is two layers thi
 import math
 from typing import NamedTuple
 
-RECORD = 16  # bytes of a packed record in single precision
+PLACE, SCALAR = 12, 4  # bytes of a packed record in single precision, of which an exchange sends one or the other
+FILTERS = {0: 0, 1: PLACE, 2: PLACE + SCALAR, 3: 2 * PLACE + SCALAR}  # bytes; exchanges of XSPH (1) and vorticity (2)
 ITERATIONS = 4  # of the default, the first on the coarse grid
 CYCLES = 3  # of the coarse grid's multigrid
 SWEEPS = 4  # in a cycle on each level
@@ -105,17 +106,17 @@ def exchange_bytes(basin, filters=0):
     fields = FIELDS * rows * math.ceil(basin.columns() / 8) * 8  # columns eight at a time
     coarse = FILL * rows + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())
     heights = 4 * basin.width / 2
-    records = (EXCHANGES - 1 + filters) * plane_bytes(basin)
-    return rebuild_bytes(basin) + records + heights + fields + coarse * (basin.columns() + 2)
+    records = (ITERATIONS + 1) * PLACE + ITERATIONS * SCALAR + FILTERS[filters]
+    return rebuild_bytes(basin) + plane_particles(basin) * records + heights + fields + coarse * (basin.columns() + 2)
 
 
 def rebuild_bytes(basin):
-    """Of that, what the start of a run sends, too: the counts and the records once."""
-    return 4 * basin.width / 2 * (basin.depth + basin.air) / 2 + plane_bytes(basin)
+    """Of that, what the start of a run sends, too: the counts and the places once."""
+    return 4 * basin.width / 2 * (basin.depth + basin.air) / 2 + plane_particles(basin) * PLACE
 
 
-def plane_bytes(basin):
-    return 2 * basin.width * basin.depth * RECORD
+def plane_particles(basin):
+    return 2 * basin.width * basin.depth
 
 
 def messages(basin, filters=0):

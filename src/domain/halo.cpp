@@ -1,6 +1,7 @@
 #include "domain/halo.hpp"
 
 #include "domain/slabs.hpp"
+#include "parallel/waiting.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 
@@ -71,7 +72,7 @@ void Halo::start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const
 
 void Halo::finish() {
   const ScopedEvent waited(wait_event_);
-  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  wait_all(requests_);
   requests_.clear();
 }
 

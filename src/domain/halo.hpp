@@ -1,8 +1,9 @@
 // Ghost exchange with the two neighbour slabs. Particles are in cell order, so what is sent to a neighbour and what is
 // received from it are contiguous slices of an array [low ghosts | owned | high ghosts]: no index list, no packing.
 // rebuild() finds the slices once a substep; then any array of that layout is exchanged by start() and finish(), and
-// work that needs no ghosts can be done in between. Whole planes of a grid are exchanged in the same way. Collective
-// over neighbours: all ranks call the same exchanges in the same order.
+// work that needs no ghosts can be done in between. Of records that are not all read a part is packed, sent and put in
+// place. Whole planes of a grid are exchanged in the same way. Collective over neighbours: all ranks call the same
+// exchanges in the same order.
 #pragma once
 
 #include <mpi.h>
@@ -11,10 +12,12 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <type_traits>
 #include <vector>
 
+#include "base/threads.hpp"
 #include "domain/plane_peers.hpp"
 #include "parallel/log.hpp"
 #include "particles/cell_order.hpp"
@@ -36,6 +39,40 @@ class Halo {
     static_assert(std::is_trivially_copyable_v<T>);
     assert(field.size() == static_cast<std::size_t>(owned_.all));
     start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(T));
+  }
+  /// Sends a part of each record, sizeof(Part) bytes from `offset` on; finish_part() receives that of the ghosts. Owned
+  /// records may change in between.
+  template <class Part, class Record>
+  void start_part(const std::vector<Record>& field, std::size_t offset) {
+    const Range low_plane{owned_.begin, owned_.end_first_plane}, high_plane{owned_.begin_last_plane, owned_.end};
+    const std::array<Range, 2> sent{low_plane, high_plane};
+    const std::array<Range, 2> ghosts{Range{0, owned_.begin}, Range{owned_.end, owned_.end_high}};
+    for (std::size_t side : {0U, 1U}) {
+      received_[side].resize(static_cast<std::size_t>(ghosts[side].size()) * sizeof(Part));
+      receive(received_[side].data(), received_[side].size(), neighbours_.from[side], static_cast<int>(side));
+    }
+    for (std::size_t side : {0U, 1U}) {
+      if (neighbours_.from[side] == MPI_PROC_NULL) continue;
+      const auto first = static_cast<std::size_t>(sent[side].begin);
+      sent_[side].resize(static_cast<std::size_t>(sent[side].size()) * sizeof(Part));
+      for_each_index({0, sent[side].size()}, [&, to = sent_[side].data(), from = field.data() + first](std::size_t i) {
+        std::memcpy(to + i * sizeof(Part), reinterpret_cast<const std::byte*>(from + i) + offset, sizeof(Part));
+      });
+      send(sent_[side].data(), sent_[side].size(), neighbours_.from[side], static_cast<int>(side));
+    }
+  }
+  template <class Part, class Record>
+  void finish_part(std::vector<Record>& field, std::size_t offset) {
+    finish();
+    const std::array<Range, 2> ghosts{Range{0, owned_.begin}, Range{owned_.end, owned_.end_high}};
+    for (std::size_t side : {0U, 1U}) {
+      if (neighbours_.from[side] == MPI_PROC_NULL) continue;
+      const auto first = static_cast<std::size_t>(ghosts[side].begin);
+      for_each_index({0, ghosts[side].size()},
+                     [&, from = received_[side].data(), to = field.data() + first](std::size_t i) {
+                       std::memcpy(reinterpret_cast<std::byte*>(to + i) + offset, from + i * sizeof(Part), sizeof(Part));
+                     });
+    }
   }
   /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each.
   template <class T>
@@ -59,6 +96,10 @@ class Halo {
   /// Number of bytes and of messages sent by this rank since the beginning.
   std::int64_t bytes() const { return bytes_; }
   std::int64_t messages() const { return messages_; }
+  /// Memory of what is packed.
+  std::size_t memory() const {
+    return sent_[0].capacity() + sent_[1].capacity() + received_[0].capacity() + received_[1].capacity();
+  }
 
  private:
   // Borders of the slices, as indices into an array with ghosts.
@@ -75,6 +116,7 @@ class Halo {
   Borders owned_;
   std::vector<LocalId> low_counts_, high_counts_;
   std::vector<MPI_Request> requests_;
+  std::array<std::vector<std::byte>, 2> sent_, received_;  // parts, by the side
   std::int64_t bytes_ = 0, messages_ = 0;
   Event wait_event_{"HaloWait"};
 };

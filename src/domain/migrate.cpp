@@ -9,6 +9,7 @@
 #include "base/growth.hpp"
 #include "base/threads.hpp"
 #include "domain/plane_peers.hpp"
+#include "parallel/waiting.hpp"
 #include "particles/remove.hpp"
 #include "trevi/session.hpp"
 
@@ -104,10 +105,14 @@ std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<i
     const std::size_t from = 1 - side;
     const int sent = static_cast<int>(outgoing[side].size() / particle_bytes);
     int received = 0;
-    MPI_Sendrecv(&sent, 1, MPI_INT, peer[side], 0, &received, 1, MPI_INT, peer[from], 0, comm, MPI_STATUS_IGNORE);
+    std::array<MPI_Request, 2> requests;
+    MPI_Irecv(&received, 1, MPI_INT, peer[from], 0, comm, &requests[0]);
+    MPI_Isend(&sent, 1, MPI_INT, peer[side], 0, comm, &requests[1]);
+    wait_all(requests);
     incoming[from].resize(static_cast<std::size_t>(received) * particle_bytes);
-    MPI_Sendrecv(outgoing[side].data(), sent, particle, peer[side], 1, incoming[from].data(), received, particle,
-                 peer[from], 1, comm, MPI_STATUS_IGNORE);
+    MPI_Irecv(incoming[from].data(), received, particle, peer[from], 1, comm, &requests[0]);
+    MPI_Isend(outgoing[side].data(), sent, particle, peer[side], 1, comm, &requests[1]);
+    wait_all(requests);
   }
   MPI_Type_free(&particle);
   return incoming;
@@ -121,8 +126,8 @@ GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particle
   const int rank = rank_of(comm);
   const std::array<int, 2> peers = slab_neighbours(comm, grid.is_periodic(0));
   Leaving leaving = leaving_particles(rank, particles.*position, grid, slabs);
-  int rounds = 0;
-  MPI_Allreduce(&leaving.farthest, &rounds, 1, MPI_INT, MPI_MAX, comm);
+  int rounds = leaving.farthest;
+  all_reduce(comm, &rounds, 1, MPI_INT, MPI_MAX);
   GlobalId sent = 0;
   for (int round = 0; round < rounds; ++round) {
     if (round > 0) leaving = leaving_particles(rank, particles.*position, grid, slabs);

@@ -28,8 +28,8 @@ void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Veloc
     const CellGrid& grid = order_.grid();
     first_ = grid.is_periodic(0) && planes.first == 0;
     last_ = grid.is_periodic(0) && planes.last == grid.planes();
-    start_records();
-    finish_records();
+    start_positions();
+    finish_positions();
   }
   const ScopedEvent timed(search_event_);
   list_.rebuild(order_, records_);
@@ -46,10 +46,12 @@ void Neighbourhood<T>::encode(const std::vector<Vec3>& position, Range range) {
 }
 
 template <class T>
-void Neighbourhood<T>::finish_records() {
-  halo_.finish();
+void Neighbourhood<T>::finish_positions() {
+  halo_.template finish_part<Coordinates>(records_, 0);
   const CellGrid& grid = order_.grid();
   const LocalId low = order_.low_ghosts(), high = low + order_.owned(), end = high + order_.high_ghosts();
+  for (const Range& ghosts : {Range{0, low}, Range{high, end}})
+    for_each_index(ghosts, [this](std::size_t i) { records_[i].w = 0; });
   if (first_) move_ghosts({0, low}, -1);
   if (last_) move_ghosts({high, end}, 1);
   const std::span<const CellOrder::Copy> copies = order_.copies();
@@ -67,6 +69,15 @@ void Neighbourhood<T>::finish_records() {
       }
     }
   });
+}
+
+template <class T>
+void Neighbourhood<T>::finish_scalars() {
+  halo_.template finish_part<T>(records_, offsetof(Packed<T>, w));
+  for (const CellOrder::Copy& copy : order_.copies()) {
+    for (LocalId i = 0; i < copy.count; ++i)
+      records_[static_cast<std::size_t>(copy.to + i)].w = records_[static_cast<std::size_t>(copy.from + i)].w;
+  }
 }
 
 template <class T>

@@ -6,6 +6,9 @@
 
 #include <mpi.h>
 
+#include <array>
+#include <cstddef>
+
 #include "domain/halo.hpp"
 #include "domain/slabs.hpp"
 #include "parallel/log.hpp"
@@ -38,15 +41,24 @@ class Neighbourhood {
   Halo& halo() { return halo_; }
   const Halo& halo() const { return halo_; }
 
-  /// Sends the records of the boundary, and receives those of the ghosts; where the box is periodic, brings those from
-  /// beyond its end, and the copies, to the place where they are neighbours.
-  void start_records() { halo_.start(records_); }
-  void finish_records();
-  /// Exchanges another field of all particles, and copies it.
+  /// Sends the positions in the records of the boundary, and receives those of the ghosts, whose scalars become zero;
+  /// where the box is periodic, brings those from beyond its end, and the copies, to the place where they are
+  /// neighbours.
+  void start_positions() { halo_.template start_part<Coordinates>(records_, 0); }
+  void finish_positions();
+  /// The same for the scalars alone.
+  void start_scalars() { halo_.template start_part<T>(records_, offsetof(Packed<T>, w)); }
+  void finish_scalars();
+  /// Exchanges another field of all particles, and copies it; of vectors the three coordinates alone.
   template <class Field>
   void exchange(std::vector<Field>& field) {
     halo_.exchange(field);
-    for (const CellOrder::Copy& copy : order_.copies()) std::copy_n(&field[copy.from], copy.count, &field[copy.to]);
+    copy(field);
+  }
+  void exchange_vectors(std::vector<Vec4<T>>& field) {
+    halo_.template start_part<std::array<T, 3>>(field, 0);
+    halo_.template finish_part<std::array<T, 3>>(field, 0);
+    copy(field);
   }
 
   /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane;
@@ -55,9 +67,14 @@ class Neighbourhood {
   Range interior() const;
   Range all() const { return {0, order_.owned()}; }
 
-  std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes(); }
+  std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() + halo_.memory(); }
 
  private:
+  using Coordinates = std::array<typename Packed<T>::Coordinate, 3>;
+  template <class Field>
+  void copy(std::vector<Field>& field) const {
+    for (const CellOrder::Copy& copy : order_.copies()) std::copy_n(&field[copy.from], copy.count, &field[copy.to]);
+  }
   void move_ghosts(Range range, Real turns);
 
   CellOrder order_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "parallel/waiting.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
@@ -76,7 +77,10 @@ void Multigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> 
     std::size_t number = 0;
     for (const auto* field : fields) std::copy_n(field->data() + k * plane, plane, packed_.data() + place(k, number++));
   }
-  MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_.data(), counts.data(), places.data(), MPI_DOUBLE, comm_);
+  MPI_Request request;
+  MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_.data(), counts.data(), places.data(), MPI_DOUBLE, comm_,
+                  &request);
+  wait_all({&request, 1});
   std::size_t number = 0;
   for (auto* field : fields) {
     for (std::size_t k = 1; k <= all; ++k)

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "parallel/waiting.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
@@ -12,19 +13,19 @@ namespace trevi {
 namespace {
 
 template <class T>
-T all_reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op op) {
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, type, op, comm);
+T reduced(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op op) {
+  all_reduce(comm, &value, 1, type, op);
   return value;
 }
 
 }  // namespace
 
-Real max_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, MPI_DOUBLE, MPI_MAX); }
-Real min_over_ranks(MPI_Comm comm, Real value) { return all_reduce(comm, value, MPI_DOUBLE, MPI_MIN); }
-GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value) { return all_reduce(comm, value, MPI_INT64_T, MPI_SUM); }
+Real max_over_ranks(MPI_Comm comm, Real value) { return reduced(comm, value, MPI_DOUBLE, MPI_MAX); }
+Real min_over_ranks(MPI_Comm comm, Real value) { return reduced(comm, value, MPI_DOUBLE, MPI_MIN); }
+GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value) { return reduced(comm, value, MPI_INT64_T, MPI_SUM); }
 
 std::vector<GlobalId> sum_over_ranks(MPI_Comm comm, std::vector<GlobalId> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm);
+  all_reduce(comm, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM);
   return values;
 }
 

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "base/threads.hpp"
+#include "parallel/waiting.hpp"
 
 namespace trevi {
 
@@ -63,7 +64,7 @@ StepConsensus::~StepConsensus() {
 
 StepState StepConsensus::count(const StepState& mine) const {
   StepState total = mine;
-  MPI_Allreduce(MPI_IN_PLACE, &total, 1, type_, op_, comm_);
+  all_reduce(comm_, &total, 1, type_, op_);
   return total;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "base/threads.hpp"
+#include "parallel/waiting.hpp"
 
 namespace trevi {
 
@@ -23,7 +24,7 @@ void ActiveRows::measure(const CellOrder& order, Halo& halo) {
   for (LocalId k = 1; k <= planes_; ++k) {
     for (LocalId r = 0; r < rows_; ++r) most[1] = std::max(most[1], columns(k, r));
   }
-  MPI_Allreduce(MPI_IN_PLACE, most.data(), 2, MPI_INT32_T, MPI_MAX, comm_);
+  all_reduce(comm_, most.data(), 2, MPI_INT32_T, MPI_MAX);
   depth_ = most[0];
   max_columns_ = most[1];
 }

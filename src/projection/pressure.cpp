@@ -1,5 +1,7 @@
 #include "projection/pressure.hpp"
 
+#include "parallel/waiting.hpp"
+
 namespace trevi {
 
 using namespace projection;
@@ -72,7 +74,7 @@ bool Pressure::has_no_surface(const FreeSurface& surface) const {
   });
   int any = 0;
   found.for_each([&](char one) { any = std::max(any, int{one}); });
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm_);
+  all_reduce(comm_, &any, 1, MPI_INT, MPI_MAX);
   return any == 0;
 }
 
@@ -198,7 +200,7 @@ void Pressure::set_origin(const FreeSurface& surface) {
   largest.for_each([&](const auto& one) {
     if (one.first) most = std::max(most, one.second);
   });
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  all_reduce(comm_, &most, 1, MPI_DOUBLE, MPI_MAX);
   if (!std::isfinite(most)) return;
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[grid.index(k, r, c)] -= most;

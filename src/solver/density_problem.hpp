@@ -37,8 +37,8 @@ class DensityProblem {
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
 
-  /// Calls work(part) for the boundary planes, sends their records, calls work(interior) and receives the ghosts'
-  /// records.
+  /// Calls work(part) for the boundary planes, sends the scalars of their records, or with Phase::move their positions,
+  /// calls work(interior) and receives those of the ghosts.
   template <class Work>
   void with_halo(Phase phase, Work&& work);
 
@@ -129,9 +129,15 @@ template <class Work>
 void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(phase)]);
   for (const Range& part : near_.boundary()) work(part);
-  near_.start_records();
-  work(near_.interior());
-  near_.finish_records();
+  if (phase == Phase::lambda) {
+    near_.start_scalars();
+    work(near_.interior());
+    near_.finish_scalars();
+  } else {
+    near_.start_positions();
+    work(near_.interior());
+    near_.finish_positions();
+  }
 }
 
 template <class T>

@@ -7,6 +7,7 @@
 
 #include "base/threads.hpp"
 #include "parallel/reductions.hpp"
+#include "parallel/waiting.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
@@ -64,7 +65,7 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
   const Real front = largest(all, lowest, [&](std::size_t i) { return particles.position[i].x(); });
   const Real work = plane_work(input.order, input.list, 0, input.order.planes());
   Real maxima[] = {rho, v2, top, front, input.drift, work};
-  MPI_Allreduce(MPI_IN_PLACE, maxima, 6, MPI_DOUBLE, MPI_MAX, comm_);
+  all_reduce(comm_, maxima, 6, MPI_DOUBLE, MPI_MAX);
   row.density_max = maxima[0];
   row.compression_max = std::max(maxima[0] / model_.rest_density - 1, 0.0);
   row.speed_max = std::sqrt(maxima[1]);
@@ -127,7 +128,7 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
     });
     counts.for_each(
         [&](const auto& own) { std::transform(own.begin(), own.end(), count.begin(), count.begin(), std::plus()); });
-    MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, comm);
+    all_reduce(comm, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM);
     std::size_t bin = 0;
     while (bin + 1 < static_cast<std::size_t>(bins) && n > count[bin]) n -= count[bin++];  // n: from this interval on
     interval = interval * bins + static_cast<GlobalId>(bin);

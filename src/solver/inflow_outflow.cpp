@@ -5,6 +5,7 @@
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
+#include "parallel/waiting.hpp"
 #include "particles/remove.hpp"
 
 namespace trevi {
@@ -169,7 +170,7 @@ std::vector<char> InflowOutflow::places(const Layers& layers, const Particles& p
   found.for_each([&](const auto& water) {
     for (const GlobalId place : water) places[static_cast<std::size_t>(place)] &= covered;
   });
-  MPI_Allreduce(MPI_IN_PLACE, places.data(), static_cast<int>(places.size()), MPI_BYTE, MPI_BAND, comm_);
+  all_reduce(comm_, places.data(), static_cast<int>(places.size()), MPI_BYTE, MPI_BAND);
   return places;
 }
 

@@ -8,7 +8,8 @@ namespace trevi {
 template <class T>
 const Vec4<T>* VelocityField<T>::refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
   write(near, velocity);
-  return exchange(near);
+  near.exchange_vectors(vectors_);
+  return vectors_.data();
 }
 
 template <class T>

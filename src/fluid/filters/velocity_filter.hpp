@@ -23,7 +23,7 @@ class VelocityFilter {
 template <class T>
 class VelocityField {
  public:
-  /// write() and exchange(). Collective.
+  /// write() and an exchange of the velocities, whose scalars are not for use. Collective.
   const Vec4<T>* refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
   /// Those of the owned particles, in their order, with a scalar of 0 that may be set before exchange().
   Vec4<T>* write(const Neighbourhood<T>& near, const std::vector<Vec3>& velocity);

@@ -42,8 +42,8 @@ template <class T>
 void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   const ScopedEvent timed(event_);
   compute_omega(near, particles.velocity);
-  near.start_records();
-  near.finish_records();
+  near.start_scalars();
+  near.finish_scalars();
   const Pairs<T> pairs = pairs_of(near);
   const auto gradients = [&](Range part, Vec4<T>* out) { loops_.gradient(pairs, part, out); };
   for_each_sum<Vec4<T>>(near.all(), gradients, [&](Range here, const Vec4<T>* sum) {
