@@ -107,8 +107,18 @@ def stage(low, high, options):
     return window, actors
 
 
+def seconds_of(sound):
+    """How long a sound file plays."""
+    told = subprocess.run(["ffprobe", "-v", "error", "-show_entries", "format=duration", "-of", "csv=p=0", sound],
+                          capture_output=True, text=True, check=False)
+    try:
+        return float(told.stdout)
+    except ValueError as error:
+        raise BadInput(f"{sound}: ffprobe cannot tell how long it is; {told.stderr.strip()}") from error
+
+
 def film(run, window, actors, options):
-    """Pipes the frames through ffmpeg, at the rate of the run's own clock."""
+    """Pipes the frames through ffmpeg, at the rate of the run's own clock; the last one stays while there is sound."""
     if not shutil.which("ffmpeg"):
         raise BadInput("ffmpeg is not installed; jobs/render.sh installs it")
     rate = (len(run.times) - 1) / (run.times[-1] - run.times[0])
@@ -116,7 +126,8 @@ def film(run, window, actors, options):
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}",
                "-r", f"{rate:.6g}", "-i", "-"]
     command += ["-i", options.sound, "-c:a", "aac", "-b:a", "96k"] if options.sound else []
-    command += ["-vf", "vflip", "-c:v", "libx264", "-crf", str(options.crf), "-pix_fmt", "yuv420p",
+    longer = max(0.0, seconds_of(options.sound) - len(run.times) / rate) if options.sound else 0
+    command += ["-vf", f"vflip,tpad=stop_mode=clone:stop_duration={longer:.3f}", "-c:v", "libx264", "-crf", str(options.crf), "-pix_fmt", "yuv420p",
                 "-movflags", "+faststart", options.output]
     with subprocess.Popen(command, stdin=subprocess.PIPE) as encoder:
         for number, time in enumerate(run.times):

@@ -57,7 +57,7 @@ def main():
     parser.add_argument("second", type=Path)
     arguments = parser.parse_args()
     found = list(differences(arguments.first, arguments.second))
-    print("\n".join(found))
+    print("\n".join(found) or "the same bits")
     return 1 if found else 0
 
 

@@ -23,7 +23,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
 
-from scaling_model import (CYCLES, EXCHANGES, RECORD, SWEEPS, Basin, Costs, Node, efficiency,  # noqa: E402
+from scaling_model import (CYCLES, EXCHANGES, SCALAR, SWEEPS, Basin, Costs, Node, efficiency,  # noqa: E402
                            exchange_bytes, messages, node_bytes, rebuild_bytes, redundant_lambda, slabs)
 from study import columns_of, write_table  # noqa: E402
 
@@ -276,7 +276,7 @@ def exchange_choice(costs, largest):
           f"{here:.0f} particles a plane here, {there:.0f} on the cluster")
     rows = []
     for plane in (10, 100, 1000, 10_000, 100_000):
-        bytes_sent = plane * RECORD
+        bytes_sent = plane * SCALAR
         rows.append({"particles_a_plane": plane,
                      "second_exchange_here_us": f"{1e6 * (costs.latency + bytes_sent / costs.bandwidth):.1f}",
                      "on_the_cluster_us": f"{1e6 * (CLUSTER['latency'] + 2 * bytes_sent / CLUSTER['bandwidth']):.1f}",

@@ -68,10 +68,10 @@ class Halo {
     for (std::size_t side : {0U, 1U}) {
       if (neighbours_.from[side] == MPI_PROC_NULL) continue;
       const auto first = static_cast<std::size_t>(ghosts[side].begin);
-      for_each_index({0, ghosts[side].size()},
-                     [&, from = received_[side].data(), to = field.data() + first](std::size_t i) {
-                       std::memcpy(reinterpret_cast<std::byte*>(to + i) + offset, from + i * sizeof(Part), sizeof(Part));
-                     });
+      for_each_index(
+          {0, ghosts[side].size()}, [&, from = received_[side].data(), to = field.data() + first](std::size_t i) {
+            std::memcpy(reinterpret_cast<std::byte*>(to + i) + offset, from + i * sizeof(Part), sizeof(Part));
+          });
     }
   }
   /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each.

@@ -67,7 +67,9 @@ class Neighbourhood {
   Range interior() const;
   Range all() const { return {0, order_.owned()}; }
 
-  std::size_t bytes() const { return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() + halo_.memory(); }
+  std::size_t bytes() const {
+    return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() + halo_.memory();
+  }
 
  private:
   using Coordinates = std::array<typename Packed<T>::Coordinate, 3>;

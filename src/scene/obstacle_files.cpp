@@ -16,6 +16,7 @@
 #include "parallel/collective.hpp"
 #include "scene/scene_obstacle.hpp"
 #include "scene/scene_place.hpp"
+#include "solver/check_input.hpp"
 
 namespace trevi {
 namespace {
@@ -98,21 +99,12 @@ void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
                   (bounds.max - bounds.min).maxCoeff()));
 }
 
-// The solids of obstacles add up, so one that is there twice would count as twice as much.
 void check_twins(const Scene& scene) {
-  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-    const ObstacleSettings& one = scene.obstacles[k];
-    const auto is_twin = [&](const ObstacleSettings& other) {
-      if (other.center != one.center || other.path != one.path) return false;
-      ObstacleSettings same = other;
-      same.line = one.line;
-      same.mesh = one.mesh;
-      return same == one;
-    };
-    const auto end = scene.obstacles.begin() + static_cast<std::ptrdiff_t>(k);
-    const auto twin = std::find_if(scene.obstacles.begin(), end, is_twin);
-    if (twin == end) continue;
-    told_at(scene, one.line, "[[obstacle]]", [&] {
+  for (auto one = scene.obstacles.begin(); one != scene.obstacles.end(); ++one) {
+    const auto twin =
+        std::find_if(scene.obstacles.begin(), one, [&](const auto& other) { return is_same_solid(*one, other); });
+    if (twin == one) continue;
+    told_at(scene, one->line, "[[obstacle]]", [&] {
       throw InputError(
           fmt::format("is the same as that of line {}, and would count twice; remove one of them", twin->line));
     });

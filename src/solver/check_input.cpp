@@ -191,6 +191,15 @@ void check_own_particles(const Settings& settings, const Particles& particles) {
 
 }  // namespace
 
+bool is_same_solid(const ObstacleSettings& one, const ObstacleSettings& other) {
+  if (other.center != one.center || other.shape != one.shape || other.path != one.path) return false;
+  const bool same_mesh = one.mesh == other.mesh || (one.mesh && other.mesh && *one.mesh == *other.mesh);
+  ObstacleSettings same = other;
+  same.line = one.line;
+  same.mesh = one.mesh;
+  return same_mesh && same == one;
+}
+
 // Lengths first: sums over the lattice would hardly end with an absurd radius.
 Settings checked_and_resolved(const Settings& settings) {
   const FluidSettings& fluid = settings.fluid;
@@ -208,6 +217,11 @@ Settings checked_and_resolved(const Settings& settings) {
   check_density(all.density);
   for (std::size_t k = 0; k < all.obstacles.size(); ++k)
     check_obstacle(all.obstacles[k], fmt::format("obstacles[{}].", k));
+  for (std::size_t k = 1; k < all.obstacles.size(); ++k) {
+    for (std::size_t j = 0; j < k; ++j)
+      demand(!is_same_solid(all.obstacles[k], all.obstacles[j]),
+             fmt::format("obstacles[{}] is the same as obstacles[{}], and would count twice", k, j));
+  }
   demand(all.density.method != Method::anderson || all.obstacles.empty(),
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
   check_periodic(all);

@@ -17,4 +17,7 @@ Settings checked_and_resolved(const Settings& settings);
 void check_particles(MPI_Comm comm, const Settings& settings, const Particles& particles);
 void check_extras(MPI_Comm comm, const SolverExtras& extras);
 
+/// Whether two obstacles are the same solid in the same place. The solids of obstacles add up, so it would count twice.
+bool is_same_solid(const ObstacleSettings& one, const ObstacleSettings& other);
+
 }  // namespace trevi

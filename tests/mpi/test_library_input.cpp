@@ -116,6 +116,16 @@ TEST(LibraryInput, SettingsThatCannotBeAreRefused) {
   }
 }
 
+TEST(LibraryInput, AnObstacleThatIsThereTwiceIsRefused) {
+  Settings settings = tank();
+  ObstacleSettings ball;
+  ball.center = {0.4, 0.4, 0.2};
+  ball.radius = 0.1;
+  settings.obstacles = {ball, ball};
+  settings.obstacles[1].line = 7;
+  EXPECT_THAT(refusal(settings), testing::HasSubstr("obstacles[1] is the same as obstacles[0]"));
+}
+
 struct BadObstacle {
   const char* words;
   std::function<void(ObstacleSettings&)> spoil;
@@ -143,6 +153,25 @@ TEST(LibraryInput, ObstaclesThatCannotBeAreRefused) {
       {"obstacles[0].radius", [](ObstacleSettings& o) { o.radius = nan; }},
       {"size", [](ObstacleSettings& o) { o.shape = ShapeKind::box; }},
       {"height", [](ObstacleSettings& o) { o.shape = ShapeKind::cylinder; }},
+      {"taken", [](ObstacleSettings& o) { o.shape = ShapeKind::basin, o.radius = 0.2, o.height = 0.2, o.wall = 0.05; }},
+      {"wall", [](ObstacleSettings& o) { o.shape = ShapeKind::basin, o.radius = 0.2, o.height = 0.2; }},
+      {"radius and height", [](ObstacleSettings& o) { o.shape = ShapeKind::basin, o.radius = 0, o.wall = 0.05; }},
+      {"size",
+       [](ObstacleSettings& o) {
+         o.shape = ShapeKind::basin, o.size = {1, 0, 1}, o.wall = 0.05;
+       }},
+      {"oscillation.period",
+       [](ObstacleSettings& o) {
+         o.oscillation = Oscillation{{0.1, 0, 0}, {0, 0, 0}, 0, 0};
+       }},
+      {"oscillation must be finite",
+       [](ObstacleSettings& o) {
+         o.oscillation = Oscillation{{nan, 0, 0}, {0, 0, 0}, 1, 0};
+       }},
+      {"in place of",
+       [](ObstacleSettings& o) {
+         o.oscillation = Oscillation{{0.1, 0, 0}, {0, 0, 0}, 1, 0}, o.velocity = {1, 0, 0};
+       }},
       {"tube", [](ObstacleSettings& o) { o.shape = ShapeKind::torus, o.tube = 0.3; }},
       {"axis", [](ObstacleSettings& o) { o.shape = ShapeKind::capsule, o.height = 1, o.axis.setZero(); }},
       {"center", [](ObstacleSettings& o) { o.center.z() = nan; }},

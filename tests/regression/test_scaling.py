@@ -80,8 +80,8 @@ class Model(unittest.TestCase):
         basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
         coarse = 32 * 8 * 103 + 36 * (8 * 1 + 8 * 15)
         heights = 4 * 2
-        self.assertEqual(exchange_bytes(basin), 64 + 10 * 80 * 16 + heights + coarse)
-        self.assertEqual(exchange_bytes(basin, filters=3), 64 + 13 * 80 * 16 + heights + coarse)
+        self.assertEqual(exchange_bytes(basin), 64 + 88 * 80 + heights + coarse)
+        self.assertEqual(exchange_bytes(basin, filters=3), 64 + (88 + 28) * 80 + heights + coarse)
         self.assertEqual(messages(basin), 1 + 10 + 8 + 15)
 
     def test_slabs_end_at_one_plane_a_rank(self):
