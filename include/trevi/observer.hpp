@@ -66,6 +66,10 @@ struct Frame {
   std::span<const Real> pressures{};    ///< Pa, of each gauge of pressure in the mean over the same steps; with forces
   std::array<LocalId, 3> first_cell{};  ///< Solver::first_cell()
   const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles
+  /// J, given to the water since the start by forcings that are not gravity or friction, by what inlets bring and
+  /// drains take, and by obstacles that move (of these with an observer that wants forces only). Measured from the
+  /// first step on if an observer wants diagnostics; 0 otherwise.
+  Real supplied_energy = 0;
 };
 
 class Observer {

@@ -73,7 +73,8 @@ struct DensitySettings {
   Real epsilon = 1;               ///< 1/m² at spacing 0.1
   Constraint constraint = Constraint::inequality;
   Precision precision = Precision::double_;
-  Real crush_limit = 0.05;  ///< mean compression from which on the water is crushed, which a run tells; over 0.5 it ends
+  Real crush_limit =
+      0.05;  ///< mean compression from which on the water is crushed, which a run tells; over 0.5 it ends
   bool operator==(const DensitySettings&) const = default;
 };
 
@@ -156,10 +157,11 @@ enum class GaugeKind { height, pressure, velocity };
 /// A place where the water is measured. It changes nothing.
 struct GaugeSettings {
   GaugeKind kind = GaugeKind::height;
-  Vec3 center = Vec3::Zero();   ///< m; height: the foot of the column; pressure: on a wall or an obstacle; velocity: there
+  Vec3 center =
+      Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; velocity: there
   Vec3 normal = Vec3::UnitZ();  ///< pressure: out of the solid; normalised
-  Real radius = 0;              ///< m, of the disc around the centre over which the mean is taken; velocity: of the ball
-  int line = 0;                 ///< of the table in the scene file, for later messages
+  Real radius = 0;  ///< m, of the disc around the centre over which the mean is taken; velocity: of the ball
+  int line = 0;     ///< of the table in the scene file, for later messages
 
   bool operator==(const GaugeSettings&) const = default;
 };
@@ -174,9 +176,9 @@ struct Settings {
   Derived<int> slab_axis{};        ///< 0 x, 1 y; default the longer one
   SlabCuts slabs = SlabCuts::balanced;
   FluidSettings fluid;
-  Real dt = 1.0 / 60;      ///< s
-  Derived<Real> cfl{};     ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
-  int max_substeps = 500;  ///< of a step; one that would need more ends the run
+  Real dt = 1.0 / 60;           ///< s
+  Derived<Real> cfl{};          ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0
+  int max_substeps = 500;       ///< of a step; one that would need more ends the run
   std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;

@@ -87,7 +87,8 @@ struct SolverExtras {
   /// Of the solver before, for a restart; by default that of the particle with the least id. Of no effect where there
   /// are obstacles, inlets or drains: it is 0 there.
   std::optional<std::array<LocalId, 3>> first_cell{};
-  ForceSums force_sums{};  ///< of the solver before, for a restart
+  ForceSums force_sums{};    ///< of the solver before, for a restart, as the next
+  Real supplied_energy = 0;  ///< J
 };
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "app/preflight/envelope.hpp"
 #include "fluid/constraint/density.hpp"
 #include "io/frames/vtkhdf.hpp"
 #include "io/frames/vtu.hpp"
@@ -89,8 +90,9 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   if (output.series) {
     const int fountains = static_cast<int>(scene.fountains.size() + scene.inlets.size());
     const bool flow = !scene.inlets.empty() || !scene.drains.empty();
-    observers.push_back(std::make_unique<SeriesWriter>(
-        comm, SeriesOptions{options.directory, *output.series, fountains, restart_step, options.energy, flow}));
+    observers.push_back(
+        std::make_unique<SeriesWriter>(comm, SeriesOptions{options.directory, *output.series, fountains, restart_step,
+                                                           options.energy, flow, is_supplied(scene)}));
   }
   const TableOptions table{options.directory, output.series.value_or(Schedule{}), restart_step};
   if (output.series && !scene.obstacles.empty())
@@ -125,17 +127,15 @@ CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
 }
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
-  if (!scene.output.series || !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty())
-    return nullptr;
-  if (std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const auto& one) { return one.moves(); }))
-    return nullptr;
+  if (!scene.output.series) return nullptr;
   const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
   for (std::size_t a = 0; a < 3; ++a)  // water falls for ever along a periodic axis
     if (scene.periodic[a] && gravity[static_cast<Eigen::Index>(a)] != 0) return nullptr;
   const Real g = gravity.norm();
   auto energy = std::make_shared<EnergyRise>(water_mass(scene.fluid), g, scene.fluid.kernel_radius);
   const Vec3 extent = scene.domain.max - scene.domain.min;
-  if (scene.obstacles.empty() && is_downward(gravity)) energy->set_tank(extent.x() * extent.y(), scene.fluid.spacing);
+  if (scene.obstacles.empty() && !is_supplied(scene) && is_downward(gravity))
+    energy->set_tank(extent.x() * extent.y(), scene.fluid.spacing);
   return energy;
 }
 
@@ -150,6 +150,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     extras.substeps = options.restart->substeps;
     extras.first_cell = options.restart->first_cell;
     extras.force_sums = options.restart->force_sums;
+    extras.supplied_energy = options.restart->supplied_energy;
   }
   extras.requests = options.requests;
   std::shared_ptr<LiveSound> live;

@@ -19,7 +19,7 @@ struct RunContext {
   std::string directory;
   std::int64_t first_step = 0;
   bool restarted = false;
-  const EnergyRise* energy = nullptr;  ///< null without a series, or where something pumps
+  const EnergyRise* energy = nullptr;  ///< null without a series
   Launch launch = {};
   const OutputLock* lock = nullptr;  ///< on the directory
   CheckpointInfo info = {};          ///< for the state of a run whose directory is lost

@@ -120,6 +120,9 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
       *parts.comm, settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
+  parts.supplied_energy = extras.supplied_energy;
+  parts.water_mass = water_mass(settings.fluid);
+  parts.gravity = settings.gravity.value_or(Vec3::Zero());
   parts.requests = std::move(extras.requests);
   parts.observers = std::move(extras.observers);
   parts.flow = std::move(extras.flow);
@@ -128,8 +131,9 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
     parts.flow->begin(*parts.comm, *parts.boundary, parts.particles);
     for (auto& nozzle : parts.flow->forcings()) extras.forcings.push_back(std::move(nozzle));
   }
-  parts.has_own_forcings = !extras.forcings.empty();
+  const std::size_t own = extras.forcings.size();
   parts.forcings = make_forcings(settings, std::move(extras.forcings));
+  parts.first_own_forcing = parts.forcings.size() - own;
   return std::make_unique<PbfSolver<T>>(std::move(parts));
 }
 

@@ -25,7 +25,8 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
                  parts_.first_cell, parts_.crush_limit},
-                std::move(parts_.observers), *parts_.diagnostics) {
+                std::move(parts_.observers), *parts_.diagnostics,
+                {*parts_.comm, parts_.water_mass, parts_.gravity, parts_.supplied_energy}) {
   reporter_.set_force_sums(std::move(parts_.force_sums));
 }
 
@@ -53,6 +54,7 @@ void PbfSolver<T>::start() {
   problem_.start(parts_.particles, parts_.clock.dt);
   problem_.look_at_density();
   guard_.note_compression(problem_.density(), problem_.model().rest_density);
+  ask_observers(0);
   guard_.agree(parts_.particles, 0);
   reporter_.note_compression(guard_.compression(), 0);
   reporter_.observe();
@@ -66,6 +68,7 @@ void PbfSolver<T>::step() {
     const Stopwatch::Lap lap(reporter_.stopwatch());
     reporter_.begin_step();
     prepare_step();
+    ask_observers(clock.step + 1);
     clock.substeps = parts_.substep_rule.substeps(*parts_.comm, clock, parts_.particles, fastest_pushed());
     const Real dt = clock.dt / clock.substeps;
     for (int k = 0; k < clock.substeps; ++k) {
@@ -74,6 +77,7 @@ void PbfSolver<T>::step() {
     }
     ++clock.step;
     reporter_.add_forces();
+    reporter_.add_supply();
   }
   reporter_.observe();
   const Stopwatch::Lap lap(reporter_.stopwatch());
@@ -112,41 +116,59 @@ void PbfSolver<T>::prepare_step() {
   }
 }
 
+template <class T>
+void PbfSolver<T>::ask_observers(std::int64_t step) {
+  guard_.attempt(step, "an observer", [&] { reporter_.ask_observers(step); });
+}
+
 // Of what forcings and moving obstacles give to the water in the step that begins now, m/s.
 template <class T>
-Real PbfSolver<T>::fastest_pushed() const {
+Real PbfSolver<T>::fastest_pushed() {
   Clock next = parts_.clock;
   ++next.step;
   const TimeSpan span{parts_.clock.time(), next.time()};
   Real fastest = parts_.boundary->fastest(span.begin, span.end);
-  for (const auto& forcing : parts_.forcings) fastest = std::max(fastest, forcing->fastest(span));
+  for (const auto& forcing : parts_.forcings) {
+    guard_.attempt(next.step, "a forcing", [&] { fastest = std::max(fastest, forcing->fastest(span)); });
+  }
   return fastest;
 }
 
 template <class T>
 void PbfSolver<T>::exchange_water(const StepInfo& info) {
-  if (parts_.flow) guard_.expect(parts_.flow->exchange(parts_.particles, info, *parts_.grid, *parts_.slabs));
+  if (!parts_.flow) return;
+  reporter_.measure_supply(
+      [&] { guard_.expect(parts_.flow->exchange(parts_.particles, info, *parts_.grid, *parts_.slabs)); });
 }
 
 template <class T>
 void PbfSolver<T>::apply_forcings(const StepInfo& info) {
-  Particles& particles = parts_.particles;
-  for (const auto& forcing : parts_.forcings) {
-    guard_.attempt(info.step + 1, "a forcing", [&] {
-      forcing->apply(particles, info);
-      particles.for_each_field([&](const auto& field) {
-        require(field.size() == particles.id.size(), "it left fields of different lengths");
-      });
-    });
-    particles.resize(particles.id.size());
-  }
-  if (!parts_.has_own_forcings) return;
+  const auto& forcings = parts_.forcings;
+  for (std::size_t k = 0; k < parts_.first_own_forcing; ++k) apply_forcing(*forcings[k], info);
+  if (parts_.first_own_forcing == forcings.size()) return;
+  reporter_.measure_supply([&] {
+    for (std::size_t k = parts_.first_own_forcing; k < forcings.size(); ++k) apply_forcing(*forcings[k], info);
+  });
+  const Particles& particles = parts_.particles;
   const LocalId lost = first_index(
       {0, particles.size()}, [&](std::size_t i) { return !parts_.boundary->walls().inside(particles.position[i]); });
   if (lost < particles.size()) {
-    particles.predicted[static_cast<std::size_t>(lost)] = particles.position[static_cast<std::size_t>(lost)];
-    guard_.note_particle(particles, static_cast<std::size_t>(lost), info.step + 1);
+    const auto i = static_cast<std::size_t>(lost);
+    parts_.particles.predicted[i] = particles.position[i];
+    guard_.note_particle(particles, i, info.step + 1);
   }
+}
+
+template <class T>
+void PbfSolver<T>::apply_forcing(Forcing& forcing, const StepInfo& info) {
+  Particles& particles = parts_.particles;
+  guard_.attempt(info.step + 1, "a forcing", [&] {
+    forcing.apply(particles, info);
+    particles.for_each_field([&](const auto& field) {
+      require(field.size() == particles.id.size(), "it left fields of different lengths");
+    });
+  });
+  particles.resize(particles.id.size());
 }
 
 // Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.

@@ -44,14 +44,17 @@ struct SolverParts {
   std::unique_ptr<Boundary> boundary;
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
-  std::shared_ptr<InflowOutflow> flow;  ///< may be null
-  std::vector<std::unique_ptr<Forcing>> forcings;
-  bool has_own_forcings = false;  ///< some are not ours: where they leave the particles is looked at
+  std::shared_ptr<InflowOutflow> flow;             ///< may be null
+  std::vector<std::unique_ptr<Forcing>> forcings;  ///< gravity and friction first
+  std::size_t first_own_forcing = 0;  ///< from there on they are not ours: where they leave the particles is looked at
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
-  ForceSums force_sums;  ///< of the solver before
+  ForceSums force_sums;      ///< of the solver before, as the next
+  Real supplied_energy = 0;  ///< J
+  Real water_mass = 0;       ///< of a particle, kg
+  Vec3 gravity = Vec3::Zero();
   Real crush_limit = 0;
   Clock clock;
   std::function<RequestCounts()> requests;  ///< requests from outside that this rank sees; may be empty
@@ -73,17 +76,19 @@ class PbfSolver : public Solver {
   const Particles& particles() const override { return parts_.particles; }
   void change_particles(const std::function<void(Particles&)>& change) override;
   Counters counters() const override;
-  std::vector<FountainState> fountains() const override { return reporter_.fountains(); }
+  std::vector<FountainState> fountains() const override { return reporter_.fountain_states(clock().time()); }
   std::array<LocalId, 3> first_cell() const override { return parts_.first_cell; }
   const FlowState* flow() const override { return parts_.flow ? &parts_.flow->state() : nullptr; }
 
  private:
   void prepare_step();
-  Real fastest_pushed() const;
+  void ask_observers(std::int64_t step);
+  Real fastest_pushed();
   void exchange_water(const StepInfo& info);
   void substep(const StepInfo& info);
   // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);
+  void apply_forcing(Forcing& forcing, const StepInfo& info);
   void predict_positions(Real dt);
   void migrate_particles(std::vector<Vec3> Particles::*position);
   void find_neighbours(Velocities velocities);

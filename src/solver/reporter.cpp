@@ -1,5 +1,6 @@
 #include "solver/reporter.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <exception>
 #include <string>
@@ -12,13 +13,28 @@ namespace trevi {
 
 template <class T>
 Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr<Observer>> observers,
-                      const DiagnosticsSum& diagnostics)
-    : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics) {}
+                      const DiagnosticsSum& diagnostics, const SuppliedEnergy& supplied)
+    : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics), supplied_(supplied) {}
+
+template <class T>
+void Reporter<T>::ask_observers(std::int64_t step) {
+  Clock clock = state_.clock;
+  clock.step = step;
+  asked_ = {};
+  for (const auto& observer : observers_) {
+    const bool due = observer->due(clock);
+    asked_.due.push_back(due);
+    asked_.diagnostics = asked_.diagnostics || (due && observer->wants_diagnostics());
+    asked_.density = asked_.density || (due && observer->wants_density());
+    asked_.forces = asked_.forces || (due && observer->wants_forces());
+  }
+  fountain_states_ = fountain_states(clock.time());
+}
 
 template <class T>
 void Reporter<T>::note_search(int substep) {
   const bool last = substep + 1 == state_.clock.substeps;
-  if (last && wanted(&Observer::wants_diagnostics, state_.clock.step + 1)) drift_.begin(state_.particles.predicted);
+  if (last && asked_.diagnostics) drift_.begin(state_.particles.predicted);
 }
 
 template <class T>
@@ -37,36 +53,27 @@ void Reporter<T>::note_compression(Real mean, std::int64_t step) {
 }
 
 template <class T>
-bool Reporter<T>::wanted(bool (Observer::*what)() const, std::int64_t step) const {
-  Clock clock = state_.clock;
-  clock.step = step;
-  return std::any_of(observers_.begin(), observers_.end(),
-                     [&](const auto& observer) { return observer->due(clock) && (observer.get()->*what)(); });
-}
-
-template <class T>
 void Reporter<T>::observe() {
   Frame seen = frame();
-  const bool diagnose = wanted(&Observer::wants_diagnostics, seen.clock.step);
-  if (diagnose || wanted(&Observer::wants_density, seen.clock.step)) {
+  if (asked_.diagnostics || asked_.density) {
     state_.problem.compute_density();
     seen.density = state_.problem.density();
   }
-  if (wanted(&Observer::wants_forces, seen.clock.step)) {
+  if (asked_.forces) {
     means_ = take_mean_forces();
     seen.forces = means_.forces;
     seen.pressures = means_.pressures;
   }
   Diagnostics row;
-  if (diagnose) {
+  if (asked_.diagnostics) {
     const ScopedEvent timed(diagnostics_event_);
     row = diagnostics_({seen.particles, seen.density, drift_.largest(), state_.near.order(), state_.near.list()});
     row.iterations = counters_.iterations - iterations_before_step_;
     row.wall_seconds = stopwatch_.seconds();
     seen.diagnostics = &row;
   }
-  for (const auto& observer : observers_) {
-    if (observer->due(seen.clock)) attempt([&] { observer->observe(seen); });
+  for (std::size_t k = 0; k < observers_.size(); ++k) {
+    if (asked_.due[k]) attempt([&] { observers_[k]->observe(seen); });
   }
 }
 
@@ -93,7 +100,6 @@ void Reporter<T>::attempt(const std::function<void()>& work) {
 
 template <class T>
 Frame Reporter<T>::frame() {
-  fountain_states_ = fountains();
   return {state_.clock,
           state_.particles,
           {},
@@ -103,7 +109,8 @@ Frame Reporter<T>::frame() {
           {},
           {},
           state_.first_cell,
-          state_.problem.obstacles() != nullptr ? &sums_ : nullptr};
+          state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
+          supplied_.joules()};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.
@@ -125,6 +132,39 @@ void Reporter<T>::add_forces() {
   }
   for (std::size_t k = 0; k < pressed.size(); ++k) sums_.pressures[k] += per_pressure * pressed[k];
   ++sums_.steps;
+  if (obstacles->moves()) add_work(impulses, per);
+}
+
+// What obstacles do by their motion: force times shift and torque times rotation of the step.
+template <class T>
+void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) {
+  const Obstacles& obstacles = *state_.problem.obstacles();
+  const Real end = state_.clock.time(), begin = end - state_.clock.dt;
+  for (std::size_t k = 0; k < obstacles.count(); ++k) {
+    const Body& body = obstacles.body(k);
+    if (!body.moves()) continue;
+    const Pose from = body.motion().at(begin), to = body.motion().at(end);
+    const Eigen::AngleAxisd rotation(to.turn * from.turn.transpose());
+    supplied_.add(per * (impulses[k].shift.dot(to.center - from.center) +
+                         impulses[k].moment.dot(rotation.angle() * rotation.axis())));
+  }
+}
+
+template <class T>
+bool Reporter<T>::watches_energy() const {
+  return std::any_of(observers_.begin(), observers_.end(), [](const auto& one) { return one->wants_diagnostics(); });
+}
+
+template <class T>
+void Reporter<T>::measure_supply(const std::function<void()>& work) {
+  if (!watches_energy()) return work();
+  supplied_.measure(state_.particles, work);
+  is_supplied_ = true;
+}
+
+template <class T>
+void Reporter<T>::add_supply() {
+  if (std::exchange(is_supplied_, false)) supplied_.end_step();
 }
 
 template <class T>
@@ -151,10 +191,10 @@ void Reporter<T>::finish() {
 }
 
 template <class T>
-std::vector<FountainState> Reporter<T>::fountains() const {
+std::vector<FountainState> Reporter<T>::fountain_states(Real time) const {
   std::vector<FountainState> states;
   for (const auto& forcing : state_.forcings) {
-    if (const auto state = forcing->state(state_.clock.time())) states.push_back(*state);
+    if (const auto state = forcing->state(time)) states.push_back(*state);
   }
   return states;
 }

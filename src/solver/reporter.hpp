@@ -10,6 +10,7 @@
 #include "parallel/stopwatch.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/diagnostics.hpp"
+#include "solver/supplied_energy.hpp"
 #include "trevi/solver.hpp"
 
 namespace trevi {
@@ -32,9 +33,12 @@ template <class T>
 class Reporter {
  public:
   Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr<Observer>> observers,
-           const DiagnosticsSum& diagnostics);
+           const DiagnosticsSum& diagnostics, const SuppliedEnergy& supplied);
 
   void begin_step() { iterations_before_step_ = counters_.iterations; }
+  /// Which observers are due after that step, and what they want of it. Throws what they, and forcings that are asked
+  /// for their state, throw: to be called before all ranks agree on failures. Once before observe().
+  void ask_observers(std::int64_t step);
   /// To be called after the neighbour search and after the density solve of a substep: the drift is how far p* moves
   /// between.
   void note_search(int substep);
@@ -42,6 +46,10 @@ class Reporter {
   /// The forces of the step that has just been made are added to those since the last row.
   void add_forces();
   void set_force_sums(ForceSums sums) { sums_ = std::move(sums); }
+  /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
+  void measure_supply(const std::function<void()>& work);
+  /// What the step has been supplied with is added to what was before.
+  void add_supply();
   /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.
   void note_compression(Real mean, std::int64_t step);
   void count_migrated(GlobalId particles) { counters_.migrated += particles; }
@@ -52,7 +60,7 @@ class Reporter {
   void save();
   void finish();
 
-  std::vector<FountainState> fountains() const;
+  std::vector<FountainState> fountain_states(Real time) const;
   /// The counters of the parts that this class sees.
   Solver::Counters counters() const;
   /// Measures the time of the simulation itself, without output.
@@ -60,13 +68,22 @@ class Reporter {
 
  private:
   void attempt(const std::function<void()>& work);
-  bool wanted(bool (Observer::*what)() const, std::int64_t step) const;
   Frame frame();
   ForceSums take_mean_forces();
+  bool watches_energy() const;
+  void add_work(const std::vector<TotalImpulse>& impulses, Real per);
+
+  struct Asked {
+    std::vector<bool> due;  // of each observer
+    bool diagnostics = false, density = false, forces = false;
+  };
 
   ReportedState<T> state_;
   std::vector<std::unique_ptr<Observer>> observers_;
+  Asked asked_;
   DiagnosticsSum diagnostics_;
+  SuppliedEnergy supplied_;
+  bool is_supplied_ = false;  // something of this step was measured
   DriftMeter drift_;
   Solver::Counters counters_;
   Stopwatch stopwatch_;

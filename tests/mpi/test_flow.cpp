@@ -167,5 +167,74 @@ TEST(Flow, TankFillsToItsWeirAndStays) {
   EXPECT_NEAR(static_cast<Real>(gone[last] - gone[full]) * volume, brought, 0.05 * brought);
 }
 
+struct EnergyWatch : Observer {
+  bool due(const Clock&) const override { return true; }
+  bool wants_diagnostics() const override { return true; }
+  bool wants_forces() const override { return forces; }
+  void observe(const Frame& frame) override {
+    energy.push_back(frame.diagnostics->kinetic_energy + frame.diagnostics->potential_energy);
+    supplied.push_back(frame.supplied_energy);
+  }
+  bool forces = false;
+  std::vector<Real> energy, supplied;
+};
+
+std::pair<EnergyWatch*, std::unique_ptr<Solver>> watched(const Scene& scene) {
+  auto watch = std::make_unique<EnergyWatch>();
+  watch->forces = !scene.obstacles.empty();
+  EnergyWatch* const seen = watch.get();
+  std::vector<std::unique_ptr<Observer>> observers;
+  observers.push_back(std::move(watch));
+  return {seen, solver_of(world, scene, std::move(observers))};
+}
+
+// A jet in the air has all that it was given until a drain takes it; while it falls each kilogram loses g² dt²/2 a step.
+TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
+  for (const char* weight : {"", "[gravity]\n"}) {
+    const Scene scene = scene_with(shaft + weight + jet + "speed = 3\n" + bottom, {"inlet.0.direction=[0.15,0,-1]", "inlet.0.center=[0.7,0.45,2.7]"});
+    const auto [seen, solver] = watched(scene);
+    run(*solver, 1.5);
+    ASSERT_GT(solver->flow()->outflow, 0);
+    const Real kilograms = 1000 * spacing * spacing * spacing * static_cast<Real>(solver->flow()->inflow);
+    const Real given = *std::max_element(seen->supplied.begin(), seen->supplied.end());
+    EXPECT_GT(given, 0);
+    const Real most_lost = *weight == 0 ? 1e-5 * kilograms : 0.04 * given;
+    for (std::size_t k = 0; k < seen->energy.size(); ++k) {
+      EXPECT_LE(seen->energy[k], seen->supplied[k] + (*weight == 0 ? 1e-5 * kilograms : 1e-3 * given)) << weight << k;
+      EXPECT_GE(seen->energy[k], seen->supplied[k] - most_lost) << weight << k;
+    }
+  }
+}
+
+// A box that is lowered slowly lifts the water: Archimedes' work is what the water has more.
+TEST(SuppliedEnergy, OfABoxThatIsLoweredIsWhatItLifts) {
+  const Scene scene = scene_with(R"(
+[domain]
+min = [0, 0, 0]
+max = [1.6, 0.8, 1.2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [1.6, 0.8, 0.6]
+[time]
+dt = 0.0166666667
+end = 4
+[gravity]
+[[obstacle]]
+type = "box"
+center = [0.8, 0.4, 0.9]
+size = [0.6, 0.4, 0.4]
+motion = [[0, 0.8, 0.4, 0.9], [3, 0.8, 0.4, 0.55], [9, 0.8, 0.4, 0.55]]
+)",
+                                 {});
+  const auto [seen, solver] = watched(scene);
+  run(*solver, 4);
+  const Real rise = seen->energy.back() - seen->energy.front(), work = seen->supplied.back();
+  EXPECT_GT(rise, 50);
+  EXPECT_NEAR(work, rise, 0.1 * rise);
+  EXPECT_GT(work, rise - 0.03 * rise) << "water by itself gains nothing";
+}
+
 }  // namespace
 }  // namespace trevi::test

@@ -246,11 +246,44 @@ struct OwnForcing : Forcing {
   Act act;
 };
 
+enum class Fails { in_due, in_wants, in_observe };
+
+/// Fails at the end of the first step on the last rank.
 struct OwnObserver : Observer {
-  bool due(const Clock&) const override { return true; }
-  void observe(const Frame& frame) override {
-    if (frame.clock.step == 1 && rank_of(world) == size_of(world) - 1) throw std::runtime_error("no paper");
+  explicit OwnObserver(Fails fails) : where(fails) {}
+  bool due(const Clock& clock) const override {
+    step = clock.step;
+    fail(Fails::in_due);
+    return true;
   }
+  bool wants_density() const override {
+    fail(Fails::in_wants);
+    return false;
+  }
+  void observe(const Frame&) override { fail(Fails::in_observe); }
+  void fail(Fails here) const {
+    if (here == where && step == 1 && rank_of(world) == size_of(world) - 1) throw std::runtime_error("no paper");
+  }
+  Fails where;
+  mutable std::int64_t step = 0;
+};
+
+/// Fails on the last rank when it is asked for its speed, or its state, of the second step.
+struct UnknownForcing : Forcing {
+  explicit UnknownForcing(bool of_speed) : speed(of_speed) {}
+  void prepare(const StepInfo& info) override { step = info.step; }
+  void apply(Particles&, const StepInfo&) override {}
+  Real fastest(const TimeSpan&) const override { return speed ? fail() : 0; }
+  std::optional<FountainState> state(Real) const override {
+    if (!speed) fail();
+    return std::nullopt;
+  }
+  Real fail() const {
+    if (step == 1 && rank_of(world) == size_of(world) - 1) throw std::runtime_error("no wind");
+    return 0;
+  }
+  bool speed;
+  std::int64_t step = 0;
 };
 
 std::string end_of(SolverExtras extras) {
@@ -279,9 +312,16 @@ TEST(LibraryInput, AFailureOfACallersObjectOnOneRankEndsTheRunOnAll) {
   EXPECT_THAT(with([](Particles& p, std::size_t) { p.velocity.pop_back(); }), HasSubstr("different lengths"));
   EXPECT_THAT(with([](Particles& p, std::size_t i) { p.position[i].z() = -3; }), HasSubstr("outside the box"));
   EXPECT_THAT(with([](Particles& p, std::size_t i) { p.velocity[i].z() = nan; }), HasSubstr("not a number"));
-  SolverExtras extras;
-  extras.observers.push_back(std::make_unique<OwnObserver>());
-  EXPECT_THAT(end_of(std::move(extras)), HasSubstr("an observer failed: no paper"));
+  for (const Fails where : {Fails::in_due, Fails::in_wants, Fails::in_observe}) {
+    SolverExtras extras;
+    extras.observers.push_back(std::make_unique<OwnObserver>(where));
+    EXPECT_THAT(end_of(std::move(extras)), HasSubstr("an observer failed: no paper"));
+  }
+  SolverExtras speed, state;
+  speed.forcings.push_back(std::make_unique<UnknownForcing>(true));
+  EXPECT_THAT(end_of(std::move(speed)), HasSubstr("a forcing failed: no wind"));
+  state.forcings.push_back(std::make_unique<UnknownForcing>(false));
+  EXPECT_THAT(end_of(std::move(state)), HasSubstr("failed: no wind"));
 }
 
 // A solver goes on with the threads that there were when it was made: its memory for each of them goes by that.

@@ -191,6 +191,14 @@ TEST(EnergyRise, WithoutGravityIsAShareOfTheMotionAtTheStart) {
   EXPECT_DOUBLE_EQ(compressed.fraction(), 0.1) << "begins when the water has come apart";
 }
 
+TEST(EnergyRise, IsThatBeyondWhatIsSupplied) {
+  EnergyRise pumped(1, 1, 1), gains(1, 1, 1);
+  for (const Real supplied : {0.0, 20.0, 40.0}) pumped.add(row_of_energies(supplied * 0.9, 10), supplied);
+  EXPECT_EQ(pumped.fraction(), 0);
+  for (const Real supplied : {0.0, 20.0, 40.0}) gains.add(row_of_energies(supplied * 1.1, 10), supplied);
+  EXPECT_NEAR(gains.fraction(), 4.0 / 44, 1e-12) << "of the largest energy of motion so far";
+}
+
 // Ten particles of 1 kg a metre apart on 5 m² are 2 m deep: 10 J m⁻¹ at rest, with g = 1.
 TEST(EnergyRise, OfTheMotionCountsWhatAWaveHasAboveStillWater) {
   EnergyRise wave(1, 1, 2), still(1, 1, 2), unknown(1, 1, 2);

@@ -149,9 +149,11 @@ std::string obstacle_text(const Scene& scene, double particles) {
     const ObstacleSettings& obstacle = scene.obstacles[k];
     const auto& [min, max] = place_of(obstacle);
     const std::string lid = fmt::format(", a vessel: solid all around it, also above z = {:.4g}", max.z());
-    text += fmt::format("obstacle {:<2} from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m{}{}{}\n", k, min.x(),
-                        min.y(), min.z(), max.x(), max.y(), max.z(), obstacle.moves() ? " at the start" : "",
-                        obstacle.inside ? lid : obstacle.shape == ShapeKind::basin ? ", open at the top" : "",
+    text += fmt::format("obstacle {:<2} from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m{}{}{}\n", k,
+                        min.x(), min.y(), min.z(), max.x(), max.y(), max.z(), obstacle.moves() ? " at the start" : "",
+                        obstacle.inside                      ? lid
+                        : obstacle.shape == ShapeKind::basin ? ", open at the top"
+                                                             : "",
                         scene.domain.contains(min) && scene.domain.contains(max) ? "" : ", reaches out of the box");
   }
   return text;

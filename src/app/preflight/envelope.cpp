@@ -80,6 +80,11 @@ std::vector<std::string> start_warnings(const Scene& scene) {
   return warnings;
 }
 
+bool is_supplied(const Scene& scene) {
+  return !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty() ||
+         std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const auto& one) { return one.moves(); });
+}
+
 std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy) {
   constexpr Real mark = 0.005, mark_of_motion = 0.1;
   std::vector<std::string> warnings;
@@ -88,8 +93,10 @@ std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& e
                         : std::string("; use a smaller dt, or time.cfl");
   const char* source = scene.vorticity ? ", to which [vorticity] adds; lower its epsilon" : "";
   if (energy.fraction() > mark) {
-    warnings.push_back(fmt::format("the total energy rose by {:.2g} % above its start although nothing pumps{}{}",
-                                   100 * energy.fraction(), source, remedy));
+    warnings.push_back(fmt::format(
+        "the total energy rose by {:.2g} % above {}{}{}", 100 * energy.fraction(),
+        is_supplied(scene) ? "what pumps, inlets and moving obstacles gave it" : "its start although nothing pumps",
+        source, remedy));
   }
   if (energy.fraction_of_motion() > mark_of_motion) {
     warnings.push_back(

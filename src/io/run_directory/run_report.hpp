@@ -43,7 +43,7 @@ struct RunReport {
   double simulated_seconds = unknown, wall_seconds = unknown;
   double steps_per_second = unknown, particle_steps_per_second = unknown;
   double nanoseconds_per_pair = unknown;
-  double energy_gain = unknown;          ///< EnergyRise::fraction(); unknown without a series, or where something pumps
+  double energy_gain = unknown;          ///< EnergyRise::fraction(); unknown without a series
   double motion_gain = unknown;          ///< EnergyRise::fraction_of_motion()
   double compression_largest = unknown;  ///< mean over the water at the end of a substep
   std::int64_t crushed_step = -1;        ///< first with more than density.crush_limit; -1: none

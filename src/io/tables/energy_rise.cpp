@@ -5,9 +5,9 @@
 
 namespace trevi {
 
-void EnergyRise::add(const Diagnostics& row) {
+void EnergyRise::add(const Diagnostics& row, Real supplied) {
   constexpr Real compressed = 0.01;
-  const Real energy = row.kinetic_energy + row.potential_energy;
+  const Real energy = row.kinetic_energy + row.potential_energy - supplied;
   if (std::isnan(start_)) {
     if (!(row.compression_max <= compressed)) return;
     start_ = highest_ = energy;
@@ -20,6 +20,10 @@ void EnergyRise::add(const Diagnostics& row) {
     motion_ = energy - weight * depth / 2;
   }
   highest_ = std::max(highest_, energy);
+  if (supplied == 0) return;
+  const Real largest =
+      std::max({std::abs(supplied), row.kinetic_energy, mass_ * g_ * h_ * static_cast<Real>(row.particles)});
+  scale_ = std::isnan(scale_) ? largest : std::max(scale_, largest);
 }
 
 Real EnergyRise::fraction_of_motion() const {

@@ -1,10 +1,11 @@
 // How far the total energy of a run has risen above its start, from the rows of its series: kinetic and potential
-// energy as they are there. Without pumps water can only lose energy, so a rise is the method's own. It is told twice.
-// As a fraction of max(|E0|, m g h N) deep water counts by its height and shallow water by a kernel radius; without
-// gravity that is the kinetic energy of the start (the definition of the stability study, postprocess/study.py). As a
-// fraction of the moving part, what the start has above the same water at rest, a wave counts by itself. A start that
-// is compressed may well push the water apart: it begins with the first row that is not. Not collective; the same rows
-// give the same fractions on all ranks. May be copied as bytes.
+// energy as they are there, less what it was supplied with (solver/supplied_energy.hpp). Water by itself can only lose
+// energy, so a rise is the method's own. It is told twice. As a fraction of max(|E0|, m g h N) deep water counts by its
+// height and shallow water by a kernel radius; without gravity that is the kinetic energy of the start (the definition
+// of the stability study, postprocess/study.py). Water that is supplied counts by what it has or has been given most
+// of. As a fraction of the moving part, what the start has above the same water at rest, a wave counts by itself. A
+// start that is compressed may well push the water apart: it begins with the first row that is not. Not collective; the
+// same rows give the same fractions on all ranks. May be copied as bytes.
 #pragma once
 
 #include "trevi/observer.hpp"
@@ -19,7 +20,7 @@ class EnergyRise {
   void set_tank(Real floor, Real spacing) { floor_ = floor, spacing_ = spacing; }
 
   /// The next row; the first that is compressed by at most 1 % is the start.
-  void add(const Diagnostics& row);
+  void add(const Diagnostics& row, Real supplied = 0);
 
   /// The highest rise so far; nan without a start, and for one at rest without gravity.
   Real fraction() const { return (highest_ - start_) / scale_; }

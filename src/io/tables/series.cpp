@@ -23,7 +23,7 @@ std::string number(Real value) {
   return std::isnan(value) ? "nan" : fmt::format("{}", value);
 }
 
-std::string row(const Frame& frame, Real wall_seconds_before) {
+std::string row(const Frame& frame, const SeriesOptions& options, Real wall_seconds_before) {
   const Clock& clock = frame.clock;
   const Diagnostics& d = *frame.diagnostics;
   std::string text = fmt::format("{},{},{},{},{},{}", clock.step, number(clock.time()), number(clock.dt),
@@ -56,6 +56,7 @@ std::string row(const Frame& frame, Real wall_seconds_before) {
   }
   if (frame.flow != nullptr)
     text += fmt::format(",{},{},{}", frame.flow->inflow, frame.flow->outflow, frame.flow->waiting);
+  if (options.supplied) text += "," + number(frame.supplied_energy);
   return text + "\n";
 }
 
@@ -72,10 +73,11 @@ Real column_of(const std::string& row, std::string_view name) {
 
 }  // namespace
 
-std::string series_header(int fountains, bool flow) {
+std::string series_header(int fountains, bool flow, bool supplied) {
   std::string header = fixed_columns;
   for (int k = 0; k < fountains; ++k) header += fmt::format(",note_{0},speed_{0}", k);
-  return flow ? header + ",inflow,outflow,waiting" : header;
+  if (flow) header += ",inflow,outflow,waiting";
+  return supplied ? header + ",supplied_energy" : header;
 }
 
 SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), options_(std::move(options)) {
@@ -85,8 +87,8 @@ SeriesWriter::SeriesWriter(MPI_Comm comm, SeriesOptions options) : comm_(comm), 
 }
 
 void SeriesWriter::open() {
-  table_.emplace(options_.directory + "/series.csv", series_header(options_.fountains, options_.flow),
-                 options_.restart_step);
+  table_.emplace(options_.directory + "/series.csv",
+                 series_header(options_.fountains, options_.flow, options_.supplied), options_.restart_step);
   const KeptRows& kept = table_->kept();
   last_step_ = kept.last_step;
   if (!kept.last_row.empty()) wall_seconds_before_ = column_of(kept.last_row, "wall_seconds");
@@ -104,14 +106,14 @@ void SeriesWriter::recall(const std::string& rows) {
     row.compression_max = column_of(line, "compression_max");
     row.kinetic_energy = column_of(line, "kinetic_energy");
     row.potential_energy = column_of(line, "potential_energy");
-    options_.energy->add(row);
+    options_.energy->add(row, options_.supplied ? std::strtod(line.c_str() + line.rfind(',') + 1, nullptr) : 0);
   }
 }
 
 void SeriesWriter::observe(const Frame& frame) {
   require(frame.diagnostics != nullptr, "series.csv: no diagnostics in this frame");
-  on_root(comm_, [&] { table_->write(row(frame, wall_seconds_before_)); });
-  if (options_.energy) options_.energy->add(*frame.diagnostics);
+  on_root(comm_, [&] { table_->write(row(frame, options_, wall_seconds_before_)); });
+  if (options_.energy) options_.energy->add(*frame.diagnostics, frame.supplied_energy);
   last_step_ = frame.clock.step;
 }
 

@@ -20,12 +20,14 @@ struct SeriesOptions {
   int fountains = 0;                         ///< each adds note_<k>, speed_<k>, k from 0; inlets are counted last
   std::optional<std::int64_t> restart_step;  ///< append, after dropping rows past it
   std::shared_ptr<EnergyRise> energy =
-      nullptr;        ///< hears of all rows, those of before a restart among them; may be null
-  bool flow = false;  ///< inlets or drains add inflow, outflow, waiting
+      nullptr;            ///< hears of all rows, those of before a restart among them; may be null
+  bool flow = false;      ///< inlets or drains add inflow, outflow, waiting
+  bool supplied = false;  ///< a column of the energy supplied
 };
 
-/// The header line without its end: the fixed columns, then two for each fountain, then those of inlets and drains.
-std::string series_header(int fountains, bool flow = false);
+/// The header line without its end: the fixed columns, then two for each fountain, those of inlets and drains, and the
+/// energy supplied.
+std::string series_header(int fountains, bool flow = false, bool supplied = false);
 
 class SeriesWriter : public Observer {
  public:
