@@ -24,7 +24,7 @@ triplet=aarch64-linux-gnu
 libraries="$root/usr/lib/$triplet"
 packages_of_root=(
   libopenmpi-dev libeigen3-dev libpetsc-real-dev libhdf5-openmpi-dev libcli11-dev libfmt-dev libtomlplusplus-dev
-  nlohmann-json3-dev libhwy-dev librandom123-dev libmuparser-dev libgtest-dev libgmock-dev libgomp1
+  nlohmann-json3-dev libhwy-dev librandom123-dev libmuparser-dev libpng-dev libgtest-dev libgmock-dev libgomp1
 )
 
 # Packages are unpacked, not installed: nothing of them has to run. What their scripts would have done for us follows.

@@ -8,7 +8,7 @@ trevi_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 # What a run and its plot need. Scripts that need more add it before they call install_packages or setup_program.
 trevi_packages=(
   g++ cmake ninja-build pkg-config openmpi-bin libeigen3-dev libpetsc-real-dev libvtk9-dev
-  libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev libmuparser-dev
+  libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev libmuparser-dev libpng-dev
   libsndfile1-dev libzmq3-dev cppzmq-dev python3 python3-numpy python3-matplotlib
 )
 test_packages=(libgtest-dev libgmock-dev xvfb xdotool python3-h5py python3-pil python3-scipy)

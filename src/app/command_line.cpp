@@ -85,6 +85,10 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
                  "threads of each rank; default [run] threads, OMP_NUM_THREADS, or as many as there are cores for it")
       ->check(refuse_threads);
   app.add_flag("--dry-run", line.dry_run, "check the scene, print what the run would need, write nothing");
+  CLI::Option* const dry_run = app.get_option("--dry-run");
+  app.add_option("--picture", line.picture, "with --dry-run: draw the scene as it begins into this .png file")
+      ->check(refuse_empty)
+      ->needs(dry_run);
   app.add_option("--preview", line.preview, "write the curves of the fountains to this .csv file, and do not run")
       ->check(refuse_empty);
   app.add_option("--view", line.view, "let trevi-view --listen HOST:PORT watch and steer the run")->check(refuse_empty);
@@ -102,12 +106,12 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::CallForVersion& version) {
     line.help = std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    throw InputError(
-        std::string(error.what()) +
-        "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
-        "[--restart FILE|latest] [--steps N] [--threads N] [--dry-run] [--preview FILE.csv] [--view HOST:PORT] "
-        "[--progress auto|bar|lines|none] [PETSc options]; "
-        "--help lists all scene keys");
+    throw InputError(std::string(error.what()) +
+                     "\nusage: trevi SCENE.toml [--output DIR] [--set table.key=value ...] "
+                     "[--restart FILE|latest] [--steps N] [--threads N] [--dry-run [--picture FILE.png]] [--preview "
+                     "FILE.csv] [--view HOST:PORT] "
+                     "[--progress auto|bar|lines|none] [PETSc options]; "
+                     "--help lists all scene keys");
   }
   return line;
 }

@@ -19,6 +19,7 @@ struct CommandLine {
   std::optional<std::int64_t> steps;   ///< total step count to stop at
   std::optional<int> threads;          ///< of each rank
   bool dry_run = false;
+  std::string picture;  ///< file for a picture of the scene, with a dry run; empty: none
   std::string preview;  ///< file for the curves of the fountains, instead of a run; empty: none
   std::string view;     ///< HOST:PORT of a viewer that may watch the run; empty: none
   ProgressMode progress = ProgressMode::automatic;

@@ -12,6 +12,7 @@
 #include "app/preflight/envelope.hpp"
 #include "app/preflight/preview.hpp"
 #include "app/preflight/run_cost.hpp"
+#include "app/preflight/scene_picture.hpp"
 #include "app/report.hpp"
 #include "app/rescue.hpp"
 #include "app/restart.hpp"
@@ -251,6 +252,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
   if (scene.output.vtu) require_vtk();
   const Launch launch = use_threads(session, line.threads, scene);
   if (line.dry_run) {
+    if (!line.picture.empty()) write_scene_picture(session, scene, line.picture);
     print_dry_run(session, scene, launch, line.output.empty() ? scene.output.directory : line.output);
     flush_output(session.comm());
     return ExitCode::done;

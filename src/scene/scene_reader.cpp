@@ -147,7 +147,7 @@ const toml::table* Section::accept_table(const toml::node& node, const Place& pl
 }
 
 Section Section::child(const std::string& name) {
-  known_.push_back(name);
+  if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
   const std::string path = place_.path.empty() ? name : place_.path + '.' + name;
   // Of a table in a list TOML's own header has no number: [obstacle.motion].
   std::string label = place_.label;

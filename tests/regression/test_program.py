@@ -10,6 +10,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
+import numpy as np
 from program import INPUTS, MPI_SETTINGS, TIME_LIMIT, ProgramTest, main
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
@@ -193,6 +195,41 @@ class Outputs(ProgramTest):
             result = self.run_well(ranks, CUBE, "--dry-run")
             self.assertIn("3072", result.stdout.replace(",", ""))
             self.assertEqual(self.contents(), {})
+
+    def test_dry_run_draws_the_scene(self):
+        water, stone, arrow, drain = (0.25, 0.55, 0.95), (0.62, 0.58, 0.54), (0.95, 0.5, 0.1), (0.8, 0.15, 0.3)
+
+        def shades(*settings, ranks=1):
+            self.run_well(ranks, CUBE, "--dry-run", "--picture", "scene.png", *settings)
+            pixels = plt.imread(self.folder / "scene.png")[..., :3].reshape(-1, 3)
+            return pixels[pixels.min(axis=1) < 0.97]
+
+        def seen(pixels, colour, opacity):
+            """Pixels with a shade of a colour laid over white."""
+            shade = (pixels - (1 - opacity)) / opacity / np.array(colour)
+            return int(((shade.max(axis=1) - shade.min(axis=1) < 0.03) & (shade.min(axis=1) > 0.4)).sum())
+
+        plain = shades()
+        self.assertGreater(seen(plain, water, 0.55), 10000)
+        self.assertTrue(np.array_equal(plain, shades(ranks=3)), "a picture that is there is replaced")
+        things = ('obstacle=[{type="sphere",center=[0.3,0.3,0.3],radius=0.25}]', 'inlet=[{center=[1.0,0.4,1.5],radius=0.2,speed=1}]',
+                  'drain=[{type="box",min=[0.7,0,0],max=[1.2,0.5,0.2]}]')
+        settings = [word for thing in things for word in ("--set", thing)]
+        rich = shades(*settings)
+        for colour, opacity in ((stone, 1), (arrow, 1), (drain, 0.35)):
+            self.assertEqual(seen(plain, colour, opacity), 0)
+            self.assertGreater(seen(rich, colour, opacity), 500)
+        (self.folder / "mine.png").write_text("precious")
+        for name, word in (("scene.jpg", ".png"), ("mine.png", "no picture"), ("nowhere/scene.png", "nowhere")):
+            result = self.run_trevi(2, CUBE, "--dry-run", "--picture", name)
+            self.assertEqual(result.returncode, 2)
+            self.assertEqual(result.stdout, "")
+            self.assertIn(word, result.stderr)
+        self.assertEqual((self.folder / "mine.png").read_text(), "precious")
+        self.assertEqual(self.run_trevi(1, CUBE, "--picture", "scene.png").returncode, 2)
+        many = self.run_trevi(1, CUBE, "--dry-run", "--picture", "scene.png", "--set", "fluid.spacing=0.001",
+                              "--set", "fluid.kernel_radius=0.002")
+        self.assertIn("too many for a picture", many.stderr)
 
     def test_dry_run_tells_what_obstacles_take(self):
         block = ["--set", "particles.0.min=[0,0,0]", "--set", "particles.0.max=[1,1,0.5]", "--set", "domain.min=[0,0,0]",

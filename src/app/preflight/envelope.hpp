@@ -29,8 +29,8 @@ std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& e
 /// What is said of water that was crushed (DensitySettings::crush_limit), when that begins and at the end.
 std::vector<std::string> crush_warnings(const Scene& scene, const Solver::Counters::Compression& seen);
 
-/// What is said of each inlet that made less than 98 % of what was asked of it, and at least a layer less: how much, and
-/// why. One that waits for what drains take is as it should be. `flow` may be null.
+/// What is said of each inlet that made less than 98 % of what was asked of it, and at least a layer less: how much,
+/// and why. One that waits for what drains take is as it should be. `flow` may be null.
 std::vector<std::string> flow_warnings(const Scene& scene, const FlowState* flow);
 
 }  // namespace trevi

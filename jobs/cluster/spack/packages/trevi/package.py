@@ -38,6 +38,7 @@ class Trevi(CMakePackage):
     depends_on("nlohmann-json@3.11:")
     depends_on("random123")
     depends_on("muparser")
+    depends_on("libpng")
     depends_on("vtk@9.1:+mpi~python", when="+vtk")
     depends_on("vtk+opengl2", when="+view")
     depends_on("libsndfile", when="+sound")
