@@ -215,6 +215,18 @@ TEST(Meshes, ShellsThatOverlapAreFound) {
   EXPECT_EQ(where_shells_overlap(joined(box, box_mesh({0.25, 0.25, 0.25}, 0.5, true))), "") << "a hollow";
   EXPECT_NE(where_shells_overlap(joined(box, box_mesh({0.25, 0.25, 0.25}, 0.5))), "") << "a solid in a solid";
   EXPECT_NE(where_shells_overlap(joined(box, box_mesh({0.5, 0.5, 0.5}, 1))), "") << "corners in each other";
+  const auto bar = [](const Vec3& low, const Vec3& size) {
+    TriangleMesh mesh = box_mesh({0, 0, 0}, 1);
+    for (Vec3& p : mesh.points) p = low + p.cwiseProduct(size);
+    return mesh;
+  };
+  const TriangleMesh along = bar({-2, -0.5, 0}, {4, 1, 1});
+  EXPECT_NE(where_shells_overlap(joined(along, bar({-0.5, -2, 0}, {1, 4, 1}))), "") << "a cross of one height";
+  EXPECT_NE(where_shells_overlap(joined(along, bar({-0.5, -2, 0.2}, {1, 4, 0.5}))), "") << "one through the other";
+  EXPECT_NE(where_shells_overlap(joined(along, along)), "") << "the same again";
+  EXPECT_EQ(where_shells_overlap(joined(along, bar({-0.5, -2, 1}, {1, 4, 1}))), "") << "one lies on the other";
+  EXPECT_EQ(where_shells_overlap(joined(along, bar({2, -0.5, 0}, {4, 1, 1}))), "") << "end to end";
+  EXPECT_NE(where_shells_overlap(joined(along, bar({-0.5, -2, 0.2}, {1, 4, -0.5}))), "") << "a hollow that leaves it";
 }
 
 TEST(Meshes, SheetsHaveNoVolume) {

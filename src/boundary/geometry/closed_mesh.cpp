@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
+
+#include "trevi/box.hpp"
 
 namespace trevi {
 
@@ -84,10 +88,10 @@ std::vector<Triangles> shells_of(const TriangleMesh& mesh) {
   return all;
 }
 
-// How often the shell goes around p (van Oosterom & Strackee 1983): 1 within one that faces outwards.
-Real winding_number(const TriangleMesh& mesh, const Triangles& shell, const Vec3& p) {
+// How often the surface goes around p (van Oosterom & Strackee 1983): 1 within a shell that faces outwards.
+Real winding_number(const TriangleMesh& mesh, const Vec3& p) {
   Real sum = 0;
-  for (const auto& t : shell) {
+  for (const auto& t : mesh.triangles) {
     const auto from_p = [&](std::size_t k) { return Vec3(mesh.points[static_cast<std::size_t>(t[k])] - p); };
     const Vec3 a = from_p(0), b = from_p(1), c = from_p(2);
     const Real la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -96,17 +100,93 @@ Real winding_number(const TriangleMesh& mesh, const Triangles& shell, const Vec3
   return sum / (4 * std::numbers::pi);
 }
 
+Box bounds_of(const TriangleMesh& mesh, const Triangles& triangles) {
+  const Vec3& first = mesh.points[static_cast<std::size_t>(triangles[0][0])];
+  Box bounds{first, first};
+  for (const auto& t : triangles) {
+    for (const std::int32_t corner : t) {
+      const Vec3& p = mesh.points[static_cast<std::size_t>(corner)];
+      bounds = {bounds.min.cwiseMin(p), bounds.max.cwiseMax(p)};
+    }
+  }
+  return bounds;
+}
+
+struct Triangle {
+  std::array<Vec3, 3> corners;
+  std::size_t shell;
+  Vec3 low() const { return corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]); }
+  Vec3 high() const { return corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]); }
+};
+
+// Where an edge of one passes through the plane of the other within it, its rim included.
+std::optional<Vec3> crossing(const Triangle& one, const Triangle& other) {
+  const auto& [a, b, c] = other.corners;
+  const Vec3 normal = (b - a).cross(c - a);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &from = one.corners[k], &to = one.corners[(k + 1) % 3];
+    const Real before = normal.dot(from - a), behind = normal.dot(to - a);
+    if (!(before * behind < 0)) continue;
+    const Vec3 p = from + before / (before - behind) * (to - from);
+    const Real rim = -1e-9 * normal.squaredNorm();
+    if (normal.dot((b - a).cross(p - a)) >= rim && normal.dot((c - b).cross(p - b)) >= rim &&
+        normal.dot((a - c).cross(p - c)) >= rim)
+      return p;
+  }
+  return std::nullopt;
+}
+
+// Where surfaces of two shells meet, some dozens of places at most: where solids touch, and where they overlap.
+std::vector<Vec3> meetings(std::vector<Triangle> all) {
+  constexpr std::size_t enough = 40;
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.low().x() < b.low().x(); });
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < all.size() && places.size() < enough; ++i) {
+    const Vec3 low = all[i].low(), high = all[i].high();
+    for (std::size_t k = i + 1; k < all.size() && all[k].low().x() <= high.x(); ++k) {
+      if (all[k].shell == all[i].shell || (all[k].low().array() > high.array()).any() ||
+          (all[k].high().array() < low.array()).any())
+        continue;
+      if (const auto p = crossing(all[i], all[k])) places.push_back(*p);
+      if (const auto p = crossing(all[k], all[i])) places.push_back(*p);
+    }
+  }
+  return places;
+}
+
 }  // namespace
 
+// Shells that do not meet are within one another as a whole or not at all, so one place of each will do. Around a place
+// where two meet there is one of each kind in the directions from it.
 std::string where_shells_overlap(const TriangleMesh& mesh) {
   const std::vector<Triangles> shells = shells_of(mesh);
-  for (std::size_t one = 0; shells.size() > 1 && one < shells.size(); ++one) {
-    const bool is_hollow = volume_and_area({mesh.points, shells[one]}).first < 0;
-    for (const auto& t : shells[one]) {
-      const Vec3& p = mesh.points[static_cast<std::size_t>(t[0])];
-      Real around = 0;  // all others together
-      for (std::size_t k = 0; k < shells.size(); ++k) around += k == one ? 0 : winding_number(mesh, shells[k], p);
-      if (around > (is_hollow ? 1.5 : 0.5)) return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
+  if (shells.size() < 2) return {};
+  std::vector<Triangle> all;
+  std::vector<Vec3> places, middles;
+  std::vector<Box> bounds;
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    for (const auto& t : shells[k]) {
+      const auto corner = [&](std::size_t n) { return mesh.points[static_cast<std::size_t>(t[n])]; };
+      all.push_back({{corner(0), corner(1), corner(2)}, k});
+    }
+    const auto& [a, b, c] = all.back().corners;
+    middles.emplace_back((a + b + c) / 3);
+    bounds.push_back(bounds_of(mesh, shells[k]));
+  }
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    bool is_alone = volume_and_area({mesh.points, shells[k]}).first > 0;
+    for (std::size_t other = 0; is_alone && other < shells.size(); ++other)
+      is_alone = other == k || !(bounds[other].contains(bounds[k].min) && bounds[other].contains(bounds[k].max));
+    if (!is_alone) places.push_back(middles[k]);
+  }
+  const Box whole = bounds_of(mesh, mesh.triangles);
+  const Real beside = 1e-4 * (whole.max - whole.min).norm();
+  for (const Vec3& p : meetings(std::move(all))) places.push_back(p);
+  for (const Vec3& p : places) {
+    for (int n = 0; n < 8; ++n) {
+      const Vec3 direction((n & 1) != 0 ? 1 : -1, (n & 2) != 0 ? 0.7 : -0.7, (n & 4) != 0 ? 0.4 : -0.4);
+      const Real around = winding_number(mesh, p + beside * direction);
+      if (around > 1.5 || around < -0.5) return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
     }
   }
   return {};
