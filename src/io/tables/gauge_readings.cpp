@@ -1,0 +1,142 @@
+#include "io/tables/gauge_readings.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "boundary/gauges.hpp"
+#include "parallel/reductions.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi {
+
+namespace {
+
+bool is_pressure(const GaugeSettings& gauge) { return gauge.kind == GaugeKind::pressure; }
+
+// Sums are integers, so that they do not depend on the order of the particles.
+Real unit_of_height(Real spacing) { return std::ldexp(spacing, -32); }
+constexpr Real unit_of_velocity = 0x1p-30;  // of 1 m/s, and of a weight
+
+// Of a gauge of velocity: the number of particles; the ten sums of w x_a x_b, a <= b, with x = (1, offset in radii);
+// the twelve of w x_a v_b.
+constexpr std::size_t count_of_moments = 1 + 10 + 12;
+
+void add_velocity(const GaugeSettings& gauge, const Vec3& p, const Vec3& v, std::int64_t* sums) {
+  const Vec3 from = (p - gauge.center) / gauge.radius;
+  const Real weight = 1 - from.squaredNorm();
+  if (!(weight > 0)) return;
+  const std::array<Real, 4> x{1, from.x(), from.y(), from.z()};
+  *sums++ += 1;
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = a; b < 4; ++b) *sums++ += std::llround(weight * x[a] * x[b] / unit_of_velocity);
+  for (std::size_t a = 0; a < 4; ++a)
+    for (Eigen::Index b = 0; b < 3; ++b) *sums++ += std::llround(weight * x[a] * v[b] / unit_of_velocity);
+}
+
+// The linear field that fits best, at the centre; the mean where no such field is known there.
+Vec3 velocity_from(const std::int64_t* sums) {
+  const std::int64_t count = *sums++;
+  if (count == 0) return Vec3::Constant(NAN);
+  Eigen::Matrix4d moments;
+  Eigen::Matrix<Real, 4, 3> velocities;
+  for (Eigen::Index a = 0; a < 4; ++a)
+    for (Eigen::Index b = a; b < 4; ++b) moments(a, b) = moments(b, a) = static_cast<Real>(*sums++);
+  for (Eigen::Index a = 0; a < 4; ++a)
+    for (Eigen::Index b = 0; b < 3; ++b) velocities(a, b) = static_cast<Real>(*sums++);
+  if (moments(0, 0) == 0) return Vec3::Constant(NAN);
+  constexpr Real far = 0.25, flat = 1e-3;
+  constexpr std::int64_t enough = 8;
+  const Vec3 middle = moments.block<3, 1>(1, 0) / moments(0, 0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> spread(moments / moments(0, 0));
+  if (count < enough || middle.norm() > far || spread.eigenvalues()[0] < flat)
+    return velocities.row(0).transpose() / moments(0, 0);
+  return moments.ldlt().solve(velocities).row(0).transpose();
+}
+
+}  // namespace
+
+GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
+    : comm_(comm),
+      gauges_(settings.gauges),
+      first_{0},
+      spacing_(settings.fluid.spacing),
+      pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
+  for (const GaugeSettings& gauge : gauges_) {
+    first_.push_back(first_.back() + (gauge.kind == GaugeKind::velocity ? count_of_moments : 1));
+    open_.push_back(gauge.kind == GaugeKind::height ? open_fraction_of_gauge(gauge, spacing_, settings.domain, {}) : 1);
+  }
+}
+
+// Height: each particle is a cube of one spacing, cut at the foot of the gauge. A wire that is wetted measures the
+// same: air in the water does not count.
+std::vector<std::int64_t> GaugeReadings::sums(const Particles& particles) {
+  const Real unit = unit_of_height(spacing_), half = spacing_ / 2;
+  sums_.for_each([&](auto& sums) { sums.assign(first_.back(), 0); });
+  const auto add_height = [&](std::size_t g, const Vec3& p, std::int64_t& sum) {
+    const Vec3 from = p - gauges_[g].center;
+    const Real reach = gauges_[g].radius + half;
+    if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
+    const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
+    const Real weight =
+        gauge_weight_of({from.x() - half, from.y() - half, from.x() + half, from.y() + half}, gauges_[g].radius);
+    sum += std::llround(above * spacing_ * weight / open_[g] / unit);
+  };
+  constexpr LocalId part_size = 4096;
+  for_each_part({0, static_cast<LocalId>(particles.size())}, part_size, [&](Range part) {
+    std::vector<std::int64_t>& sums = sums_.mine();
+    for (std::size_t g = 0; g < gauges_.size(); ++g) {
+      if (is_pressure(gauges_[g])) continue;
+      for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+        const Vec3& p = particles.position[i];
+        if (gauges_[g].kind == GaugeKind::height) {
+          add_height(g, p, sums[first_[g]]);
+        } else {
+          add_velocity(gauges_[g], p, particles.velocity[i], &sums[first_[g]]);
+        }
+      }
+    }
+  });
+  return sum_over_threads_and_ranks(comm_, sums_);
+}
+
+std::vector<std::string> GaugeReadings::columns() const {
+  std::vector<std::string> columns;
+  for (std::size_t k = 0; k < gauges_.size(); ++k) {
+    switch (gauges_[k].kind) {
+      case GaugeKind::height:
+        columns.push_back(fmt::format("height_{}", k));
+        break;
+      case GaugeKind::pressure:
+        columns.push_back(fmt::format("pressure_{}", k));
+        break;
+      case GaugeKind::velocity:
+        for (const char* axis : {"u", "v", "w"}) columns.push_back(fmt::format("{}_{}", axis, k));
+        break;
+    }
+  }
+  return columns;
+}
+
+std::vector<Real> GaugeReadings::read(const Frame& frame) {
+  const std::vector<std::int64_t> all = sums(frame.particles);
+  auto pressure = frame.pressures.begin();
+  std::vector<Real> values;
+  for (std::size_t k = 0; k < gauges_.size(); ++k) {
+    if (is_pressure(gauges_[k])) {
+      require(pressure != frame.pressures.end(), "gauges: no pressures in this frame");
+      values.push_back(*pressure++);
+    } else if (gauges_[k].kind == GaugeKind::height) {
+      values.push_back(static_cast<Real>(all[first_[k]]) * unit_of_height(spacing_));
+    } else {
+      const Vec3 velocity = velocity_from(&all[first_[k]]);
+      values.insert(values.end(), velocity.begin(), velocity.end());
+    }
+  }
+  return values;
+}
+
+}  // namespace trevi
