@@ -11,7 +11,7 @@ trevi_packages=(
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev libmuparser-dev libpng-dev
   libsndfile1-dev libzmq3-dev cppzmq-dev python3 python3-numpy python3-matplotlib
 )
-test_packages=(libgtest-dev libgmock-dev xvfb xdotool python3-h5py python3-pil python3-scipy)
+test_packages=(pybind11-dev python3-dev python3-mpi4py libgtest-dev libgmock-dev xvfb xdotool python3-h5py python3-pil python3-scipy)
 
 fail() {
   echo "$(basename "$0"): $1" >&2

@@ -1,0 +1,229 @@
+// Settings and scenes. Names, units and defaults are those of the scene file (inputs/README.md).
+#include <fmt/format.h>
+
+#include "bindings.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi::python {
+
+namespace {
+
+// A setting that follows from others where it is None.
+template <class Class, class Owner, class Value>
+void derived(Class& made, const char* name, Derived<Value> Owner::*member, const char* doc) {
+  made.def_property(
+      name,
+      [member](const Owner& owner) {
+        const Derived<Value>& setting = owner.*member;
+        return setting.given() ? std::optional<Value>(setting.value()) : std::nullopt;
+      },
+      [member](Owner& owner, const std::optional<Value>& value) {
+        owner.*member = value ? Derived<Value>(*value) : Derived<Value>();
+      },
+      doc);
+}
+
+// A misspelt name would otherwise be an attribute of its own, without a word.
+template <class Class>
+void closed(Class& made) {
+  made.def("__setattr__", [](const py::object& self, const py::str& name, const py::object& value) {
+    if (!py::hasattr(py::type::of(self), name))
+      throw py::attribute_error(fmt::format("{} has no setting {}; see help()",
+                                            py::str(py::type::of(self).attr("__name__")).cast<std::string>(),
+                                            name.cast<std::string>()));
+    py::module_::import("builtins").attr("object").attr("__setattr__")(self, name, value);
+  });
+}
+
+// A vector that may be changed in place, by settings.domain.max[2] = 3.
+template <class Owner>
+py::cpp_function in_place(Vec3 Owner::*member) {
+  return {[member](Owner& owner) -> Vec3& { return owner.*member; }, py::return_value_policy::reference_internal};
+}
+template <class Owner>
+py::cpp_function assigned(Vec3 Owner::*member) {
+  return [member](Owner& owner, const Vec3& value) { owner.*member = value; };
+}
+
+void bind_enums(py::module_& m) {
+  py::enum_<Mass>(m, "Mass").value("calibrated", Mass::calibrated).value("volume", Mass::volume);
+  py::enum_<Method>(m, "Method")
+      .value("jacobi", Method::jacobi)
+      .value("chebyshev", Method::chebyshev)
+      .value("anderson", Method::anderson);
+  py::enum_<Constraint>(m, "Constraint")
+      .value("equality", Constraint::equality)
+      .value("inequality", Constraint::inequality);
+  py::enum_<Precision>(m, "Precision").value("single", Precision::single).value("double", Precision::double_);
+  py::enum_<VorticityForm>(m, "VorticityForm")
+      .value("report", VorticityForm::report)
+      .value("projected", VorticityForm::projected);
+  py::enum_<WallDensity>(m, "WallDensity").value("none", WallDensity::none).value("analytic", WallDensity::analytic);
+  py::enum_<ShapeKind>(m, "Shape")
+      .value("sphere", ShapeKind::sphere)
+      .value("box", ShapeKind::box)
+      .value("cylinder", ShapeKind::cylinder)
+      .value("capsule", ShapeKind::capsule)
+      .value("torus", ShapeKind::torus)
+      .value("mesh", ShapeKind::mesh)
+      .value("basin", ShapeKind::basin);
+  py::enum_<GaugeKind>(m, "GaugeKind")
+      .value("height", GaugeKind::height)
+      .value("pressure", GaugeKind::pressure)
+      .value("velocity", GaugeKind::velocity);
+}
+
+void bind_water(py::module_& m) {
+  py::class_<Box> box(m, "Box", "A box with its faces along the axes, m.");
+  box.def(py::init<>())
+      .def_property("min", in_place(&Box::min), assigned(&Box::min), "lower corner, m")
+      .def_property("max", in_place(&Box::max), assigned(&Box::max), "upper corner, m");
+  closed(box);
+
+  py::class_<FluidSettings> fluid(m, "FluidSettings", "[fluid]");
+  fluid.def_readwrite("spacing", &FluidSettings::spacing, "of the start lattice, m")
+      .def_readwrite("rest_density", &FluidSettings::rest_density, "kg/m³")
+      .def_readwrite("mass", &FluidSettings::mass, "of a particle in the density")
+      .def_readwrite("density_kernel", &FluidSettings::density_kernel, "kernel of the density, by its name");
+  derived(fluid, "kernel_radius", &FluidSettings::kernel_radius, "h, m; None: 2 spacings");
+  derived(fluid, "gradient_kernel", &FluidSettings::gradient_kernel,
+          "kernel along whose gradient particles are shifted; None: the density kernel, or Spiky for Poly6");
+  closed(fluid);
+
+  py::class_<DensitySettings> density(m, "DensitySettings", "[density]");
+  density.def_readwrite("method", &DensitySettings::method)
+      .def_readwrite("iterations", &DensitySettings::iterations, "of the density solve")
+      .def_readwrite("tolerance", &DensitySettings::tolerance, "of the compression; None: all iterations are made")
+      .def_readwrite("spectral_radius", &DensitySettings::spectral_radius, "chebyshev: of the Jacobi iteration")
+      .def_readwrite("epsilon", &DensitySettings::epsilon, "relaxation of the constraint, 1/m² at spacing 0.1")
+      .def_readwrite("constraint", &DensitySettings::constraint)
+      .def_readwrite("precision", &DensitySettings::precision, "of the pair loops")
+      .def_readwrite("crush_limit", &DensitySettings::crush_limit, "mean compression from which on water is crushed");
+  derived(density, "relaxation", &DensitySettings::relaxation, "under-relaxation; None: by the kernel");
+  derived(density, "coarse_grid", &DensitySettings::coarse_grid, "the projection on the cell grid; None: chebyshev");
+  derived(density, "max_shift", &DensitySettings::max_shift, "of a pair in an iteration, in units of h; 0: no cap");
+  closed(density);
+
+  py::class_<WallSettings> walls(m, "WallSettings", "[walls]");
+  walls.def_readwrite("restitution", &WallSettings::restitution, "fraction of speed kept in a bounce")
+      .def_readwrite("density", &WallSettings::density)
+      .def_readwrite("floor_friction", &WallSettings::floor_friction, "skin friction coefficient of the floor");
+  closed(walls);
+
+  py::class_<TensileSettings> tensile(m, "TensileSettings", "[tensile], the artificial pressure");
+  tensile.def(py::init<>())
+      .def_readwrite("k", &TensileSettings::k, "m² at spacing 0.1")
+      .def_readwrite("n", &TensileSettings::n)
+      .def_readwrite("dq", &TensileSettings::dq, "in units of h");
+  closed(tensile);
+}
+
+void bind_things(py::module_& m) {
+  py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(m, "TriangleMesh", "A closed surface; triangles outwards.")
+      .def(py::init([](std::vector<Vec3> points, std::vector<std::array<std::int32_t, 3>> triangles) {
+             return std::make_shared<TriangleMesh>(TriangleMesh{std::move(points), std::move(triangles)});
+           }),
+           py::arg("points"), py::arg("triangles"));
+
+  py::class_<ObstacleSettings> obstacle(m, "ObstacleSettings", "[[obstacle]]: a solid in the water, or a vessel");
+  obstacle.def(py::init<>())
+      .def_readwrite("shape", &ObstacleSettings::shape)
+      .def_property("center", in_place(&ObstacleSettings::center), assigned(&ObstacleSettings::center), "m")
+      .def_property("size", in_place(&ObstacleSettings::size), assigned(&ObstacleSettings::size),
+                    "box: its edges; basin: those of the space in it; m")
+      .def_readwrite("radius", &ObstacleSettings::radius, "m")
+      .def_readwrite("tube", &ObstacleSettings::tube, "torus: radius of the tube, m")
+      .def_readwrite("height", &ObstacleSettings::height, "cylinder, capsule, round basin; m")
+      .def_readwrite("wall", &ObstacleSettings::wall, "basin: thickness, m")
+      .def_property("axis", in_place(&ObstacleSettings::axis), assigned(&ObstacleSettings::axis),
+                    "cylinder, capsule, torus")
+      .def_property("rotate", in_place(&ObstacleSettings::rotate), assigned(&ObstacleSettings::rotate),
+                    "degrees about x, then y, then z")
+      .def_readwrite("inside", &ObstacleSettings::inside, "a vessel: solid is what is outside")
+      .def_property(
+          "mesh", [](const ObstacleSettings& one) { return std::const_pointer_cast<TriangleMesh>(one.mesh); },
+          [](ObstacleSettings& one, std::shared_ptr<TriangleMesh> mesh) { one.mesh = std::move(mesh); })
+      .def_property("velocity", in_place(&ObstacleSettings::velocity), assigned(&ObstacleSettings::velocity), "m/s")
+      .def_property("angular_velocity", in_place(&ObstacleSettings::angular_velocity),
+                    assigned(&ObstacleSettings::angular_velocity), "rad/s, about the centre")
+      .def_property(
+          "motion",
+          [](const ObstacleSettings& one) {
+            std::vector<std::pair<Real, Vec3>> knots;
+            for (const ObstacleKnot& knot : one.knots) knots.emplace_back(knot.time, knot.center);
+            return knots;
+          },
+          [](ObstacleSettings& one, const std::vector<std::pair<Real, Vec3>>& knots) {
+            one.knots.clear();
+            for (const auto& [time, center] : knots) one.knots.push_back({time, center});
+          },
+          "times and places of the centre, [(s, [x, y, z] in m), ...]; set as a whole")
+      .def_readwrite("restitution", &ObstacleSettings::restitution, "None: that of the walls")
+      .def_readwrite("friction", &ObstacleSettings::friction, "Coulomb's coefficient in a bounce");
+  closed(obstacle);
+  py::bind_vector<std::vector<ObstacleSettings>>(m, "Obstacles");
+
+  py::class_<GaugeSettings> gauge(m, "GaugeSettings", "[[gauge]]: a place where the water is measured");
+  gauge.def(py::init<>())
+      .def_readwrite("kind", &GaugeSettings::kind)
+      .def_property("center", in_place(&GaugeSettings::center), assigned(&GaugeSettings::center), "m")
+      .def_property("normal", in_place(&GaugeSettings::normal), assigned(&GaugeSettings::normal),
+                    "pressure: out of the solid")
+      .def_readwrite("radius", &GaugeSettings::radius, "m");
+  closed(gauge);
+  py::bind_vector<std::vector<GaugeSettings>>(m, "Gauges");
+}
+
+}  // namespace
+
+void bind_settings(py::module_& m) {
+  bind_enums(m);
+  bind_water(m);
+  bind_things(m);
+
+  py::class_<Settings> settings(m, "Settings",
+                                "What a solver is to do: SI units, names and defaults of the scene file. None stands "
+                                "for a part that is absent, or for a default that follows from the other settings.");
+  settings.def(py::init<>())
+      .def_readwrite("domain", &Settings::domain, "the box, m")
+      .def_property(
+          "periodic",
+          [](const Settings& one) { return py::make_tuple(one.periodic[0], one.periodic[1], one.periodic[2]); },
+          [](Settings& one, const std::array<bool, 3>& periodic) { one.periodic = periodic; },
+          "whether the box repeats along x, y, z; set as a whole")
+      .def_readwrite("fluid", &Settings::fluid)
+      .def_readwrite("dt", &Settings::dt, "s")
+      .def_readwrite("max_substeps", &Settings::max_substeps, "of a step; one that would need more ends the run")
+      .def_readwrite("gravity", &Settings::gravity, "m/s², or None; set as a whole")
+      .def_readwrite("density", &Settings::density)
+      .def_readwrite("walls", &Settings::walls)
+      .def_readwrite("obstacles", &Settings::obstacles)
+      .def_readwrite("gauges", &Settings::gauges)
+      .def_readwrite("tensile", &Settings::tensile, "artificial pressure, or None; set as a whole")
+      .def_readwrite("vorticity", &Settings::vorticity, "epsilon of vorticity confinement, or None")
+      .def_readwrite("vorticity_form", &Settings::vorticity_form)
+      .def_readwrite("viscosity", &Settings::viscosity, "c of XSPH, m³/kg, or None")
+      .def_readwrite("kinematic_viscosity", &Settings::kinematic_viscosity, "nu, m²/s, or None")
+      .def_readwrite("no_slip", &Settings::no_slip, "walls and obstacles hold the water that touches them");
+  derived(settings, "slab_axis", &Settings::slab_axis, "0 x, 1 y; None: the longer one");
+  derived(settings, "cfl", &Settings::cfl, "splits steps; 0: never; None: by method and gravity");
+  closed(settings);
+
+  py::class_<Scene, Settings>(m, "Scene", "A scene file that was read and checked: Settings and what a run needs.")
+      .def_readonly("path", &Scene::path)
+      .def_readonly("name", &Scene::name)
+      .def_readonly("text", &Scene::text, "the file, with a line for each override")
+      .def_readonly("end", &Scene::end, "s")
+      .def_property_readonly("steps", &Scene::steps, "from the start to the end")
+      .def_readonly("seed", &Scene::seed);
+
+  m.def(
+      "_read_scene",
+      [](const std::string& path, const std::vector<std::string>& overrides, const py::object& comm) {
+        return read_scene(comm_of(comm), path, overrides);
+      },
+      py::arg("path"), py::arg("overrides"), py::arg("comm"));
+  m.def("report_settings", &report_settings, "The settings of density.preset = \"report\".");
+}
+
+}  // namespace trevi::python

@@ -1,0 +1,201 @@
+#!/usr/bin/python3
+"""The Python module as its users have it: scripts under mpirun, the bits of the program, errors on all ranks alike."""
+
+import os
+import subprocess
+import textwrap
+
+import h5py
+import numpy as np
+from program import INPUTS, MPI_SETTINGS, TIME_LIMIT, ProgramTest, main
+
+MODULE = os.environ["TREVI_PYTHON"]  # the folder that has it
+SCENE = INPUTS / "fountain_small.toml"
+
+TANK = """
+    import sys, numpy as np, trevi
+    settings = trevi.Settings()
+    settings.domain.min, settings.domain.max = [0, 0, 0], [2, 1, 1.5]
+    lattice = 0.1 * (np.stack(np.meshgrid(range(20), range(10), range(5), indexing="ij"), -1).reshape(-1, 3) + 0.5)
+"""
+
+
+class Module(ProgramTest):
+    def run_script(self, ranks, text, *arguments):
+        path = self.folder / "script.py"
+        path.write_text("\n".join(textwrap.dedent(part) for part in (text if isinstance(text, tuple) else (text,))))
+        return subprocess.run([self.mpirun, "-n", str(ranks), "/usr/bin/python3", str(path), *map(str, arguments)],
+                              cwd=self.folder, capture_output=True, text=True, timeout=TIME_LIMIT,
+                              env=os.environ | MPI_SETTINGS | {"PYTHONPATH": MODULE})
+
+    def run_fine(self, ranks, text, *arguments):
+        result = self.run_script(ranks, text, *arguments)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        return result.stdout
+
+    def test_ten_lines_give_the_bits_of_the_program(self):
+        script = """
+            import sys, numpy as np, trevi
+            scene = trevi.read_scene(sys.argv[1], {"time.end": 0.5, "output.series.every_steps": 10})
+            solver = trevi.make_solver(scene)
+            solver.run()
+            positions = solver.gather_positions()
+            if solver.rank == 0:
+                np.save("positions.npy", positions)
+                print(*(solver.series[name][-1] for name in ("step", "kinetic_energy", "supplied_energy")))
+        """
+        self.run_well(1, SCENE, "--output", "run", "--set", "time.end=0.5")
+        with h5py.File(self.folder / "run/checkpoint_000030.h5") as file:
+            expected = file["particles/position"][:][np.argsort(file["particles/id"][:])]
+        told = set()
+        for ranks in (1, 2, 3):
+            told.add(self.run_fine(ranks, script, SCENE))
+            self.assertTrue((np.load(self.folder / "positions.npy") == expected).all())
+        self.assertEqual(len(told), 1, told)
+        last = [line for line in (self.folder / "run/series.csv").read_text().splitlines()][-1].split(",")
+        self.assertEqual(float(told.pop().split()[1]), float(last[12]), "kinetic_energy")
+
+    def test_a_callable_forcing_keeps_momentum(self):
+        script = TANK, """
+            # Pairs of ids are pushed apart: nothing in all.
+            def swirl(water, step):
+                sign = np.where(water.ids % 2 == 0, 1.0, -1.0)
+                water.velocities[:, 1] += 0.3 * step.dt * sign
+            free = lattice[(abs(lattice - [1, 0.5, 0.25]) < [0.6, 0.2, 0.25]).all(axis=1)] + [0, 0, 0.5]
+            mine = free[trevi.make_solver(settings, lattice[:0]).rank::int(sys.argv[1])]
+            solver = trevi.make_solver(settings, mine, forcings=[swirl], rows=1)
+            solver.run(steps=20)
+            rows = solver.series
+            if solver.rank == 0:
+                print(rows["kinetic_energy"][-1], max(abs(rows["momentum_" + axis]).max() for axis in "xyz"))
+        """
+        for ranks in (1, 3):
+            energy, momentum = map(float, self.run_fine(ranks, script, ranks).split())
+            self.assertGreater(energy, 0.1)
+            self.assertLess(momentum, 1e-9)
+
+    def test_an_exception_in_a_forcing_of_one_rank_ends_all(self):
+        script = TANK, """
+            def wind(water, step):
+                if step.step == 1 and 0 in water.ids:
+                    raise ValueError("the wind has dropped")
+            first = trevi.make_solver(settings, lattice[:0]).rank == 0
+            solver = trevi.make_solver(settings, lattice if first else lattice[:0], forcings=[wind])
+            try:
+                solver.run(steps=5)
+            except trevi.RunError as error:
+                assert "the wind has dropped" in str(error)
+                sys.stdout.write(f"ended after {solver.steps}\\n")
+        """
+        for ranks in (1, 3):
+            self.assertEqual(self.run_fine(ranks, script), "ended after 1\n" * ranks)
+
+    def test_arrays_are_views(self):
+        script = TANK, """
+            settings.gravity = [0, 0, -9.81]
+            solver = trevi.make_solver(settings, lattice)
+            before = solver.positions
+            assert before.ctypes.data == solver.positions.ctypes.data and not before.flags.owndata
+            for array in (solver.positions, solver.velocities, solver.ids):
+                try:
+                    array[0] = 1
+                except ValueError:
+                    continue
+                raise SystemExit("an array can be written to")
+            try:
+                solver.positions = lattice
+            except trevi.InputError:
+                pass
+            with solver.change():
+                solver.velocities[:] = [0.5, 0, 0]
+            assert (solver.velocities == [0.5, 0, 0]).all()
+            with solver.change():
+                solver.positions = np.vstack([solver.positions, [[1, 0.5, 1.2]]])
+                solver.velocities = np.vstack([solver.velocities, [[0, 0, -1]]])
+                solver.ids = np.append(solver.ids, 1000)
+            assert len(solver.ids) == 1001
+            solver.step()
+            try:
+                with solver.change():
+                    solver.ids[:] = 7
+                    raise KeyError("no")
+            except KeyError:
+                pass
+            assert len(set(solver.ids)) == 1001
+            print(solver.gather_velocities()[1000])
+        """
+        told = self.run_fine(1, script)
+        self.assertRegex(told, r"-1\.16")
+
+    def test_errors_are_those_of_the_program_on_all_ranks(self):
+        script = TANK, """
+            def told(kind, work):
+                try:
+                    work()
+                except kind as error:
+                    return str(error)
+                return "nothing"
+            all = [told(trevi.InputError, lambda: trevi.read_scene(sys.argv[1], {"fluid.spacing": -1, "time.dt": "x"})),
+                   told(ValueError, lambda: trevi.read_scene("nowhere.toml")),
+                   told(trevi.InputError, lambda: trevi.make_solver(settings, lattice[:, :2])),
+                   told(trevi.InputError, lambda: trevi.make_solver(settings, lattice + [5, 0, 0])),
+                   told(trevi.InputError, lambda: trevi.make_solver(settings, lattice, ids=np.zeros(1000, int))),
+                   told(AttributeError, lambda: setattr(settings.fluid, "spcing", 0.2)),
+                   told(trevi.InputError, lambda: trevi.use_threads(0))]
+            settings.dt = -1
+            all.append(told(trevi.InputError, lambda: trevi.make_solver(settings, lattice)))
+            sys.stdout.write(" | ".join(one.replace("\\n", " ") for one in all) + "\\n")
+        """
+        for ranks in (1, 2):
+            lines = self.run_fine(ranks, script, SCENE).splitlines()
+            self.assertEqual(len(lines), ranks)
+            for line, words in zip(lines[0].split(" | "), ("fluid.spacing=-1: must be positive", "nowhere.toml", "(n, 3)", "outside the box",
+                                                           "particle 0 is there twice", "no setting spcing", "0 threads", "dt")):
+                self.assertIn(words, line)
+
+    def test_settings_are_changed_in_place(self):
+        script = TANK, """
+            settings.gravity = [0, 0, -9.81]
+            settings.domain.max[2] = 2.5
+            assert list(settings.domain.max) == [2, 1, 2.5]
+            ball = trevi.ObstacleSettings()
+            ball.shape, ball.center, ball.radius = trevi.Shape.sphere, [1, 0.5, 0.3], 0.2
+            settings.obstacles.append(ball)
+            settings.obstacles[0].center[0] = 0.9
+            assert settings.obstacles[0].center[0] == 0.9 and len(settings.obstacles) == 1
+            gauge = trevi.GaugeSettings()
+            gauge.kind, gauge.center, gauge.radius = trevi.GaugeKind.height, [1.6, 0.5, 0], 0.2
+            settings.gauges.append(gauge)
+            free = np.linalg.norm(lattice - [0.9, 0.5, 0.3], axis=1) > 0.25
+            solver = trevi.make_solver(settings, lattice[free], rows=5)
+            seen = []
+            solver.run(until=1, callback=lambda one: seen.append(one.time))
+            assert len(seen) == solver.steps == 60
+            one = solver.obstacles[0]
+            assert np.allclose(one["center"], [0.9, 0.5, 0.3]) and np.allclose(one["rotation"], np.eye(3))
+            assert len(solver.gauges["height_0"]) == len(solver.forces["force_z_0"]) == 13
+            print(one["force"][2], solver.gauges["height_0"][-1])
+        """
+        force, height = map(float, self.run_fine(1, script).split())
+        self.assertAlmostEqual(force, 1000 * 9.81 * 4 / 3 * np.pi * 0.2**3, delta=0.35 * 330, msg="Archimedes, of a coarse ball")
+        self.assertAlmostEqual(height, 0.49, delta=0.05)
+
+    def test_a_communicator_of_mpi4py_is_a_solver_of_its_own(self):
+        script = """
+            from mpi4py import MPI
+            import numpy as np, sys, trevi
+            own = MPI.COMM_WORLD.Split(MPI.COMM_WORLD.rank, 0)
+            scene = trevi.read_scene(sys.argv[1], {"time.end": 0.1, "fountain.0.speed": 4 + MPI.COMM_WORLD.rank}, own)
+            solver = trevi.make_solver(scene, comm=own)
+            solver.run()
+            assert solver.size == 1 and len(solver.ids) == 3072
+            speeds = MPI.COMM_WORLD.gather(float(abs(solver.velocities).max()))
+            if MPI.COMM_WORLD.rank == 0:
+                print(*speeds)
+        """
+        slow, fast = map(float, self.run_fine(2, script, SCENE).split())
+        self.assertGreater(fast, slow)
+
+
+if __name__ == "__main__":
+    main()
