@@ -13,7 +13,6 @@ main() {
     -h | --help) print_help && exit 0 ;;
     *[!0-9]*) fail "KILLS must be a number, not '$1'; see --help" 2 ;;
   esac
-  trevi_packages+=(python3-h5py)
   setup_program trevi
   TREVI_KILLS="${1:-20}" TREVI_KILL_SEED="${2:-1}" "$trevi_root/tests/regression/test_survival.py" Kill
 }

@@ -9,9 +9,9 @@ trevi_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 trevi_packages=(
   g++ cmake ninja-build pkg-config openmpi-bin libeigen3-dev libpetsc-real-dev libvtk9-dev
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libhwy-dev librandom123-dev libmuparser-dev libpng-dev
-  libsndfile1-dev libzmq3-dev cppzmq-dev python3 python3-numpy python3-matplotlib
+  libsndfile1-dev libzmq3-dev cppzmq-dev python3 python3-numpy python3-matplotlib python3-h5py
 )
-test_packages=(pybind11-dev python3-dev python3-mpi4py libgtest-dev libgmock-dev xvfb xdotool python3-h5py python3-pil python3-scipy)
+test_packages=(pybind11-dev python3-dev python3-mpi4py libgtest-dev libgmock-dev xvfb xdotool python3-pil python3-scipy)
 
 fail() {
   echo "$(basename "$0"): $1" >&2

@@ -47,8 +47,8 @@ main() {
   : >"$pictures/log.txt"
   make_root >>"$pictures/log.txt" 2>&1
   copy_project
+  trap 'cp "$root"/trevi/*.png "$root"/trevi/*.mp4 "$pictures" || true; take_down_root' EXIT
   walk
-  cp "$root"/trevi/*.png "$root"/trevi/*.mp4 "$pictures"
 }
 
 main "$@"
