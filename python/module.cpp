@@ -56,6 +56,8 @@ PYBIND11_MODULE(_trevi, module) {
   py::register_exception<BlowUp>(module, "BlowUp", failed.ptr());
   begin();
   module.attr("__version__") = TREVI_VERSION;
+  module.attr("rank") = rank_of(MPI_COMM_WORLD);
+  module.attr("size") = size_of(MPI_COMM_WORLD);
   bind_settings(module);
   bind_solver(module);
   module.def("use_threads", &Session::use_threads, py::arg("count"),

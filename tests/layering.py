@@ -23,7 +23,7 @@ PUBLIC = {  # header of the library: its module
     "session": "parallel", "requests": "parallel", "particles": "particles",
     "settings": "particles", "obstacle": "particles", "forcing": "particles", "observer": "solver", "solver": "solver", "scene": "scene",
 }
-FOLDERS = {"jobs", "inputs", "postprocess", "tests", "src", "include"}
+FOLDERS = {"jobs", "inputs", "postprocess", "python", "tests", "src", "include"}
 MAX_LINES = 400
 CODE = {".hpp", ".h", ".cpp"}
 COUNTED = CODE | {".py", ".sh", ".cmake"}

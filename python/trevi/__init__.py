@@ -6,7 +6,7 @@
     solver.run()
     print(solver.positions.mean(axis=0))
 
-Under mpirun every rank runs the same script and makes the same calls; arrays are those of this rank, and
+Under mpirun every rank (trevi.rank of trevi.size) runs the same script and makes the same calls; arrays are those of this rank, and
 solver.gather_positions() has them all, by id, on rank 0. Bits are those of the program `trevi` on any ranks and threads.
 Units are SI; names and defaults are those of the scene file (inputs/README.md). Errors are InputError (a ValueError),
 RunError (a RuntimeError) and BlowUp (a RunError), raised on all ranks alike.
@@ -24,12 +24,12 @@ os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 from trevi._trevi import (  # noqa: E402
     BlowUp, Box, Constraint, GaugeKind, GaugeSettings, InputError, Mass, Method, ObstacleSettings, Precision, RunError,
     Scene, Settings, Shape, Solver, TensileSettings, TriangleMesh, VorticityForm, WallDensity, __version__, _make_solver,
-    _read_scene, report_settings, threads, use_threads)
+    _read_scene, rank, report_settings, size, threads, use_threads)
 
 __all__ = ["BlowUp", "Box", "Constraint", "GaugeKind", "GaugeSettings", "InputError", "Mass", "Method",
            "ObstacleSettings", "Precision", "RunError", "Scene", "Settings", "Shape", "Solver", "TensileSettings",
-           "TriangleMesh", "VorticityForm", "WallDensity", "__version__", "make_solver", "read_scene",
-           "report_settings", "threads", "use_threads"]
+           "TriangleMesh", "VorticityForm", "WallDensity", "__version__", "make_solver", "rank",
+           "read_scene", "report_settings", "size", "threads", "use_threads"]
 
 
 def _toml(value):

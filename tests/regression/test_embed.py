@@ -46,6 +46,18 @@ def check_programs(tree, mpiexec):
     call(mpiexec, "-n", 2, tree / "bin/trevi", tree / "share/trevi/inputs/falling_cube_small.toml", "--dry-run")
 
 
+def check_python(tree, mpiexec):
+    """The module finds the library of the tree, if it was built."""
+    folder = tree / "lib/python3/dist-packages"
+    if not folder.exists():
+        return
+    script = "import sys, trevi; s = trevi.make_solver(trevi.read_scene(sys.argv[1])); s.run(steps=3); sys.stdout.write(f'{s.steps}\\n')"
+    said = call(mpiexec, "-n", 2, "/usr/bin/python3", "-c", script, tree / "share/trevi/inputs/falling_cube_small.toml",
+                env=os.environ | {"PYTHONPATH": str(folder)})
+    if said != "3\n3\n":
+        sys.exit(f"the Python module says {said}")
+
+
 def check_embed(arguments, tree, work):
     outside = shutil.copytree(tree / "share/trevi/examples/embed", work / "outside")
     call(arguments.cmake, "-S", outside, "-B", work / "build", f"-DCMAKE_PREFIX_PATH={tree}",
@@ -72,6 +84,7 @@ def main():
         work = Path(folder).resolve()
         tree = install(arguments.cmake, arguments.build.resolve(), work)
         check_programs(tree, arguments.mpiexec)
+        check_python(tree, arguments.mpiexec)
         check_embed(arguments, tree, work)
 
 
