@@ -168,12 +168,14 @@ void DensityProblem<T>::release_in_flight() {
     });
   });
   const ScopedEvent timed(delta_event_);
+  if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
   for (const Range& part : rows_in_flight()) {
-    for_each_index(part, [&](std::size_t i) { delta_[i] = Vec4<T>{}; });
+    constraint_.wall_gradients(part, particles_->predicted, delta_);
     constraint_.deltas_of_multipliers(pairs(), part, particles_->predicted, delta_);
     for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += vector_of(delta_[i]) / dt_; });
     count_pass(part, DensityConstraint<T>::delta_flops);
   }
+  if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(false);
 }
 
 template <class T>

@@ -54,7 +54,7 @@ class DensityProblem {
   void project(Projection& projection);
   /// Velocities from the motion up to now; positions shift alone from here on.
   void set_velocities();
-  /// Gives the water in flight the velocity that the sweeps have found for its pairs; at walls the prediction bounces.
+  /// Gives the water in flight the velocity that the sweeps have found for its pairs, and at walls.
   void release_in_flight();
   /// Takes off the shifts since set_velocities() what moves the water as a whole.
   void filter_shifts(Projection& projection);

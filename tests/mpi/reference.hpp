@@ -141,7 +141,7 @@ class Reference {
 
   /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. The
   /// multipliers of these sweeps become velocity, too, where the projection does not act: at the final positions, and
-  /// without the tensile term and the walls' share. A shifted particle takes on the velocity of where it goes.
+  /// without the tensile term. A shifted particle takes on the velocity of where it goes.
   void project_and_shift() {
     set_velocities();  // as if nothing acted
     const Momentum before = momentum();
@@ -158,6 +158,7 @@ class Reference {
       }
     }
     for (std::size_t i = 0; i < size(); ++i) {
+      if (has_walls()) cloud_.velocity[i] += in_flight[i] * walls_.at(p_[i]).gradient / dt_;
       for (const std::size_t j : near_[i])
         cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
     }

@@ -75,8 +75,13 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         all += result_[i].act;
       }
       if (all == 0) return;
+      Real variance = 0;
+      for (const std::size_t i : (*members_)[c]) variance += result_[i].act * (shifts[i] - mean / all).squaredNorm() / all;
+      const Eigen::Matrix3d slope = (*fit_)[c].b * size_.cwiseInverse().asDiagonal();
+      const Real longest = 0.1 * h_ * slope.norm();
+      const Real part = !upright() && std::sqrt(variance) > longest ? longest / std::sqrt(variance) : 1;
       for (const std::size_t i : (*members_)[c])
-        result[i] = result_[i].act * ((*fit_)[c].b * (shifts[i] - mean / all).cwiseQuotient(size_));
+        result[i] = result_[i].act * part * slope * (shifts[i] - mean / all);
     });
     return result;
   }
@@ -236,7 +241,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     for_each_cell([&](const Cell& c) {
       if (!wet(c) && !follows(c)) return;
       second[c] = fit_around(c, y, noise);
-      second[c].weight *= std::min(time / 14, 1.0) / (1 + (*fit_)[c].rest2 / std::pow(0.2 * time * h_, 2));
+      second[c].weight *= std::min(time / 12, 1.0) / (1 + (*fit_)[c].rest2 / std::pow(0.2 * time * h_, 2));
     });
     for (std::size_t i = 0; i < particles_.size(); ++i) damping.push_back(-filtered(particles_[i], noise[i], second));
     return damping;

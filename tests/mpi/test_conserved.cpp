@@ -1,5 +1,5 @@
-// What the default steps leave alone: a pool at rest stays at rest, and jets that meet in free space keep their
-// momentum.
+// What the default steps leave alone: a pool at rest stays at rest, jets that meet in free space keep their momentum, and
+// water that meets a wall gains no energy.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -112,6 +112,48 @@ TEST(Jets, KeepTheirMomentumWithProjectedVorticity) {
   EXPECT_GT(changes({strong, "density.precision='double'"}).linear, 1e-3) << "nothing to mend";
   EXPECT_LT(changes({strong, projected, "density.precision='double'"}).linear, 1e-13);
   EXPECT_LT(changes({strong, projected, "density.precision='single'"}).linear, 1e-8);
+}
+
+// ---- impacts without gravity
+// -------------------------------------------------------------------------------------------
+
+Real kinetic_energy(const Particles& particles) {
+  Real sum = 0;
+  for (const Vec3& v : particles.velocity) sum += v.squaredNorm() / 2;
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+  return sum;
+}
+
+// A layer and a block that are thrown at a wall at 1 m/s: what is pushed apart along the wall is stopped there, too.
+TEST(Impact, OfWaterOnAWallGivesItNoEnergyInAnyStep) {
+  const std::string box = R"(
+[domain]
+min = [0, 0, 0]
+max = [2, 1, 1]
+[fluid]
+spacing = 0.1
+[time]
+dt = 0.0166666667
+end = 2
+)";
+  const std::string layer = "[[particles]]\nmin = [0.2, 0.1, 0.4]\nmax = [1.2, 0.9, 0.5]\nvelocity = [0, 0, 1]\n";
+  const std::string block = "[[particles]]\nmin = [0.5, 0.3, 0.3]\nmax = [0.9, 0.7, 0.7]\nvelocity = [1, 0, 0]\n";
+  for (const std::string& water : {layer, block}) {
+    for (const int rate : {60, 240}) {
+      const Scene scene = scene_with(box + water, {fmt::format("time.dt={}", 1.0 / rate)});
+      const std::unique_ptr<Solver> solver = started(scene);
+      const Real before = kinetic_energy(solver->particles());
+      Real least = before, rise = 0;
+      for (int k = 0; k < 2 * rate; ++k) {
+        solver->step();
+        const Real now = kinetic_energy(solver->particles());
+        least = std::min(least, now);
+        rise = std::max(rise, now - least);
+      }
+      EXPECT_LT(least, 0.5 * before);
+      EXPECT_LT(rise, 0.05 * before) << water << rate;
+    }
+  }
 }
 
 }  // namespace

@@ -42,6 +42,12 @@ Boundary boundary_of(const Vec4<T>& wall) {
   return static_cast<Boundary>(static_cast<int>(wall.w));
 }
 
+template <class T>
+Vec4<T> wall_of(const Vec3& gradient, Boundary boundary) {
+  return {static_cast<T>(gradient.x()), static_cast<T>(gradient.y()), static_cast<T>(gradient.z()),
+          static_cast<T>(boundary)};
+}
+
 Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cwiseMin(b.max)}; }
 
 }  // namespace
@@ -153,10 +159,19 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
       out.rho[i] += model_.rest_density * boundary_density.density;
       const Vec3 gradient = boundary_density.gradient - slope * vector_of(sums[k]);
       multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
-      out.wall[i] = {static_cast<T>(boundary_density.gradient.x()), static_cast<T>(boundary_density.gradient.y()),
-                     static_cast<T>(boundary_density.gradient.z()), static_cast<T>(boundary)};
+      out.wall[i] = wall_of<T>(boundary_density.gradient, boundary);
     });
     out.use(here, multiplier.data());
+  });
+}
+
+template <class T>
+void DensityConstraint<T>::wall_gradients(Range range, std::span<const Vec3> p, std::span<Vec4<T>> wall) const {
+  for_each_part(range, sums_chunk, [&](Range here) {
+    std::fill_n(&wall[static_cast<std::size_t>(here.begin)], here.size(), Vec4<T>{});
+    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
+      wall[i] = wall_of<T>(boundary_at(p[i], boundary == obstacle).gradient, boundary);
+    });
   });
 }
 

@@ -74,7 +74,9 @@ class DensityConstraint {
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
     sum_deltas(delta_loop_, pairs, range, p, delta);
   }
-  /// The same without the tensile term: what the multipliers alone do.
+  /// Writes for the range what lambdas() has in Lambdas::wall.
+  void wall_gradients(Range range, std::span<const Vec3> p, std::span<Vec4<T>> wall) const;
+  /// As deltas() without the tensile term: what the multipliers alone do.
   void deltas_of_multipliers(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                              std::span<Vec4<T>> delta) const {
     sum_deltas(loops_.delta, pairs, range, p, delta);
