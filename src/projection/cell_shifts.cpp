@@ -54,41 +54,32 @@ HWY_INLINE V3 load_path(const Motion& shifts, std::size_t i) {
   return {hn::Sub(p[0], x[0]), hn::Sub(p[1], x[1]), hn::Sub(p[2], x[2])};
 }
 
-// Σ act Δ, Σ act and Σ act |Δ|².
+// Σ act Δ and Σ act.
 template <class T>
-HWY_INLINE std::array<Real, 5> sum_shifts(const Motion& shifts, const CellParticles& cell, std::span<const T> act) {
-  alignas(64) Real lanes[5][virtual_lanes];
+HWY_INLINE std::array<Real, 4> sum_shifts(const Motion& shifts, const CellParticles& cell, std::span<const T> act) {
+  alignas(64) Real lanes[4][virtual_lanes];
   const auto add_eight = [&]<bool first>(std::size_t i) {
     for (std::size_t lane = 0; lane < virtual_lanes; lane += hn::Lanes(Wide())) {
       const V3 path = load_path(shifts, i + lane);
       const V weight = load_act(act, i + lane, cell.end);
       for (std::size_t a = 0; a < 3; ++a) add_to_lanes<first>(&lanes[a][lane], hn::Mul(weight, path[a]));
       add_to_lanes<first>(&lanes[3][lane], weight);
-      const V square = hn::MulAdd(path[0], path[0], hn::MulAdd(path[1], path[1], hn::Mul(path[2], path[2])));
-      add_to_lanes<first>(&lanes[4][lane], hn::Mul(weight, square));
     }
   };
   add_eight.template operator()<true>(cell.begin);
   for (std::size_t i = cell.begin + virtual_lanes; i < cell.end; i += virtual_lanes)
     add_eight.template operator()<false>(i);
-  std::array<Real, 5> sums;
-  fold_all<5>(lanes, sums.data());
+  std::array<Real, 4> sums;
+  fold_all<4>(lanes, sums.data());
   return sums;
 }
 
 template <class T>
-HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, const Carrier& carrier,
+HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
                               std::span<const T> act, std::span<Vec3> velocity) {
   const Wide d;
-  const std::array<Real, 5> sums = sum_shifts(shifts, cell, act);
+  const std::array<Real, 4> sums = sum_shifts(shifts, cell, act);
   if (sums[3] == 0) return;
-  Real variance = sums[4] / sums[3];
-  for (std::size_t a = 0; a < 3; ++a) variance -= sums[a] / sums[3] * (sums[a] / sums[3]);
-  const bool is_long = variance > carrier.longest * carrier.longest;
-  const Real part = is_long ? carrier.longest / std::sqrt(variance) : 1;
-  std::array<ByAxis, 3> slope = carrier.slope;
-  for (ByAxis& of_axis : slope)
-    for (Real& number : of_axis) number *= part;
   for (std::size_t i = cell.begin; i < cell.end; i += hn::Lanes(d)) {
     V3 off = load_path(shifts, i), v = load(std::span<const Vec3>(velocity), i);
     const V weight = load_act(act, i, cell.end);
@@ -117,13 +108,13 @@ void remove_smooth_double(const CellFrame& frame, const Motion& shifts, const Ce
                           const AffineMap& smooth, std::span<const double> act, Vec4<double>* out) {
   remove_smooth_of(frame, shifts, cell, smooth, act, out);
 }
-void carry_single(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const float> act,
-                  std::span<Vec3> velocity) {
-  carry_cell_of(shifts, cell, carrier, act, velocity);
+void carry_single(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                  std::span<const float> act, std::span<Vec3> velocity) {
+  carry_cell_of(shifts, cell, slope, act, velocity);
 }
-void carry_double(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const double> act,
-                  std::span<Vec3> velocity) {
-  carry_cell_of(shifts, cell, carrier, act, velocity);
+void carry_double(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                  std::span<const double> act, std::span<Vec3> velocity) {
+  carry_cell_of(shifts, cell, slope, act, velocity);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -149,14 +140,14 @@ void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParti
   HWY_DYNAMIC_DISPATCH(remove_smooth_double)(frame, shifts, cell, smooth, act, out);
 }
 template <>
-void carry_cell(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const float> act,
-                std::span<Vec3> velocity) {
-  HWY_DYNAMIC_DISPATCH(carry_single)(shifts, cell, carrier, act, velocity);
+void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                std::span<const float> act, std::span<Vec3> velocity) {
+  HWY_DYNAMIC_DISPATCH(carry_single)(shifts, cell, slope, act, velocity);
 }
 template <>
-void carry_cell(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const double> act,
-                std::span<Vec3> velocity) {
-  HWY_DYNAMIC_DISPATCH(carry_double)(shifts, cell, carrier, act, velocity);
+void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                std::span<const double> act, std::span<Vec3> velocity) {
+  HWY_DYNAMIC_DISPATCH(carry_double)(shifts, cell, slope, act, velocity);
 }
 
 }  // namespace trevi

@@ -17,22 +17,15 @@ template <>
 void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
                    std::span<const double> act, Vec4<double>* out);
 
-/// What gives shifted particles of a cell the velocities of where they are.
-struct Carrier {
-  std::array<ByAxis, 3> slope;  ///< B, 1/s
-  Real longest;                 ///< m, rms of the shifts about their mean that count in full
-};
-
-/// v += act · B' (Δ − the mean of Δ over the particles of the cell, weighted by act); B' is B, or less by the factor by
-/// which these are longer than the longest.
+/// v += act · B (Δ − the mean of Δ over the particles of the cell, weighted by act) with the slopes B, 1/s.
 template <class T>
-void carry_cell(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const T> act,
-                std::span<Vec3> velocity);
+void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                std::span<const T> act, std::span<Vec3> velocity);
 template <>
-void carry_cell(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const float> act,
-                std::span<Vec3> velocity);
+void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                std::span<const float> act, std::span<Vec3> velocity);
 template <>
-void carry_cell(const Motion& shifts, const CellParticles& cell, const Carrier& carrier, std::span<const double> act,
-                std::span<Vec3> velocity);
+void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
+                std::span<const double> act, std::span<Vec3> velocity);
 
 }  // namespace trevi

@@ -81,9 +81,5 @@ constexpr Real min_wall = 0.1;
 /// Mean compression of the particles around from which on, and at which in full, sweeps may push water apart over more
 /// than a cell. Relaxed water has 0.004 by itself, as its kernel sums exceed those of the lattice of the same density.
 constexpr Real swelling_begins = 0.004, swelling_full = 0.008;
-/// Shifts of the particles of a cell about their mean, rms, up to which they carry velocities in full, in units of the
-/// relative motion over h in the step, without gravity: nothing damps noise there, and longer shifts, which do not get
-/// shorter with the step, would add up. A block that has met a wall then gains energy, 22-fold at 1/960 s (README.md).
-constexpr Real carried_path = 0.1;
 
 }  // namespace trevi::projection

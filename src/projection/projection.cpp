@@ -1,7 +1,6 @@
 #include "projection/projection.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "projection/cell_shifts.hpp"
 #include "projection/record_forces.hpp"
@@ -138,12 +137,7 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
       for (ByAxis& of_axis : slope) {
         for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;
       }
-      Real square = 0;
-      for (const ByAxis& of_axis : slope)
-        for (const Real number : of_axis) square += number * number;
-      const Real longest = model_.gravity > 0 ? std::numeric_limits<Real>::infinity()
-                                              : projection::carried_path * std::sqrt(square) * dt * model_.h;
-      carry_cell(swept.shifts, cell, {slope, longest}, swept.act, velocity);
+      carry_cell(swept.shifts, cell, slope, swept.act, velocity);
     });
   });
 }

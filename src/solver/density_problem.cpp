@@ -170,8 +170,8 @@ void DensityProblem<T>::release_in_flight() {
   const ScopedEvent timed(delta_event_);
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
   for (const Range& part : rows_in_flight()) {
-    constraint_.wall_gradients(part, particles_->predicted, delta_);
-    constraint_.deltas_of_multipliers(pairs(), part, particles_->predicted, delta_);
+    const auto path = [&](std::size_t i) -> Vec3 { return particles_->velocity[i] * dt_; };
+    constraint_.deltas_in_flight(pairs(), part, particles_->predicted, path, delta_);
     for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += vector_of(delta_[i]) / dt_; });
     count_pass(part, DensityConstraint<T>::delta_flops);
   }

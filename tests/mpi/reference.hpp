@@ -141,7 +141,8 @@ class Reference {
 
   /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. The
   /// multipliers of these sweeps become velocity, too, where the projection does not act: at the final positions, and
-  /// without the tensile term. A shifted particle takes on the velocity of where it goes.
+  /// without the tensile term; a wall stops what comes nearer to it, and does no more. A shifted particle takes on the
+  /// velocity of where it goes.
   void project_and_shift() {
     set_velocities();  // as if nothing acted
     const Momentum before = momentum();
@@ -158,7 +159,9 @@ class Reference {
       }
     }
     for (std::size_t i = 0; i < size(); ++i) {
-      if (has_walls()) cloud_.velocity[i] += in_flight[i] * walls_.at(p_[i]).gradient / dt_;
+      const Vec3 wall = has_walls() ? walls_.at(p_[i]).gradient : Vec3(Vec3::Zero());
+      const Real nearer = wall.dot(cloud_.velocity[i]) * dt_, pushed = in_flight[i] * wall.squaredNorm();
+      if (nearer * pushed < 0) cloud_.velocity[i] += std::min(-nearer / pushed, 1.0) * in_flight[i] * wall / dt_;
       for (const std::size_t j : near_[i])
         cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
     }

@@ -75,13 +75,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         all += result_[i].act;
       }
       if (all == 0) return;
-      Real variance = 0;
-      for (const std::size_t i : (*members_)[c]) variance += result_[i].act * (shifts[i] - mean / all).squaredNorm() / all;
-      const Eigen::Matrix3d slope = (*fit_)[c].b * size_.cwiseInverse().asDiagonal();
-      const Real longest = 0.1 * h_ * slope.norm();
-      const Real part = !upright() && std::sqrt(variance) > longest ? longest / std::sqrt(variance) : 1;
       for (const std::size_t i : (*members_)[c])
-        result[i] = result_[i].act * part * slope * (shifts[i] - mean / all);
+        result[i] = result_[i].act * ((*fit_)[c].b * (shifts[i] - mean / all).cwiseQuotient(size_));
     });
     return result;
   }
@@ -254,10 +249,26 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return sum;
   }
 
+  /// Back from a wall, m: by how the cell's own particles move towards it, with the slope of the fit up to it, but not
+  /// more than they do in the mean, and nothing against that.
+  Real at_wall(int a, const Cell& face, const Cell& inner) const {
+    Real mean_way = 0, y = 0, count = 0;
+    for (const Particle& i : particles_) {
+      if (i.in_flight || (i.cell.array() != inner.array()).any()) continue;
+      mean_way += i.way[a];
+      y += i.y[a];
+      ++count;
+    }
+    if (count == 0) return -mean(a, face);
+    const Real there = mean_way / count + (*fit_)[inner].b(a, a) * ((face[a] == inner[a] ? 0 : 1) - y / count);
+    if (mean_way * there <= 0) return 0;
+    return -std::copysign(std::min(std::abs(mean_way / count), std::abs(there)), there);
+  }
+
   /// Through a face of `inner`, m; nothing where neither side is wet.
   std::optional<Real> through(int a, const Cell& face, const Cell& inner) const {
     const Cell below = face - unit(a);
-    if (is_wall(a, face)) return wet(inner) ? std::optional(-mean(a, face)) : std::nullopt;
+    if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
     const Real u = ((*phi_)[face] - (*phi_)[below]) / size_[a];
     return a == 2 && is_top(below) ? u / above_middle(below) : u;

@@ -76,6 +76,18 @@ BoundaryDensity Obstacles::with(const BoundaryDensity& box, const Vec3& p) const
           (1 - all.density) * box.gradient + (1 - box.density) * all.gradient};
 }
 
+Real Obstacles::growth(const BoundaryDensity& box, const Vec3& p, const Vec3& path) const {
+  Real solid = 0, sum = 0;
+  for (const auto& body : bodies_) {
+    const BoundaryDensity one = contribution_of(*body, *law_, p);
+    if (one.density == 0) continue;
+    solid += one.density;
+    const Vec3 there = body->now().into_body(p);
+    sum += (1 - box.density) * one.gradient.dot(path - (p - body->before().into_world(there)));
+  }
+  return sum + (1 - solid) * box.gradient.dot(path);
+}
+
 void Obstacles::record_gradient(const BoundaryDensity& box, const Vec3& p, Real factor) {
   Real solid = 0;
   factor *= relaxation_;

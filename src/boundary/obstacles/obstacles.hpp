@@ -36,6 +36,8 @@ class Obstacles {
   /// not overlap, so their contributions add up; walls and obstacles are independent of each other, as in an edge of
   /// the box.
   BoundaryDensity with(const BoundaryDensity& box, const Vec3& p) const;
+  /// By how much that contribution grows for a particle at p that moves by `path`, m, in the substep.
+  Real growth(const BoundaryDensity& box, const Vec3& p, const Vec3& path) const;
   /// Records in the ledger a shift along the gradient of the density's contribution at p: `factor` times its parts, as
   /// far as the density solver follows it.
   void record_gradient(const BoundaryDensity& box, const Vec3& p, Real factor);

@@ -165,12 +165,35 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
   });
 }
 
+// A multiplier also holds what was pressed together without any motion, where the projection alone moves the water: a
+// wall that gave it back as velocity would throw.
 template <class T>
-void DensityConstraint<T>::wall_gradients(Range range, std::span<const Vec3> p, std::span<Vec4<T>> wall) const {
+void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                                            const std::function<Vec3(std::size_t)>& path,
+                                            std::span<Vec4<T>> delta) const {
+  for_each_part(range, sums_chunk,
+                [&](Range here) { std::fill_n(&delta[static_cast<std::size_t>(here.begin)], here.size(), Vec4<T>{}); });
+  sum_deltas(loops_.delta, pairs, range, p, delta);
+  const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   for_each_part(range, sums_chunk, [&](Range here) {
-    std::fill_n(&wall[static_cast<std::size_t>(here.begin)], here.size(), Vec4<T>{});
     for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
-      wall[i] = wall_of<T>(boundary_at(p[i], boundary == obstacle).gradient, boundary);
+      const auto multiplier = static_cast<Real>(records[i].w);
+      if (multiplier == 0) return;
+      const BoundaryDensity box = walls_->at(p[i]), all = boundary_at(p[i], boundary == obstacle);
+      const Real nearer = boundary == obstacle ? obstacles_->growth(box, p[i], path(i)) : all.gradient.dot(path(i));
+      const Real pushed = multiplier * all.gradient.squaredNorm();
+      if (nearer * pushed >= 0) return;
+      const Real factor = multiplier * std::min(-nearer / pushed, 1.0);
+      delta[i].x += static_cast<T>(factor * all.gradient.x());
+      delta[i].y += static_cast<T>(factor * all.gradient.y());
+      delta[i].z += static_cast<T>(factor * all.gradient.z());
+      if (!obstacles_ || !obstacles_->records_impulses()) return;
+      if (boundary == obstacle) {
+        obstacles_->record_gradient(box, p[i], factor);
+      } else {
+        Impulse by_box{factor * all.gradient, p[i]};
+        obstacles_->record_box({&by_box, 1});
+      }
     });
   });
 }

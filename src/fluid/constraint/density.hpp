@@ -74,13 +74,11 @@ class DensityConstraint {
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
     sum_deltas(delta_loop_, pairs, range, p, delta);
   }
-  /// Writes for the range what lambdas() has in Lambdas::wall.
-  void wall_gradients(Range range, std::span<const Vec3> p, std::span<Vec4<T>> wall) const;
-  /// As deltas() without the tensile term: what the multipliers alone do.
-  void deltas_of_multipliers(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                             std::span<Vec4<T>> delta) const {
-    sum_deltas(loops_.delta, pairs, range, p, delta);
-  }
+  /// Writes delta_i in metres for the range, as deltas() without the tensile term: what the multipliers alone do to
+  /// particles that move by `path`, m, in the substep. Walls and obstacles stop what comes nearer to them, and do no
+  /// more.
+  void deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
+                        const std::function<Vec3(std::size_t)>& path, std::span<Vec4<T>> delta) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
