@@ -12,12 +12,17 @@
 // Lists that are changed in place, and not copied on every access.
 PYBIND11_MAKE_OPAQUE(std::vector<trevi::ObstacleSettings>)
 PYBIND11_MAKE_OPAQUE(std::vector<trevi::GaugeSettings>)
+PYBIND11_MAKE_OPAQUE(std::vector<trevi::FountainSettings>)
+PYBIND11_MAKE_OPAQUE(std::vector<trevi::InletSettings>)
+PYBIND11_MAKE_OPAQUE(std::vector<trevi::DrainSettings>)
 
 namespace trevi::python {
 
 namespace py = pybind11;
 
 void bind_settings(py::module_& module);
+void bind_flow(py::module_& module);
+void bind_output(py::module_& module);
 void bind_solver(py::module_& module);
 
 /// That of an mpi4py communicator, or of all ranks for None.

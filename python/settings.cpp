@@ -1,49 +1,9 @@
 // Settings and scenes. Names, units and defaults are those of the scene file (inputs/README.md).
-#include <fmt/format.h>
-
-#include "bindings.hpp"
-#include "trevi/error.hpp"
+#include "binding_helpers.hpp"
 
 namespace trevi::python {
 
 namespace {
-
-// A setting that follows from others where it is None.
-template <class Class, class Owner, class Value>
-void derived(Class& made, const char* name, Derived<Value> Owner::*member, const char* doc) {
-  made.def_property(
-      name,
-      [member](const Owner& owner) {
-        const Derived<Value>& setting = owner.*member;
-        return setting.given() ? std::optional<Value>(setting.value()) : std::nullopt;
-      },
-      [member](Owner& owner, const std::optional<Value>& value) {
-        owner.*member = value ? Derived<Value>(*value) : Derived<Value>();
-      },
-      doc);
-}
-
-// A misspelt name would otherwise be an attribute of its own, without a word.
-template <class Class>
-void closed(Class& made) {
-  made.def("__setattr__", [](const py::object& self, const py::str& name, const py::object& value) {
-    if (!py::hasattr(py::type::of(self), name))
-      throw py::attribute_error(fmt::format("{} has no setting {}; see help()",
-                                            py::str(py::type::of(self).attr("__name__")).cast<std::string>(),
-                                            name.cast<std::string>()));
-    py::module_::import("builtins").attr("object").attr("__setattr__")(self, name, value);
-  });
-}
-
-// A vector that may be changed in place, by settings.domain.max[2] = 3.
-template <class Owner>
-py::cpp_function in_place(Vec3 Owner::*member) {
-  return {[member](Owner& owner) -> Vec3& { return owner.*member; }, py::return_value_policy::reference_internal};
-}
-template <class Owner>
-py::cpp_function assigned(Vec3 Owner::*member) {
-  return [member](Owner& owner, const Vec3& value) { owner.*member = value; };
-}
 
 void bind_enums(py::module_& m) {
   py::enum_<Mass>(m, "Mass").value("calibrated", Mass::calibrated).value("volume", Mass::volume);
@@ -180,6 +140,8 @@ void bind_settings(py::module_& m) {
   bind_enums(m);
   bind_water(m);
   bind_things(m);
+  bind_flow(m);
+  bind_output(m);
 
   py::class_<Settings> settings(m, "Settings",
                                 "What a solver is to do: SI units, names and defaults of the scene file. None stands "
@@ -198,13 +160,19 @@ void bind_settings(py::module_& m) {
       .def_readwrite("density", &Settings::density)
       .def_readwrite("walls", &Settings::walls)
       .def_readwrite("obstacles", &Settings::obstacles)
+      .def_readwrite("fountains", &Settings::fountains)
+      .def_readwrite("inlets", &Settings::inlets)
+      .def_readwrite("drains", &Settings::drains)
       .def_readwrite("gauges", &Settings::gauges)
       .def_readwrite("tensile", &Settings::tensile, "artificial pressure, or None; set as a whole")
       .def_readwrite("vorticity", &Settings::vorticity, "epsilon of vorticity confinement, or None")
       .def_readwrite("vorticity_form", &Settings::vorticity_form)
       .def_readwrite("viscosity", &Settings::viscosity, "c of XSPH, m³/kg, or None")
       .def_readwrite("kinematic_viscosity", &Settings::kinematic_viscosity, "nu, m²/s, or None")
-      .def_readwrite("no_slip", &Settings::no_slip, "walls and obstacles hold the water that touches them");
+      .def_readwrite("no_slip", &Settings::no_slip, "walls and obstacles hold the water that touches them")
+      .def_readwrite("output", &Settings::output, "files; none are written where its directory is empty")
+      .def_readwrite("colour", &Settings::colour, "what \"rgb\" of the frames shows, or None")
+      .def_readwrite("seed", &Settings::seed, "of the jitter of fountains and inlets");
   derived(settings, "slab_axis", &Settings::slab_axis, "0 x, 1 y; None: the longer one");
   derived(settings, "cfl", &Settings::cfl, "splits steps; 0: never; None: by method and gravity");
   closed(settings);
@@ -214,8 +182,7 @@ void bind_settings(py::module_& m) {
       .def_readonly("name", &Scene::name)
       .def_readonly("text", &Scene::text, "the file, with a line for each override")
       .def_readonly("end", &Scene::end, "s")
-      .def_property_readonly("steps", &Scene::steps, "from the start to the end")
-      .def_readonly("seed", &Scene::seed);
+      .def_property_readonly("steps", &Scene::steps, "from the start to the end");
 
   m.def(
       "_read_scene",

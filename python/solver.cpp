@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <numeric>
 
@@ -56,22 +57,41 @@ std::vector<PySolver*> alive;  // in the order in which they were made
 
 class PySolver {
  public:
-  PySolver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras,
+  /// `scene`: of the settings, or null.
+  PySolver(MPI_Comm comm, const Settings& settings, const Scene* scene, Particles particles, SolverExtras extras,
            std::optional<Schedule> rows)
       : settings_(settings), record_(std::make_shared<Record>()) {
     if (rows) extras.observers.push_back(make_recorder(comm, settings, *rows, record_));
     rank_ = rank_of(comm);
     size_ = size_of(comm);
     comm_ = comm;
-    solver_ = make_solver(comm, settings, std::move(particles), std::move(extras));
+    solver_ = scene != nullptr ? make_solver(comm, *scene, std::move(particles), std::move(extras))
+                               : make_solver(comm, settings, std::move(particles), std::move(extras));
+    has_files_ = !settings.output.directory.empty();
     solver_->start();
     alive.push_back(this);
   }
   PySolver(const PySolver&) = delete;
   PySolver& operator=(const PySolver&) = delete;
-  ~PySolver() { std::erase(alive, this); }
+  ~PySolver() {
+    std::erase(alive, this);
+    try {
+      close();
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "trevi: %s\n", error.what());
+    }
+  }
 
-  void close() { solver_.reset(); }
+  void step() {
+    is_fine_ = false;
+    get().step();
+    is_fine_ = true;
+  }
+  /// Files get their end, but for those of a run that failed.
+  void close() {
+    const std::unique_ptr<Solver> solver = std::move(solver_);
+    if (solver != nullptr && has_files_ && is_fine_) solver->finish();
+  }
   Solver& get() const {
     if (solver_ == nullptr) throw RunError("the solver is closed", Reach::all_ranks);
     return *solver_;
@@ -90,6 +110,7 @@ class PySolver {
   std::shared_ptr<Record> record_;
   int rank_, size_;
   MPI_Comm comm_;
+  bool has_files_ = false, is_fine_ = true;
   std::unique_ptr<Solver> solver_;
 };
 
@@ -123,10 +144,6 @@ std::unique_ptr<PySolver> make(const Settings& settings, const Scene* scene, con
   const MPI_Comm comm = comm_of(comm_object);
   SolverExtras extras;
   Particles particles;
-  if (scene != nullptr) {
-    extras.forcings = make_fountains(comm, *scene);
-    extras.flow = make_flow(comm, *scene);
-  }
   if (!positions.is_none()) {
     particles = particles_of(comm, positions.cast<Rows>(), velocities, ids);
   } else if (scene != nullptr) {
@@ -136,10 +153,9 @@ std::unique_ptr<PySolver> make(const Settings& settings, const Scene* scene, con
     const Real fastest = py::hasattr(one, "fastest") ? one.attr("fastest").cast<Real>() : 0;
     extras.forcings.push_back(make_forcing(py::reinterpret_borrow<py::function>(one), fastest));
   }
-  std::optional<Schedule> schedule;
-  if (scene != nullptr) schedule = scene->output.series;
+  std::optional<Schedule> schedule = settings.output.series;
   if (!rows.is_none()) schedule = Schedule{0, rows.cast<std::int64_t>()};
-  auto solver = std::make_unique<PySolver>(comm, settings, std::move(particles), std::move(extras), schedule);
+  auto solver = std::make_unique<PySolver>(comm, settings, scene, std::move(particles), std::move(extras), schedule);
   if (scene != nullptr) solver->end = scene->end;
   return solver;
 }
@@ -303,8 +319,7 @@ void bind_solver(py::module_& m) {
       .def_property_readonly("ids", [](const Water& w) { return view_of(w.particles->id, py::none(), false); });
 
   py::class_<PySolver>(m, "Solver", "A solver on the ranks of its communicator, which all make the same calls.")
-      .def(
-          "step", [](const PySolver& self) { self.get().step(); }, "One step of length dt. Collective.")
+      .def("step", &PySolver::step, "One step of length dt. Collective.")
       .def_property_readonly(
           "time", [](const PySolver& self) { return self.get().clock().time(); }, "s")
       .def_property_readonly(
@@ -344,7 +359,7 @@ void bind_solver(py::module_& m) {
       .def_readonly("_end", &PySolver::end)
       .def("_begin_change", &begin_change)
       .def("_end_change", &end_change)
-      .def("close", &PySolver::close, "Frees it; all ranks in the same order.");
+      .def("close", &PySolver::close, "Ends its files, and frees it; all ranks in the same order.");
 
   m.def(
       "_make_solver",

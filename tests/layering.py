@@ -17,11 +17,11 @@ from collections import namedtuple
 from pathlib import Path
 
 MODULES = ["base", "parallel", "particles", "domain", "kernels", "boundary", "fluid", "multigrid", "projection",
-           "solver", "music", "io", "live", "scene", "app", "view"]
+           "music", "io", "solver", "live", "scene", "app", "view"]
 PUBLIC = {  # header of the library: its module
     "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",
-    "settings": "particles", "obstacle": "particles", "forcing": "particles", "observer": "solver", "solver": "solver", "scene": "scene",
+    "settings": "particles", "obstacle": "particles", "forcing": "particles", "observer": "particles", "solver": "solver", "scene": "scene",
 }
 FOLDERS = {"jobs", "inputs", "postprocess", "python", "tests", "src", "include"}
 MAX_LINES = 400

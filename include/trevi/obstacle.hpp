@@ -60,7 +60,6 @@ struct ObstacleSettings {
   std::optional<Oscillation> oscillation;    ///< in place of velocities and knots
   std::optional<Real> restitution;           ///< that of the walls where there is none
   Real friction = 0;                         ///< Coulomb's coefficient in a bounce
-  int line = 0;                              ///< of the table in the scene file, for later messages
 
   bool moves() const { return !knots.empty() || oscillation || !velocity.isZero() || !angular_velocity.isZero(); }
   bool operator==(const ObstacleSettings&) const = default;

@@ -4,22 +4,19 @@
 // The same text gives the same Scene on all ranks.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "trevi/clock.hpp"
-#include "trevi/colour.hpp"
-#include "trevi/forcing.hpp"
 #include "trevi/particles.hpp"
 #include "trevi/session.hpp"
 #include "trevi/settings.hpp"
+#include "trevi/solver.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
-
-class InflowOutflow;
 
 struct ParticleSource {
   enum class Type { block, file } type = Type::block;
@@ -30,28 +27,18 @@ struct ParticleSource {
   std::string surface;  ///< block: an expression of x and y for the height of its surface, m
   Real vortex = 0;      ///< m/s, block: of the vortex that is added
   std::string path;     ///< file, resolved against the scene's folder
-  int line = 0;         ///< of the table in the scene file, for later messages
   bool operator==(const ParticleSource&) const = default;
 };
 
-struct FrameSettings {  ///< [output.vtu] and [output.vtkhdf]
-  Schedule schedule;
-  std::vector<std::string> fields = {"velocity", "density", "id"};
-  bool operator==(const FrameSettings&) const = default;
-};
+/// Where the tables of a scene are in its file. Of the reader, for messages about what is found later.
+class SceneLines {
+ public:
+  /// Where a table is says nothing of what it means.
+  bool operator==(const SceneLines&) const { return true; }
 
-struct CheckpointSettings {
-  Schedule schedule;  ///< may be never: then the start and the end only
-  int keep = 2;
-  bool operator==(const CheckpointSettings&) const = default;
-};
-
-struct OutputSettings {
-  std::string directory;  ///< relative to the working directory; default out/SCENE
-  std::optional<FrameSettings> vtu, vtkhdf;
-  std::optional<CheckpointSettings> checkpoint;
-  std::optional<Schedule> series;
-  bool operator==(const OutputSettings&) const = default;
+ private:
+  friend class SceneTable;
+  std::map<std::string, std::vector<int>> lines_;
 };
 
 /// Settings of the solver and all that a run needs besides.
@@ -61,17 +48,13 @@ struct Scene : Settings {
   std::int64_t overrides = 0;  ///< number of these lines
   std::vector<ParticleSource> particles;
   Real end = 0;  ///< s
-  std::vector<FountainSettings> fountains;
-  std::vector<InletSettings> inlets;
-  std::vector<DrainSettings> drains;
-  OutputSettings output;
-  std::optional<Colour> colour;
-  std::uint64_t seed = 1;
   std::optional<Real> wall_limit;  ///< s
   std::string instruction_set;     ///< one of instruction_set_names(); empty: the best
   std::optional<int> threads;      ///< of each rank
+  SceneLines lines;
 
-  std::int64_t steps() const;  ///< round(end/dt)
+  std::int64_t steps() const;     ///< round(end/dt)
+  std::string directory() const;  ///< of the program's files: output.directory, or out/NAME where that is empty
 
   bool operator==(const Scene&) const = default;
 };
@@ -89,12 +72,9 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
 /// particles than a rank can count.
 Particles initial_particles(MPI_Comm comm, const Scene& scene);
 
-/// The fountains with their music, in the order of the scene. Collective. InputError for music that cannot be used.
-std::vector<std::unique_ptr<Forcing>> make_fountains(MPI_Comm comm, const Scene& scene);
-
-/// The inlets and drains of the scene, null without any; for SolverExtras::flow. Collective. InputError for music that
-/// cannot be used.
-std::shared_ptr<InflowOutflow> make_flow(MPI_Comm comm, const Scene& scene);
+/// As make_solver() of trevi/solver.hpp, with the file and the line of what cannot be used in its InputErrors. A
+/// checkpoint of its output knows the scene, so that the program can go on from it.
+std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Scene& scene, Particles particles, SolverExtras extras = {});
 
 /// Keys a scene may use, with type and unit, one a line (for --help and the documentation test).
 std::string scene_reference();

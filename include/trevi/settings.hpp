@@ -1,6 +1,7 @@
 // What a solver is to do, in SI units and with the names of the scene file (inputs/README.md). Plain data: a program or
 // the scene reader fills it, resolved() sets the defaults that depend on other settings, and make_solver() builds from
-// it. Where a value stays std::nullopt the feature is absent, and nothing is built for it.
+// it, fountains, inlets, drains and the writers of files included. Where a value stays std::nullopt, or a list empty,
+// the feature is absent, and nothing is built for it.
 #pragma once
 
 #include <array>
@@ -12,6 +13,8 @@
 #include <vector>
 
 #include "trevi/box.hpp"
+#include "trevi/clock.hpp"
+#include "trevi/colour.hpp"
 #include "trevi/obstacle.hpp"
 #include "trevi/types.hpp"
 
@@ -95,8 +98,8 @@ struct TensileSettings {
 
 struct MusicSettings {
   std::string source;                        ///< a file, or "-" for raw PCM on standard input
-  MusicKind kind = MusicKind::score;         ///< by the ending of source
-  Follow follow = Follow::pitch;             ///< what of the sound sets the speed; scores have pitch only
+  Derived<MusicKind> kind{};                 ///< default: by the ending of source
+  Derived<Follow> follow{};                  ///< what sets the speed; default: loudness of a sound, pitch of a score
   int track = 0, channel = 0;                ///< of a MIDI file, from 1; 0: all (but channel 10, the drums)
   int rate = 44100;                          ///< of raw PCM, Hz
   std::pair<Real, Real> speed_range{5, 10};  ///< m/s, for the lowest and highest note, or silence and the loudest
@@ -106,11 +109,10 @@ struct MusicSettings {
 
 /// What drives a fountain or an inlet.
 struct PumpSettings {
-  Vec3 direction = Vec3::UnitZ();  ///< normalised
+  Vec3 direction = Vec3::UnitZ();  ///< of any length but zero
   Real speed = 10, jitter = 0;     ///< m/s; speed counts where there is no music
   Real start = 0, stop = 1e300;    ///< s
   std::optional<MusicSettings> music;
-  int line = 0;  ///< of the table in the scene file, for later messages
 
   /// The highest speed without jitter, m/s.
   Real top_speed() const { return music ? music->speed_range.second : speed; }
@@ -146,7 +148,7 @@ struct DrainSettings {
   DrainShape shape = DrainShape::box;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m, box
   Vec3 center = Vec3::Zero();                   ///< m; cylinder: of its base; plane: a point of it
-  Vec3 axis = Vec3::UnitZ();                    ///< normalised; plane: its normal, to the side that is drained
+  Vec3 axis = Vec3::UnitZ();                    ///< of any length; plane: its normal, to the side that is drained
   Real radius = 0, height = 0;                  ///< m, cylinder
 
   bool operator==(const DrainSettings&) const = default;
@@ -161,9 +163,33 @@ struct GaugeSettings {
       Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; velocity: there
   Vec3 normal = Vec3::UnitZ();  ///< pressure: out of the solid; normalised
   Real radius = 0;  ///< m, of the disc around the centre over which the mean is taken; velocity: of the ball
-  int line = 0;     ///< of the table in the scene file, for later messages
 
   bool operator==(const GaugeSettings&) const = default;
+};
+
+/// [output.vtu] and [output.vtkhdf]: frames for ParaView.
+struct FrameSettings {
+  Schedule schedule;
+  std::vector<std::string> fields = {"velocity", "density", "id"};
+
+  bool operator==(const FrameSettings&) const = default;
+};
+
+struct CheckpointSettings {
+  Schedule schedule;  ///< may be never: then the start and the end only
+  int keep = 2;
+
+  bool operator==(const CheckpointSettings&) const = default;
+};
+
+/// The files of a run (postprocess/README.md).
+struct OutputSettings {
+  std::string directory;  ///< relative to the working directory; empty: make_solver() writes no file
+  std::optional<FrameSettings> vtu, vtkhdf;
+  std::optional<CheckpointSettings> checkpoint;
+  std::optional<Schedule> series;  ///< of series.csv, obstacles.csv and gauges.csv
+
+  bool operator==(const OutputSettings&) const = default;
 };
 
 /// How planes are shared among ranks: by work, as evenly as whole planes allow, throughout the run; or the same number
@@ -183,6 +209,9 @@ struct Settings {
   DensitySettings density;
   WallSettings walls;
   std::vector<ObstacleSettings> obstacles;
+  std::vector<FountainSettings> fountains;
+  std::vector<InletSettings> inlets;
+  std::vector<DrainSettings> drains;
   std::vector<GaugeSettings> gauges;  ///< those of pressure need an obstacle
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
@@ -192,6 +221,9 @@ struct Settings {
   /// longer than longest_viscous_step(); where cfl is 0 the scene reader refuses them.
   std::optional<Real> kinematic_viscosity;
   bool no_slip = false;  ///< walls and obstacles hold the water that touches them; with a kinematic viscosity
+  OutputSettings output;
+  std::optional<Colour> colour;  ///< what "rgb" of the frames shows
+  std::uint64_t seed = 1;        ///< of the jitter of fountains and inlets
 
   bool operator==(const Settings&) const = default;
 };

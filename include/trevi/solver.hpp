@@ -74,27 +74,26 @@ class Solver {
   virtual const FlowState* flow() const = 0;
 };
 
-class InflowOutflow;
-
 /// What a solver may be given besides its settings.
 struct SolverExtras {
-  std::vector<std::unique_ptr<Forcing>> forcings;    ///< called after gravity and friction, in this order
-  std::vector<std::unique_ptr<Observer>> observers;  ///< called in this order
-  std::shared_ptr<InflowOutflow> flow;               ///< inlets and drains of a scene; null: none
+  std::vector<std::unique_ptr<Forcing>> forcings;    ///< called after gravity, friction and fountains, in this order
+  std::vector<std::unique_ptr<Observer>> observers;  ///< called in this order, after those that write files
   std::function<RequestCounts()> requests;           ///< of this rank, from outside; may be empty
   std::int64_t step = 0;                             ///< steps done before, for a restart
   int substeps = 1;                                  ///< of the last of them
   /// Of the solver before, for a restart; by default that of the particle with the least id. Of no effect where there
   /// are obstacles, inlets or drains: it is 0 there.
   std::optional<std::array<LocalId, 3>> first_cell{};
-  ForceSums force_sums{};    ///< of the solver before, for a restart, as the next
+  std::optional<FlowState> flow{};  ///< of the solver before, for a restart, as the next two
+  ForceSums force_sums{};
   Real supplied_energy = 0;  ///< J
 };
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be
 /// empty. It works on a duplicate of `comm`, so that its messages meet no others. Collective. Throws InputError on all
-/// ranks alike for settings that cannot be, a particle outside the box, more ranks than cell planes, or more particles
-/// than a rank can count.
+/// ranks alike for settings that cannot be, music that cannot be used, a particle outside the box, more ranks than cell
+/// planes, more particles than a rank can count, or a folder for the output that holds another run. Where
+/// settings.output.directory is given, files are written as output says: by start(), step(), save() and finish().
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles,
                                     SolverExtras extras = {});
 

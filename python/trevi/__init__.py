@@ -22,14 +22,18 @@ import time
 os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 
 from trevi._trevi import (  # noqa: E402
-    BlowUp, Box, Constraint, GaugeKind, GaugeSettings, InputError, Mass, Method, ObstacleSettings, Precision, RunError,
-    Scene, Settings, Shape, Solver, TensileSettings, TriangleMesh, VorticityForm, WallDensity, __version__, _make_solver,
-    _read_scene, rank, report_settings, size, threads, use_threads)
+    BlowUp, Box, CheckpointSettings, Colour, Constraint, DrainSettings, DrainShape, Follow, FountainSettings, FrameSettings,
+    GaugeKind, GaugeSettings, InletSettings, InletShape, InputError, Mass, Method, MusicKind, MusicSettings,
+    ObstacleSettings, Precision, RunError, Scene, Schedule, Settings, Shape, Solver, SpeedMapping, TensileSettings,
+    TriangleMesh, VorticityForm, WallDensity, __version__, _make_solver, _read_scene, rank, report_settings, size, threads,
+    use_threads)
 
-__all__ = ["BlowUp", "Box", "Constraint", "GaugeKind", "GaugeSettings", "InputError", "Mass", "Method",
-           "ObstacleSettings", "Precision", "RunError", "Scene", "Settings", "Shape", "Solver", "TensileSettings",
-           "TriangleMesh", "VorticityForm", "WallDensity", "__version__", "make_solver", "rank",
-           "read_scene", "report_settings", "size", "threads", "use_threads"]
+__all__ = ["BlowUp", "Box", "CheckpointSettings", "Colour", "Constraint", "DrainSettings", "DrainShape", "Follow",
+           "FountainSettings", "FrameSettings", "GaugeKind", "GaugeSettings", "InletSettings", "InletShape", "InputError",
+           "Mass", "Method", "MusicKind", "MusicSettings", "ObstacleSettings", "Precision", "RunError", "Scene",
+           "Schedule", "Settings", "Shape", "Solver", "SpeedMapping", "TensileSettings", "TriangleMesh", "VorticityForm",
+           "WallDensity", "__version__", "make_solver", "rank", "read_scene", "report_settings", "size", "threads",
+           "use_threads"]
 
 
 def _toml(value):
@@ -52,13 +56,14 @@ def read_scene(path, overrides=None, comm=None):
 
 
 def make_solver(settings, positions=None, velocities=None, ids=None, *, forcings=(), rows=None, comm=None):
-    """A solver for a Scene, or for Settings and particles of one's own, before its first step. Collective.
+    """A solver for a Scene, or for Settings and particles of one's own, before its first step. Collective. It writes the
+    files of settings.output where that has a directory; solver.close(), or the end of the script, ends them.
 
     positions, velocities: arrays (n, 3) of this rank, any part of the whole, in m and m/s; a Scene has its own where
     they are None. ids: unique over all ranks; None: consecutive. forcings: callables f(water, step), called once a
     substep on each rank to change water.velocities; one that may push faster than the water goes should have an
     attribute `fastest`, m/s, for the choice of substeps. rows: keeps a row of solver.series, forces and gauges every so
-    many steps; None: as [output.series] of the scene says. comm: of mpi4py; None: all ranks.
+    many steps; None: as settings.output.series says. comm: of mpi4py; None: all ranks.
     """
     return _make_solver(settings, positions, velocities, ids, list(forcings), rows, comm)
 

@@ -4,59 +4,20 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/preflight/envelope.hpp"
 #include "fluid/constraint/density.hpp"
-#include "io/frames/vtkhdf.hpp"
-#include "io/frames/vtu.hpp"
 #include "io/run_directory/output_directory.hpp"
-#include "io/tables/gauge_series.hpp"
-#include "io/tables/obstacle_series.hpp"
-#include "io/tables/series.hpp"
+#include "io/writers.hpp"
 #include "live/live_view.hpp"
-#include "music/music.hpp"
 #include "parallel/reductions.hpp"
 #include "scene/initial_particles.hpp"
-#include "scene/make_flow.hpp"
-#include "scene/obstacle_files.hpp"
-#include "scene/scene_changes.hpp"
+#include "scene/scene_flow.hpp"
 #include "solver/density_solver.hpp"
+#include "solver/make_solver.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
 
 namespace {
-
-ColourScale colour_scale(const Scene& scene, GlobalId particles) {
-  ColourScale scale;
-  if (scene.colour) scale.by = *scene.colour;
-  scale.bottom = scene.domain.min.z();
-  scale.top = scene.domain.max.z();
-  for (const FountainSettings& fountain : scene.fountains)
-    scale.speed_max = std::max(scale.speed_max, fountain.top_speed());
-  for (const InletSettings& inlet : scene.inlets) scale.speed_max = std::max(scale.speed_max, inlet.top_speed());
-  scale.total = particles;
-  return scale;
-}
-
-// A run that is asked to stop leaves a checkpoint, whether the scene has a table for them or not.
-CheckpointOptions checkpoint_options(const Scene& scene, const BuildOptions& build,
-                                     std::optional<std::int64_t> restart_step) {
-  CheckpointOptions options;
-  options.directory = build.directory;
-  options.info = build.info;
-  options.restart_step = restart_step;
-  options.when = scene.output.checkpoint ? CheckpointTimes::scheduled : CheckpointTimes::asked_for;
-  if (scene.output.checkpoint) {
-    options.schedule = scene.output.checkpoint->schedule;
-    options.keep = scene.output.checkpoint->keep;
-  }
-  return options;
-}
-
-std::shared_ptr<const ObstacleSurfaces> obstacle_surfaces(const Scene& scene) {
-  if (scene.obstacles.empty()) return nullptr;
-  return std::make_shared<const ObstacleSurfaces>(scene.obstacles, scene.fluid.spacing / 50);
-}
 
 // The viewer's own colours are the scene's, or else go by the places in the start lattice.
 std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
@@ -83,30 +44,9 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   std::vector<std::unique_ptr<Observer>> observers;
   std::optional<std::int64_t> restart_step;
   if (options.restart) restart_step = options.restart->step;
-  const OutputSettings& output = scene.output;
-  const auto surfaces = obstacle_surfaces(scene);
   if (!options.directory.empty()) make_output_directory(comm, options.directory);
   if (options.lock != nullptr) options.lock->take();
-  if (output.series) {
-    const int fountains = static_cast<int>(scene.fountains.size() + scene.inlets.size());
-    const bool flow = !scene.inlets.empty() || !scene.drains.empty();
-    observers.push_back(
-        std::make_unique<SeriesWriter>(comm, SeriesOptions{options.directory, *output.series, fountains, restart_step,
-                                                           options.energy, flow, is_supplied(scene)}));
-  }
-  const TableOptions table{options.directory, output.series.value_or(Schedule{}), restart_step};
-  if (output.series && !scene.obstacles.empty())
-    observers.push_back(std::make_unique<ObstacleSeries>(comm, table, scene.obstacles.size()));
-  if (output.series && !scene.gauges.empty()) observers.push_back(std::make_unique<GaugeSeries>(comm, table, scene));
-  if (output.vtu) {
-    observers.push_back(make_vtu_writer(comm, {options.directory, output.vtu->schedule, output.vtu->fields,
-                                               colour_scale(scene, particles), restart_step, surfaces}));
-  }
-  if (output.vtkhdf) {
-    observers.push_back(make_vtkhdf_writer(comm, {options.directory, output.vtkhdf->schedule, output.vtkhdf->fields,
-                                                  colour_scale(scene, particles), restart_step, surfaces}));
-  }
-  observers.push_back(std::make_unique<CheckpointWriter>(comm, checkpoint_options(scene, options, restart_step)));
+  observers = make_writers(comm, scene, {options.directory, particles, restart_step, options.info, options.energy});
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
@@ -116,15 +56,6 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
 }
 
 }  // namespace
-
-CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
-  return {scene.text,
-          TREVI_VERSION,
-          static_cast<std::int64_t>(scene.seed),
-          scene.overrides,
-          music_checksums(comm, scene),
-          obstacle_checksums(scene)};
-}
 
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   if (!scene.output.series) return nullptr;
@@ -143,9 +74,8 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
   Particles particles = options.restart ? restored_particles(comm, scene, std::move(options.restart->rows))
                                         : initial_particles(comm, scene);
   SolverExtras extras;
-  std::optional<FlowState> flow;
   if (options.restart) {
-    flow = options.restart->flow;
+    extras.flow = options.restart->flow;
     extras.step = options.restart->step;
     extras.substeps = options.restart->substeps;
     extras.first_cell = options.restart->first_cell;
@@ -153,11 +83,11 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     extras.supplied_energy = options.restart->supplied_energy;
   }
   extras.requests = options.requests;
-  std::shared_ptr<LiveSound> live;
-  extras.forcings = make_fountains(comm, scene, live);
-  extras.flow = make_flow(comm, scene, std::move(flow), live);
+  FlowParts flow = make_scene_flow(comm, scene, std::move(extras.flow));
   extras.observers = build_observers(comm, scene, options, sum_over_ranks(comm, particles.size()));
-  return make_solver(comm, scene, std::move(particles), std::move(extras));
+  Settings settings = scene;
+  settings.output.directory.clear();  // they have been built, and know of restarts
+  return make_solver_with(comm, settings, std::move(particles), std::move(extras), std::move(flow), options.info);
 }
 
 }  // namespace trevi

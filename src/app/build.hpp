@@ -12,6 +12,7 @@
 #include "io/run_directory/output_lock.hpp"
 #include "io/tables/energy_rise.hpp"
 #include "live/viewer_link.hpp"
+#include "scene/scene_changes.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/session.hpp"
 #include "trevi/solver.hpp"
@@ -30,9 +31,6 @@ struct BuildOptions {
   std::shared_ptr<EnergyRise> energy;       ///< what the series tells of it
   CheckpointInfo info;                      ///< for checkpoints; of no use without a directory
 };
-
-/// What a checkpoint tells of the run. To be called once, at its start: the files that it looks into may be gone later.
-CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene);
 
 /// For the series of a scene without fountains, inlets, drains and obstacles that move; null for others.
 std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene);

@@ -195,7 +195,7 @@ void announce(const Session& session, const RunContext& context, const Solver& s
 ExitCode run_scene(const Session& session, const Scene& scene, const Launch& launch, const CommandLine& line,
                    const std::string& command) {
   BuildOptions options;
-  options.directory = line.output.empty() ? scene.output.directory : line.output;
+  options.directory = line.output.empty() ? scene.directory() : line.output;
   options.progress = line.progress;
   options.last_step = line.steps.value_or(scene.steps());
   OutputLock lock(session.comm(), options.directory);
@@ -253,7 +253,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
   const Launch launch = use_threads(session, line.threads, scene);
   if (line.dry_run) {
     if (!line.picture.empty()) write_scene_picture(session, scene, line.picture);
-    print_dry_run(session, scene, launch, line.output.empty() ? scene.output.directory : line.output);
+    print_dry_run(session, scene, launch, line.output.empty() ? scene.directory() : line.output);
     flush_output(session.comm());
     return ExitCode::done;
   }

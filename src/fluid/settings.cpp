@@ -1,6 +1,9 @@
 #include "trevi/settings.hpp"
 
+#include <algorithm>
+
 #include "fluid/constraint/density.hpp"
+#include "fluid/forcings/music_kind.hpp"
 #include "kernels/kernels.hpp"
 
 namespace trevi {
@@ -57,6 +60,11 @@ Settings resolved(Settings settings) {
   const bool default_method = settings.density.method == DensitySettings{}.method;
   settings.density.coarse_grid.set_default(default_method);
   settings.density.max_shift.set_default(default_method ? 0.1 : 0);
+  const auto resolve_music = [](PumpSettings& pump) {
+    if (pump.music) resolve(*pump.music);
+  };
+  std::for_each(settings.fountains.begin(), settings.fountains.end(), resolve_music);
+  std::for_each(settings.inlets.begin(), settings.inlets.end(), resolve_music);
   if (!settings.density.relaxation.given()) settings.density.relaxation = stable_relaxation(settings);
   return settings;
 }

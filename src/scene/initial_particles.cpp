@@ -17,6 +17,7 @@
 #include "scene/lattice.hpp"
 #include "scene/scene_place.hpp"
 #include "solver/first_slabs.hpp"
+#include "solver/hue.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 
@@ -108,10 +109,11 @@ GlobalId append_file(MPI_Comm comm, const Scene& scene, const ParticleSource& so
 FileParticles read_files(MPI_Comm comm, const Scene& scene, const FreePlaces& places) {
   FileParticles result;
   GlobalId next_id = 0;
-  for (const ParticleSource& source : scene.particles) {
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    const ParticleSource& source = scene.particles[k];
     result.first_id.push_back(next_id);
     next_id += source.type == ParticleSource::Type::block ? Lattice(source, scene.fluid.spacing).size()
-                                                          : told_at(scene, source.line, "[[particles]] path", [&] {
+                                                          : told_at(scene, {"particles", k}, "path", [&] {
                                                               return append_file(comm, scene, source, places, result);
                                                             });
     if (next_id > end_of_ids) {
@@ -130,7 +132,7 @@ void for_each_block(const Scene& scene, const FreePlaces& places, const std::vec
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     const ParticleSource& source = scene.particles[k];
     if (source.type != ParticleSource::Type::block) continue;
-    told_at(scene, source.line, "[[particles]]", [&] {
+    told_at(scene, {"particles", k}, "", [&] {
       const BlockStart start(source, places);
       visit(Block{start, Lattice(source, scene.fluid.spacing), first_id[k]});
     });
@@ -166,22 +168,6 @@ std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGr
     throw InputError(scene.path +
                      ": [[particles]]: no particle is left outside of the obstacles and below the surface; move them");
   return weights;
-}
-
-// Sets the hue: x at the start, as a fraction of the extent of all particles in x.
-void add_hue(MPI_Comm comm, Particles& particles) {
-  Real low = 1e300, high = -1e300;
-  for (const Vec3& p : particles.position) {
-    low = std::min(low, p.x());
-    high = std::max(high, p.x());
-  }
-  low = min_over_ranks(comm, low);
-  high = max_over_ranks(comm, high);
-  particles.has_hue = true;
-  particles.hue.reserve(particles.position.size());
-  for (const Vec3& p : particles.position) {
-    particles.hue.push_back(high > low ? static_cast<float>((p.x() - low) / (high - low)) : 0.0F);
-  }
 }
 
 }  // namespace

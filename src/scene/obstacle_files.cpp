@@ -100,13 +100,15 @@ void check_size(const Scene& scene, const ObstacleSettings& obstacle) {
 }
 
 void check_twins(const Scene& scene) {
-  for (auto one = scene.obstacles.begin(); one != scene.obstacles.end(); ++one) {
-    const auto twin =
-        std::find_if(scene.obstacles.begin(), one, [&](const auto& other) { return is_same_solid(*one, other); });
+  const auto begin = scene.obstacles.begin();
+  for (auto one = begin; one != scene.obstacles.end(); ++one) {
+    const auto twin = std::find_if(begin, one, [&](const auto& other) { return is_same_solid(*one, other); });
     if (twin == one) continue;
-    told_at(scene, one->line, "[[obstacle]]", [&] {
-      throw InputError(
-          fmt::format("is the same as that of line {}, and would count twice; remove one of them", twin->line));
+    const SceneTable table("obstacle", static_cast<std::size_t>(one - begin));
+    const SceneTable other("obstacle", static_cast<std::size_t>(twin - begin));
+    told_at(scene, table, "", [&] {
+      throw InputError(fmt::format("is the same as that of line {}, and would count twice; remove one of them",
+                                   other.line_in(scene)));
     });
   }
 }
@@ -114,15 +116,14 @@ void check_twins(const Scene& scene) {
 }  // namespace
 
 void read_obstacle_files(MPI_Comm comm, Scene& scene) {
-  for (ObstacleSettings& obstacle : scene.obstacles) {
-    if (obstacle.shape == ShapeKind::mesh) {
-      obstacle.mesh = told_at(scene, obstacle.line, "[[obstacle]] path", [&] { return read_mesh(comm, obstacle); });
-    }
-    if (!obstacle.motion.empty()) {
-      obstacle.knots =
-          told_at(scene, obstacle.line, "[[obstacle]] motion", [&] { return read_knots(comm, obstacle.motion); });
-    }
-    told_at(scene, obstacle.line, "[[obstacle]]", [&] { check_size(scene, obstacle); });
+  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+    ObstacleSettings& obstacle = scene.obstacles[k];
+    const SceneTable table("obstacle", k);
+    if (obstacle.shape == ShapeKind::mesh)
+      obstacle.mesh = told_at(scene, table, "path", [&] { return read_mesh(comm, obstacle); });
+    if (!obstacle.motion.empty())
+      obstacle.knots = told_at(scene, table, "motion", [&] { return read_knots(comm, obstacle.motion); });
+    told_at(scene, table, "", [&] { check_size(scene, obstacle); });
   }
   check_twins(scene);
 }

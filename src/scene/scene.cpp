@@ -152,7 +152,6 @@ std::optional<FrameSettings> read_frames(Section frames, bool has_colour) {
 
 void read_output(Section output, Scene& scene, bool has_colour) {
   OutputSettings& settings = scene.output;
-  settings.directory = "out/" + scene.name;
   output.text({"directory", "the folder for all outputs, relative to the working directory"}, settings.directory);
   settings.vtu = read_frames(output.child("vtu"), has_colour);
   settings.vtkhdf = read_frames(output.child("vtkhdf"), has_colour);
@@ -190,6 +189,8 @@ void read_tables(const toml::table& document, Findings& findings, Scene& scene) 
 }
 
 }  // namespace
+
+std::string Scene::directory() const { return output.directory.empty() ? "out/" + name : output.directory; }
 
 std::int64_t Scene::steps() const { return dt > 0 ? std::llround(end / dt) : 0; }
 

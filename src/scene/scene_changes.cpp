@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "base/hash.hpp"
+#include "base/version.hpp"
+#include "scene/obstacle_files.hpp"
 #include "scene/scene_overrides.hpp"
 #include "scene/scene_place.hpp"
 #include "trevi/error.hpp"
@@ -194,14 +196,23 @@ class Comparison {
 
 std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene) {
   std::vector<std::int64_t> sums;
-  const auto add = [&](const PumpSettings& pump, const char* key) {
+  const auto add = [&](const PumpSettings& pump, const SceneTable& table) {
     const bool has_file = pump.music && pump.music->source != "-";
     const auto read = [&] { return checksum(read_file_everywhere(comm, pump.music->source)); };
-    sums.push_back(has_file ? told_at(scene, pump.line, key, read) : 0);
+    sums.push_back(has_file ? told_at(scene, table, "music", read) : 0);
   };
-  for (const FountainSettings& fountain : scene.fountains) add(fountain, "[[fountain]] music");
-  for (const InletSettings& inlet : scene.inlets) add(inlet, "[[inlet]] music");
+  for (std::size_t k = 0; k < scene.fountains.size(); ++k) add(scene.fountains[k], {"fountain", k});
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) add(scene.inlets[k], {"inlet", k});
   return sums;
+}
+
+CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene) {
+  return {scene.text,
+          trevi_version(),
+          static_cast<std::int64_t>(scene.seed),
+          scene.overrides,
+          music_checksums(comm, scene),
+          obstacle_checksums(scene)};
 }
 
 std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::string& checkpoint_path,

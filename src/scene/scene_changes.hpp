@@ -5,7 +5,7 @@
 // rest_density, mass, and with mass = "volume" kernel_radius.
 // The texts are compared as parsed documents, so comments, order and the way a number is written do not count.
 // A file of music, of a mesh or of a motion that holds something else under its old name has changed, too.
-// Not collective, but for music_checksums; the same texts give the same answer on all ranks.
+// Not collective, but for music_checksums and checkpoint_info; the same texts give the same answer on all ranks.
 #pragma once
 
 #include <string>
@@ -24,5 +24,9 @@ std::vector<std::string> scene_changes(const CheckpointInfo& info, const std::st
 /// Checksums of the music file of each fountain and each inlet; 0 for one without. Collective; InputError when a file
 /// cannot be read.
 std::vector<std::int64_t> music_checksums(MPI_Comm comm, const Scene& scene);
+
+/// What a checkpoint tells of the run. To be called once, at its start: the files that it looks into may be gone later.
+/// Collective; InputError as music_checksums().
+CheckpointInfo checkpoint_info(MPI_Comm comm, const Scene& scene);
 
 }  // namespace trevi

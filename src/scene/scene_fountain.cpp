@@ -3,46 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 
+#include "fluid/forcings/music_kind.hpp"
+#include "scene/scene_place.hpp"
+
 namespace trevi {
 namespace {
-
-struct Ending {
-  const char* text;
-  MusicKind kind;
-};
-
-constexpr Ending endings[] = {{".txt", MusicKind::score}, {".mid", MusicKind::midi},   {".midi", MusicKind::midi},
-                              {".wav", MusicKind::sound}, {".flac", MusicKind::sound}, {".ogg", MusicKind::sound},
-                              {".mp3", MusicKind::sound}, {".aif", MusicKind::sound},  {".aiff", MusicKind::sound},
-                              {".au", MusicKind::sound},  {".snd", MusicKind::sound}};
-
-/// Nothing when the ending is unknown.
-std::optional<MusicKind> kind_of(std::string source) {
-  if (source == "-") return MusicKind::live;
-  std::transform(source.begin(), source.end(), source.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const Ending& ending : endings) {
-    if (source.ends_with(ending.text)) return ending.kind;
-  }
-  return std::nullopt;
-}
-
-std::string list_of_endings() {
-  std::string text;
-  for (const Ending& ending : endings) text.append(text.empty() ? "" : " ").append(ending.text);
-  return text;
-}
 
 /// m/s; far above any real jet.
 constexpr Real highest_speed = 1e4;
 
 void check_music(Section& section, const Scene& scene, const MusicSettings& music) {
   if (!section.fine("music")) return;
-  const bool known = kind_of(music.source).has_value();
-  if (!section.check("music", known, "unknown kind of music; give a file ending in " + list_of_endings())) return;
+  const bool known = kind_of_music(music.source).has_value();
+  if (!section.check("music", known, "unknown kind of music; give a file ending in " + endings_of_music())) return;
   const MusicKind kind = music.kind;
   const auto only_for = [&](const char* key, bool right, const std::string& words) {
     section.check(key, right || !section.given(key), "is for " + words + "; leave it out");
@@ -85,10 +61,12 @@ void read_music(Section& section, const Scene& scene, PumpSettings& fountain) {
                                 "what grows evenly with the note or the loudness: linear is the speed, energy "
                                 "its square and with it the height of the jet"},
                                music.mapping, {{"linear", SpeedMapping::linear}, {"energy", SpeedMapping::energy}});
-  music.kind = kind_of(music.source).value_or(MusicKind::score);
-  if (music.kind == MusicKind::sound || music.kind == MusicKind::live) music.follow = Follow::loudness;
-  section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
-                         music.follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}});
+  music.kind = kind_of_music(music.source).value_or(MusicKind::score);
+  resolve(music);
+  Follow follow = music.follow;
+  if (section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
+                             follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}}))
+    music.follow = follow;
   section.integer({"track", "the track of a MIDI file, from 1; default all"}, music.track, 1);
   section.integer({"channel", "the channel of a MIDI file, 1 to 16; default all but 10, the drums"}, music.channel, 1);
   section.integer({"rate", "the rate of raw PCM on standard input in Hz (16 bits, little-endian, mono)"}, music.rate,
@@ -126,7 +104,6 @@ std::string beside_scene(const std::string& scene_path, const std::string& path)
 
 void read_fountain(Section& section, Scene& scene, bool box_known) {
   FountainSettings fountain;
-  fountain.line = section.line();
   section.numbers({"center", "the middle [x, y] of the fountain on the floor in metres", true}, fountain.center);
   if (box_known && section.fine("center")) {
     const Eigen::Map<const Eigen::Vector2d> center(fountain.center);
@@ -141,6 +118,7 @@ void read_fountain(Section& section, Scene& scene, bool box_known) {
   read_times(section, fountain);
   section.reject_unknown();
   scene.fountains.push_back(fountain);
+  SceneTable::add(scene, "fountain", section.line());
 }
 
 }  // namespace trevi

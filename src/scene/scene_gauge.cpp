@@ -16,7 +16,6 @@ bool is_pressure(const GaugeSettings& gauge) { return gauge.kind == GaugeKind::p
 
 void read_gauge(Section& section, Scene& scene, bool box_known) {
   GaugeSettings gauge;
-  gauge.line = section.line();
   section.choice<GaugeKind>({"type", "what it measures", true}, gauge.kind,
                             {{"height", GaugeKind::height},
                              {"pressure", GaugeKind::pressure},
@@ -43,6 +42,7 @@ void read_gauge(Section& section, Scene& scene, bool box_known) {
                       gauge.normal);
   section.reject_unknown();
   scene.gauges.push_back(gauge);
+  SceneTable::add(scene, "gauge", section.line());
 }
 
 void check_gauges(Section& root, const Scene& scene) {
@@ -54,12 +54,13 @@ void check_gauges(Section& root, const Scene& scene) {
 }
 
 void check_gauge_places(const Scene& scene, const FreePlaces& places) {
-  for (const GaugeSettings& gauge : scene.gauges) {
+  for (std::size_t k = 0; k < scene.gauges.size(); ++k) {
+    const GaugeSettings& gauge = scene.gauges[k];
     if (!is_pressure(gauge)) continue;
     const Real fraction = open_fraction_of_gauge(gauge, scene.fluid.spacing, scene.domain,
                                                  [&](const Vec3& p) { return places.solid_at(p) >= 0; });
     if (fraction >= 0.2) continue;  // in a corner of the box it is a quarter
-    told_at(scene, gauge.line, "[[gauge]] center", [&] {
+    told_at(scene, {"gauge", k}, "center", [&] {
       throw InputError(
           fmt::format("({}, {}, {}) is not on a wall or an obstacle with this normal: {:.0f} % of the disc "
                       "has solid behind it and room before it; move it there",

@@ -35,14 +35,14 @@ void read_opening(Section& section, InletSettings& inlet) {
                 "must be positive; give the edges [a, b] of the rectangle in metres");
 }
 
-// The flow counts the volume spacing³ of each particle. `lattice`: none where the opening is not known.
+// `lattice`: none where the opening is not known.
 void read_flow_rate(Section& section, InletSettings& inlet, const std::optional<InletLattice>& lattice, Real spacing) {
   Real flow = 0;
   if (!section.number({"flow", "the water that enters in m³/s, in place of speed"}, flow, at_least(0))) return;
   inlet.flow = flow;
   section.check("flow", !section.given("speed"), "speed is given, too; keep one of them");
   if (!lattice) return;
-  inlet.speed = flow / (static_cast<Real>(lattice->open_places()) * spacing * spacing);
+  inlet.speed = speed_of_flow(flow, *lattice, spacing);
   section.check("flow", inlet.speed <= 1e4,
                 fmt::format("is {:.3g} m/s through this opening; lower it, or widen the opening", inlet.speed));
 }
@@ -101,7 +101,6 @@ void read_round_or_plane(Section& section, DrainSettings& drain) {
 
 void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   InletSettings inlet;
-  inlet.line = section.line();
   inlet.speed = 0;
   read_opening(section, inlet);
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
@@ -115,6 +114,7 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   if (lattice && known.box && section.fine("center") && section.fine("direction")) check_place(section, scene, inlet);
   section.reject_unknown();
   scene.inlets.push_back(inlet);
+  SceneTable::add(scene, "inlet", section.line());
 }
 
 void read_drain(Section& section, Scene& scene) {
@@ -138,13 +138,13 @@ void check_flow(Section& root, const Scene& scene) {
 
 void check_openings(const Scene& scene, const FreePlaces& places) {
   if (places.all()) return;
-  for (const InletSettings& inlet : scene.inlets) {
-    const InletLattice lattice(inlet, scene.fluid.spacing);
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
+    const InletLattice lattice(scene.inlets[k], scene.fluid.spacing);
     for (GlobalId place = 0; place < lattice.places(); ++place) {
       const Vec3 p = lattice.position(place, 0);
       const int solid = lattice.is_open(place) ? places.solid_at(p) : -1;
       if (solid < 0) continue;
-      told_at(scene, inlet.line, "[[inlet]] center", [&] {
+      told_at(scene, {"inlet", k}, "center", [&] {
         throw InputError(
             fmt::format("the opening is in obstacle {} at ({:.6g}, {:.6g}, {:.6g}); move it out of the obstacle, or "
                         "make it smaller",

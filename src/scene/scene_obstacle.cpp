@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "scene/scene_place.hpp"
+
 #include "scene/scene_fountain.hpp"
 
 namespace trevi {
@@ -142,7 +144,6 @@ void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacl
 
 void read_obstacle(Section& section, Scene& scene) {
   ObstacleSettings obstacle;
-  obstacle.line = section.line();
   using enum ShapeKind;
   section.choice<ShapeKind>({"type", "the shape", true}, obstacle.shape,
                             {{"sphere", sphere},
@@ -163,6 +164,7 @@ void read_obstacle(Section& section, Scene& scene) {
   section.number({"friction", "Coulomb's coefficient of friction in a bounce"}, obstacle.friction, at_least(0));
   section.reject_unknown();
   scene.obstacles.push_back(obstacle);
+  SceneTable::add(scene, "obstacle", section.line());
 }
 
 }  // namespace trevi

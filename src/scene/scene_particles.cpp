@@ -4,6 +4,7 @@
 
 #include "scene/formula.hpp"
 #include "scene/scene_fountain.hpp"
+#include "scene/scene_place.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -63,7 +64,6 @@ void read_block(Section& section, const Scene& scene, const KnownGood& known, Pa
 
 void read_particle_source(Section& section, Scene& scene, const KnownGood& known) {
   ParticleSource source;
-  source.line = section.line();
   section.choice<ParticleSource::Type>({"type", "where the particles come from; default block"}, source.type,
                                        {{"block", ParticleSource::Type::block}, {"file", ParticleSource::Type::file}});
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
@@ -75,6 +75,7 @@ void read_particle_source(Section& section, Scene& scene, const KnownGood& known
   }
   section.reject_unknown();
   scene.particles.push_back(source);
+  SceneTable::add(scene, "particles", section.line());
 }
 
 }  // namespace trevi

@@ -60,11 +60,11 @@ void check_periodic(Section& domain, const Scene& scene) {
 }
 
 void check_no_images(const Scene& scene) {
-  for (const InletSettings& inlet : scene.inlets)
-    told_at(scene, inlet.line, "[[inlet]] center", [&] { check_inlet(scene, inlet); });
-  for (const ObstacleSettings& obstacle : scene.obstacles) {
-    if (const std::string wrong = why_not_periodic(obstacle, scene); !wrong.empty())
-      told_at(scene, obstacle.line, "[[obstacle]]", [&] { throw InputError(wrong); });
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k)
+    told_at(scene, {"inlet", k}, "center", [&] { check_inlet(scene, scene.inlets[k]); });
+  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+    if (const std::string wrong = why_not_periodic(scene.obstacles[k], scene); !wrong.empty())
+      told_at(scene, {"obstacle", k}, "", [&] { throw InputError(wrong); });
   }
 }
 

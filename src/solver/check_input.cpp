@@ -10,6 +10,8 @@
 #include "boundary/periodic_domain.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "parallel/collective.hpp"
+#include "solver/check_flow.hpp"
+#include "solver/demand.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -17,14 +19,6 @@ namespace trevi {
 namespace {
 
 constexpr Real rounding = 1e-9;
-
-void demand(bool holds, const std::string& rule) {
-  if (!holds) throw InputError("settings of the solver: " + rule);
-}
-
-// All comparisons are written so that a NaN fails.
-bool is_positive(Real x) { return x > 0 && std::isfinite(x); }
-bool is_amount(Real x) { return x >= 0 && std::isfinite(x); }
 
 void check_periodic(const Settings& all) {
   const Vec3 extent = all.domain.max - all.domain.min, gravity = all.gravity.value_or(Vec3::Zero());
@@ -195,7 +189,6 @@ bool is_same_solid(const ObstacleSettings& one, const ObstacleSettings& other) {
   if (other.center != one.center || other.shape != one.shape || other.path != one.path) return false;
   const bool same_mesh = one.mesh == other.mesh || (one.mesh && other.mesh && *one.mesh == *other.mesh);
   ObstacleSettings same = other;
-  same.line = one.line;
   same.mesh = one.mesh;
   return same_mesh && same == one;
 }
@@ -227,6 +220,9 @@ Settings checked_and_resolved(const Settings& settings) {
   check_periodic(all);
   check_gauges(all);
   check_viscosity(all);
+  check_flow(all);
+  check_output(all);
+  resolve_flow(all);
   all.domain = PeriodicDomain::fitted(all.domain, all.periodic, h);
   return all;
 }

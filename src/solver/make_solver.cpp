@@ -1,10 +1,13 @@
 // From settings to a solver: the one place where the features of a step are chosen. A feature that the settings leave
 // out is not built: it has no forcing, no filter, no array and no event.
+#include "solver/make_solver.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "base/version.hpp"
 #include "boundary/geometry/periods.hpp"
 #include "domain/migrate.hpp"
 #include "fluid/filters/momentum_conserving.hpp"
@@ -13,12 +16,14 @@
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/forcings/floor_friction.hpp"
 #include "fluid/forcings/gravity.hpp"
+#include "io/writers.hpp"
 #include "kernels/kernels.hpp"
 #include "parallel/collective.hpp"
 #include "parallel/reductions.hpp"
 #include "solver/check_input.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
+#include "solver/hue.hpp"
 #include "solver/pbf_solver.hpp"
 #include "trevi/error.hpp"
 
@@ -98,14 +103,37 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
                                    water_mass(settings.fluid)});
 }
 
+// What a solver is made of, apart from the settings, which have been checked.
+struct Given {
+  Particles particles;
+  SolverExtras extras;
+  FlowParts flow;
+  CheckpointInfo info;
+};
+
+// The files that the settings ask for, before the observers of the caller.
+std::vector<std::unique_ptr<Observer>> make_observers(MPI_Comm comm, const Settings& settings, const Given& given) {
+  if (settings.output.directory.empty()) return {};
+  WriterOptions options{settings.output.directory, sum_over_ranks(comm, given.particles.size()), {}, given.info};
+  if (given.extras.step > 0) options.restart_step = given.extras.step;
+  return make_writers_and_folder(comm, settings, options);
+}
+
+bool wants_hue(const Settings& settings) {
+  return settings.colour == Colour::rainbow_x && !settings.output.directory.empty();
+}
+
 template <class T>
-std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
+std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given given) {
+  SolverExtras& extras = given.extras;
+  check_particles(comm, settings, given.particles);
   SolverParts<T> parts;
+  parts.observers = make_observers(comm, settings, given);
   parts.comm = std::make_unique<OwnCommunicator>(comm);
-  parts.particles = std::move(particles);
+  parts.particles = std::move(given.particles);
   parts.particles.has_hue = max_over_ranks(comm, parts.particles.has_hue ? 1.0 : 0.0) > 0;
-  check_particles(*parts.comm, settings, parts.particles);
-  if (settings.obstacles.empty() && !extras.flow)  // which stand where they are in the box
+  if (wants_hue(settings) && !parts.particles.has_hue) add_hue(comm, parts.particles);
+  if (settings.obstacles.empty() && !given.flow.inlets_and_drains)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
   parts.box = PeriodicDomain::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
   if (!settings.domain.contains(parts.box.min) || (parts.box.min.array() >= settings.domain.max.array()).any())
@@ -124,28 +152,50 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Particles 
   parts.water_mass = water_mass(settings.fluid);
   parts.gravity = settings.gravity.value_or(Vec3::Zero());
   parts.requests = std::move(extras.requests);
-  parts.observers = std::move(extras.observers);
-  parts.flow = std::move(extras.flow);
+  std::move(extras.observers.begin(), extras.observers.end(), std::back_inserter(parts.observers));
+  parts.flow = std::move(given.flow.inlets_and_drains);
   make_fluid(settings, parts);
+  std::vector<std::unique_ptr<Forcing>> more = std::move(given.flow.fountains);
+  std::move(extras.forcings.begin(), extras.forcings.end(), std::back_inserter(more));
   if (parts.flow) {
     parts.flow->begin(*parts.comm, *parts.boundary, parts.particles);
-    for (auto& nozzle : parts.flow->forcings()) extras.forcings.push_back(std::move(nozzle));
+    for (auto& nozzle : parts.flow->forcings()) more.push_back(std::move(nozzle));
   }
-  const std::size_t own = extras.forcings.size();
-  parts.forcings = make_forcings(settings, std::move(extras.forcings));
+  const std::size_t own = more.size();
+  parts.forcings = make_forcings(settings, std::move(more));
   parts.first_own_forcing = parts.forcings.size() - own;
   return std::make_unique<PbfSolver<T>>(std::move(parts));
+}
+
+Settings checked(MPI_Comm comm, const Settings& settings, const SolverExtras& extras) {
+  Settings all;
+  all_or_none(comm, [&] { all = checked_and_resolved(settings); });  // perhaps wrong on one rank alone
+  check_extras(comm, extras);
+  return all;
+}
+
+std::unique_ptr<Solver> make_checked(MPI_Comm comm, const Settings& all, Given given) {
+  if (all.density.precision == Precision::single) return make<float>(comm, all, std::move(given));
+  return make<double>(comm, all, std::move(given));
 }
 
 }  // namespace
 
 std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Settings& settings, Particles particles, SolverExtras extras) {
-  Settings all;
-  all_or_none(comm, [&] { all = checked_and_resolved(settings); });  // perhaps wrong on one rank alone
-  check_extras(comm, extras);
-  if (all.density.precision == Precision::single)
-    return make<float>(comm, all, std::move(particles), std::move(extras));
-  return make<double>(comm, all, std::move(particles), std::move(extras));
+  const Settings all = checked(comm, settings, extras);
+  Settings of_flow = all;
+  of_flow.domain = settings.domain;  // as the program has it, not fitted to its cells
+  FlowParts flow = make_flow(comm, of_flow, std::move(extras.flow));
+  CheckpointInfo info;
+  info.program_version = trevi_version();
+  info.seed = static_cast<std::int64_t>(all.seed);
+  return make_checked(comm, all, {std::move(particles), std::move(extras), std::move(flow), info});
+}
+
+std::unique_ptr<Solver> make_solver_with(MPI_Comm comm, const Settings& settings, Particles particles,
+                                         SolverExtras extras, FlowParts flow, const CheckpointInfo& info) {
+  const Settings all = checked(comm, settings, extras);
+  return make_checked(comm, all, {std::move(particles), std::move(extras), std::move(flow), info});
 }
 
 }  // namespace trevi

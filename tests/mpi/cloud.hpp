@@ -118,7 +118,6 @@ inline std::unique_ptr<Solver> solver_of(MPI_Comm comm, const Scene& scene, cons
   particles.id = std::move(mine.id);
   particles.position = std::move(mine.position);
   particles.velocity = std::move(mine.velocity);
-  extras.forcings = make_fountains(comm, scene);
   return make_solver(comm, scene, std::move(particles), std::move(extras));
 }
 

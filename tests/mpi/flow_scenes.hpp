@@ -73,8 +73,6 @@ every_steps = 1
 inline std::unique_ptr<Solver> solver_of(MPI_Comm comm, const Scene& scene,
                                          std::vector<std::unique_ptr<Observer>> see = {}) {
   SolverExtras extras;
-  extras.forcings = make_fountains(comm, scene);
-  extras.flow = make_flow(comm, scene);
   extras.observers = std::move(see);
   return make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
 }

@@ -82,9 +82,7 @@ axis = [2, 0, 1]
   particles.id = mine.id;
   particles.position = mine.position;
   particles.velocity = mine.velocity;
-  SolverExtras extras;
-  extras.flow = make_flow(world, scene);
-  const std::unique_ptr<Solver> solver = make_solver(world, scene, std::move(particles), std::move(extras));
+  const std::unique_ptr<Solver> solver = make_solver(world, scene, std::move(particles));
   solver->step();
   const Cloud after = gathered(world, solver->particles());
   EXPECT_EQ(std::set<GlobalId>(after.id.begin(), after.id.end()), left);
@@ -107,7 +105,6 @@ class Thief : public Forcing {
 TEST(Flow, ALostParticleIsStillFound) {
   const Scene scene = scene_with(fountain, {});
   SolverExtras extras;
-  extras.flow = make_flow(world, scene);
   extras.forcings.push_back(std::make_unique<Thief>());
   const std::unique_ptr<Solver> solver = make_solver(world, scene, initial_particles(world, scene), std::move(extras));
   std::string message = "none";

@@ -122,7 +122,6 @@ TEST(LibraryInput, AnObstacleThatIsThereTwiceIsRefused) {
   ball.center = {0.4, 0.4, 0.2};
   ball.radius = 0.1;
   settings.obstacles = {ball, ball};
-  settings.obstacles[1].line = 7;
   EXPECT_THAT(refusal(settings), testing::HasSubstr("obstacles[1] is the same as obstacles[0]"));
 }
 

@@ -223,10 +223,7 @@ speed = 2
 )";
   const Scene scene = scene_with(endless + more, {"domain.periodic=['x']", "particles.0.velocity=[3, 0, 0]"});
   const auto solver_on = [&](MPI_Comm comm) {
-    SolverExtras extras;
-    extras.forcings = make_fountains(comm, scene);
-    extras.flow = make_flow(comm, scene);
-    return make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
+    return make_solver(comm, scene, initial_particles(comm, scene));
   };
   const std::unique_ptr<Solver> many = solver_on(world), one = solver_on(MPI_COMM_SELF);
   for (const auto& solver : {many.get(), one.get()}) {

@@ -1,16 +1,21 @@
 #!/usr/bin/python3
-"""Builds tests/embed against an install tree of this build, as somebody outside would, and runs it on 1 and 2 ranks.
+"""Builds tests/embed against an install tree of this build, as somebody outside would, and runs it on 1 and 2 ranks. What
+fountain.cpp fills by hand has the bits and the rows of the scene beside it.
 
 The tree is moved after it was made, and the programs in it must still run: nothing may point into the build folder.
 """
 
 import argparse
+import csv
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+import h5py
+import numpy as np
 
 
 def call(*command, **more):
@@ -69,6 +74,29 @@ def check_embed(arguments, tree, work):
     print(said[1], end="")
 
 
+def run_of(folder):
+    """The last state of a run in the order of its ids, and its rows but for the time and the balance of this machine."""
+    with h5py.File(folder / "checkpoint_000030.h5") as file:
+        state = [file[f"particles/{name}"][:] for name in ("id", "position", "velocity")]
+    with open(folder / "series.csv", encoding="utf-8") as file:
+        rows = [{key: cell for key, cell in row.items() if key not in ("imbalance", "wall_seconds")} for row in csv.DictReader(file)]
+    return state, rows
+
+
+def check_fountain(arguments, tree, work):
+    scene = tree / "share/trevi/examples/embed/fountain.toml"
+    call(arguments.mpiexec, "-n", 2, tree / "bin/trevi", scene, "--output", work / "scene")
+    expected, rows = run_of(work / "scene")
+    for ranks in (1, 2):
+        folder = work / f"fountain_{ranks}"
+        call(arguments.mpiexec, "-n", ranks, work / "build/fountain", folder)
+        state, told = run_of(folder)
+        if not all(np.array_equal(one, other) for one, other in zip(state, expected)):
+            sys.exit(f"fountain.cpp has other bits than fountain.toml on {ranks} ranks")
+        if told != rows or len(rows) != 7:
+            sys.exit(f"fountain.cpp has other rows than fountain.toml on {ranks} ranks:\n{told}\n{rows}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=Path, help="folder of the build")
@@ -86,6 +114,7 @@ def main():
         check_programs(tree, arguments.mpiexec)
         check_python(tree, arguments.mpiexec)
         check_embed(arguments, tree, work)
+        check_fountain(arguments, tree, work)
 
 
 if __name__ == "__main__":

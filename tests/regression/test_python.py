@@ -188,7 +188,52 @@ class Module(ProgramTest):
         self.assertEqual(len(blocks), 2)
         text = "\n".join(blocks).replace('"inputs/', f'"{INPUTS}/').replace('"time.end": 2', '"time.end": 0.4')
         for ranks in (1, 2):
-            self.run_fine(ranks, text)
+            self.run_fine(ranks, text.replace("out/by_hand", f"out/by_hand_{ranks}"))
+            self.assertTrue((self.folder / f"out/by_hand_{ranks}/particles.hdf.series").exists())
+
+    def test_what_a_scene_says_can_be_filled_by_hand(self):
+        script = """
+            import sys, numpy as np, trevi
+            settings = trevi.Settings()
+            settings.domain.max = [1.6, 0.8, 1.6]
+            settings.dt = 0.0166666667
+            settings.gravity = [0, 0, -9.8]
+            fountain = trevi.FountainSettings()
+            fountain.center, fountain.diameter, fountain.height = (0.4, 0.4), 0.3, 0.4
+            fountain.direction, fountain.speed, fountain.jitter = [1, 0, 3], 2, 0.5
+            settings.fountains.append(fountain)
+            inlet = trevi.InletSettings()
+            inlet.center, inlet.direction, inlet.radius, inlet.flow = [1.0, 0.4, 1.4], [1, 0.2, -0.5], 0.15, 0.1
+            settings.inlets.append(inlet)
+            drain = trevi.DrainSettings()
+            drain.min, drain.max = [1.2, 0, 0], [1.6, 0.8, 0.1]
+            settings.drains.append(drain)
+            settings.seed = 12
+            settings.output.series = trevi.Schedule(every_steps=5)
+            settings.output.checkpoint = trevi.CheckpointSettings(keep=1)
+            if len(sys.argv) > 1:
+                settings.output.directory = sys.argv[1]
+            k, j, i = np.meshgrid(range(5), range(8), range(16), indexing="ij")
+            lattice = 0.1 * (np.stack([i, j, k], -1).reshape(-1, 3) + 0.5)
+            mine = slice(trevi.rank, None, trevi.size)
+            solver = trevi.make_solver(settings, lattice[mine], ids=np.arange(640)[mine])
+            solver.run(steps=30)
+            positions = solver.gather_positions()
+            if solver.rank == 0:
+                np.save("positions.npy", positions)
+                print(len(solver.series["inflow"]), solver.series["inflow"][-1], solver.series["outflow"][-1])
+        """
+        self.run_well(2, ROOT / "tests/embed/fountain.toml", "--output", "run")
+        with h5py.File(self.folder / "run/checkpoint_000030.h5") as file:
+            expected = file["particles/position"][:]  # in the order of the ids
+        for ranks, folder in ((1, ()), (2, ("by_hand",))):
+            rows, inflow, outflow = map(float, self.run_fine(ranks, script, *folder).split())
+            self.assertTrue((np.load(self.folder / "positions.npy") == expected).all())
+            self.assertTrue(rows == 7 and inflow > 0 and outflow > 0)
+            self.assertEqual((self.folder / "by_hand").exists(), bool(folder))
+        with h5py.File(self.folder / "by_hand/checkpoint_000030.h5") as file:
+            self.assertTrue((file["particles/position"][:] == expected).all())
+        self.assertEqual(len((self.folder / "by_hand/series.csv").read_text().splitlines()), 8)
 
     def test_a_communicator_of_mpi4py_is_a_solver_of_its_own(self):
         script = """

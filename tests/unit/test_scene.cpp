@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/simd.hpp"
+#include "scene/scene_place.hpp"
 #include "scene_text.hpp"
 
 namespace trevi::test {
@@ -44,7 +45,8 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   const Scene scene = parse(scene_plus());
   EXPECT_EQ(scene.path, "in/s.toml");
   EXPECT_EQ(scene.name, "s");
-  EXPECT_EQ(scene.output.directory, "out/s");
+  EXPECT_EQ(scene.output.directory, "");
+  EXPECT_EQ(scene.directory(), "out/s");
   EXPECT_EQ(scene.steps(), 100);
   EXPECT_EQ(scene.slab_axis, 0);
   EXPECT_EQ(scene.fluid.kernel_radius, 0.2);  // twice the spacing
@@ -59,7 +61,7 @@ TEST(Scene, AbsentKeysTakeTheDefaultsAndAbsentTablesAreAbsentFeatures) {
   EXPECT_TRUE(scene.fountains.empty());
   EXPECT_EQ(scene.seed, 1u);
   ASSERT_EQ(scene.particles.size(), 1u);
-  EXPECT_EQ(scene.particles[0].line, 6);
+  EXPECT_EQ(SceneTable("particles", 0).line_in(scene), 6);
   EXPECT_EQ(scene.particles[0].max, Vec3(1, 1, 0.5));
 }
 
@@ -206,7 +208,7 @@ TEST(SceneOverrides, AreAppliedInOrderAndKeptInTheText) {
   EXPECT_EQ(scene.fountains.at(0).speed, 12);
   EXPECT_EQ(scene.particles.at(0).max, Vec3(1, 1, 1));
   EXPECT_EQ(scene.particles.at(1).path, "in/data/c.h5");
-  EXPECT_EQ(scene.particles.at(1).line, 0);
+  EXPECT_EQ(SceneTable("particles", 1).line_in(scene), 0);
   EXPECT_EQ(scene.wall_limit, 10800);
   EXPECT_EQ(scene.steps(), 200);
   EXPECT_EQ(*scene.gravity, Vec3(0, 0, -1));

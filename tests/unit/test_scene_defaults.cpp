@@ -17,9 +17,7 @@ Scene meaning(const std::string& more, const std::vector<std::string>& overrides
   Scene scene = parse(scene_plus(more), overrides);
   scene.text.clear();
   scene.overrides = 0;
-  for (ParticleSource& source : scene.particles) source.line = 0;
-  for (FountainSettings& fountain : scene.fountains) fountain.line = 0;
-  for (InletSettings& inlet : scene.inlets) inlet.line = 0;
+  scene.output.directory = scene.directory();
   return scene;
 }
 

@@ -9,6 +9,7 @@
 #include "boundary/geometry/shape.hpp"
 #include "scene/block_start.hpp"
 #include "scene/free_places.hpp"
+#include "scene/scene_place.hpp"
 
 namespace trevi {
 
@@ -22,7 +23,10 @@ bool all_blocks(const Scene& scene) {
 }
 
 // A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
-void look_at_walls(const Scene& scene, const ParticleSource& block, Advice& advice) {
+int line_of(const Scene& scene, const char* list, std::size_t k) { return SceneTable(list, k).line_in(scene); }
+
+void look_at_block(const Scene& scene, std::size_t k, Advice& advice) {
+  const ParticleSource& block = scene.particles[k];
   const Real s = scene.fluid.spacing;
   for (int axis = 0; axis < 2; ++axis) {
     const Real low = block.min[axis], high = block.max[axis], wide = scene.domain.max[axis] - scene.domain.min[axis];
@@ -32,7 +36,7 @@ void look_at_walls(const Scene& scene, const ParticleSource& block, Advice& advi
     advice.push_back(fmt::format(
         "the water of line {} goes from wall to wall along {}, {:.4g} spacings: its lattice does not fit, and "
         "it moves at once; give the box a whole number of spacings, for example spacing = {:.6g}",
-        block.line, axis == 0 ? "x" : "y", wide / s, wide / std::round(wide / s)));
+        line_of(scene, "particles", k), axis == 0 ? "x" : "y", wide / s, wide / std::round(wide / s)));
   }
 }
 
@@ -44,24 +48,26 @@ void look_at_overlaps(const Scene& scene, Advice& advice) {
       if (common.minCoeff() < 0.5 * scene.fluid.spacing) continue;
       advice.push_back(fmt::format(
           "the blocks of lines {} and {} overlap: water is twice as dense there and flies apart; move one of them",
-          b.line, a.line));
+          line_of(scene, "particles", j), line_of(scene, "particles", i)));
     }
   }
 }
 
 // Of cells as wide as the kernel radius the diagonal is 1.7 times as long.
-void look_at_walls(const Scene& scene, const ObstacleSettings& obstacle, Advice& advice) {
+void look_at_walls(const Scene& scene, std::size_t k, Advice& advice) {
+  const ObstacleSettings& obstacle = scene.obstacles[k];
   const Real least = std::sqrt(3.0) * scene.fluid.kernel_radius;
   if (obstacle.shape != ShapeKind::basin || obstacle.wall >= least) return;
   advice.push_back(
       fmt::format("the walls of the basin of line {} are {:.3g} m thick, and cells of the coarse grid see both sides "
                   "of them, which "
                   "crushes the water beside them; set wall = {:.3g} or more",
-                  obstacle.line, obstacle.wall, 2 * scene.fluid.kernel_radius));
+                  line_of(scene, "obstacle", k), obstacle.wall, 2 * scene.fluid.kernel_radius));
 }
 
 // A mesh in millimetres that nobody scaled, for instance.
-void look_at_obstacle(const Scene& scene, const ObstacleSettings& obstacle, Advice& advice) {
+void look_at_obstacle(const Scene& scene, std::size_t k, Advice& advice) {
+  const ObstacleSettings& obstacle = scene.obstacles[k];
   if (obstacle.inside || obstacle.moves()) return;
   const Box place = place_of(obstacle);
   const Vec3 extent = place.max - place.min, box = scene.domain.max - scene.domain.min;
@@ -75,7 +81,7 @@ void look_at_obstacle(const Scene& scene, const ObstacleSettings& obstacle, Advi
   advice.push_back(
       fmt::format("the obstacle of line {} is {} the box: it goes from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, "
                   "{:.4g}, {:.4g}) m; {}",
-                  obstacle.line, outside ? "wholly outside of" : "far larger than", place.min.x(), place.min.y(),
+                  line_of(scene, "obstacle", k), outside ? "wholly outside of" : "far larger than", place.min.x(), place.min.y(),
                   place.min.z(), place.max.x(), place.max.y(), place.max.z(), remedy));
 }
 
@@ -105,18 +111,19 @@ bool holds_water(const Scene& scene, const FountainSettings& fountain) {
   });
 }
 
-void look_at_fountain(const Scene& scene, const FountainSettings& fountain, Real top, Advice& advice) {
+void look_at_fountain(const Scene& scene, std::size_t k, Real top, Advice& advice) {
+  const FountainSettings& fountain = scene.fountains[k];
   const Real s = scene.fluid.spacing;
   if (!holds_water(scene, fountain)) {
     advice.push_back(
         fmt::format("the fountain of line {} holds no water at the start; move it into the water, or give diameter = "
                     "{:.3g} and a height of at least {:.3g}",
-                    fountain.line, 2.5 * s, 2 * s));
+                    line_of(scene, "fountain", k), 2.5 * s, 2 * s));
   } else if (fountain.height > top - scene.domain.min.z() + 0.5 * s) {
     advice.push_back(fmt::format(
         "the fountain of line {} ends above the water, at {:.3g} m for {:.3g} m: it pumps what is in the air, "
         "too; end it just below the surface, with height = {:.3g}",
-        fountain.line, fountain.height, top - scene.domain.min.z(), top - scene.domain.min.z() - s));
+        line_of(scene, "fountain", k), fountain.height, top - scene.domain.min.z(), top - scene.domain.min.z() - s));
   }
 }
 
@@ -192,9 +199,9 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   if (!output.vtu && !output.vtkhdf && !output.series && !output.checkpoint)
     advice.emplace_back("the scene asks for no output; add [output.vtu] for frames, [output.series] for sums");
   look_at_colours(scene, advice);
-  for (const ObstacleSettings& obstacle : scene.obstacles) {
-    look_at_obstacle(scene, obstacle, advice);
-    look_at_walls(scene, obstacle, advice);
+  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+    look_at_obstacle(scene, k, advice);
+    look_at_walls(scene, k, advice);
   }
   constexpr Real longest_cfl = 2;  // to which the default method was found stable
   if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
@@ -206,13 +213,13 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   }
   if (!all_blocks(scene)) return advice;  // where the water of a file is, only the file knows
   Real top = scene.domain.min.z();
-  for (const ParticleSource& block : scene.particles) {
-    look_at_walls(scene, block, advice);
-    top = std::max(top, block.max.z());
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    look_at_block(scene, k, advice);
+    top = std::max(top, scene.particles[k].max.z());
   }
   look_at_overlaps(scene, advice);
   if (!scene.inlets.empty() || !scene.obstacles.empty()) return advice;  // where the water goes, nobody knows
-  for (const FountainSettings& fountain : scene.fountains) look_at_fountain(scene, fountain, top, advice);
+  for (std::size_t k = 0; k < scene.fountains.size(); ++k) look_at_fountain(scene, k, top, advice);
   return advice;
 }
 

@@ -14,6 +14,7 @@
 #include "parallel/reductions.hpp"
 #include "scene/initial_particles.hpp"
 #include "scene/lattice.hpp"
+#include "scene/scene_flow.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
 
@@ -183,8 +184,7 @@ std::string output_text(const Scene& scene, const std::string& directory) {
 }  // namespace
 
 void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory) {
-  make_fountains(session.comm(), scene);  // reads the music, so that a bad note is found here
-  make_flow(session.comm(), scene);
+  make_scene_flow(session.comm(), scene);  // reads the music, so that a bad note is found here
   const CellGrid grid = cell_grid(scene, scene.domain);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);

@@ -7,6 +7,7 @@
 
 #include "base/simd.hpp"
 #include "fluid/forcings/inlet.hpp"
+#include "io/writers.hpp"
 #include "solver/density_solver.hpp"
 
 namespace trevi {
@@ -78,11 +79,6 @@ std::vector<std::string> start_warnings(const Scene& scene) {
   }
   for (std::string& warning : envelope_warnings(scene)) warnings.push_back(std::move(warning));
   return warnings;
-}
-
-bool is_supplied(const Scene& scene) {
-  return !scene.fountains.empty() || !scene.inlets.empty() || !scene.drains.empty() ||
-         std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const auto& one) { return one.moves(); });
 }
 
 std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy) {

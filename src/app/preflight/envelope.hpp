@@ -19,9 +19,6 @@ std::vector<std::string> envelope_warnings(const Scene& scene);
 /// number of ranks, then envelope_warnings().
 std::vector<std::string> start_warnings(const Scene& scene);
 
-/// Whether something gives energy to the water beside gravity: pumps, inlets, drains, obstacles that move.
-bool is_supplied(const Scene& scene);
-
 /// What is said at the end of a run whose energy rose by this fraction (EnergyRise): one sentence with
 /// remedies above 0.5 %, the mark of the stability study, else none.
 std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy);

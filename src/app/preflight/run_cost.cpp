@@ -39,6 +39,8 @@ Scene sample_of(const Scene& scene) {
   pool.max = Vec3::Constant(wide * s);
   sample.particles = {pool};
   sample.fountains.clear();
+  sample.inlets.clear();
+  sample.drains.clear();
   sample.output = {};
   return sample;
 }

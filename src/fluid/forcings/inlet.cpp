@@ -87,6 +87,10 @@ bool InletLattice::in_nozzle(const Vec3& p) const {
   return nearest >= 0 && is_open(nearest);
 }
 
+Real speed_of_flow(Real flow, const InletLattice& lattice, Real spacing) {
+  return flow / (static_cast<Real>(lattice.open_places()) * spacing * spacing);
+}
+
 Inlet::Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spacing, std::uint64_t seed, int index)
     : PumpedForcing(settings, std::move(pump), seed, index),
       event_("Inlet"),

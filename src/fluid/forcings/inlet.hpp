@@ -51,6 +51,9 @@ class InletLattice {
   GlobalId open_ = 0;
 };
 
+/// Of water that enters at so many m³/s, m/s; each particle counts the volume spacing³.
+Real speed_of_flow(Real flow, const InletLattice& lattice, Real spacing);
+
 /// Sets the velocity of the particles within one spacing ahead of its opening as a fountain does, so that water in the
 /// way does not hold up the next layer at once. What leaves that nozzle within a substep falls for the rest of it: all
 /// layers of a jet have the same path, however many of them a substep makes. Water that has a solid or a wall less than

@@ -1,0 +1,9 @@
+// The version of the library, in one source only, or a new one would compile everything.
+#pragma once
+
+namespace trevi {
+
+/// "1.0.0"
+const char* trevi_version();
+
+}  // namespace trevi

@@ -1,0 +1,16 @@
+#include "scene/scene_place.hpp"
+
+namespace trevi {
+
+int SceneTable::line_in(const Scene& scene) const {
+  const auto lines = scene.lines.lines_.find(list_);
+  return lines != scene.lines.lines_.end() && index_ < lines->second.size() ? lines->second[index_] : 0;
+}
+
+std::string SceneTable::place_in(const Scene& scene, const std::string& key) const {
+  const int line = line_in(scene);
+  return scene.path + (line > 0 ? ":" + std::to_string(line) : "") + ": [[" + list_ + "]]" + (key.empty() ? "" : " ") +
+         key + ": ";
+}
+
+}  // namespace trevi

@@ -1,0 +1,148 @@
+#include "solver/check_flow.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "fluid/forcings/inlet.hpp"
+#include "fluid/forcings/music_kind.hpp"
+#include "io/frames/fields.hpp"
+#include "solver/demand.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr Real highest_speed = 1e4;  // m/s, as in scenes
+constexpr Real max_places = 1e8;     // of an opening
+constexpr int channels = 16, max_rate = 1'000'000;
+
+void check_music(const MusicSettings& music, const std::string& name) {
+  demand(music.kind.given(), name + "music.source must end in one of " + endings_of_music() + ", or be \"-\"");
+  demand(music.track >= 0 && music.channel >= 0 && music.channel <= channels,
+         name + "music.track must not be negative, music.channel from 0 to 16");
+  demand(music.rate >= 1000 && music.rate <= max_rate, name + "music.rate must be from 1000 to 1000000 Hz");
+  const auto [low, high] = music.speed_range;
+  demand(low >= 0 && low < high && high <= highest_speed,
+         name + "music.speed_range must increase, from 0 m/s on to 10000 m/s");
+}
+
+void check_pump(const PumpSettings& pump, const std::string& name) {
+  demand(is_direction(pump.direction), name + "direction must have a length");
+  demand(pump.speed >= 0 && pump.speed <= highest_speed && pump.jitter >= 0 && pump.jitter <= highest_speed,
+         name + "speed and jitter must be from 0 to 10000 m/s");
+  demand(pump.start >= 0 && pump.stop > pump.start, name + "start must not be negative, and stop later");
+  if (pump.music) check_music(*pump.music, name);
+}
+
+void check_live_sound(const Settings& all) {
+  int rate = 0;
+  const auto look = [&](const PumpSettings& pump) {
+    if (!pump.music || pump.music->kind != MusicKind::live) return;
+    demand(rate == 0 || rate == pump.music->rate, "music.rate must be the same for all that follow standard input");
+    rate = pump.music->rate;
+  };
+  std::for_each(all.fountains.begin(), all.fountains.end(), look);
+  std::for_each(all.inlets.begin(), all.inlets.end(), look);
+}
+
+void check_fountain(const Settings& all, const FountainSettings& one, const std::string& name) {
+  check_pump(one, name);
+  demand(all.domain.contains({one.center[0], one.center[1], all.domain.min.z()}), name + "center must be on the floor");
+  demand(is_positive(one.diameter) && is_positive(one.height), name + "diameter and height must be positive");
+}
+
+// The inlet sees no water beyond the ends of a periodic axis, and makes none there.
+void check_room(const Settings& all, const InletSettings& inlet, const std::string& name) {
+  const Vec3 reach = InletLattice(inlet, all.fluid.spacing).reach();
+  demand(all.domain.contains(inlet.center - reach) && all.domain.contains(inlet.center + reach),
+         name + "center: the opening must be in the box");
+  for (int a = 0; a < 3; ++a) {
+    const Real low = inlet.center[a] - all.domain.min[a], high = all.domain.max[a] - inlet.center[a];
+    demand(!all.periodic[static_cast<std::size_t>(a)] || std::min(low, high) - reach[a] >= 2 * all.fluid.kernel_radius,
+           name + "center: the opening must be two kernel radii from the ends of a periodic axis");
+  }
+}
+
+void check_inlet(const Settings& all, const InletSettings& one, const std::string& name) {
+  check_pump(one, name);
+  demand(one.center.allFinite(), name + "center must be finite");
+  demand(one.shape != InletShape::disc || is_positive(one.radius), name + "radius must be positive");
+  demand(one.shape != InletShape::rectangle || (is_positive(one.size[0]) && is_positive(one.size[1])),
+         name + "size must be positive");
+  demand(InletLattice::places_of(one, all.fluid.spacing) <= max_places, name + "radius or size is too large");
+  demand(!one.flow || is_amount(*one.flow), name + "flow must not be negative");
+  demand(!one.recycle || !all.drains.empty(), name + "recycle needs a drain");
+  InletSettings unit = one;
+  unit.direction.stableNormalize();
+  check_room(all, unit, name);
+}
+
+void check_drain(const DrainSettings& one, const std::string& name) {
+  if (one.shape == DrainShape::box) {
+    demand(one.min.allFinite() && one.max.allFinite() && (one.max.array() > one.min.array()).all(),
+           name + "max must be greater than min on every axis");
+    return;
+  }
+  demand(one.center.allFinite(), name + "center must be finite");
+  demand(is_direction(one.axis), name + "axis must have a length");
+  demand(one.shape != DrainShape::cylinder || (is_positive(one.radius) && is_positive(one.height)),
+         name + "radius and height must be positive");
+}
+
+void check_schedule(const Schedule& schedule, const char* name) {
+  demand(is_amount(schedule.every) && schedule.every_steps >= 0,
+         fmt::format("output.{}: every and every_steps must not be negative", name));
+}
+
+void check_frames(const Settings& all, const FrameSettings& frames, const char* name) {
+  check_schedule(frames.schedule, name);
+  std::vector<std::string> allowed;
+  for (const OutputField* field : frame_fields()) allowed.emplace_back(field->name);
+  for (auto field = frames.fields.begin(); field != frames.fields.end(); ++field) {
+    demand(std::find(allowed.begin(), allowed.end(), *field) != allowed.end(),
+           fmt::format("output.{}.fields: \"{}\" is none of {}", name, *field, fmt::join(allowed, ", ")));
+    demand(std::find(frames.fields.begin(), field, *field) == field,
+           fmt::format("output.{}.fields: \"{}\" is named twice", name, *field));
+    demand(*field != "rgb" || all.colour, fmt::format("output.{}.fields: \"rgb\" needs a colour", name));
+  }
+}
+
+// A length of 1 to rounding is left as it is, so that a scene keeps its bits.
+void normalise(Vec3& direction) {
+  constexpr Real rounding = 1e-12;
+  if (std::abs(direction.squaredNorm() - 1) > rounding) direction.stableNormalize();
+}
+
+}  // namespace
+
+void check_flow(const Settings& all) {
+  for (std::size_t k = 0; k < all.fountains.size(); ++k)
+    check_fountain(all, all.fountains[k], fmt::format("fountains[{}].", k));
+  for (std::size_t k = 0; k < all.inlets.size(); ++k) check_inlet(all, all.inlets[k], fmt::format("inlets[{}].", k));
+  for (std::size_t k = 0; k < all.drains.size(); ++k) check_drain(all.drains[k], fmt::format("drains[{}].", k));
+  check_live_sound(all);
+}
+
+void check_output(const Settings& all) {
+  const OutputSettings& output = all.output;
+  if (output.vtu) check_frames(all, *output.vtu, "vtu");
+  if (output.vtkhdf) check_frames(all, *output.vtkhdf, "vtkhdf");
+  if (output.series) check_schedule(*output.series, "series");
+  if (!output.checkpoint) return;
+  check_schedule(output.checkpoint->schedule, "checkpoint");
+  demand(output.checkpoint->keep >= 1, "output.checkpoint.keep must be at least 1");
+}
+
+void resolve_flow(Settings& all) {
+  const Real spacing = all.fluid.spacing;
+  for (FountainSettings& fountain : all.fountains) normalise(fountain.direction);
+  for (DrainSettings& drain : all.drains) normalise(drain.axis);
+  for (InletSettings& inlet : all.inlets) {
+    normalise(inlet.direction);
+    if (inlet.flow) inlet.speed = speed_of_flow(*inlet.flow, InletLattice(inlet, spacing), spacing);
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,42 @@
+// Fountains, inlets and drains of the settings with their music, for a solver that may go on from another. Collective.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "solver/inflow_outflow.hpp"
+#include "trevi/error.hpp"
+#include "trevi/forcing.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// What pumps and drains are made of; nothing has begun yet.
+struct FlowParts {
+  std::vector<std::unique_ptr<Forcing>> fountains;    ///< in the order of the settings
+  std::shared_ptr<InflowOutflow> inlets_and_drains;  ///< null without any
+};
+
+/// Music that cannot be used. A program is told the member of its settings, one that knows a scene its line.
+class MusicError : public InputError {
+ public:
+  /// `list` as a scene names it: "fountain" or "inlet".
+  MusicError(const char* list, std::size_t index, const std::string& why);
+  const char* list() const { return list_; }
+  std::size_t index() const { return index_; }
+  const std::string& why() const { return why_; }
+
+ private:
+  const char* list_;
+  std::size_t index_;
+  std::string why_;
+};
+
+/// Pumps that follow standard input share it. `settings` are those of checked_and_resolved(), or a scene's. MusicError
+/// on all ranks alike.
+FlowParts make_flow(MPI_Comm comm, const Settings& settings, std::optional<FlowState> state = std::nullopt);
+
+}  // namespace trevi
