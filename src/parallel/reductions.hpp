@@ -30,4 +30,19 @@ std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial);
 /// rank order. Returns the `columns` totals on all ranks.
 std::vector<Real> sum_over_planes(MPI_Comm comm, std::span<const Real> partial, int columns);
 
+/// The same for sums that have names: Sums::for_each(visit) calls visit(number) for each of them.
+template <class Sums>
+Sums sum_over_planes(MPI_Comm comm, std::vector<Sums>& partial) {
+  Sums total;
+  int columns = 0;
+  total.for_each([&](Real&) { ++columns; });
+  std::vector<Real> rows;
+  rows.reserve(partial.size() * static_cast<std::size_t>(columns));
+  for (Sums& one : partial) one.for_each([&](Real& number) { rows.push_back(number); });
+  const std::vector<Real> sums = sum_over_planes(comm, rows, columns);
+  auto next = sums.begin();
+  total.for_each([&](Real& number) { number = *next++; });
+  return total;
+}
+
 }  // namespace trevi

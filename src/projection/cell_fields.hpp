@@ -5,6 +5,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <vector>
 
 #include "projection/affine.hpp"
@@ -18,14 +20,18 @@ struct alignas(64) EightCells {
   Real of[count];
 };
 
+/// A struct that is nothing but numbers, as these in their order.
+template <class T>
+using NumbersOf = std::array<Real, sizeof(T) / sizeof(Real)>;
+
 /// The first numbers of a cell of a row, of `numbers` each, as those of a T.
 template <class T>
 T cell_of(const EightCells* row, std::size_t numbers, LocalId c) {
   constexpr LocalId eight = EightCells::count;
-  T value;
+  NumbersOf<T> value;
   const EightCells* const from = row + static_cast<std::size_t>(c / eight) * numbers;
-  for (std::size_t q = 0; q < sizeof(T) / sizeof(Real); ++q) reinterpret_cast<Real*>(&value)[q] = from[q].of[c % eight];
-  return value;
+  for (std::size_t q = 0; q < value.size(); ++q) value[q] = from[q].of[c % eight];
+  return std::bit_cast<T>(value);
 }
 
 class CellFields {
@@ -83,8 +89,8 @@ class CellFields {
   template <class T>
   void set(LocalId k, LocalId r, LocalId c, const T& value) {
     EightCells* const to = row(k, r) + eight(c);
-    for (std::size_t q = 0; q < sizeof(T) / sizeof(Real); ++q)
-      to[q].of[lane(c)] = reinterpret_cast<const Real*>(&value)[q];
+    const auto all = std::bit_cast<NumbersOf<T>>(value);
+    for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
   }
 
   /// Memory of one row.

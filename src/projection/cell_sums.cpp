@@ -1,6 +1,9 @@
 // Compiled once per instruction set (Highway's foreach_target), chosen at run time.
 #include "projection/cell_sums.hpp"
 
+#include <array>
+#include <bit>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/cell_sums.cpp"
 #include <hwy/foreach_target.h>
@@ -84,19 +87,17 @@ CellSums sum_cell_of(const CellFrame& frame, const Motion& motion, const CellPar
   constexpr std::size_t count = Lanes::moments + Lanes::volumes;
   Lanes lanes;
   sum_particles<true>(frame, motion, cell, lanes);
-  static_assert(sizeof(CellSums) == count * sizeof(double));
-  CellSums sums;
-  fold_all<count>(lanes.value, reinterpret_cast<double*>(&sums));
-  return sums;
+  std::array<double, count> sums;
+  fold_all<count>(lanes.value, sums.data());
+  return std::bit_cast<CellSums>(sums);
 }
 
 MotionSums sum_motion_of(const CellFrame& frame, const Motion& motion, const CellParticles& cell) {
   Lanes lanes;
   sum_particles<false>(frame, motion, cell, lanes);
-  static_assert(sizeof(MotionSums) == Lanes::moments * sizeof(double));
-  MotionSums sums;
-  fold_all<Lanes::moments>(lanes.value, reinterpret_cast<double*>(&sums));
-  return sums;
+  std::array<double, Lanes::moments> sums;
+  fold_all<Lanes::moments>(lanes.value, sums.data());
+  return std::bit_cast<MotionSums>(sums);
 }
 
 HWY_INLINE Vec4s displacements(const Particles8& particles, const CellParticles& cell, const CellDisplacement& by) {

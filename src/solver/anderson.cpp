@@ -79,7 +79,8 @@ SolveResult Anderson<T>::solve(DensityProblem<T>& problem) {
   check(VecDuplicate(start, &f));
   PetscScalar* values = nullptr;
   check(VecGetArray(start, &values));
-  std::copy(positions.begin(), positions.end(), reinterpret_cast<Vec3*>(values));
+  PetscScalar* next = values;
+  for (const Vec3& p : positions) next = std::copy(p.begin(), p.end(), next);
   check(VecRestoreArray(start, &values));
   check(SNESCreate(comm_, &snes));
   check(SNESSetType(snes, SNESANDERSON));

@@ -12,11 +12,19 @@
 
 namespace trevi {
 
-// The sums over one plane, as a row of numbers in the order in which they are sent.
+// The sums over one plane.
 struct DiagnosticsSum::Plane {
   Real count = 0, rho = 0, compression = 0, compression2 = 0, interior_count = 0, interior_rho = 0;
   Real v2 = 0, height = 0;
   Vec3 momentum = Vec3::Zero(), position = Vec3::Zero();
+
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    for (Real* sum : {&count, &rho, &compression, &compression2, &interior_count, &interior_rho, &v2, &height})
+      visit(*sum);
+    for (Real& sum : momentum) visit(sum);
+    for (Real& sum : position) visit(sum);
+  }
 };
 
 DiagnosticsSum::DiagnosticsSum(MPI_Comm comm, const DensityModel& model, const Surroundings& around)
@@ -78,16 +86,11 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
 }
 
 Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
-  constexpr int columns = sizeof(Plane) / sizeof(Real);
   std::vector<Plane> partial(static_cast<std::size_t>(input.order.planes()));
   for_each_part(input.order.planes(), [&](LocalId plane) {
     partial[static_cast<std::size_t>(plane)] = sum_plane(input, input.order.owned_range(plane, plane + 1));
   });
-  const auto* first = reinterpret_cast<const Real*>(partial.data());
-  const std::vector<Real> total =
-      sum_over_planes(comm_, std::vector<Real>(first, first + columns * partial.size()), columns);
-  Plane sum;
-  std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sum));
+  const Plane sum = sum_over_planes(comm_, partial);
   Diagnostics row;
   row.particles = static_cast<GlobalId>(sum.count);
   row.density_mean = sum.rho / sum.count;

@@ -38,7 +38,6 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
 template <class T>
 template <class Velocity>
 typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& problem, const Velocity& velocity) const {
-  constexpr int columns = sizeof(Sums) / sizeof(Real);
   const Particles& particles = problem.particles();
   std::vector<Sums> partial(static_cast<std::size_t>(problem.order().planes()));
   for_each_part(problem.order().planes(), [&](LocalId plane) {
@@ -55,12 +54,7 @@ typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& probl
       sums.pp += p * p.transpose();
     }
   });
-  const auto* first = reinterpret_cast<const Real*>(partial.data());
-  const std::vector<Real> total =
-      sum_over_planes(comm_, std::vector<Real>(first, first + columns * partial.size()), columns);
-  Sums sums;
-  std::copy(total.begin(), total.end(), reinterpret_cast<Real*>(&sums));
-  return sums;
+  return sum_over_planes(comm_, partial);
 }
 
 template <class T>

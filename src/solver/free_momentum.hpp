@@ -26,6 +26,15 @@ class FreeMomentum : public DensitySolver<T> {
     Real count = 0, near_walls = 0;
     Vec3 p = Vec3::Zero(), v = Vec3::Zero(), spin = Vec3::Zero();
     Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
+
+    template <class Visit>
+    void for_each(const Visit& visit) {
+      visit(count);
+      visit(near_walls);
+      for (Vec3* sum : {&p, &v, &spin})
+        for (Real& number : *sum) visit(number);
+      for (Real& number : pp.reshaped()) visit(number);
+    }
   };
   template <class Velocity>
   Sums sums_of(DensityProblem<T>& problem, const Velocity& velocity) const;
