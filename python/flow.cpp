@@ -10,8 +10,7 @@ namespace {
 template <class Owner>
 void pair_of(py::class_<Owner, PumpSettings>& made, const char* name, Real (Owner::*member)[2], const char* doc) {
   made.def_property(
-      name,
-      [member](const Owner& one) { return py::make_tuple((one.*member)[0], (one.*member)[1]); },
+      name, [member](const Owner& one) { return py::make_tuple((one.*member)[0], (one.*member)[1]); },
       [member](Owner& one, const std::array<Real, 2>& values) {
         (one.*member)[0] = values[0];
         (one.*member)[1] = values[1];

@@ -47,7 +47,7 @@ struct Scene : Settings {
   std::string text;            ///< the file, plus one line "# --set table.key=value" for each override
   std::int64_t overrides = 0;  ///< number of these lines
   std::vector<ParticleSource> particles;
-  Real end = 0;  ///< s
+  Real end = 0;                    ///< s
   std::optional<Real> wall_limit;  ///< s
   std::string instruction_set;     ///< one of instruction_set_names(); empty: the best
   std::optional<int> threads;      ///< of each rank

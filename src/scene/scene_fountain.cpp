@@ -64,8 +64,9 @@ void read_music(Section& section, const Scene& scene, PumpSettings& fountain) {
   music.kind = kind_of_music(music.source).value_or(MusicKind::score);
   resolve(music);
   Follow follow = music.follow;
-  if (section.choice<Follow>({"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"},
-                             follow, {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}}))
+  if (section.choice<Follow>(
+          {"follow", "what of a sound sets the speed; default loudness; pitch is for a single voice"}, follow,
+          {{"loudness", Follow::loudness}, {"pitch", Follow::pitch}}))
     music.follow = follow;
   section.integer({"track", "the track of a MIDI file, from 1; default all"}, music.track, 1);
   section.integer({"channel", "the channel of a MIDI file, 1 to 16; default all but 10, the drums"}, music.channel, 1);

@@ -16,19 +16,20 @@ bool is_pressure(const GaugeSettings& gauge) { return gauge.kind == GaugeKind::p
 
 void read_gauge(Section& section, Scene& scene, bool box_known) {
   GaugeSettings gauge;
-  section.choice<GaugeKind>({"type", "what it measures", true}, gauge.kind,
-                            {{"height", GaugeKind::height},
-                             {"pressure", GaugeKind::pressure},
-                             {"velocity", GaugeKind::velocity}});
+  section.choice<GaugeKind>(
+      {"type", "what it measures", true}, gauge.kind,
+      {{"height", GaugeKind::height}, {"pressure", GaugeKind::pressure}, {"velocity", GaugeKind::velocity}});
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
   section.numbers(
-      {"center", "the foot of the column, or the place in the water, on a wall or an obstacle, [x, y, z] in metres", true},
+      {"center", "the foot of the column, or the place in the water, on a wall or an obstacle, [x, y, z] in metres",
+       true},
       gauge.center);
   if (box_known && section.fine("center"))
     section.check("center", scene.domain.contains(gauge.center), "is outside the box; move it inside, or onto a wall");
   constexpr Real least = 1;  // spacings: a smaller disc holds a particle at times, and none at others
   gauge.radius = 2 * scene.fluid.spacing;
-  section.number({"radius", "the radius in metres of the disc, or the ball, over which the mean is taken"}, gauge.radius, above(0));
+  section.number({"radius", "the radius in metres of the disc, or the ball, over which the mean is taken"},
+                 gauge.radius, above(0));
   section.check(
       "radius", gauge.radius >= least * scene.fluid.spacing * (1 - 1e-9),
       fmt::format("is less than the spacing, and such a disc holds a particle at times only; give {:.6g} m or "

@@ -47,8 +47,8 @@ FlowParts make_flow(MPI_Comm comm, const Settings& settings, std::optional<FlowS
   InflowOutflow::Parts parts{{}, settings.drains, settings.domain, spacing, settings.gravity.value_or(Vec3::Zero())};
   for (std::size_t k = 0; k < settings.inlets.size(); ++k) {
     const InletSettings& inlet = settings.inlets[k];
-    parts.inlets.push_back(std::make_shared<Inlet>(inlet, make_pump(comm, inlet, {"inlet", k}, live), spacing,
-                                                   settings.seed, stream++));
+    parts.inlets.push_back(
+        std::make_shared<Inlet>(inlet, make_pump(comm, inlet, {"inlet", k}, live), spacing, settings.seed, stream++));
   }
   flow.inlets_and_drains = std::make_shared<InflowOutflow>(std::move(parts), std::move(state));
   return flow;

@@ -16,7 +16,7 @@ namespace trevi {
 
 /// What pumps and drains are made of; nothing has begun yet.
 struct FlowParts {
-  std::vector<std::unique_ptr<Forcing>> fountains;    ///< in the order of the settings
+  std::vector<std::unique_ptr<Forcing>> fountains;   ///< in the order of the settings
   std::shared_ptr<InflowOutflow> inlets_and_drains;  ///< null without any
 };
 

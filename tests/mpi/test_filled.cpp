@@ -1,4 +1,5 @@
-// Settings that a program fills by hand: fountains, inlets, drains and output are those of the scene that says the same.
+// Settings that a program fills by hand: fountains, inlets, drains and output are those of the scene that says the
+// same.
 #include "flow_scenes.hpp"
 #include "scene/scene_flow.hpp"
 #include "solver/check_input.hpp"
@@ -156,7 +157,8 @@ TEST_F(Filled, WithoutAFolderNothingIsWritten) {
 TEST_F(Filled, AFolderWithAnotherRunIsRefused) {
   make_solver(world, filled(), water());
   barrier();
-  EXPECT_NE(input_error_of([&] { make_solver(world, filled(), water()); }).find("holds another run"), std::string::npos);
+  EXPECT_NE(input_error_of([&] { make_solver(world, filled(), water()); }).find("holds another run"),
+            std::string::npos);
 }
 
 TEST_F(Filled, WhatCannotBeIsNamed) {
@@ -174,7 +176,10 @@ TEST_F(Filled, WhatCannotBeIsNamed) {
       {"fountains[0].start", [](Settings& s) { s.fountains[0].start = 1; }},
       {"fountains[0].music.source", [](Settings& s) { s.fountains[0].music->source = "tune.doc"; }},
       {"fountains[0].music: ", [](Settings& s) { s.fountains[0].music->source = "nowhere.txt"; }},
-      {"fountains[0].music.speed_range", [](Settings& s) { s.fountains[0].music->speed_range = {3, 1}; }},
+      {"fountains[0].music.speed_range",
+       [](Settings& s) {
+         s.fountains[0].music->speed_range = {3, 1};
+       }},
       {"inlets[1].center", [](Settings& s) { s.inlets[1].center.z() = 1.6; }},
       {"inlets[1].radius", [](Settings& s) { s.inlets[1].radius = 0; }},
       {"inlets[0].size", [](Settings& s) { s.inlets[0].size[1] = NAN; }},
@@ -195,8 +200,10 @@ TEST_F(Filled, MusicOfASceneIsToldWithItsLine) {
   if (rank_of(world) == 0) std::ofstream(path("tune.txt")) << "0 H4 0.2\n";
   barrier();
   Scene read = scene();
-  const int line = static_cast<int>(std::count(read.text.begin(), read.text.begin() + static_cast<std::ptrdiff_t>(
-                                                                      read.text.find("[[fountain]]")), '\n')) + 1;
+  const int line =
+      static_cast<int>(std::count(
+          read.text.begin(), read.text.begin() + static_cast<std::ptrdiff_t>(read.text.find("[[fountain]]")), '\n')) +
+      1;
   read.output.directory.clear();
   expect_mentions(input_error_of([&] { make_solver(world, read, water()); }),
                   {fmt::format("scene.toml:{}: [[fountain]] music: ", line), "tune.txt:1"});

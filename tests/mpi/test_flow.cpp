@@ -185,10 +185,12 @@ std::pair<EnergyWatch*, std::unique_ptr<Solver>> watched(const Scene& scene) {
   return {seen, solver_of(world, scene, std::move(observers))};
 }
 
-// A jet in the air has all that it was given until a drain takes it; while it falls each kilogram loses g² dt²/2 a step.
+// A jet in the air has all that it was given until a drain takes it; while it falls each kilogram loses g² dt²/2 a
+// step.
 TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
   for (const char* weight : {"", "[gravity]\n"}) {
-    const Scene scene = scene_with(shaft + weight + jet + "speed = 3\n" + bottom, {"inlet.0.direction=[0.15,0,-1]", "inlet.0.center=[0.7,0.45,2.7]"});
+    const Scene scene = scene_with(shaft + weight + jet + "speed = 3\n" + bottom,
+                                   {"inlet.0.direction=[0.15,0,-1]", "inlet.0.center=[0.7,0.45,2.7]"});
     const auto [seen, solver] = watched(scene);
     run(*solver, 1.5);
     ASSERT_GT(solver->flow()->outflow, 0);

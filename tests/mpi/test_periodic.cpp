@@ -222,9 +222,7 @@ height = 0.3
 speed = 2
 )";
   const Scene scene = scene_with(endless + more, {"domain.periodic=['x']", "particles.0.velocity=[3, 0, 0]"});
-  const auto solver_on = [&](MPI_Comm comm) {
-    return make_solver(comm, scene, initial_particles(comm, scene));
-  };
+  const auto solver_on = [&](MPI_Comm comm) { return make_solver(comm, scene, initial_particles(comm, scene)); };
   const std::unique_ptr<Solver> many = solver_on(world), one = solver_on(MPI_COMM_SELF);
   for (const auto& solver : {many.get(), one.get()}) {
     solver->start();

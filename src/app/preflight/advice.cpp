@@ -81,8 +81,8 @@ void look_at_obstacle(const Scene& scene, std::size_t k, Advice& advice) {
   advice.push_back(
       fmt::format("the obstacle of line {} is {} the box: it goes from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, "
                   "{:.4g}, {:.4g}) m; {}",
-                  line_of(scene, "obstacle", k), outside ? "wholly outside of" : "far larger than", place.min.x(), place.min.y(),
-                  place.min.z(), place.max.x(), place.max.y(), place.max.z(), remedy));
+                  line_of(scene, "obstacle", k), outside ? "wholly outside of" : "far larger than", place.min.x(),
+                  place.min.y(), place.min.z(), place.max.x(), place.max.y(), place.max.z(), remedy));
 }
 
 bool shows_colours(const std::optional<FrameSettings>& frames) {

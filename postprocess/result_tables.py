@@ -1,0 +1,163 @@
+#!/usr/bin/python3
+"""Makes the tables of postprocess/results from the csv files beside them. A table follows a line that names it:
+
+    <!-- result_tables.py: leaks -->
+
+With --check it writes nothing, and ends with exit code 1 where a page has another table than its csv file.
+"""
+
+import argparse
+import csv
+import re
+import statistics
+import sys
+from pathlib import Path
+
+RESULTS = Path(__file__).resolve().parent / "results"
+
+
+def rows_of(name):
+    with open(RESULTS / f"{name}.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def fixed(text, decimals):
+    return f"{float(text):.{decimals}f}"
+
+
+def signed(text, decimals):
+    """As fixed(), with a sign that is a minus where it is one."""
+    number = fixed(text, decimals)
+    return "\N{MINUS SIGN}" + number[1:] if number.startswith("-") else "+" + number
+
+
+def short(value, digits):
+    """2.6e-4"""
+    mantissa, exponent = f"{float(value):.{digits - 1}e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def flow(names):
+    rows = sorted((row for row in rows_of("pipe") if row["flow"] in names), key=lambda row: names.index(row["flow"]))
+    torque = "cylinders" in names
+    yield ["", "particles across", "root mean square", "largest", "mean flow"] + ["torque"] * torque
+    for row in rows:
+        yield [row["flow"], row["across"]] + [fixed(row[key], 3) for key in ("rms_error", "largest_error", "mean_over_exact") +
+                                              ("torque_over_exact",) * torque]
+
+
+def vortices():
+    kernels = {"wide": "wendland_c2, h = 4 s", "default": "default, h = 2 s"}
+    yield ["kernel", "across", "Reynolds number", "at 3/4", "at 1/2", "at 1/4"]
+    rows = sorted(rows_of("periodic"), key=lambda row: (list(kernels).index(row["kernel"]), int(row["reynolds"]), int(row["across"])))
+    for row in rows:
+        yield [kernels[row["kernel"]], row["across"], row["reynolds"]] + [
+            fixed(row[key], 3) for key in ("at_three_quarters", "at_half", "at_quarter")]
+
+
+def tanks(water):
+    """{(layers, length, start): {tank: row}}, those that start as a lattice first."""
+    pairs = {}
+    for row in rows_of("periodic_tanks"):
+        if row["water"] == water:
+            pairs.setdefault((row["layers"], row["length"], row["start"]), {})[row["tank"]] = row
+    return sorted(pairs.items(), key=lambda item: item[0][2] != "lattice")
+
+
+def pools():
+    yield ["layers", "start", "periodic: m²/s²", "spacings", "walls: m²/s²", "spacings"]
+    for (layers, _, start), tank in tanks("rest"):
+        digits = 1 if start == "lattice" else 2
+        cells = []
+        for row in (tank["periodic"], tank["walls"]):
+            off = row["com_error_spacings"]
+            cells += [short(row["kinetic_per_mass"], digits), short(off, 1) if start == "lattice" else fixed(off, 3)]
+        yield [layers, start if start == "lattice" else "each particle up to 0.2 spacings off", *cells]
+
+
+def waves():
+    yield ["layers", "length of the ring", "ring: period", "loss", "walls: period", "loss"]
+    for (layers, length, _), tank in tanks("wave"):
+        cells = []
+        for row in (tank["periodic"], tank["walls"]):
+            cells += [fixed(row["period_ratio"], 3), f"{100 * float(row['loss_per_half']):.1f} %"]
+        yield [layers, f"{float(length):g} m", *cells]
+
+
+def surfaces():
+    yield ["case", "particles", "volume before", "volume", "open edges", "pieces before", "pieces"]
+    rows = rows_of("surface")
+    for was, row in zip(rows[::2], rows[1::2]):
+        yield [row["case"], row["particles"], signed(was["volume_error_percent"], 2) + " %",
+               signed(row["volume_error_percent"], 2) + " %", row["open_edges"], was["pieces"], row["pieces"]]
+
+
+def vessels():
+    yield ["vessel", "deep: mean", "median", "largest", "off", "shallow: mean", "median", "largest", "off"]
+    rows = rows_of("vessels")
+    for vessel in dict.fromkeys(row["vessel"] for row in rows):
+        cells = []
+        for depth in ("deep", "shallow"):
+            those = [row for row in rows if (row["vessel"], row["depth"]) == (vessel, depth)]
+            energies = [float(row["kinetic_energy"]) for row in those]
+            cells += [short(value, 2) for value in (statistics.mean(energies), statistics.median(energies), max(energies))]
+            cells.append(f"{max(float(row['off_spacings']) for row in those):.2f}")
+        yield [vessel, *cells]
+
+
+def leaks():
+    yield ["vessel", "particles", "lost", "outside", "nearest, m"]
+    for row in rows_of("leaks"):
+        yield [row["vessel"], row["particles"], row["lost"], row["outside"], row["farthest_m"].lstrip("-")]
+
+
+TABLES = {"plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
+          "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
+
+
+def markdown(rows):
+    rows = list(rows)
+    lines = ["| " + " | ".join(row) + " |" for row in rows]
+    lines[0] = lines[0].replace("|  |", "| |")
+    return [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]]
+
+
+def made(text):
+    """The page with its tables made anew, and their names."""
+    names, lines, kept = [], text.splitlines(), []
+    while lines:
+        kept.append(lines.pop(0))
+        mark = re.fullmatch(r"<!-- result_tables\.py: (\w+) -->", kept[-1])
+        if not mark:
+            continue
+        names.append(mark[1])
+        if lines and not lines[0]:
+            kept.append(lines.pop(0))
+        while lines and lines[0].startswith("|"):
+            lines.pop(0)
+        kept += markdown(TABLES[mark[1]]())
+    return "\n".join(kept) + "\n", names
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="write nothing")
+    arguments = parser.parse_args()
+    found, wrong = [], []
+    for page in sorted(RESULTS.glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        new, names = made(text)
+        found += names
+        if new == text:
+            continue
+        wrong.append(page.name)
+        if not arguments.check:
+            page.write_text(new, encoding="utf-8")
+    if sorted(found) != sorted(TABLES):
+        sys.exit(f"the pages have the tables {sorted(found)}, and these can be made: {sorted(TABLES)}")
+    if arguments.check and wrong:
+        sys.exit(f"not as their csv files: {', '.join(wrong)}; run postprocess/result_tables.py")
+
+
+if __name__ == "__main__":
+    main()
