@@ -39,7 +39,7 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   particles_ = &particles;
   dt_ = dt;
   resize_tightly(rho_, particles.id.size());
-  resize_tightly(delta_, particles.id.size());
+  field_.resize(particles.id.size());
   resize_tightly(multiplier_, particles.id.size());
   std::fill(multiplier_.begin(), multiplier_.end(), T{0});
   positions_only_ = false;
@@ -47,7 +47,7 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
 
 template <class T>
 void DensityProblem<T>::find_lambda(Range part, const UseLambda& use) {
-  constraint_.lambdas(pairs(), part, particles_->predicted, {rho_, delta_, use});
+  constraint_.lambdas(pairs(), part, particles_->predicted, {rho_, field_, use});
   count_pass(part, DensityConstraint<T>::density_flops);
 }
 
@@ -70,23 +70,24 @@ template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   if (positions_only_) note_sweep();
-  constraint_.deltas(pairs(), near_.all(), particles_->predicted, delta_);
+  constraint_.deltas(pairs(), near_.all(), particles_->predicted, field_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
   constexpr LocalId part_size = 512;
+  const std::span<const Vec4<T>> shifts = field_.shifts();
   for_each_part(part, part_size, [&](Range few) {
     const auto first = static_cast<std::size_t>(few.begin);
     const std::span<Vec3> p(&particles_->predicted[first], static_cast<std::size_t>(few.size()));
     Packed<T>* const records = &near_.record(few.begin);
     std::array<LocalId, part_size> left;
     const Shift<T> shift{boundary_.open_box(p), boundary_.is_open_inside(), near_.encoding(), relaxation};
-    const std::size_t count = move_particles<T>(shift, &delta_[first], {p, records}, left.data());
+    const std::size_t count = move_particles<T>(shift, &shifts[first], {p, records}, left.data());
     for (std::size_t k = 0; k < count; ++k) {
       const auto i = static_cast<std::size_t>(left[k]);
-      p[i] = boundary_.collide(p[i], relaxation * vector_of(delta_[first + i]));
+      p[i] = boundary_.collide(p[i], relaxation * vector_of(shifts[first + i]));
       near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
     }
   });
@@ -94,12 +95,13 @@ void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
 
 template <class T>
 void DensityProblem<T>::project(Projection& projection) {
-  projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, delta_);
-  resize_tightly(act_, delta_.size());
-  resize_tightly(in_flight_, delta_.size());
-  resize_tightly(swept_rho_, delta_.size());
+  const std::span<Vec4<T>> shifts = field_.shifts();
+  projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, shifts);
+  resize_tightly(act_, shifts.size());
+  resize_tightly(in_flight_, shifts.size());
+  resize_tightly(swept_rho_, shifts.size());
   for_each_index(near_.all(), [&](std::size_t i) {
-    act_[i] = delta_[i].w;
+    act_[i] = shifts[i].w;
     in_flight_[i] = 0;
   });
 }
@@ -171,8 +173,8 @@ void DensityProblem<T>::release_in_flight() {
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
   for (const Range& part : rows_in_flight()) {
     const auto path = [&](std::size_t i) -> Vec3 { return particles_->velocity[i] * dt_; };
-    constraint_.deltas_in_flight(pairs(), part, particles_->predicted, path, delta_);
-    for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += vector_of(delta_[i]) / dt_; });
+    constraint_.deltas_in_flight(pairs(), part, particles_->predicted, path, field_);
+    for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += field_.shift(i) / dt_; });
     count_pass(part, DensityConstraint<T>::delta_flops);
   }
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(false);
@@ -182,7 +184,7 @@ template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
   const typename Projection::Swept<T> swept{
       {particles_->position, particles_->predicted}, act_, {swept_rho_, constraint_.model().rest_density}};
-  projection.filter_shifts<T>(near_.order(), near_.halo(), swept, delta_);
+  projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
   positions_only_ = false;
@@ -199,11 +201,8 @@ void DensityProblem<T>::separate_coincident() {
   const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
   const auto part = [&](std::size_t i, std::size_t j) {
     const Vec3 away = shift * direction_of(particles_->id[i], particles_->id[j]);
-    for (const auto& [k, u] : {std::pair(i, away), std::pair(j, Vec3(-away))}) {
-      delta_[k].x += static_cast<T>(u.x());
-      delta_[k].y += static_cast<T>(u.y());
-      delta_[k].z += static_cast<T>(u.z());
-    }
+    field_.add_to_shift(i, away);
+    field_.add_to_shift(j, -away);
   };
   const CellOrder& order = near_.order();
   const LocalId rows = order.grid().rows(), columns = order.grid().columns();

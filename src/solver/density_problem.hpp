@@ -61,7 +61,7 @@ class DensityProblem {
   /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
   /// them.
   void separate_coincident();
-  Vec3 delta(LocalId i) const { return vector_of(delta_[static_cast<std::size_t>(i)]); }
+  Vec3 delta(LocalId i) const { return field_.shift(static_cast<std::size_t>(i)); }
   /// p*_i += relaxation · delta_i as far as walls allow (lines 14 to 18).
   void collide_and_move(Range part, Real relaxation = 1);
   /// p*_i = position(i) for the range.
@@ -93,7 +93,7 @@ class DensityProblem {
   /// included.
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const {
-    return (rho_.capacity() + swept_rho_.capacity()) * sizeof(Real) + delta_.capacity() * sizeof(Vec4<T>) +
+    return (rho_.capacity() + swept_rho_.capacity()) * sizeof(Real) + field_.bytes() +
            (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
   }
 
@@ -113,8 +113,8 @@ class DensityProblem {
   Particles* particles_ = nullptr;
   Real dt_ = 0;
   std::vector<Real> rho_;
-  std::vector<Vec4<T>> delta_;  // between lambda and delta the gradients of the walls' contributions
-  std::vector<T> multiplier_;   // m², as in the records
+  WallsOrShifts<T> field_;     // walls between lambda and delta, then shifts
+  std::vector<T> multiplier_;  // m², as in the records
   bool positions_only_ = false;
   std::vector<T> act_;           // how far the grid acts on each particle
   std::vector<T> in_flight_;     // m², of all sweeps, times 1 − act_

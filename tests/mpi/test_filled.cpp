@@ -1,7 +1,6 @@
 // Settings that a program fills by hand: fountains, inlets, drains and output are those of the scene that says the
 // same.
 #include "flow_scenes.hpp"
-#include "scene/scene_flow.hpp"
 #include "solver/check_input.hpp"
 
 namespace trevi::test {

@@ -34,15 +34,16 @@ class ByHand : public testing::Test {
     const Range all{0, d.near.order().owned()};
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     Solved solved{d.particles.id, std::vector<Real>(d.particles.id.size()), {}, {}};
-    std::vector<Vec4<T>> delta(d.particles.id.size());
-    constraint.lambdas(pairs, all, d.particles.predicted, {solved.rho, delta, [&](Range here, const T* multipliers) {
+    WallsOrShifts<T> field;
+    field.resize(d.particles.id.size());
+    constraint.lambdas(pairs, all, d.particles.predicted, {solved.rho, field, [&](Range here, const T* multipliers) {
                                                              for (LocalId i = here.begin; i < here.end; ++i)
                                                                d.near.record(i).w = multipliers[i - here.begin];
                                                            }});
     d.near.halo().exchange(d.near.records());
-    constraint.deltas(pairs, all, d.particles.predicted, delta);
+    constraint.deltas(pairs, all, d.particles.predicted, field);
     for (LocalId i = 0; i < all.end; ++i) solved.lambda.push_back(d.near.record(i).w);
-    for (const Vec4<T>& q : delta) solved.delta.push_back(vector_of(q));
+    for (const Vec4<T>& q : field.shifts()) solved.delta.push_back(vector_of(q));
     return solved;
   }
 };

@@ -27,43 +27,33 @@ Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neig
 
 // What is needed after the pair loop of these particles comes from memory while the loop works.
 template <class V>
-void prefetch(std::span<const V> field, Range here) {
-  const auto* end = reinterpret_cast<const char*>(field.data() + here.end);
-  for (const auto* at = reinterpret_cast<const char*>(field.data() + here.begin); at < end; at += 64)
-    __builtin_prefetch(at);
+void prefetch(std::span<const V> here) {
+  const auto bytes = std::as_bytes(here);
+  for (std::size_t at = 0; at < bytes.size(); at += 64) __builtin_prefetch(bytes.data() + at);
+}
+
+std::span<const Vec3> part_of(std::span<const Vec3> field, Range range) {
+  return field.subspan(static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.size()));
 }
 
 namespace {
-
-// What contributes to a particle's density; kept beside the gradient of that, for record_obstacles().
-enum Boundary { none = 0, box_alone, obstacle };
-template <class T>
-Boundary boundary_of(const Vec4<T>& wall) {
-  return static_cast<Boundary>(static_cast<int>(wall.w));
-}
-
-template <class T>
-Vec4<T> wall_of(const Vec3& gradient, Boundary boundary) {
-  return {static_cast<T>(gradient.x()), static_cast<T>(gradient.y()), static_cast<T>(gradient.z()),
-          static_cast<T>(boundary)};
-}
 
 Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cwiseMin(b.max)}; }
 
 }  // namespace
 
-// visit(i, boundary) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
+// visit(i, wall) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
 template <class T>
 template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
   if (!walls_) return;
   const auto first = static_cast<std::size_t>(range.begin);
-  const std::span<const Vec3> here = p.subspan(first, static_cast<std::size_t>(range.size()));
+  const std::span<const Vec3> here = part_of(p, range);
   const Box& interior = walls_->interior();
   std::array<LocalId, sums_chunk> near;
   if (!obstacles_) {
     const std::size_t count = find_outside(interior, here, near.data());
-    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), box_alone);
+    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), Wall::box);
     return;
   }
   const Box open = obstacles_->open_box(here);
@@ -71,9 +61,9 @@ void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3>
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = first + static_cast<std::size_t>(near[k]);
     if (open.contains(p[i]) || !obstacles_->is_near(p[i])) {
-      if (!interior.contains(p[i])) visit(i, box_alone);
+      if (!interior.contains(p[i])) visit(i, Wall::box);
     } else {
-      visit(i, obstacle);
+      visit(i, Wall::obstacle);
     }
   }
 }
@@ -87,21 +77,21 @@ BoundaryDensity DensityConstraint<T>::boundary_at(const Vec3& p, bool at_obstacl
 // By what lambdas() wrote there: the gradient where it is the box's own.
 template <class T>
 void DensityConstraint<T>::record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
-                                            std::span<const Vec4<T>> wall) const {
+                                            const WallsOrShifts<T>& field) const {
   std::array<std::size_t, sums_chunk> near;
   std::array<Impulse, sums_chunk> by_box;
   std::size_t count = 0, impulses = 0;
   for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
     near[count] = i;  // without a branch
-    count += wall[i].w != 0 ? 1 : 0;
+    count += field.has_wall(i) ? 1 : 0;
   }
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = near[k];
     const auto factor = static_cast<Real>(records[i].w);
-    if (boundary_of(wall[i]) == obstacle) {
+    if (field.wall(i) == Wall::obstacle) {
       obstacles_->record_gradient(walls_->at(p[i]), p[i], factor);
     } else if (factor != 0) {
-      by_box[impulses++] = {factor * vector_of(wall[i]), p[i]};
+      by_box[impulses++] = {factor * field.gradient(i), p[i]};
     }
   }
   obstacles_->record_box({by_box.data(), impulses});
@@ -131,8 +121,8 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
   for_each_sum<T>(range, loop, [&](Range here, const T* sum) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
       rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
-    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
-      rho[i] += model_.rest_density * boundary_at(p[i], boundary == obstacle).density;
+    for_each_near_wall(here, p, [&](std::size_t i, Wall wall) {
+      rho[i] += model_.rest_density * boundary_at(p[i], wall == Wall::obstacle).density;
     });
   });
 }
@@ -142,7 +132,7 @@ template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                    const Lambdas& out) const {
   const auto loop = [&](Range here, Vec4<T>* sums, T* squares) {
-    prefetch(p, here);
+    prefetch(part_of(p, here));
     loops_.density(pairs, here, sums, squares);
   };
   const Real slope = gradient_factor_, slope2 = slope * slope;
@@ -152,14 +142,14 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     const auto first = static_cast<std::size_t>(here.begin), count = static_cast<std::size_t>(here.size());
     std::array<T, sums_chunk> multiplier;
     find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
-    std::fill_n(&out.wall[first], count, Vec4<T>{});
-    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
+    out.field.clear_walls(here);
+    for_each_near_wall(here, p, [&](std::size_t i, Wall wall) {
       const std::size_t k = i - first;
-      const BoundaryDensity boundary_density = boundary_at(p[i], boundary == obstacle);
+      const BoundaryDensity boundary_density = boundary_at(p[i], wall == Wall::obstacle);
       out.rho[i] += model_.rest_density * boundary_density.density;
       const Vec3 gradient = boundary_density.gradient - slope * vector_of(sums[k]);
       multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
-      out.wall[i] = wall_of<T>(boundary_density.gradient, boundary);
+      out.field.set_wall(i, boundary_density.gradient, wall);
     });
     out.use(here, multiplier.data());
   });
@@ -170,25 +160,22 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
 template <class T>
 void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                             const std::function<Vec3(std::size_t)>& path,
-                                            std::span<Vec4<T>> delta) const {
-  for_each_part(range, sums_chunk,
-                [&](Range here) { std::fill_n(&delta[static_cast<std::size_t>(here.begin)], here.size(), Vec4<T>{}); });
-  sum_deltas(loops_.delta, pairs, range, p, delta);
+                                            WallsOrShifts<T>& field) const {
+  for_each_part(range, sums_chunk, [&](Range here) { field.clear_walls(here); });
+  sum_deltas(loops_.delta, pairs, range, p, field);
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   for_each_part(range, sums_chunk, [&](Range here) {
-    for_each_near_wall(here, p, [&](std::size_t i, Boundary boundary) {
+    for_each_near_wall(here, p, [&](std::size_t i, Wall wall) {
       const auto multiplier = static_cast<Real>(records[i].w);
       if (multiplier == 0) return;
-      const BoundaryDensity box = walls_->at(p[i]), all = boundary_at(p[i], boundary == obstacle);
-      const Real nearer = boundary == obstacle ? obstacles_->growth(box, p[i], path(i)) : all.gradient.dot(path(i));
+      const BoundaryDensity box = walls_->at(p[i]), all = boundary_at(p[i], wall == Wall::obstacle);
+      const Real nearer = wall == Wall::obstacle ? obstacles_->growth(box, p[i], path(i)) : all.gradient.dot(path(i));
       const Real pushed = multiplier * all.gradient.squaredNorm();
       if (nearer * pushed >= 0) return;
       const Real factor = multiplier * std::min(-nearer / pushed, 1.0);
-      delta[i].x += static_cast<T>(factor * all.gradient.x());
-      delta[i].y += static_cast<T>(factor * all.gradient.y());
-      delta[i].z += static_cast<T>(factor * all.gradient.z());
+      field.add_to_shift(i, factor * all.gradient);
       if (!obstacles_ || !obstacles_->records_impulses()) return;
-      if (boundary == obstacle) {
+      if (wall == Wall::obstacle) {
         obstacles_->record_gradient(box, p[i], factor);
       } else {
         Impulse by_box{factor * all.gradient, p[i]};
@@ -200,22 +187,18 @@ void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, 
 
 template <class T>
 void DensityConstraint<T>::sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range,
-                                      std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
+                                      std::span<const Vec3> p, WallsOrShifts<T>& field) const {
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   const auto factor = static_cast<T>(-gradient_factor_);
   const auto loop = [&](Range here, Vec4<T>* sums) {
-    prefetch<Vec4<T>>(delta, here);
-    if (obstacles_) prefetch(p, here);
+    prefetch(field.memory(here));
+    if (obstacles_) prefetch(part_of(p, here));
     delta_loop(pairs, here, sums);
   };
   for_each_sum<Vec4<T>>(range, loop, [&](Range here, const Vec4<T>* sums) {
-    if (obstacles_ && walls_ && obstacles_->records_impulses()) record_obstacles(here, records, p, delta);
-    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums) {
-      const T multiplier = records[i].w;
-      Vec4<T>& out = delta[i];
-      out = {sums->x * factor + multiplier * out.x, sums->y * factor + multiplier * out.y,
-             sums->z * factor + multiplier * out.z, 0};
-    }
+    if (obstacles_ && walls_ && obstacles_->records_impulses()) record_obstacles(here, records, p, field);
+    for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sums)
+      field.make_shift(i, *sums, factor, records[i].w);
   });
 }
 

@@ -15,6 +15,7 @@
 
 #include "boundary/obstacles/obstacles.hpp"
 #include "boundary/wall_density.hpp"
+#include "fluid/constraint/walls_or_shifts.hpp"
 #include "fluid/pairs/pair_sums.hpp"
 #include "kernels/kernels.hpp"
 #include "trevi/settings.hpp"
@@ -63,22 +64,22 @@ class DensityConstraint {
   /// whole of these.
   struct Lambdas {
     std::span<Real> rho;      ///< rho_i, kg/m³
-    std::span<Vec4<T>> wall;  ///< gradient of the walls' contribution, 1/m, and what it is from, for deltas()
+    WallsOrShifts<T>& field;  ///< walls, for deltas()
     std::function<void(Range here, const T* multipliers)> use;
   };
   /// Finds rho_i and lambda_i for the range; p is an array of all owned particles.
   void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Lambdas& out) const;
 
-  /// Writes delta_i in metres for the range, in place of what lambdas() wrote there for the same positions, and tells
-  /// the obstacles' ledger what the walls and they have in it.
-  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Vec4<T>> delta) const {
-    sum_deltas(delta_loop_, pairs, range, p, delta);
+  /// Writes delta_i in metres for the range, in place of the walls that lambdas() wrote there for the same positions,
+  /// and tells the obstacles' ledger what the walls and they have in it.
+  void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, WallsOrShifts<T>& field) const {
+    sum_deltas(delta_loop_, pairs, range, p, field);
   }
   /// Writes delta_i in metres for the range, as deltas() without the tensile term: what the multipliers alone do to
   /// particles that move by `path`, m, in the substep. Walls and obstacles stop what comes nearer to them, and do no
   /// more.
   void deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                        const std::function<Vec3(std::size_t)>& path, std::span<Vec4<T>> delta) const;
+                        const std::function<Vec3(std::size_t)>& path, WallsOrShifts<T>& field) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
@@ -86,12 +87,12 @@ class DensityConstraint {
  private:
   using DeltaLoop = std::function<void(const Pairs<T>&, Range, Vec4<T>*)>;
   void sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                  std::span<Vec4<T>> delta) const;
+                  WallsOrShifts<T>& field) const;
   template <class Visit>
   void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
   BoundaryDensity boundary_at(const Vec3& p, bool at_obstacle) const;
   void record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
-                        std::span<const Vec4<T>> wall) const;
+                        const WallsOrShifts<T>& field) const;
 
   DensityModel model_;
   Real density_factor_;   // m W(0), kg/m³: the density of a particle without neighbours

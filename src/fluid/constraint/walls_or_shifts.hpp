@@ -1,0 +1,65 @@
+// What the pair loops of the density constraint leave for one another: of each particle first the gradient of what
+// walls and obstacles add to its density, then its shift. **One memory holds both**, four numbers a particle: the loop
+// that finds a shift reads the gradient and writes the shift in its place, and whoever asks for one of them must know
+// that it is the one that is there. Not collective; different particles may be written by different threads.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "base/growth.hpp"
+#include "base/range.hpp"
+#include "particles/packed.hpp"
+
+namespace trevi {
+
+/// What adds to the density of a particle besides others.
+enum class Wall { none, box, obstacle };
+
+template <class T>
+class WallsOrShifts {
+ public:
+  void resize(std::size_t particles) { resize_tightly(memory_, particles); }
+  std::size_t size() const { return memory_.size(); }
+  std::size_t bytes() const { return memory_.capacity() * sizeof(Vec4<T>); }
+  /// Of the particles of a range, to be prefetched.
+  std::span<const Vec4<T>> memory(Range range) const {
+    return {memory_.data() + range.begin, static_cast<std::size_t>(range.size())};
+  }
+
+  // ---- while it holds gradients
+
+  /// No wall near the particles of the range.
+  void clear_walls(Range range) { std::fill(memory_.begin() + range.begin, memory_.begin() + range.end, Vec4<T>{}); }
+  /// `gradient` in 1/m.
+  void set_wall(std::size_t i, const Vec3& gradient, Wall wall) {
+    memory_[i] = {static_cast<T>(gradient.x()), static_cast<T>(gradient.y()), static_cast<T>(gradient.z()),
+                  static_cast<T>(static_cast<int>(wall))};
+  }
+  bool has_wall(std::size_t i) const { return memory_[i].w != 0; }
+  Wall wall(std::size_t i) const { return static_cast<Wall>(static_cast<int>(memory_[i].w)); }
+  Vec3 gradient(std::size_t i) const { return vector_of(memory_[i]); }
+  /// From here on the shift of the particle, m: factor · sum + multiplier · gradient.
+  void make_shift(std::size_t i, const Vec4<T>& sum, T factor, T multiplier) {
+    Vec4<T>& out = memory_[i];
+    out = {sum.x * factor + multiplier * out.x, sum.y * factor + multiplier * out.y,
+           sum.z * factor + multiplier * out.z, 0};
+  }
+
+  // ---- while it holds shifts, m
+
+  /// The fourth numbers are free, for the projection to tell how far the grid acts.
+  std::span<Vec4<T>> shifts() { return memory_; }
+  Vec3 shift(std::size_t i) const { return vector_of(memory_[i]); }
+  void add_to_shift(std::size_t i, const Vec3& more) {
+    memory_[i].x += static_cast<T>(more.x());
+    memory_[i].y += static_cast<T>(more.y());
+    memory_[i].z += static_cast<T>(more.z());
+  }
+
+ private:
+  std::vector<Vec4<T>> memory_;
+};
+
+}  // namespace trevi
