@@ -114,7 +114,7 @@ TEST_F(Gauges, WeightHasTheIntegralOne) {
 TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
   const Box box{Vec3::Zero(), Vec3::Ones()};
   const auto nowhere = [](const Vec3&) { return false; };
-  GaugeSettings gauge{GaugeKind::pressure, {0, 0.5, 0}, {1, 0, 0}, 0.1, 0};
+  GaugeSettings gauge{GaugeKind::pressure, {0, 0.5, 0}, {1, 0, 0}, 0.1};
   EXPECT_NEAR(open_fraction_of_gauge(gauge, 0.1, box, nowhere), 0.5, 0.01);
   gauge.center.z() = 0.5;
   EXPECT_EQ(open_fraction_of_gauge(gauge, 0.1, box, nowhere), 1);
@@ -127,7 +127,7 @@ TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
 // middle.
 TEST_F(Gauges, ShareOfALevelDiscIsExactInANarrowBox) {
   const Box box{Vec3(-9, -0.01, 0), Vec3(9, 0.01, 1)};
-  const GaugeSettings gauge{GaugeKind::height, {0, 0, 0}, {0, 0, 1}, 9, 0};
+  const GaugeSettings gauge{GaugeKind::height, {0, 0, 0}, {0, 0, 1}, 9};
   EXPECT_NEAR(open_fraction_of_gauge(gauge, 0.1, box, {}) / (0.02 * 8 / (3 * std::numbers::pi * 9)), 1, 1e-5);
 }
 
