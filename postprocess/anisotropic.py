@@ -83,6 +83,7 @@ def share_of_water(position, spacing):
         share[(base[kernels.deep] + offset) @ stride] = 1
     extent = np.sqrt(np.einsum("nik,nk->ni", kernels.axes**2, kernels.radii**2))
     cells = np.ceil(extent / cell).astype(int)
+    found = Collected(share)
     # Particles with boxes of one size at a time.
     for box in np.unique(cells[~kernels.deepest], axis=0):
         offsets = box_of(*[np.arange(-k, k + 2) for k in box])
@@ -91,8 +92,28 @@ def share_of_water(position, spacing):
             start = low + base[part] * cell - position[part]
             nodes, values = spread_out(start, offsets * cell, Kernels(*(field[part] for field in kernels)))
             number = (base[part] @ stride)[:, None] + (offsets @ stride)
-            share += np.bincount(number[nodes], values, len(share))
+            found.add(number[nodes], values)
+    found.write()
     return low, cell, size, share
+
+
+class Collected:
+    """Values that are to be added to some elements of a long array, written many at a time, as each time costs its length."""
+
+    def __init__(self, target):
+        self.target, self.parts, self.count = target, [], 0
+
+    def add(self, numbers, values):
+        self.parts.append((numbers, values))
+        self.count += len(numbers)
+        if self.count > 2 * len(self.target):
+            self.write()
+
+    def write(self):
+        if self.parts:
+            numbers, values = (np.concatenate(column) for column in zip(*self.parts))
+            self.target += np.bincount(numbers, values, len(self.target))
+        self.parts, self.count = [], 0
 
 
 def spread_out(start, offsets, kernels):

@@ -5,23 +5,38 @@ stone where it goes behind what the picture shows there, so what no straight ray
 """
 
 import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from water import ABSORPTION, LAMP, LAMPLIGHT, dot
+from light import dot
+from water import ABSORPTION
 
-STONE = np.array([0.46, 0.41, 0.35], np.float32)
 STEPS = 24  # places at which a bent ray is compared with the picture
 THICK = 0.4  # m; a ray that is further behind a stone has passed it
 
 
+def points_on(surface, box, apart=0.02):
+    """Points in the box on the surfaces of obstacles, one for each square of that edge (m), for their shadows."""
+    if surface is None or not surface.GetNumberOfPoints():
+        return np.zeros((0, 3))
+    corners = vtk_to_numpy(surface.GetPoints().GetData())[vtk_to_numpy(surface.GetPolys().GetData()).reshape(-1, 4)[:, 1:]]
+    first, along, across = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    counts = np.ceil(np.linalg.norm(np.cross(along, across), axis=1) / 2 / apart**2).astype(int).clip(1, 20000)
+    share = np.random.default_rng(1).random((counts.sum(), 2))
+    share = np.where(share.sum(axis=1, keepdims=True) > 1, 1 - share, share)
+    point = np.repeat(first, counts, axis=0) + share[:, :1] * np.repeat(along, counts, axis=0) + share[:, 1:] * np.repeat(
+        across, counts, axis=0)
+    return point[((point >= box[0]) & (point <= box[1])).all(axis=1)]
+
+
 class Solids:
     """`normal` and `distance` (along the viewing axis, infinite where there is none) of each pixel, rows of the picture
-    one after the other; `project` takes points to (column, row, distance)."""
+    one after the other; `project` takes points to (column, row, distance); `light` as of light.py."""
 
-    def __init__(self, normal, distance, size, project):
+    def __init__(self, normal, distance, size, project, light):
         self.distance, self.size, self.project = distance, size, project
-        lamp = (LAMP / np.linalg.norm(LAMP)).astype(np.float32)
-        light = 0.10 + 0.75 * LAMPLIGHT * np.clip(dot(normal, lamp), 0, 1) + 0.12 * np.clip(normal[:, 2:], 0, 1)
-        self.colour = STONE * light
+        lamp = (light.lamp / np.linalg.norm(light.lamp)).astype(np.float32)
+        bright = 0.75 * light.lamplight * np.clip(dot(normal, lamp), 0, 1) + 0.12 * np.clip(normal[:, 2:], 0, 1)
+        self.colour = light.stone * (0.06 + light.ambient + bright)
 
     def seen_through(self, point, direction, length):
         """What rays within the water meet: whether they do, colour, and how far they have come (m)."""

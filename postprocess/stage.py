@@ -21,6 +21,7 @@ from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkRenderWindow,
 import trevi_run
 
 BLUE = (40, 120, 220)
+QUALITY = 82  # of WebP, of 100
 
 
 class BadInput(Exception):
@@ -94,7 +95,10 @@ class Run:
 
 
 def camera_for(low, high, options):
-    """Looks at the middle of the box from azimuth and elevation, from so far that the whole box is in the picture."""
+    """Looks at the middle of the box, or of `options.box`, from azimuth and elevation, from so far that all of it is in
+    the picture."""
+    if options.box:
+        low, high = np.array(options.box[:3]), np.array(options.box[3:])
     azimuth, elevation = np.radians([options.azimuth, options.elevation])
     back = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0])
@@ -141,11 +145,16 @@ def pixels(window, depth=False):
 
 
 def save(picture, path):
-    """Writes uint8 rows from the bottom as PNG."""
+    """Writes uint8 rows from the bottom as PNG or, with Pillow, as WebP."""
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    if path.endswith(".webp"):
+        from PIL import Image  # pylint: disable=import-outside-toplevel
+        Image.fromarray(np.ascontiguousarray(picture[::-1])).save(path, quality=QUALITY, method=6)
+        print(path)
+        return
     image = vtkImageData()
     image.SetDimensions(picture.shape[1], picture.shape[0], 1)
     image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(picture.reshape(-1, 3)), deep=1))
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
     writer = vtkPNGWriter()
     writer.SetFileName(str(path))
     writer.SetCompressionLevel(9)
@@ -184,5 +193,7 @@ def add_options(parser):
     parser.add_argument("--time", type=float, help="of the frame, s (default: the last)")
     parser.add_argument("--azimuth", type=float, default=-60, help="degrees around the vertical (default %(default)s)")
     parser.add_argument("--elevation", type=float, default=12, help="degrees above the horizon (default %(default)s)")
+    parser.add_argument("--box", type=float, nargs=6, metavar=tuple("xyzXYZ"),
+                        help="corners of what fills the picture, m, the floor at z = 0 (default: the box, as high as the water)")
     parser.add_argument("--view-angle", type=float, default=28, help="of the camera, degrees (default %(default)s)")
     parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("WIDTH", "HEIGHT"))

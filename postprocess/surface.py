@@ -1,12 +1,13 @@
 #!/usr/bin/python3
-"""Reconstructs the water surface of a frame and renders it as water at night.
+"""Reconstructs the water surface of a frame and renders it as water, at night or by day.
 
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.png
+  jobs/render.sh surface.py out/dam_break_obstacle --time 1 --light day --output water.webp
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.ply   # the surface itself, for Blender; or .obj
 
 Surface: where the share of water, spread by kernels that follow the water's shape, is that of which it holds its
 volume, about 0.4 (anisotropic.py). Picture: each
-pixel's ray is refracted, reflected and absorbed (water.py), obstacles are stone (solids.py). White is what air is driven into, and spray has white specks
+pixel's ray is refracted, reflected and absorbed (water.py, light.py), obstacles are stone (solids.py). White is what air is driven into, and spray has white specks
 about it; both want frames with the field velocity. --tint mixes in the particles' own colours, for a fountain lit by
 coloured lamps.
 """
@@ -26,9 +27,10 @@ from vtkmodules.vtkIOPLY import vtkPLYWriter
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from anisotropic import LEVELS, share_of_water, white
-from solids import Solids, lit
+from light import LIGHTS, Surroundings, normalised
+from solids import Solids, lit, points_on
 from stage import BadInput, Run, add_options, camera_for, checked_output, cloud_of, pixels, save, window_for
-from water import Ground, developed, normalised, water
+from water import developed, water
 
 SMOOTHING, PASS_BAND = 14, 0.2
 SPECKS = 12  # about a particle of spray, within a spacing
@@ -222,7 +224,7 @@ def clip(camera, low, high):
     camera.SetClippingRange(max(away.min(), 0.01 * away.max()), away.max())
 
 
-def solids_of(surface, camera, size):
+def solids_of(surface, camera, size, light):
     """Only what looks at the camera, so that one sees the water in a vessel. None without obstacles."""
     if surface is None:
         return None
@@ -233,19 +235,21 @@ def solids_of(surface, camera, size):
     actor = actor_of(normals.GetOutput())
     actor.GetProperty().BackfaceCullingOn()
     normal, front, _ = normals_and_depth(actor, camera, size)
-    _, _, axes = rays(camera, size)
+    eye, plane, axes = rays(camera, size)
     front = front.reshape(-1)
     distance = np.where(front < 1, distance_of(front, camera), np.inf).astype(np.float32)
-    return Solids(normalised(normal.reshape(-1, 3) @ axes), distance, size, projection(camera, size))
+    above = eye[2] + plane[:, 2] * np.where(front < 1, distance, 0) >= 0  # what is below the ground is not seen
+    distance[~above] = np.inf
+    return Solids(normalised(normal.reshape(-1, 3) @ axes), distance, size, projection(camera, size), light)
 
 
-def picture(mesh, solids, camera, size, ground, options):
+def picture(mesh, solids, camera, size, around, options):
     """Linear colours of all pixels, a row each, and the distance of the nearest water or stone."""
     layers = (layer.reshape(size[0] * size[1], -1) for layer in buffers(mesh, camera, size))
     normal, colour, whiteness, front, back = layers
     eye, plane, axes = rays(camera, size)
     direction = normalised(plane)
-    result = ground.seen(np.broadcast_to(eye, plane.shape), direction)
+    result = around.seen(np.broadcast_to(eye, plane.shape), direction)
     distance = np.where(front[:, 0] < 1, distance_of(front[:, 0], camera), np.inf).astype(np.float32)
     dry = np.zeros(len(result), bool)
     if solids:
@@ -258,7 +262,7 @@ def picture(mesh, solids, camera, size, ground, options):
               np.clip(behind - nearest, 0.02, 20) * slant)
     tint = FOAM_WHITE + options.tint * (colour[wet] ** 2.2 - FOAM_WHITE)
     foam = 0.03 + 0.12 * options.tint + (options.foam - 0.03) * whiteness[wet, :1]
-    result[wet] = water(ground, hit, tint, foam, solids)
+    result[wet] = water(around, hit, tint, foam, solids)
     return result, distance
 
 
@@ -285,23 +289,27 @@ def main():
     parser.add_argument("--spacing", type=float, help="of the lattice, m (default: the run's)")
     parser.add_argument("--tint", type=float, default=0, help="share of the particles' colours, 0 to 1 (default 0)")
     parser.add_argument("--foam", type=float, default=0.9, help="white where air is driven in, 0 to 1 (default 0.9)")
+    parser.add_argument("--light", choices=LIGHTS, default="night", help="what lights the picture (default %(default)s)")
     options = parser.parse_args()
     try:
-        ending = checked_output(options.output, (".png", ".ply", ".obj"))
+        ending = checked_output(options.output, (".png", ".webp", ".ply", ".obj"))
         run = Run(options.run)
         spacing = options.spacing or run.spacing
         number = run.nearest(options.time)
         position, rgb, velocity = run.read(number)
         whiteness, spray = white(position, velocity, spacing)
         mesh = coloured(surface_of(position, spacing), position, rgb, whiteness, spacing)
-        if ending != ".png":
+        if ending in (".ply", ".obj"):
             write_mesh(mesh, options.output)
             return 0
         low, high = run.bounds([number])
         size, camera = [2 * n for n in options.size], camera_for(low - 0.3, high + 0.3, options)
         clip(camera, low - 1, high + 1)
-        solids = solids_of(run.solids(number), camera, size)
-        linear, front = picture(mesh, solids, camera, size, Ground(low, high), options)
+        light = LIGHTS[options.light]
+        stone = run.solids(number)
+        solids = solids_of(stone, camera, size, light)
+        around = Surroundings(low, high, light, (position[spray], points_on(stone, run.box)))
+        linear, front = picture(mesh, solids, camera, size, around, options)
         linear = add_specks(linear, front, camera, size, *specks(position[spray], whiteness[spray], spacing),
                             SPECK_SIZE * spacing)
         save(halved(developed(linear.reshape(size[1], size[0], 3))), options.output)

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# usage: jobs/gallery.sh [SCENE ...] [--runs RUNS]
+#
+# Runs the scenes of inputs/gallery, all of them or those that are named, and makes their pictures anew:
+# postprocess/results/gallery/SCENE.webp. Runs that are in RUNS (default out/gallery) are not made again. On two cores each
+# scene takes one to five minutes, and its picture one.
+#
+#   jobs/gallery.sh
+#   jobs/gallery.sh vortex drop
+set -euo pipefail
+# shellcheck source=jobs/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+trevi_packages+=(xvfb xauth python3-scipy python3-pil)
+
+# How each picture is taken: the script, the time (s), and where the camera looks at.
+declare -A pictures=(
+  [stone_fountain]="surface.py --time 3.5 --azimuth -72 --elevation 18 --box -4.6 -3.2 0 4.6 3.2 4.6"
+  [breaking_wave]="surface.py --time 2.6 --azimuth -65 --elevation 10 --box 8 0 0 15 1.6 1.6"
+  [dam_and_pillar]="surface.py --time 0.85 --azimuth -55 --elevation 16 --box 0.2 0 0 5.4 2.88 1.7"
+  [vortex]="surface.py --time 2.0 --azimuth -60 --elevation 32 --box -1.5 -1.5 0.2 1.5 1.5 2.2"
+  [spout]="surface.py --time 2.0 --azimuth -62 --elevation 14 --box 0 -1.1 0.1 3.6 1.1 1.9"
+  [weir]="surface.py --time 3.5 --azimuth -52 --elevation 20 --box 0.6 0 0 7.6 2.6 1.3"
+  [drop]="surface.py --time 0.4 --azimuth -60 --elevation 18 --box 0.5 0.5 0.1 3.1 3.1 1.5"
+  [rainbow_cube]="render.py --time 0.8 --elevation 20 --box 0.6 0.6 0 6.4 6.4 2.4"
+)
+scenes=(stone_fountain breaking_wave dam_and_pillar vortex spout weir drop rainbow_cube)
+
+# picture SCENE RUN
+picture() {
+  local words script light=()
+  read -ra words <<<"${pictures[$1]}"
+  script="${words[0]}"
+  [[ $script != surface.py ]] || light=(--light day)
+  xvfb-run -a /usr/bin/python3 "postprocess/$script" "$2" --size 1080 720 "${light[@]}" "${words[@]:1}" \
+    --output "postprocess/results/gallery/$1.webp"
+}
+
+main() {
+  local runs=out/gallery chosen=() scene
+  while [[ $# -gt 0 ]]; do
+    case "$1" in
+      -h | --help) print_help && exit 0 ;;
+      --runs) [[ $# -gt 1 ]] || fail "--runs wants a folder" 2 && runs="$2" && shift ;;
+      *) [[ -n ${pictures[$1]:-} ]] || fail "$1 is no scene of the gallery; they are ${scenes[*]}" 2 && chosen+=("$1") ;;
+    esac
+    shift
+  done
+  cd "$trevi_root"
+  install_packages
+  mkdir -p "$runs"
+  [[ ${#chosen[@]} -gt 0 ]] || chosen=("${scenes[@]}")
+  for scene in "${chosen[@]}"; do
+    run_to_end "$runs/$scene" "gallery/$scene"
+    picture "$scene" "$runs/$scene"
+  done
+}
+
+main "$@"
