@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 # sky: zenith, horizon, glow towards the key lamp; lamps: factors on `lamp`'s axes, strength, cosines between which they
-# fade; lamp: where the key light comes from; pool, paving: stone in and around the box; ambient: light without the lamp;
+# fade; lamp: where the key light comes from; pool, paving: stone below water, and dry; ambient: light without the lamp;
 # spread: how far the lamp lights the ground, in sizes of the box; stone: obstacles.
 Light = namedtuple("Light", "zenith horizon glow lamps lamp lamplight pool paving joint ambient spread stone")
 
@@ -25,10 +25,10 @@ LIGHTS = {
         lamp=colour(-0.52, 0.62, 0.59), lamplight=colour(1.0, 0.93, 0.82), pool=colour(0.30, 0.46, 0.52),
         paving=colour(0.15, 0.15, 0.17), joint=0.45, ambient=0.04, spread=0.6, stone=colour(0.46, 0.41, 0.35)),
     "day": Light(
-        zenith=colour(0.05, 0.16, 0.48), horizon=colour(0.42, 0.56, 0.70), glow=colour(0.10, 0.07, 0.04),
-        lamps=(((1, 1, 1), 22.0, (0.985, 0.997)), ((-1, 0.4, 1.2), 1.2, (0.90, 0.99))),
-        lamp=colour(-0.52, 0.52, 0.68), lamplight=colour(1.0, 0.96, 0.88), pool=colour(0.36, 0.46, 0.48),
-        paving=colour(0.26, 0.245, 0.22), joint=0.16, ambient=0.26, spread=4.0, stone=colour(0.58, 0.51, 0.43)),
+        zenith=colour(0.02, 0.10, 0.40), horizon=colour(0.28, 0.47, 0.74), glow=colour(0.10, 0.07, 0.04),
+        lamps=(((1, 1, 1), 6.0, (0.985, 0.997)), ((1.1, -1.45, 0.86), 9.0, (0.990, 0.998))),
+        lamp=colour(-0.45, -0.55, 0.70), lamplight=colour(1.0, 0.96, 0.88), pool=colour(0.34, 0.47, 0.50),
+        paving=colour(0.24, 0.22, 0.195), joint=0.18, ambient=0.20, spread=4.0, stone=colour(0.58, 0.51, 0.43)),
 }
 TILE = 0.6  # m
 SHADES = 400  # cells of the map of shadows along its longer side
@@ -94,25 +94,26 @@ class Surroundings:
             result = result + strength * light.lamplight * smoothstep(*ends, dot(direction, lamp))
         return result
 
-    def ground(self, point):
+    def ground(self, point, deep=0):
+        """Its colour; deep, 0 to 1: how far it is that of a pool, in the box."""
         light, xy = self.light, point[:, :2]
         cell = np.floor(xy / TILE)
         noise = np.abs(np.sin(cell[:, :1] * 12.9898 + cell[:, 1:] * 78.233) * 43758.5453) % 1
         edge = np.abs(xy / TILE - cell - 0.5).max(axis=1, keepdims=True)
         inside = np.all((xy > self.low) & (xy < self.high), axis=1, keepdims=True)
-        stone = np.where(inside, light.pool, light.paving)
+        stone = light.paving + (light.pool - light.paving) * inside * deep
         stone = stone * (0.82 + 0.28 * noise) * (1 - light.joint * smoothstep(0.47, 0.485, edge))
         distance = np.linalg.norm(xy - self.middle, axis=1, keepdims=True)
         lamp = 0.65 * light.lamplight * np.exp(-((distance / (light.spread * self.size)) ** 2))
         return stone * (light.ambient + lamp * (1 - self.shadows.at(xy)))
 
-    def seen(self, origin, direction):
-        """What a ray meets that misses the water; the ground fades into the horizon."""
+    def seen(self, origin, direction, deep=0):
+        """What a ray meets that misses the water; the ground, as ground() has it, fades into the horizon."""
         downward = direction[:, 2] < -1e-3
         result = self.sky(direction)
         way = -origin[downward, 2:] / direction[downward, 2:]
         point = origin[downward] + way * direction[downward]
         fade = np.exp(-way / (6 * self.size))
         level = direction[downward] * np.array([1, 1, 0], np.float32)
-        result[downward] = self.ground(point) * fade + self.sky(normalised(level)) * (1 - fade)
+        result[downward] = self.ground(point, deep) * fade + self.sky(normalised(level)) * (1 - fade)
         return result

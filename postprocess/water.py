@@ -9,6 +9,7 @@ import numpy as np
 from light import dot, normalised
 
 REFRACTION = 1.33
+SHALLOW = 0.08  # m; less water than that shows the stone as it is
 REFLECTANCE = 0.02  # of water at normal incidence
 ABSORPTION = np.array([1.3, 0.30, 0.12], np.float32)  # 1/m; exaggerated, as 1 m of real water has no colour
 
@@ -29,8 +30,8 @@ def water(around, hit, tint, foam, solids=None):
     way = np.where(on_floor, to_floor, hit.depth)
     out = hit.point + way * inward
     # A drop bends the ray a second time as much as the first.
-    beyond = around.seen(out, normalised(2 * inward - hit.direction))
-    behind = np.where(on_floor, around.ground(out), beyond) * np.exp(-ABSORPTION * way)
+    beyond = around.seen(out, normalised(2 * inward - hit.direction), deep=1)
+    behind = np.where(on_floor, around.ground(out, 1 - np.exp(-height / SHALLOW)), beyond) * np.exp(-ABSORPTION * way)
     if solids:
         met, stone, length = solids.seen_through(hit.point, inward, way)
         behind, way = np.where(met[:, None], stone, behind), np.where(met[:, None], length, way)
