@@ -3,7 +3,7 @@
 #        jobs/render.sh gallery [RUNS]
 #
 # Installs what is missing (with the build's packages: xvfb, ffmpeg, scipy) and starts SCRIPT, render.py or surface.py of
-# postprocess/, with a virtual display. "gallery" makes all pictures of postprocess/results/gallery.md and the film
+# postprocess/, with a virtual display. "gallery" makes all pictures of postprocess/results/report_figures.md and the film
 # out/musical_fountain.mp4 from the runs in RUNS (default out/), after running the scenes that are not there, or going on
 # with those that were cut short (minutes each). Pictures in postprocess/results/ are written over.
 #
