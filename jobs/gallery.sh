@@ -14,14 +14,14 @@ trevi_packages+=(xvfb xauth python3-scipy python3-pil)
 
 # How each picture is taken: the script, the time (s), and where the camera looks at.
 declare -A pictures=(
-  [stone_fountain]="surface.py --time 3.5 --azimuth -72 --elevation 18 --box -4.6 -3.2 0 4.6 3.2 4.6"
-  [breaking_wave]="surface.py --time 2.6 --azimuth -65 --elevation 10 --box 8 0 0 15 1.6 1.6"
+  [stone_fountain]="surface.py --time 3.5 --azimuth -72 --elevation 18 --box -6 -4 0 6 4 7"
+  [breaking_wave]="surface.py --time 2.5 --azimuth -63 --elevation 11 --box 9.6 0 0.5 14.4 1.6 1.9"
   [dam_and_pillar]="surface.py --time 0.85 --azimuth -55 --elevation 16 --box 0.2 0 0 5.4 2.88 1.7"
-  [vortex]="surface.py --time 2.0 --azimuth -60 --elevation 32 --box -1.5 -1.5 0.2 1.5 1.5 2.2"
+  [vortex]="surface.py --time 2.75 --azimuth -60 --elevation 46 --box -1.3 -1.3 0.9 1.3 1.3 2.3"
   [spout]="surface.py --time 2.0 --azimuth -62 --elevation 14 --box 0 -1.1 0.1 3.6 1.1 1.9"
   [weir]="surface.py --time 3.5 --azimuth -52 --elevation 20 --box 0.6 0 0 7.6 2.6 1.3"
-  [drop]="surface.py --time 0.4 --azimuth -60 --elevation 18 --box 0.5 0.5 0.1 3.1 3.1 1.5"
-  [rainbow_cube]="render.py --time 0.8 --elevation 20 --box 0.6 0.6 0 6.4 6.4 2.4"
+  [drop]="surface.py --time 0.25 --azimuth -105 --elevation 18 --box 0.9 0.9 0.2 2.7 2.7 1.1"
+  [rainbow_cube]="render.py --time 0.8 --elevation 20 --box 0.2 0.2 0 7.2 7 2.8"
 )
 scenes=(stone_fountain breaking_wave dam_and_pillar vortex spout weir drop rainbow_cube)
 
@@ -31,7 +31,7 @@ picture() {
   read -ra words <<<"${pictures[$1]}"
   script="${words[0]}"
   [[ $script != surface.py ]] || light=(--light day)
-  xvfb-run -a /usr/bin/python3 "postprocess/$script" "$2" --size 1080 720 "${light[@]}" "${words[@]:1}" \
+  xvfb-run -a /usr/bin/python3 "postprocess/$script" "$2" --size 960 640 "${light[@]}" "${words[@]:1}" \
     --output "postprocess/results/gallery/$1.webp"
 }
 

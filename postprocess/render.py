@@ -151,7 +151,7 @@ def main():
     try:
         if options.sound and not Path(options.sound).is_file():
             raise BadInput(f"{options.sound}: no such sound file")
-        is_film = checked_output(options.output, (".png", ".mp4")) == ".mp4"
+        is_film = checked_output(options.output, (".png", ".webp", ".mp4")) == ".mp4"
         run = Run(options.run)
         options.radius = options.radius or 0.55 * run.spacing
         numbers = range(len(run.times)) if is_film else [run.nearest(options.time)]
