@@ -26,7 +26,7 @@ LIGHTS = {
         paving=colour(0.15, 0.15, 0.17), joint=0.45, ambient=0.04, spread=0.6, stone=colour(0.46, 0.41, 0.35)),
     "day": Light(
         zenith=colour(0.02, 0.10, 0.40), horizon=colour(0.28, 0.47, 0.74), glow=colour(0.10, 0.07, 0.04),
-        lamps=(((1, 1, 1), 6.0, (0.985, 0.997)), ((1.1, -1.45, 0.86), 9.0, (0.990, 0.998))),
+        lamps=(((1, 1, 1), 6.0, (0.985, 0.997)), ((1.1, -1.45, 0.86), 9.0, (0.9965, 0.999))),
         lamp=colour(-0.45, -0.55, 0.70), lamplight=colour(1.0, 0.96, 0.88), pool=colour(0.34, 0.47, 0.50),
         paving=colour(0.24, 0.22, 0.195), joint=0.18, ambient=0.20, spread=4.0, stone=colour(0.58, 0.51, 0.43)),
 }
