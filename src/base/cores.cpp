@@ -14,17 +14,17 @@ namespace trevi {
 namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
-constexpr int max_processors = 1 << 16;
+constexpr std::size_t max_processors = 1 << 16;
 
 // Processors that this thread may run on; none where the kernel does not tell.
 std::vector<int> affinity() {
   std::vector<int> processors;
-  for (int room = 1024; room <= max_processors; room *= 2) {
+  for (std::size_t room = 1024; room <= max_processors; room *= 2) {
     cpu_set_t* mask = CPU_ALLOC(room);
     const std::size_t bytes = CPU_ALLOC_SIZE(room);
     const bool told = mask != nullptr && sched_getaffinity(0, bytes, mask) == 0;
-    for (int p = 0; told && p < room; ++p) {
-      if (CPU_ISSET_S(p, bytes, mask)) processors.push_back(p);
+    for (std::size_t p = 0; told && p < room; ++p) {
+      if (CPU_ISSET_S(p, bytes, mask)) processors.push_back(static_cast<int>(p));
     }
     CPU_FREE(mask);
     if (told) break;

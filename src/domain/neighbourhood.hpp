@@ -75,7 +75,8 @@ class Neighbourhood {
   using Coordinates = std::array<typename Packed<T>::Coordinate, 3>;
   template <class Field>
   void copy(std::vector<Field>& field) const {
-    for (const CellOrder::Copy& copy : order_.copies()) std::copy_n(&field[copy.from], copy.count, &field[copy.to]);
+    for (const CellOrder::Copy& copy : order_.copies())
+      std::copy_n(field.begin() + copy.from, copy.count, field.begin() + copy.to);
   }
   void move_ghosts(Range range, Real turns);
 

@@ -127,7 +127,7 @@ Real peak_of(const std::string& name, const std::vector<Heard>& moments) {
   }
   if (peak < min_peak) {
     throw InputError(name + ": the sound file is silent in all its " +
-                     std::to_string(moments.size() * hop).substr(0, 6) +
+                     std::to_string(static_cast<Real>(moments.size()) * hop).substr(0, 6) +
                      " s (below -80 dB of full scale); record it louder");
   }
   return peak;

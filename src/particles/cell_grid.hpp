@@ -48,7 +48,7 @@ class CellGrid {
   LocalId cell_in_plane(const Vec3& p) const { return row_of(p) * count_[2] + column_of(p); }
 
  private:
-  LocalId index_along(int k, const Vec3& p) const {
+  LocalId index_along(std::size_t k, const Vec3& p) const {
     const Real offset = p[axis_[k]] - min_[axis_[k]];
     const Real cell = (offset < 0 && periodic_[k] ? offset + length_[k] : offset) * per_length_[k];
     const Real counted = std::max(0.0, std::min(cell, 2147483000.0));  // 0 for what is not a number

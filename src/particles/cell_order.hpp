@@ -62,7 +62,9 @@ class CellOrder {
 
   /// First particle (index with ghosts) of cell c of plane k, where k = 0 is the low ghost plane, 1 the first owned
   /// one.
-  LocalId start(LocalId k, LocalId c) const { return start_[static_cast<std::size_t>(k) * cells() + c]; }
+  LocalId start(LocalId k, LocalId c) const {
+    return start_[static_cast<std::size_t>(k) * cells() + static_cast<std::size_t>(c)];
+  }
   /// Owned particles of the owned planes [k, l) counted from 0.
   Range owned_range(LocalId k, LocalId l) const;
   std::size_t bytes() const;

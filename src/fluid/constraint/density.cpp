@@ -83,7 +83,7 @@ void DensityConstraint<T>::record_obstacles(Range range, const Packed<T>* record
   std::size_t count = 0, impulses = 0;
   for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
     near[count] = i;  // without a branch
-    count += field.has_wall(i) ? 1 : 0;
+    count += static_cast<std::size_t>(field.has_wall(i));
   }
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = near[k];

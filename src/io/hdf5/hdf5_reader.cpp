@@ -128,13 +128,13 @@ void Hdf5Reader::check_room(const std::string& name, RowFormat format, RowSlice 
   const Hdf5Handle dataset = open_dataset(name);
   const double there =
       std::min(static_cast<double>(H5Dget_storage_size(dataset.id())), static_cast<double>(file_size_));
-  const double claimed = static_cast<double>(slice.total) * bytes_of(format);
+  const double claimed = static_cast<double>(slice.total) * static_cast<double>(bytes_of(format));
   if (claimed > max_compression * (there + smallest_table) && !is_elsewhere(dataset.id())) {
     fail(name, fmt::format("claims {} rows, {}, of which the file holds {}; it is damaged or was never filled, use "
                            "another copy",
                            slice.total, bytes_text(claimed), bytes_text(there)));
   }
-  require_memory(static_cast<double>(slice.count) * bytes_of(format) * readers_,
+  require_memory(static_cast<double>(slice.count) * static_cast<double>(bytes_of(format)) * readers_,
                  fmt::format("{}: {}: {} rows", path_, name, slice.count * readers_),
                  "use more machines, or a file with fewer rows");
 }
