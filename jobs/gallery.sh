@@ -15,7 +15,7 @@ trevi_packages+=(xvfb xauth python3-scipy python3-pil)
 # How each picture is taken: the script, the time (s), and where the camera looks at.
 declare -A pictures=(
   [stone_fountain]="surface.py --time 3.5 --azimuth -72 --elevation 18 --box -5 -3.3 0 5 3.3 6.4"
-  [breaking_wave]="surface.py --time 2.5 --azimuth -63 --elevation 11 --box 9.6 0 0.5 14.4 1.6 1.9"
+  [breaking_wave]="surface.py --time 3.8 --azimuth -58 --elevation 9 --box 16.6 0 0.8 20 1.2 2.2"
   [dam_and_pillar]="surface.py --time 0.85 --azimuth -55 --elevation 16 --box 0.2 0 0 5.4 2.88 1.7"
   [vortex]="surface.py --time 2.75 --azimuth -60 --elevation 46 --box -1.3 -1.3 0.9 1.3 1.3 2.3"
   [spout]="surface.py --time 2.0 --azimuth -62 --elevation 14 --box 0 -1.1 0.1 3.6 1.1 1.9"
