@@ -105,18 +105,16 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
     add_maps(rows_around(grid, cut_fit_, row, of_cut), damping.row.data());
 }
 
-// What takes the particles of a cell along with a wall, or with a solid. They move towards it as their mean does, and
-// with the slope of their motion across it; but where these two differ in sign, the slope is extrapolated from water
-// that a few particles stand for, and where it exceeds the mean, that is enough to stop them (README.md).
+// What takes the particles of a cell along with a wall, or with a solid. They move towards it as the linear mean at its
+// face does; but that is extrapolated where few particles stand for the water, and what is more than the mean of the
+// cell, or against that, is not theirs (README.md).
 Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_t at) const {
   const CutCells* cuts = surface_.cuts();
   const Real wall = cuts != nullptr ? cuts->moved(a, face) : 0;
   const Moments held = surface_.water().moments(at);
   if (held.at.n == 0) return wall - surface_.water().displacement(a, face);
-  const std::size_t b = surface_.grid().axis(a);
-  const Real mean = held.flow.u[b] / held.at.n, y = held.at.y[b] / held.at.n;
-  const Real slope = surface_.water().fit(at).b[b][b];
-  const Real by_mean = wall - mean, at_wall = by_mean - slope * ((face == at ? 0 : 1) - y);
+  const Real by_mean = wall - held.flow.u[surface_.grid().axis(a)] / held.at.n;
+  const Real at_wall = wall - surface_.water().displacement(a, face);
   if (by_mean * at_wall <= 0) return 0;
   return std::abs(by_mean) < std::abs(at_wall) ? by_mean : at_wall;
 }

@@ -172,8 +172,7 @@ void DensityProblem<T>::release_in_flight() {
   const ScopedEvent timed(delta_event_);
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
   for (const Range& part : rows_in_flight()) {
-    const auto path = [&](std::size_t i) -> Vec3 { return particles_->velocity[i] * dt_; };
-    constraint_.deltas_in_flight(pairs(), part, particles_->predicted, path, field_);
+    constraint_.deltas_in_flight(pairs(), part, particles_->predicted, particles_->velocity, dt_, field_);
     for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += field_.shift(i) / dt_; });
     count_pass(part, DensityConstraint<T>::delta_flops);
   }

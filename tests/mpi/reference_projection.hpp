@@ -249,20 +249,19 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return sum;
   }
 
-  /// Back from a wall, m: by how the cell's own particles move towards it, with the slope of the fit up to it, but not
-  /// more than they do in the mean, and nothing against that.
+  /// Back from a wall, m: by the linear mean at its face, but no more than the cell's own particles move towards it in
+  /// the mean, and nothing against that.
   Real at_wall(int a, const Cell& face, const Cell& inner) const {
-    Real mean_way = 0, y = 0, count = 0;
+    Real sum = 0, count = 0;
     for (const Particle& i : particles_) {
       if (i.in_flight || (i.cell.array() != inner.array()).any()) continue;
-      mean_way += i.way[a];
-      y += i.y[a];
+      sum += i.way[a];
       ++count;
     }
-    if (count == 0) return -mean(a, face);
-    const Real there = mean_way / count + (*fit_)[inner].b(a, a) * ((face[a] == inner[a] ? 0 : 1) - y / count);
-    if (mean_way * there <= 0) return 0;
-    return -std::copysign(std::min(std::abs(mean_way / count), std::abs(there)), there);
+    const Real there = mean(a, face);
+    if (count == 0) return -there;
+    if (sum * there <= 0) return 0;
+    return -std::copysign(std::min(std::abs(sum / count), std::abs(there)), there);
   }
 
   /// Through a face of `inner`, m; nothing where neither side is wet.

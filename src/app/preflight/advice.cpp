@@ -22,9 +22,9 @@ bool all_blocks(const Scene& scene) {
                      [](const ParticleSource& source) { return source.type == ParticleSource::Type::block; });
 }
 
-// A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
 int line_of(const Scene& scene, const char* list, std::size_t k) { return SceneTable(list, k).line_in(scene); }
 
+// A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
 void look_at_block(const Scene& scene, std::size_t k, Advice& advice) {
   const ParticleSource& block = scene.particles[k];
   const Real s = scene.fluid.spacing;

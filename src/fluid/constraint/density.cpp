@@ -32,11 +32,11 @@ void prefetch(std::span<const V> here) {
   for (std::size_t at = 0; at < bytes.size(); at += 64) __builtin_prefetch(bytes.data() + at);
 }
 
+namespace {
+
 std::span<const Vec3> part_of(std::span<const Vec3> field, Range range) {
   return field.subspan(static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.size()));
 }
-
-namespace {
 
 Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cwiseMin(b.max)}; }
 
@@ -159,8 +159,7 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
 // wall that gave it back as velocity would throw.
 template <class T>
 void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                                            const std::function<Vec3(std::size_t)>& path,
-                                            WallsOrShifts<T>& field) const {
+                                            std::span<const Vec3> velocity, Real dt, WallsOrShifts<T>& field) const {
   for_each_part(range, sums_chunk, [&](Range here) { field.clear_walls(here); });
   sum_deltas(loops_.delta, pairs, range, p, field);
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
@@ -169,7 +168,8 @@ void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, 
       const auto multiplier = static_cast<Real>(records[i].w);
       if (multiplier == 0) return;
       const BoundaryDensity box = walls_->at(p[i]), all = boundary_at(p[i], wall == Wall::obstacle);
-      const Real nearer = wall == Wall::obstacle ? obstacles_->growth(box, p[i], path(i)) : all.gradient.dot(path(i));
+      const Vec3 path = velocity[i] * dt;
+      const Real nearer = wall == Wall::obstacle ? obstacles_->growth(box, p[i], path) : all.gradient.dot(path);
       const Real pushed = multiplier * all.gradient.squaredNorm();
       if (nearer * pushed >= 0) return;
       const Real factor = multiplier * std::min(-nearer / pushed, 1.0);

@@ -76,10 +76,10 @@ class DensityConstraint {
     sum_deltas(delta_loop_, pairs, range, p, field);
   }
   /// Writes delta_i in metres for the range, as deltas() without the tensile term: what the multipliers alone do to
-  /// particles that move by `path`, m, in the substep. Walls and obstacles stop what comes nearer to them, and do no
-  /// more.
-  void deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
-                        const std::function<Vec3(std::size_t)>& path, WallsOrShifts<T>& field) const;
+  /// particles with these velocities, m/s, in the substep dt, s. Walls and obstacles stop what comes nearer to them,
+  /// and do no more.
+  void deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<const Vec3> velocity,
+                        Real dt, WallsOrShifts<T>& field) const;
 
   /// Floating-point operations of a pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
