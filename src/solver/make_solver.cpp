@@ -123,6 +123,12 @@ bool wants_hue(const Settings& settings) {
   return settings.colour == Colour::rainbow_x && !settings.output.directory.empty();
 }
 
+std::unique_ptr<Balance> make_balance(MPI_Comm comm, const Settings& settings) {
+  constexpr Real min_gain = 0.01;
+  return std::make_unique<Balance>(comm,
+                                   settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
+}
+
 template <class T>
 std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given given) {
   SolverExtras& extras = given.extras;
@@ -143,9 +149,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.slabs = std::make_unique<Slabs>(
       first_slabs(settings, *parts.grid, plane_weights(*parts.comm, *parts.grid, parts.particles), size_of(comm)));
   migrate(*parts.comm, parts.particles, &Particles::position, *parts.grid, *parts.slabs);
-  constexpr Real min_gain = 0.01;
-  parts.balance = std::make_unique<Balance>(
-      *parts.comm, settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
+  parts.balance = make_balance(*parts.comm, settings);
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;

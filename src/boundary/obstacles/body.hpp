@@ -105,9 +105,9 @@ class Body {
   std::unique_ptr<Shape> shape_;
   BodyMotion motion_;
   bool moves_, vessel_, whole_;
-  Real h_, tolerance_, restitution_, friction_, radius_,
-      wall_extension_;  // seam_: of the walls, where solids go on as inside it
-  Box inner_;           // the box without it
+  Real h_, tolerance_, restitution_, friction_, radius_;
+  Real wall_extension_;  // at the walls, where solids go on as inside it
+  Box inner_;            // the box without it
   Pose before_, now_;
   Box near_box_, beside_;  // beside_: the first places that are not in near_box_
   std::unique_ptr<VolumeMap> map_;

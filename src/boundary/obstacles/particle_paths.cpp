@@ -58,6 +58,29 @@ struct Obstacles::Leg {
     shift(step);
     if (!is_clear()) shift(-step);
   }
+  /// To the wall and away from it in the time that is left of `left`, s: the target from there on.
+  Vec3 bounce_at_wall(const WallHit& wall, Real& left, Vec3& velocity) {
+    const Real part = std::clamp(wall.t / left, 0.0, 1.0);
+    left *= 1 - part;
+    go(part);
+    Vec3 on_wall = here();
+    walls.bounce(wall, on_wall, velocity);
+    shift(on_wall - here());
+    return here() + velocity * left;
+  }
+  /// The same at a body, in the frame in which it stands still.
+  Vec3 bounce_at_body(const Contact& contact, Real& left, Vec3& velocity) {
+    const Body& body = *bodies[contact.body];
+    const Segment& segment = segments[contact.body];
+    const Vec3 relative = (segment.to.in_body - segment.from.in_body) / left;
+    left *= 1 - contact.part;
+    go(contact.part);
+    const Vec3 normal = body.normal(segment.from), away = body.reflected(relative, normal);
+    contact_offset(contact.body, normal);
+    const Vec3 target = body.now().into_world(segment.from.in_body + away * left);
+    velocity = (target - here()) / std::max(left, 1e-300);
+    return target;
+  }
   /// Out of the solids that it is in, as those that move may be where a wall has stopped it.
   void leave() {
     for (std::size_t k = 0; k < segments.size(); ++k) {
@@ -110,28 +133,12 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
     const bool at_wall = wall.axis >= 0 && wall.t <= contact.part * left;
     if (!at_wall && contact.body == nobody) return walls_.clamp(target);
     const Vec3 last = target;
-    const Real whole = left;
     std::size_t account = box_account();
     if (at_wall) {
-      const Real part = std::clamp(wall.t / left, 0.0, 1.0);
-      left *= 1 - part;
-      leg.go(part);
-      Vec3 on_wall = leg.here();
-      walls_.bounce(wall, on_wall, velocity);
-      leg.shift(on_wall - leg.here());
-      target = leg.here() + velocity * left;
+      target = leg.bounce_at_wall(wall, left, velocity);
     } else {
       account = last_met = contact.body;
-      const Body& body = *bodies_[contact.body];
-      const Segment& segment = leg.segments[contact.body];
-      const Vec3 relative =
-          (segment.to.in_body - segment.from.in_body) / whole;  // the velocity in the frame of the body
-      left *= 1 - contact.part;
-      leg.go(contact.part);
-      const Vec3 normal = body.normal(segment.from), away = body.reflected(relative, normal);
-      leg.contact_offset(contact.body, normal);
-      target = body.now().into_world(segment.from.in_body + away * left);
-      velocity = (target - leg.here()) / std::max(left, 1e-300);
+      target = leg.bounce_at_body(contact, left, velocity);
     }
     leg.aim(target);
     record(account, target - last, leg.here());
