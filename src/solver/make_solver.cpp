@@ -64,8 +64,10 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
 
 std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
   if (settings.walls.density != WallDensity::analytic) return std::nullopt;
+  const bool positions_only = shifts_positions_only(settings.density, settings.gravity.value_or(Vec3::Zero()));
   return AnalyticWallDensity(box_of_walls(settings.domain, settings.periodic), kernels_of(settings.fluid).density,
-                             settings.fluid.spacing, settings.fluid.kernel_radius);
+                             settings.fluid.spacing, settings.fluid.kernel_radius,
+                             positions_only ? WallSlope::of_positions : WallSlope::of_velocities);
 }
 
 std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {

@@ -90,6 +90,9 @@ class Body {
   /// The shift off the surface at a contact, by as much as a contact is near to it, so that a path along the surface
   /// does not begin with another contact.
   Vec3 contact_offset(const Vec3& normal) const { return tolerance_ * normal; }
+  /// The least shift along `normal`, in the frame of the body, that takes the end of a path to where contacts are; none
+  /// if a shift of `limit`, m, does not.
+  std::optional<Vec3> shift_inside(const ContactPoint& end, const Vec3& normal, Real limit) const;
   Vec3 normal(const ContactPoint& point) const;
   /// What a bounce makes of a velocity, and of the rest of a path; all in the frame of the body.
   Vec3 reflected(const Vec3& velocity, const Vec3& normal) const;
