@@ -36,7 +36,7 @@ Settings many_solids(MPI_Comm comm) {
 
 struct Measured {
   Settings settings = many_solids(world);
-  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h};
+  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
   CutCells solids{obstacles};
   ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
@@ -105,7 +105,7 @@ TEST(CutCells, SharesAreThoseOfAllObstacles) {
 struct Vessel {
   static constexpr LocalId planes = 12;
   Settings settings;
-  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h};
+  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
   CutCells cuts{obstacles};
   ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
