@@ -9,6 +9,7 @@
 #include "io/tables/gauge_series.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
 
@@ -16,20 +17,8 @@ namespace trevi::test {
 namespace {
 
 // Water 1.2 m deep, with a box on the floor whose front is at x = 1.
-const std::string pool = R"(
-[domain]
-min = [0, 0, 0]
-max = [2, 1.2, 1.8]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [2, 1.2, 1.2]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-[output.series]
+const std::string pool =
+    tank_with_gravity({.max = "2, 1.2, 1.8", .water = {{"0, 0, 0", "2, 1.2, 1.2"}}}) + R"([output.series]
 [[obstacle]]
 type = "box"
 center = [1.25, 0.6, 0.3]

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import h5py
 from program import INPUTS, WITHOUT, ProgramTest, main
+from scenes import tank
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "postprocess"))
 from same_bits import last_checkpoint, rows_of_series  # noqa: E402
@@ -29,23 +30,8 @@ SHAPES = [tuple(map(int, shape.split("x"))) for shape in os.environ.get("TREVI_G
 ROUNDED = {"SSE2", "SSSE3", "SSE4"}  # without a fused multiply-add: to rounding only
 
 # Everything that a scene may have, and enough of it that all of it acts: jets through a pool, drops that meet walls.
-EVERYTHING = """
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.8, 2.0]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 0.8, 0.5]
-[[particles]]
-min = [0.2, 0.2, 1.0]
-max = [0.6, 0.6, 1.4]
-velocity = [1, 0.3, 0]
-[time]
-dt = 0.016666666666666667
-end = 1.0
-[gravity]
+EVERYTHING = tank("1.6, 0.8, 2.0", ("0, 0, 0", "1.6, 0.8, 0.5"),
+                  ("0.2, 0.2, 1.0", "0.6, 0.6, 1.4", "velocity = [1, 0.3, 0]")) + """
 [walls]
 floor_friction = 0.02
 [tensile]
