@@ -102,15 +102,23 @@ class Golden(ProgramTest):
         names = re.search(r"this run has \(([^)]*)\)", refused.stderr)[1].split(", ")
         return [name for name in names if name not in ROUNDED][:1 if ONE_SET else None]
 
+    @staticmethod
+    def runs_of(number, name, sets):
+        """(set, shape): scenes in the last shape on each set; "everything" in each shape on the best set, and on another
+        set in a quarter of them, which differs among its four cases. So each set has met each shape."""
+        if not name.startswith("everything"):
+            return itertools.product(sets, SHAPES[-1:])
+        rest = SHAPES[number % 4::4] or SHAPES[-1:]
+        return [*itertools.product(sets[:1], SHAPES), *itertools.product(sets[1:], rest)]
+
     def test_bits(self):
         golden = dict(line.split() for line in GOLDEN.read_text().splitlines() if not line.startswith("#"))
         sets = self.instruction_sets()
         if not sets:
             self.skipTest("no instruction set of this machine has a fused multiply-add")
         self.assertLessEqual(set(CASES), set(golden), "TREVI_GOLDEN_CASES")
-        for case in (case for case in cases(self.folder) if not CASES or case[0] in CASES):
-            shapes = SHAPES if case[0].startswith("everything") else SHAPES[-1:]
-            for instruction_set, (ranks, threads) in itertools.product(sets, shapes):
+        for number, case in enumerate(case for case in cases(self.folder) if not CASES or case[0] in CASES):
+            for instruction_set, (ranks, threads) in self.runs_of(number, case[0], sets):
                 with self.subTest(case[0], instruction_set=instruction_set, ranks=ranks, threads=threads):
                     found = self.hash_of(case, instruction_set, ranks, threads)
                     verdict = "as" if found == golden[case[0]] else "NOT as"
