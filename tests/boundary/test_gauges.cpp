@@ -100,7 +100,7 @@ TEST_F(Gauges, WeightHasTheIntegralOne) {
 }
 
 // A disc whose lower half is behind the floor, one with a wall behind all of it, and one in the midst of the water.
-TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
+TEST_F(Gauges, FractionIsWhatIsOpenBeforeASolid) {
   const Box box{Vec3::Zero(), Vec3::Ones()};
   const auto nowhere = [](const Vec3&) { return false; };
   GaugeSettings gauge{GaugeKind::pressure, {0, 0.5, 0}, {1, 0, 0}, 0.1};
@@ -114,7 +114,7 @@ TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
 
 // Of a level disc that is wider than the box what is in that: in a channel as narrow as this the strip along its
 // middle.
-TEST_F(Gauges, ShareOfALevelDiscIsExactInANarrowBox) {
+TEST_F(Gauges, FractionOfALevelDiscIsExactInANarrowBox) {
   const Box box{Vec3(-9, -0.01, 0), Vec3(9, 0.01, 1)};
   const GaugeSettings gauge{GaugeKind::height, {0, 0, 0}, {0, 0, 1}, 9};
   EXPECT_NEAR(open_fraction_of_gauge(gauge, 0.1, box, {}) / (0.02 * 8 / (3 * std::numbers::pi * 9)), 1, 1e-5);

@@ -142,7 +142,7 @@ void expect_reference_of_pool(const std::vector<std::string>& overrides, Real lo
   }
 }
 
-TEST(Reference, WallsShareOfDensity) {
+TEST(Reference, WallsContributionToDensity) {
   expect_reference(cloud_scene, {"walls.density='analytic'"});
   expect_reference(cloud_scene,
                    {"walls.density='analytic'", "fluid.density_kernel='poly6'", "fluid.kernel_radius=0.27"});
