@@ -15,8 +15,9 @@ from program import WITHOUT, ProgramTest, main
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "postprocess/results"
-PAGES = sorted(page for folder in (".", "inputs", "inputs/tutorial", "postprocess", "postprocess/results", "jobs", "jobs/cluster")
-               for page in (ROOT / folder).glob("*.md")) + sorted((ROOT / "src").glob("*/README.md"))
+FOLDERS = (".", "inputs", "inputs/tutorial", "postprocess", "postprocess/results", "jobs", "jobs/cluster", "tests/extending")
+PAGES = sorted(page for folder in FOLDERS for page in (ROOT / folder).glob("*.md")) + sorted(
+    (ROOT / "src").glob("*/README.md"))
 
 
 def without_code(text):
