@@ -1,5 +1,5 @@
-// The walls' share of density against brute-force sums over the lattice that would go on behind them; its gradient
-// against central differences; and how it falls with the distance.
+// The walls' contribution to the density against brute-force sums over the lattice that would go on behind them; its
+// gradient against central differences; and how it falls with the distance.
 #include "boundary/wall_density.hpp"
 
 #include <gtest/gtest.h>
