@@ -37,7 +37,7 @@ constexpr Real wall_slope = 2;
 
 class AnalyticWallDensity {
  public:
-  /// `spacing` and h, in metres, define the lattice that is to be at rest density.
+  /// `spacing` and h, in metres, define the lattice that is to be at rest density, of as many dimensions as the kernel.
   AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h);
 
   /// Where walls add nothing, which is where most particles are.
