@@ -283,6 +283,35 @@ TEST(Reference, DefaultStepWithoutGravityInAPeriodicBox) {
   }
 }
 
+/// A random cloud in the layer of a scene of two dimensions.
+Cloud flat_cloud(const Scene& scene, int count, Real speed) {
+  Box layer = scene.domain;
+  layer.min.y() = layer.max.y() = 0;
+  Cloud cloud = random_cloud(count, layer, speed, 0.06);
+  for (Vec3& v : cloud.velocity) v.y() = 0;
+  return cloud;
+}
+
+// Found: 7e-16 m, and 2e-13 m with Wendland's kernel.
+TEST(Reference, TwoDimensions) {
+  const std::vector<std::string> plane{"domain.dimensions=2", "gravity.acceleration=[0.3, -9.8]"};
+  const std::vector<std::vector<std::string>> by_default{{},
+                                                         joined(tensile, filters),
+                                                         {"fluid.kernel_radius=0.25"},
+                                                         {"fluid.density_kernel='wendland_c2'"},
+                                                         {"domain.max=[1.3, 1.0]", "domain.periodic=['x']"},
+                                                         {"gravity.acceleration=[0, 0]", "time.cfl=0"}};
+  for (const std::vector<std::string>& more : by_default) {
+    SCOPED_TRACE(::testing::PrintToString(more));
+    const Scene scene = scene_with(default_scene, joined(plane, more));
+    expect_reference_of_cloud(scene, flat_cloud(scene, 110, 0.3));
+  }
+  for (const char* mass : {"fluid.mass='calibrated'", "fluid.mass='volume'"}) {
+    const Scene scene = scene_with(cloud_scene, joined(joined(plane, joined(tensile, filters)), {mass}));
+    expect_reference_of_cloud(scene, flat_cloud(scene, 150, 1));
+  }
+}
+
 TEST(Reference, DefaultStepWithAllFeatures) {
   expect_reference_of_pool(joined(joined(tensile, filters), {"walls.reflection='report'"}));
 }
