@@ -88,7 +88,8 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const PointLattice lattice = lattice_of(settings.fluid);
   const Walls walls(box_of_walls(settings), settings.walls, 1e-6 * model.h);
   const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
-  parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
+  parts.boundary =
+      make_boundary({walls, obstacles, make_periodic(settings, parts.box.min), settings.fluid.dimensions == 2});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.density_solver = make_density_solver<T>(
