@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from known_motion import plain
-from known_water import rest_figures, wave_figures, zeros_of  # noqa: F401
+from known_water import rest_figures, wave_figures
 from study import GRAVITY, columns_of, energies, energy_gain, launch, mean, parser_of, start_of, write_table
 from validate import TIME_SCALE, best_shift, experiments, relative_rms
 
@@ -77,7 +77,7 @@ def dam(trevi, spacing, width):
     text = scene((0, 0), (5, 3), spacing, spacing / 7.5, 1.5, width, extra=block((0, 0), (1, 2), spacing, width))
     columns, _, seconds = run(trevi, text)
     time = np.array(columns["time"]) * TIME_SCALE
-    points = experiments()["martin_moyce"] if "martin_moyce" in experiments() else next(iter(experiments().values()))
+    points = next(iter(experiments().values()))  # Martin & Moyce
     front = np.array(columns["front"]) + spacing / 2
     shift = best_shift(points, time, front)
     energy = np.array(energies(columns))
@@ -174,8 +174,8 @@ def shear(trevi, across, width, dt=0.005, jitter=0.0):
 
 
 def momentum(trevi, spacing, width):
-    text = scene((0, 0), (6, 4), spacing, 1 / 120, 0.5, width, False,
-                 extra=block((2, 1.5), (3, 2.5), spacing, width, (5, 0)) + block((3.1, 1.6), (4.1, 2.6), spacing, width))
+    text = scene((0, 0), (16, 12), spacing, 1 / 120, 0.5, width, False,
+                 extra=block((6, 5.5), (7, 6.5), spacing, width, (5, 0)) + block((7.1, 5.6), (8.1, 6.6), spacing, width))
     columns, _, cpu = run(trevi, text)
     first = columns["momentum_x"][0]
     return columns, cpu, {"momentum": max(abs(p - first) for p in columns["momentum_x"]) / first}
@@ -191,9 +191,10 @@ def cases(quick):
             yield f"pool 0.05 jitter 0.2 1/{rate}", pool, (0.05, width, rate, 0.2)
         yield "pressure 0.05", pressure, (0.05, width)
         yield "cube 0.05", cube, (0.05, width)
-        yield "momentum 0.05", momentum, (0.05, width)
+        if width == 0:  # in a slab water is near a wall
+            yield "momentum 0.05", momentum, (0.05, width)
         for across in (40,):
-            yield f"vortices {across}", vortices, (across, width or 6, 0.0) if width else (across, 0, 0.0)
+            yield f"vortices {across}", vortices, (across, 6 if width else 0, 0.0)
             yield f"vortices {across} nu 0.01", vortices, (across, 6 if width else 0, 0.01)
             yield f"vortices {across} nu 0.01 jitter 0.2", vortices, (across, 6 if width else 0, 0.01, "", 0.005, 0.2)
             yield f"vortices {across} nu 0.01 wendland_c2 h = 4 s", vortices, (

@@ -225,6 +225,7 @@ Cloud shaken_lattice(const Scene& scene, const Vec3& low, const Vec3& high) {
   const Real spacing = scene.fluid.spacing;
   const Cloud noise = random_cloud(4000, Box{Vec3::Constant(-0.2 * spacing), Vec3::Constant(0.2 * spacing)}, 0.3);
   const Vec3 extent = scene.domain.max - scene.domain.min;
+  const auto in_space = [&](const Vec3& v) { return scene.fluid.dimensions == 2 ? Vec3(v.x(), 0, v.z()) : v; };
   Cloud lattice;
   for (Real x = 0.5; x < extent.x() / spacing; ++x) {
     for (Real y = 0.5; y < extent.y() / spacing; ++y) {
@@ -232,7 +233,7 @@ Cloud shaken_lattice(const Scene& scene, const Vec3& low, const Vec3& high) {
         const Vec3 p = scene.domain.min + spacing * Vec3(x, y, z);
         const std::size_t k = lattice.id.size();
         if ((p.array() > low.array()).all() && (p.array() < high.array()).all())
-          lattice.add(noise.id[k], p + noise.position[k], noise.velocity[k]);
+          lattice.add(noise.id[k], in_space(p + noise.position[k]), in_space(noise.velocity[k]));
       }
     }
   }
@@ -306,6 +307,10 @@ TEST(Reference, TwoDimensions) {
     const Scene scene = scene_with(default_scene, joined(plane, more));
     expect_reference_of_cloud(scene, flat_cloud(scene, 110, 0.3));
   }
+  // Water that touches nothing keeps its momenta.
+  const Scene wide = scene_with(default_scene, joined(plane, {"gravity.acceleration=[0, 0]", "time.cfl=0",
+                                                              "domain.min=[0, 0]", "domain.max=[2.2, 2]"}));
+  expect_reference_of_cloud(wide, shaken_lattice(wide, Vec3(0.6, -1, 0.6), Vec3(1.6, 1, 1.2)));
   for (const char* mass : {"fluid.mass='calibrated'", "fluid.mass='volume'"}) {
     const Scene scene = scene_with(cloud_scene, joined(joined(plane, joined(tensile, filters)), {mass}));
     expect_reference_of_cloud(scene, flat_cloud(scene, 150, 1));
