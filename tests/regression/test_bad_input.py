@@ -92,10 +92,10 @@ class BadInput(ProgramTest):
         flat[1] = "dimensions = 2\nmin = [0, 0]"
         ball = "[[obstacle]]\ntype = 'sphere'\ncenter = [1, 0.5]\nradius = 0.2"
         rod = "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5]\nradius = 0.2\n"
-        cases = {"periodic y": (3, "periodic = ['y']", ["scene.toml:4:", "periodic", "one spacing thick"]),
-                 "slabs across y": (3, "slab_axis = 'y'", ["scene.toml:4:", "slab_axis", "leave it out"]),
-                 "velocity along y": (10, "velocity = [1, 1, 0]", ["scene.toml:11:", "velocity", "0 along y"]),
-                 "three texts": (10, "velocity = ['x', 'x', '0']", ["scene.toml:11:", "velocity", "two texts"]),
+        cases = {"periodic y": (3, "periodic = ['y']", ["scene.toml:5:", "periodic", "one spacing thick"]),
+                 "slabs across y": (3, "slab_axis = 'y'", ["scene.toml:5:", "slab_axis", "leave it out"]),
+                 "velocity along y": (10, "velocity = [1, 1, 0]", ["scene.toml:12:", "velocity", "0 along y"]),
+                 "three texts": (10, "velocity = ['x', 'x', '0']", ["scene.toml:12:", "velocity", "two texts"]),
                  "gravity along y": (15, "[gravity]\nacceleration = [0, 1, -9]", ["scene.toml:18:", "acceleration"]),
                  "ball": (15, ball, ["scene.toml:18:", "type", 'type = "cylinder"']),
                  "rod across": (15, rod + "axis = [1, 0, 0]", ["scene.toml:21:", "axis", "along y"]),
