@@ -229,7 +229,7 @@ TEST(TwoDimensions, VorticesDecayAsNavierAndStokesSay) {
 // Between plates that hold it the parabola stays, a z (1 - z)/(2 nu).
 TEST(TwoDimensions, AChannelKeepsItsParabola) {
   Flow run(world, repeating + "nu = 0.05\nno_slip = true\n[gravity]\nacceleration = [0.6, 0]\n",
-          {"domain.periodic=['x']", "particles.0.velocity=['6*z*(1-z)', '0']"});
+           {"domain.periodic=['x']", "particles.0.velocity=['6*z*(1-z)', '0']"});
   run.steps(400);
   const Cloud all = gathered(world, run.solver->particles());
   Real wrong = 0;
