@@ -224,7 +224,8 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
                     static_cast<std::size_t>(grid.columns()),
                     repeats,
                     memory,
-                    grid.is_layer() ? per_tent_of<2> : per_tent_of<3>};
+                    grid.is_layer() ? per_tent_of<2> : per_tent_of<3>,
+                    grid.is_layer()};
   for (LocalId i = 0; i < 3; ++i) {
     const LocalId r = grid.repeats()[1] ? (row.r - 1 + i + rows) % rows : row.r - 1 + i;
     for (LocalId j = 0; j < 3; ++j)
