@@ -105,6 +105,13 @@ class BadInput(ProgramTest):
         self.assert_all_refused([(name, "\n".join([*flat[:line], text, *flat[line:]]) + "\n", ["scene.toml"], words)
                                  for name, (line, text, words) in cases.items()])
 
+    def test_a_file_off_the_plane(self):
+        def cloud(folder):
+            with h5py.File(folder / "cloud.h5", "w") as file:
+                file["particles/position"] = numpy.array([[0.5, 0, 0.5], [0.6, 0.01, 0.5]])
+        self.assert_all_refused([("off the plane", scene_of_file().replace("[domain]", "[domain]\ndimensions = 2"),
+                                  ["scene.toml"], ["cloud.h5", "row 1", "write 0 for y"], cloud)])
+
     def test_each_bad_line(self):
         self.assert_all_refused([(name, scene_with(line, text), ["scene.toml"], words)
                                  for name, (line, text, words) in BAD_LINES.items()])
