@@ -60,6 +60,7 @@ struct ObstacleSettings {
   std::optional<Oscillation> oscillation;    ///< in place of velocities and knots
   std::optional<Real> restitution;           ///< that of the walls where there is none
   Real friction = 0;                         ///< Coulomb's coefficient in a bounce
+  bool extruded = false;                     ///< goes on along y without end, as in two dimensions; of resolved()
 
   bool moves() const { return !knots.empty() || oscillation || !velocity.isZero() || !angular_velocity.isZero(); }
   bool operator==(const ObstacleSettings&) const = default;

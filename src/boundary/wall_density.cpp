@@ -17,15 +17,18 @@ struct Missing {
 };
 
 Missing behind_planes(std::span<const Real> d, const Kernel& kernel, Real spacing, Real h) {
+  using Axes = std::array<Eigen::Index, 3>;
+  const Axes axes = kernel.dimensions == 2 ? Axes{0, 2, 1} : Axes{0, 1, 2};  // in the plane no point lies along y
   Missing missing;
-  for_each_lattice_point(spacing, h, [&](const Vec3& offset) {
+  const PointLattice lattice{spacing, kernel.dimensions};
+  for_each_lattice_point(lattice, h, [&](const Vec3& offset) {
     bool behind = true;
-    for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
+    for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[axes[a]] < -d[a];
     if (!behind) return;
     missing.value += kernel.value(offset, h);
     missing.pull += kernel.gradient(offset, h).x();
   });
-  const Real whole = lattice_density_sum(kernel, spacing, h);
+  const Real whole = lattice_density_sum(kernel, lattice, h);
   return {missing.value / whole, std::abs(missing.pull) / whole};
 }
 

@@ -45,7 +45,8 @@ struct WallSlope {
 
 class AnalyticWallDensity {
  public:
-  /// `spacing` and h, in metres, define the lattice that is to be at rest density; `slope` is one of WallSlope.
+  /// `spacing` and h, in metres, define the lattice that is to be at rest density, of as many dimensions as the kernel;
+  /// `slope` is one of WallSlope.
   AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h, Real slope);
 
   /// Where walls add nothing, which is where most particles are.

@@ -38,6 +38,8 @@ class Findings {
   const std::vector<std::string>& descriptions() const { return descriptions_; }
 
  private:
+  friend class Section;
+  bool pairs_ = false;  ///< whether vectors may leave y out
   std::string file_;
   std::vector<std::pair<toml::source_index, std::string>> problems_;  ///< line for sorting, message
   std::vector<std::string> descriptions_;

@@ -6,6 +6,7 @@
 
 #include "boundary/gauges.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
@@ -24,6 +25,7 @@ void read_gauge(Section& section, Scene& scene, bool box_known) {
       {"center", "the foot of the column, or the place in the water, on a wall or an obstacle, [x, y, z] in metres",
        true},
       gauge.center);
+  if (scene.fluid.dimensions == 2) gauge.center.y() = 0;
   if (box_known && section.fine("center"))
     section.check("center", scene.domain.contains(gauge.center), "is outside the box; move it inside, or onto a wall");
   constexpr Real least = 1;  // spacings: a smaller disc holds a particle at times, and none at others
@@ -41,6 +43,7 @@ void read_gauge(Section& section, Scene& scene, bool box_known) {
   if (is_pressure(gauge))
     section.direction({"normal", "the direction [x, y, z] out of the wall or the obstacle, of any length", true},
                       gauge.normal);
+  check_along_plane(section, scene, "normal", gauge.normal);
   section.reject_unknown();
   scene.gauges.push_back(gauge);
   SceneTable::add(scene, "gauge", section.line());
@@ -58,7 +61,7 @@ void check_gauge_places(const Scene& scene, const FreePlaces& places) {
   for (std::size_t k = 0; k < scene.gauges.size(); ++k) {
     const GaugeSettings& gauge = scene.gauges[k];
     if (!is_pressure(gauge)) continue;
-    const Real fraction = open_fraction_of_gauge(gauge, scene.fluid.spacing, scene.domain,
+    const Real fraction = open_fraction_of_gauge(gauge, lattice_of(scene.fluid), scene.domain,
                                                  [&](const Vec3& p) { return places.solid_at(p) >= 0; });
     if (fraction >= 0.2) continue;  // in a corner of the box it is a quarter
     told_at(scene, {"gauge", k}, "center", [&] {

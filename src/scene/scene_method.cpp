@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/scene_plane.hpp"
+
 namespace trevi {
 
 void read_derived(Section& section, const Key& key, Derived<Real>& target, const Interval& range) {
@@ -78,6 +80,7 @@ void read_forces(Section& root, Scene& scene) {
   if (section.present()) {
     Vec3 acceleration(0, 0, -9.8);
     section.numbers({"acceleration", "the acceleration [x, y, z] in m/s²"}, acceleration);
+    check_along_plane(section, scene, "acceleration", acceleration);
     scene.gravity = acceleration;
   }
   section.reject_unknown();

@@ -15,6 +15,7 @@
 #include "scene/scene_obstacle.hpp"
 #include "scene/scene_particles.hpp"
 #include "scene/scene_periodic.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
@@ -82,11 +83,9 @@ void PhysicsReader::read_preset(Section& density) {
 }
 
 void PhysicsReader::read_domain() {
+  read_dimensions(domain_, scene_);
   domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, scene_.domain.min);
   domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, scene_.domain.max);
-  const Vec3 extent = scene_.domain.max - scene_.domain.min;
-  if (box_known())
-    domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
   int axis = 0;
   if (domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
                           axis, {{"x", 0}, {"y", 1}}))
@@ -112,6 +111,10 @@ void PhysicsReader::read_fluid() {
                      "density_kernel"},
                     gradient_kernel, kernel_names()))
     fluid.gradient_kernel = gradient_kernel;
+  check_plane(domain_, scene_);
+  const Vec3 extent = scene_.domain.max - scene_.domain.min;
+  if (box_known())
+    domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
 }
 
 // Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.
@@ -143,10 +146,11 @@ void PhysicsReader::check_cells() {
   const Real h = scene_.fluid.kernel_radius;
   const Vec3 extent = scene_.domain.max - scene_.domain.min;
   const char* origin = fluid_.given("kernel_radius") ? "" : " (the default)";
-  if (!fluid_.check("kernel_radius", h <= extent.minCoeff(),
+  const Real least = scene_.fluid.dimensions == 2 ? std::min(extent.x(), extent.z()) : extent.minCoeff();
+  if (!fluid_.check("kernel_radius", h <= least,
                     fmt::format("must not exceed the smallest extent of the box, {} m, got {} m{}; enlarge the box or "
                                 "refine",
-                                extent.minCoeff(), h, origin)))
+                                least, h, origin)))
     return;
   domain_.check("max", extent.maxCoeff() <= max_cells * h,
                 fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
@@ -231,7 +235,7 @@ void PhysicsReader::check_viscosity(Section& section) {
   if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
   const int parts = scene_.cfl > 0 ? scene_.max_substeps : 1;
   const Real nu = *scene_.kinematic_viscosity;
-  const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²
+  const Real largest = parts * longest_viscous_step(1, lattice_of(fluid), fluid.kernel_radius);  // nu dt, m²
   if (nu * scene_.dt <= largest * (1 + 1e-9)) return;
   const std::string remedy =
       fmt::format("lower nu to {} or dt to {}", rounded_down(largest / scene_.dt), rounded_down(largest / nu));

@@ -159,6 +159,15 @@ bool Section::numbers(const Key& key, std::span<Real> target) {
   return true;
 }
 
+bool Section::numbers(const Key& key, Vec3& target) {
+  const toml::array* given = present() ? table_->get_as<toml::array>(key.name) : nullptr;
+  if (!findings_->pairs_ || given == nullptr || given->size() != 2) return numbers(key, {target.data(), 3});
+  std::array<Real, 2> pair{};
+  const bool good = numbers(key, pair);
+  if (good) target = Vec3(pair[0], 0, pair[1]);
+  return good;
+}
+
 bool Section::integer_between(const Key& key, std::int64_t& target, std::pair<std::int64_t, std::int64_t> bounds) {
   const toml::node* node = find(key, "integer");
   if (!node) return false;

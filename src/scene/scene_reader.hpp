@@ -54,7 +54,8 @@ class Section {
   /// These return whether the key was given and good; only then is the target written.
   bool number(const Key& key, Real& target, const Interval& range = {});
   bool numbers(const Key& key, std::span<Real> target);
-  bool numbers(const Key& key, Vec3& target) { return numbers(key, {target.data(), 3}); }
+  /// [x, y, z], or, in a scene of two dimensions, [x, z] with y = 0.
+  bool numbers(const Key& key, Vec3& target);
   /// Of any length but zero; the target gets the length 1.
   bool direction(const Key& key, Vec3& target);
   bool flag(const Key& key, bool& target);
@@ -76,6 +77,8 @@ class Section {
   bool present() const { return table_ != nullptr; }
   bool given(const char* key) const { return table_ && table_->contains(key); }
   bool fine(const char* key) const { return !failed_.contains(key); }
+  /// From now on vectors of the document may be [x, z].
+  void allow_pairs() { findings_->pairs_ = true; }
   /// In the scene file; 0 when the table came from an override.
   int line() const;
   /// Reports the keys that nobody asked for; call last.

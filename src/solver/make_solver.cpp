@@ -55,7 +55,7 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
     filters.back() = std::make_unique<MomentumConserving<T>>(comm, std::move(filters.back()));
   if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
   if (settings.kinematic_viscosity)
-    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, settings.fluid.spacing,
+    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid),
                                                               model.h, velocity));
   if (settings.no_slip)
     filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, walls, obstacles));
@@ -65,8 +65,8 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
 std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
   if (settings.walls.density != WallDensity::analytic) return std::nullopt;
   const bool positions_only = shifts_positions_only(settings.density, settings.gravity.value_or(Vec3::Zero()));
-  return AnalyticWallDensity(box_of_walls(settings.domain, settings.periodic), kernels_of(settings.fluid).density,
-                             settings.fluid.spacing, settings.fluid.kernel_radius,
+  return AnalyticWallDensity(box_of_walls(settings), kernels_of(settings.fluid).density, settings.fluid.spacing,
+                             settings.fluid.kernel_radius,
                              positions_only ? WallSlope::of_positions : WallSlope::of_velocities);
 }
 
@@ -87,9 +87,11 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const DensityModel model = density_model(settings);
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
-  const Walls walls(box_of_walls(settings.domain, settings.periodic), settings.walls, 1e-6 * model.h);
+  const PointLattice lattice = lattice_of(settings.fluid);
+  const Walls walls(box_of_walls(settings), settings.walls, 1e-6 * model.h);
   const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
-  parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
+  parts.boundary =
+      make_boundary({walls, obstacles, make_periodic(settings, parts.box.min), settings.fluid.dimensions == 2});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.density_solver = make_density_solver<T>(
@@ -97,11 +99,11 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,
-                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h),
+                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), lattice, model.h),
                         settings.max_substeps};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       *parts.comm, model,
-      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(spacing, model.h), gravity,
+      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(lattice, model.h), gravity,
                                    water_mass(settings.fluid)});
 }
 

@@ -20,9 +20,9 @@ struct Case {
   Real h() const { return ratio * spacing; }
 };
 
-std::vector<Case> cases() {
+std::vector<Case> cases(int dimensions = 3) {
   std::vector<Case> all;
-  for (const Kernel& kernel : all_kernels())
+  for (const Kernel& kernel : all_kernels(dimensions))
     for (const Real ratio : {1.5, 2.0, 2.5, 3.0, 4.0}) all.push_back({kernel, ratio});
   return all;
 }
@@ -43,9 +43,10 @@ AnalyticWallDensity walls(const Case& c, const Box& box) { return {box, c.kernel
 /// box.
 Real missing_share(const Case& c, const std::array<int, 3>& count, const std::array<int, 3>& place) {
   constexpr int reach = 5;
+  const int across = c.kernel.dimensions == 2 ? 0 : reach;
   Real missing = 0, all = 0;
   for (int x = -reach; x <= reach; ++x)
-    for (int y = -reach; y <= reach; ++y)
+    for (int y = -across; y <= across; ++y)
       for (int z = -reach; z <= reach; ++z) {
         const Real w = c.kernel.value(spacing * Vec3(x, y, z), c.h());
         const std::array<int, 3> there = {place[0] + x, place[1] + y, place[2] + z};
@@ -86,6 +87,27 @@ TEST(WallDensity, StartIsAtRestInNarrowBoxes) {
       expect_start_at_rest(c, {10, width, 5});
       expect_start_at_rest(c, {10, 3, width});
       expect_start_at_rest(c, {width, width, width});
+    }
+  }
+}
+
+// A layer has no walls along y: they are far away.
+TEST(WallDensity, StartIsAtRestInTwoDimensions) {
+  for (const Case& c : cases(2)) {
+    SCOPED_TRACE(name_of(c));
+    for (const auto& [x, z] : {std::pair{11, 9}, {3, 10}, {10, 2}, {3, 4}}) {
+      Box box = box_of(x, 1, z);
+      box.min.y() -= 100;
+      box.max.y() += 100;
+      const AnalyticWallDensity w = walls(c, box);
+      Real worst = 0;
+      for (int i = 0; i < x; ++i)
+        for (int k = 0; k < z; ++k) {
+          const Vec3 p = box.min + spacing * Vec3(i + 0.5, 0, k + 0.5) + Vec3(0, 100 + spacing / 2, 0);
+          worst = std::max(worst, std::abs(w.at(p).density - missing_share(c, {x, 1, z}, {i, 0, k})));
+          EXPECT_EQ(w.at(p).gradient.y(), 0);
+        }
+      EXPECT_LT(worst, 1e-12) << x << " x " << z;
     }
   }
 }

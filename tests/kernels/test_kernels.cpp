@@ -149,6 +149,65 @@ TEST(Kernels, CalibratedMassPutsTheLatticeAtRest) {
   EXPECT_DOUBLE_EQ(particle_mass({0.1, 1000, 0.2, Mass::volume}), 1.0);
 }
 
+// ---- in the plane -------------------------------------------------------------------------------------------------
+
+/// Density kernels and gradients of the literature in two dimensions.
+const std::vector<std::pair<std::string, std::function<Real(Real)>>>& rows_in_plane() {
+  static const std::vector<std::pair<std::string, std::function<Real(Real)>>> all = {
+      {"poly6", [](Real r) { return 4 / (pi * std::pow(h, 8)) * std::pow(h * h - r * r, 3); }},
+      {"spiky", [](Real r) { return 10 / (pi * std::pow(h, 5)) * std::pow(h - r, 3); }},
+      {"wendland_c2", [](Real r) { return 7 / (pi * h * h) * std::pow(1 - r / h, 4) * (1 + 4 * r / h); }}};
+  return all;
+}
+
+TEST(KernelsInThePlane, HaveUnitIntegralsAndTheGradientsAreTheirDerivatives) {
+  constexpr int parts = 20000;
+  std::vector<std::string> names;
+  for (const auto& [name, value] : rows_in_plane()) {
+    SCOPED_TRACE(name);
+    names.push_back(name);
+    const Kernel& kernel = kernel_named(name, 2);
+    EXPECT_EQ(kernel.dimensions, 2);
+    EXPECT_EQ(kernel.index, kernel_named(name).index);
+    Real sum = 0;
+    for (int k = 0; k < parts; ++k) {
+      const Real r = h * (k + 0.5) / parts;
+      sum += kernel.value(Vec3(0, 0, r), h) * 2 * pi * r * h / parts;
+    }
+    EXPECT_NEAR(sum, 1, 1e-7);
+    for (const Real r : {0.01, 0.06, 0.13, 0.19}) {
+      constexpr Real d = 1e-6;
+      EXPECT_NEAR(kernel.value(Vec3(0.6 * r, 0, 0.8 * r), h), value(r), 1e-12 * value(0));
+      EXPECT_NEAR(kernel.gradient(Vec3(0, 0, r), h).z(), (value(r + d) - value(r - d)) / (2 * d), 1e-5 * value(0) / h);
+    }
+    EXPECT_NEAR(kernel.factor(h), value(0), 1e-12 * value(0));
+    EXPECT_NEAR(kernel.slope_factor(h) / kernel.factor(h),
+                kernel_named(name).slope_factor(h) / kernel_named(name).factor(h), 1e-9);
+  }
+  EXPECT_EQ(names, kernel_names());
+}
+
+TEST(KernelsInThePlane, LatticeIsSquareAndAtRest) {
+  EXPECT_EQ(lattice_neighbours({0.1, 2}, 0.2), 8);
+  EXPECT_EQ(lattice_neighbours({0.1, 2}, 0.25), 20);
+  for (const Real ratio : {1.5, 2.0, 2.7, 4.0}) {
+    FluidSettings fluid{0.07, 850, ratio * 0.07, Mass::calibrated, "wendland_c2"};
+    fluid.dimensions = 2;
+    Real sum = 0, moment = 0;
+    for (int x = -5; x <= 5; ++x)
+      for (int z = -5; z <= 5; ++z) {
+        const Vec3 r = 0.07 * Vec3(x, 0, z);
+        sum += kernels_of(fluid).density.value(r, fluid.kernel_radius);
+        moment += kernel_named("poly6", 2).value(r, fluid.kernel_radius) * r.z() * r.z() / 2;
+      }
+    EXPECT_NEAR(particle_mass(fluid) * sum, 850, 1e-9 * 850);
+    EXPECT_NEAR(lattice_laplacian_moment(lattice_of(fluid), fluid.kernel_radius), moment, 1e-12 * moment);
+    // Water of spacing³ weighs 850 spacing³, and a kernel sum has as much in a layer a metre thick.
+    fluid.mass = Mass::volume;
+    EXPECT_DOUBLE_EQ(particle_mass(fluid) * 0.07, water_mass(fluid));
+  }
+}
+
 /// The largest mu of the waves k = π/s (a, a, b)/12 by its definition.
 Real largest_of_some_waves(const Kernels& kernels, Real s, Real radius, Real volume, Real epsilon) {
   Real found = 0;

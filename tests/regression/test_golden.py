@@ -51,6 +51,101 @@ every_steps = 1
 [output.checkpoint]
 every_steps = 30
 """
+# The same in two dimensions, with obstacles that move, an inlet and a drain.
+EVERYTHING_IN_PLANE = """
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [1.6, 2.0]
+[fluid]
+spacing = 0.05
+[[particles]]
+min = [0, 0]
+max = [1.6, 0.5]
+[[particles]]
+min = [0.2, 1.0]
+max = [0.6, 1.4]
+velocity = [1, 0.3]
+[time]
+dt = 0.016666666666666667
+end = 1.0
+[gravity]
+[walls]
+floor_friction = 0.02
+[tensile]
+[vorticity]
+[viscosity]
+nu = 1e-4
+no_slip = true
+[[obstacle]]
+type = "cylinder"
+center = [0.8, 0.45]
+radius = 0.13
+angular_velocity = [0, 3, 0]
+[[obstacle]]
+type = "box"
+center = [1.3, 0.3]
+size = [0.2, 0.3]
+rotate = [0, 30, 0]
+friction = 0.1
+motion = { type = "sine", amplitude = [0.1, 0.02], period = 0.7 }
+[[fountain]]
+center = [0.3, 0]
+diameter = 0.2
+height = 0.3
+speed = 4.0
+jitter = 1.0
+[[inlet]]
+center = [0.1, 1.6]
+radius = 0.1
+direction = [1, 0.2]
+speed = 2.0
+jitter = 0.5
+[[drain]]
+min = [1.5, 0]
+max = [1.6, 0.1]
+[[gauge]]
+type = "pressure"
+center = [0, 0.2]
+normal = [1, 0]
+[[gauge]]
+type = "height"
+center = [0.5, 0]
+[[gauge]]
+type = "velocity"
+center = [0.5, 0.3]
+[output.series]
+every_steps = 1
+[output.checkpoint]
+every_steps = 30
+"""
+# Two jets that meet in a box that repeats along both axes, without gravity.
+PERIODIC_PLANE = """
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [2.0, 1.6]
+periodic = ["x", "z"]
+[fluid]
+spacing = 0.05
+[[particles]]
+min = [0.2, 0.4]
+max = [0.9, 1.0]
+velocity = [4, 1]
+[[particles]]
+min = [1.1, 0.4]
+max = [1.8, 1.1]
+velocity = [-4, 0]
+[[obstacle]]
+type = "cylinder"
+center = [1.0, 1.2]
+radius = 0.15
+[time]
+dt = 0.005
+end = 1.0
+[output.series]
+[output.checkpoint]
+"""
 MUSIC = 'music = "ode.txt"\nspeed_range = [3.0, 6.0]'
 SCORE = "0 C4 0.2\n0.2 E4 0.2\n0.3 G4 0.3\n"
 
@@ -71,6 +166,10 @@ def cases(folder):
     for scene in sorted(INPUTS.glob("*_small.toml")):
         if "music" not in scene.name or "MUSIC" not in WITHOUT:
             yield scene.stem, scene, []
+    for name, text in (("everything_in_plane", EVERYTHING_IN_PLANE), ("periodic_plane", PERIODIC_PLANE)):
+        (folder / f"{name}.toml").write_text(text)
+        for precision in ("single", "double"):
+            yield f"{name}_{precision}", folder / f"{name}.toml", [f"density.precision='{precision}'"]
     if "MUSIC" in WITHOUT:
         return
     everything = folder / "everything.toml"

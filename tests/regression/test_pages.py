@@ -129,7 +129,7 @@ class Claims(unittest.TestCase):
 
     def test_thin_tanks_and_formats_are_in_the_reference(self):
         text = " ".join((ROOT / "inputs/README.md").read_text().split())
-        for words in ("### Thin tanks, and two dimensions", "at least one kernel radius wide in each axis, which is two spacings",
+        for words in ("### Two dimensions", "at least one kernel radius wide in each axis, which is two spacings",
                       "lines `time pitch length`", "HDF5 with `/particles/position` (N × 3",
                       "`/particles/id` (N, integers"):
             self.assertIn(words, text)

@@ -127,6 +127,11 @@ radius = 0.1
     def test_single_precision_with_substeps(self):
         self.same_bits(CUBE, "--set", "density.precision=single", "--set", "time.cfl=0.1")
 
+    def test_two_dimensions(self):
+        """A slice of what flows, beside a wheel that turns."""
+        wheel = 'obstacle=[{type="cylinder",center=[0.7,0.3],radius=0.12,angular_velocity=[0,3,0]}]'
+        self.same_bits(FLOW, *set_to(("domain.dimensions=2", "fluid.spacing=0.05", wheel)))
+
     def test_step_0_and_another_folder(self):
         folder = Folder()
         self.addCleanup(folder.cleanup)
@@ -359,6 +364,7 @@ class SceneChanges(unittest.TestCase):
         for text, folder, settings, words in (
                 (self.text, self.output, ["fluid.spacing=0.09"], "fluid.spacing: 0.1 -> 0.09; the particles of the checkpoint"),
                 (self.text, self.output, ["fluid.rest_density=900.0"], "fluid.rest_density: (absent) -> 900; it would change the mass"),
+                (self.text, self.output, ["domain.dimensions=2"], "the particles of the checkpoint are not those of another space"),
                 (self.text, self.output, ["fluid.mass=volume"], "it would change the mass"),
                 (self.text, self.output, ["density.preset=report"], "it would change the mass"),
                 (self.text, self.output, ["fluid.kernel_radius=0.21"], "it would change the density of the water"),

@@ -15,6 +15,7 @@ namespace trevi::test {
 inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
   return {fmt::format("domain.slab_axis='{}'", scene.slab_axis == 0 ? 'x' : 'y'),
           "domain.slabs='balanced'",
+          "domain.dimensions=3",
           "fluid.rest_density=1000.0",
           fmt::format("fluid.kernel_radius={}", 2 * scene.fluid.spacing),
           "fluid.mass='calibrated'",

@@ -217,6 +217,7 @@ Cloud shaken_lattice(const Scene& scene, const Vec3& low, const Vec3& high) {
   const Real spacing = scene.fluid.spacing;
   const Cloud noise = random_cloud(4000, Box{Vec3::Constant(-0.2 * spacing), Vec3::Constant(0.2 * spacing)}, 0.3);
   const Vec3 extent = scene.domain.max - scene.domain.min;
+  const auto in_space = [&](const Vec3& v) { return scene.fluid.dimensions == 2 ? Vec3(v.x(), 0, v.z()) : v; };
   Cloud lattice;
   for (Real x = 0.5; x < extent.x() / spacing; ++x) {
     for (Real y = 0.5; y < extent.y() / spacing; ++y) {
@@ -224,7 +225,7 @@ Cloud shaken_lattice(const Scene& scene, const Vec3& low, const Vec3& high) {
         const Vec3 p = scene.domain.min + spacing * Vec3(x, y, z);
         const std::size_t k = lattice.id.size();
         if ((p.array() > low.array()).all() && (p.array() < high.array()).all())
-          lattice.add(noise.id[k], p + noise.position[k], noise.velocity[k]);
+          lattice.add(noise.id[k], in_space(p + noise.position[k]), in_space(noise.velocity[k]));
       }
     }
   }
@@ -272,6 +273,39 @@ TEST(Reference, DefaultStepWithoutGravityInAPeriodicBox) {
       expect_reference_of_cloud(scene, sloping_pool(scene, 0.3, 0.8));
       expect_reference_of_cloud(scene, sloping_pool(scene, 0.9, 0.8));
     }
+  }
+}
+
+/// A random cloud in the layer of a scene of two dimensions.
+Cloud flat_cloud(const Scene& scene, int count, Real speed) {
+  Box layer = scene.domain;
+  layer.min.y() = layer.max.y() = 0;
+  Cloud cloud = random_cloud(count, layer, speed, 0.06);
+  for (Vec3& v : cloud.velocity) v.y() = 0;
+  return cloud;
+}
+
+// Found: 7e-16 m, and 2e-13 m with Wendland's kernel.
+TEST(Reference, TwoDimensions) {
+  const std::vector<std::string> plane{"domain.dimensions=2", "gravity.acceleration=[0.3, -9.8]"};
+  const std::vector<std::vector<std::string>> by_default{{},
+                                                         joined(tensile, filters),
+                                                         {"fluid.kernel_radius=0.25"},
+                                                         {"fluid.density_kernel='wendland_c2'"},
+                                                         {"domain.max=[1.3, 1.0]", "domain.periodic=['x']"},
+                                                         {"gravity.acceleration=[0, 0]", "time.cfl=0"}};
+  for (const std::vector<std::string>& more : by_default) {
+    SCOPED_TRACE(::testing::PrintToString(more));
+    const Scene scene = scene_with(default_scene, joined(plane, more));
+    expect_reference_of_cloud(scene, flat_cloud(scene, 110, 0.3));
+  }
+  // Water that touches nothing keeps its momenta.
+  const Scene wide = scene_with(default_scene, joined(plane, {"gravity.acceleration=[0, 0]", "time.cfl=0",
+                                                              "domain.min=[0, 0]", "domain.max=[2.2, 2]"}));
+  expect_reference_of_cloud(wide, shaken_lattice(wide, Vec3(0.6, -1, 0.6), Vec3(1.6, 1, 1.2)));
+  for (const char* mass : {"fluid.mass='calibrated'", "fluid.mass='volume'"}) {
+    const Scene scene = scene_with(cloud_scene, joined(joined(plane, joined(tensile, filters)), {mass}));
+    expect_reference_of_cloud(scene, flat_cloud(scene, 150, 1));
   }
 }
 

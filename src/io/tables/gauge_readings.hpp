@@ -30,6 +30,7 @@ class GaugeReadings {
   std::vector<GaugeSettings> gauges_;
   std::vector<std::size_t> first_;  // of the sums of each gauge; one more at the end
   Real spacing_;                    // m, the edge of a particle's cube
+  bool in_layer_;                   // two dimensions
   bool pressures_;
   std::vector<Real> open_;  // of gauges of height: the fraction of the disc that is in the box
   PerThread<std::vector<std::int64_t>> sums_;

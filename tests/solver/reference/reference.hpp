@@ -22,14 +22,14 @@ class Reference {
   Reference(const Scene& scene, const Cloud& cloud)
       : s_(scene),
         cloud_(sorted_by_id(cloud)),
-        density_kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
-        gradient_kernel_{scene.fluid.gradient_kernel.value(), scene.fluid.kernel_radius},
+        density_kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius, scene.fluid.dimensions},
+        gradient_kernel_{scene.fluid.gradient_kernel.value(), scene.fluid.kernel_radius, scene.fluid.dimensions},
         walls_(scene, is_projected() && s_.density.method == Method::chebyshev ? 1.25 : 2),
         projection_(scene) {
     const Real ratio = scene.fluid.spacing / 0.1;
     epsilon_ = scene.density.epsilon / (ratio * ratio);
     if (scene.tensile) k_ = scene.tensile->k * ratio * ratio;
-    mass_ = scene.fluid.rest_density * std::pow(scene.fluid.spacing, 3);
+    mass_ = scene.fluid.rest_density * std::pow(scene.fluid.spacing, scene.fluid.dimensions);
     if (scene.fluid.mass == Mass::calibrated) mass_ *= scene.fluid.rest_density / lattice_density();
   }
 
@@ -48,7 +48,7 @@ class Reference {
 
   std::size_t size() const { return cloud_.id.size(); }
   Real h() const { return s_.fluid.kernel_radius; }
-  Real poly6(Real r) const { return reference_poly6(r, h()); }
+  Real poly6(Real r) const { return reference_poly6(r, h(), s_.fluid.dimensions); }
   /// From j to i, or to the image of i nearest to j.
   Vec3 between(std::size_t i, std::size_t j) const {
     Vec3 way = p_[i] - p_[j];
@@ -57,6 +57,8 @@ class Reference {
     return way;
   }
   bool repeats(int a) const { return s_.periodic[static_cast<std::size_t>(a)]; }
+  /// Without walls along the axis: where the box repeats, and across a layer.
+  bool is_open(int a) const { return repeats(a) || (a == 1 && s_.fluid.dimensions == 2); }
   Real length(int a) const { return s_.domain.max[a] - s_.domain.min[a]; }
   /// Brings p* back into the box, and x along with it.
   void wrap(std::size_t i) {
@@ -78,7 +80,7 @@ class Reference {
   Vec3 spiky(const Vec3& r) const {
     const Real d = r.norm();
     if (d == 0 || d >= h()) return Vec3::Zero();
-    return -45 / (std::numbers::pi * std::pow(h(), 6)) * (h() - d) * (h() - d) * (r / d);
+    return ReferenceKernel{"spiky", h(), s_.fluid.dimensions}.slope(d) * (r / d);
   }
 
   /// That of the gradients of the constraint.
@@ -90,9 +92,10 @@ class Reference {
   /// Density of the interior of the start lattice with the mass of "volume".
   Real lattice_density() const {
     const int reach = static_cast<int>(std::ceil(h() / s_.fluid.spacing));
+    const int across = s_.fluid.dimensions == 2 ? 0 : reach;
     Real sum = 0;
     for (int x = -reach; x <= reach; ++x)
-      for (int y = -reach; y <= reach; ++y)
+      for (int y = -across; y <= across; ++y)
         for (int z = -reach; z <= reach; ++z)
           sum += density_kernel_(s_.fluid.spacing * std::sqrt(x * x + y * y + z * z));
     return mass_ * sum;
@@ -188,7 +191,7 @@ class Reference {
       sum.angular += p_[i].cross(cloud_.velocity[i]);
       for (int a = 0; a < 3; ++a) {
         const Real gap = std::min(p_[i][a] - s_.domain.min[a], s_.domain.max[a] - p_[i][a]);
-        if (!repeats(a) && gap <= 1.25 * h()) sum.is_free = false;
+        if (!is_open(a) && gap <= 1.25 * h()) sum.is_free = false;
       }
     }
     return sum;
@@ -232,7 +235,7 @@ class Reference {
   std::pair<Real, int> exit_time(const Vec3& p, const Vec3& v, Real t) const {
     int axis = -1;
     for (int a = 0; a < 3; ++a) {
-      if (v[a] == 0 || repeats(a)) continue;
+      if (v[a] == 0 || is_open(a)) continue;
       const Real plane = v[a] > 0 ? s_.domain.max[a] : s_.domain.min[a];
       if ((plane - p[a]) / v[a] < t) {
         t = (plane - p[a]) / v[a];
@@ -262,7 +265,7 @@ class Reference {
     if (s_.walls.reflection == Reflection::normal) {
       Vec3 at = p + d;
       for (int a = 0; a < 3; ++a)
-        if (!repeats(a)) at[a] = std::clamp(at[a], s_.domain.min[a], s_.domain.max[a]);
+        if (!is_open(a)) at[a] = std::clamp(at[a], s_.domain.min[a], s_.domain.max[a]);
       return at;
     }
     const auto [t1, axis] = exit_time(p, d, 1);

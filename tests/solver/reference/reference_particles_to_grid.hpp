@@ -18,7 +18,10 @@ namespace trevi::test {
 class ReferenceParticlesToGrid {
  protected:
   explicit ReferenceParticlesToGrid(const Scene& scene)
-      : min_(scene.domain.min), s_(scene.fluid.spacing), h_(scene.fluid.kernel_radius) {
+      : min_(scene.domain.min),
+        s_(scene.fluid.spacing),
+        h_(scene.fluid.kernel_radius),
+        dimensions_(scene.fluid.dimensions) {
     const Vec3 extent = scene.domain.max - scene.domain.min;
     for (int a = 0; a < 3; ++a) count_[a] = std::max(1, static_cast<int>(std::floor(extent[a] / h_ * (1 + 1e-12))));
     cells_ = {count_, scene.periodic};
@@ -195,6 +198,7 @@ class ReferenceParticlesToGrid {
 
   Vec3 min_;
   Real s_, h_;
+  int dimensions_;
   Cell count_;
   Cells cells_{};
   Vec3 size_;

@@ -246,7 +246,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   Vec3 filtered(const Particle& i, const Vec3& own, const CellArray<ReferenceFit>& fits) const {
     Vec3 sum = Vec3::Zero();
     for_each_around(i.cell, [&](const Cell& cell, const Vec3& offset, Real weight) {
-      sum += weight / std::pow(1.5, 3) * fits[cell].weight * (fits[cell].at(i.y - offset) - own);
+      sum += weight / std::pow(1.5, dimensions_) * fits[cell].weight * (fits[cell].at(i.y - offset) - own);
     });
     return sum;
   }

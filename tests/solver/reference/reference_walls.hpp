@@ -15,24 +15,39 @@
 
 namespace trevi::test {
 
-inline Real reference_poly6(Real r, Real h) {
-  return r < h ? 315 / (64 * std::numbers::pi * std::pow(h, 9)) * std::pow(h * h - r * r, 3) : 0;
+inline Real reference_poly6(Real r, Real h, int dimensions = 3) {
+  if (r >= h) return 0;
+  if (dimensions == 2) return 4 / (std::numbers::pi * std::pow(h, 8)) * std::pow(h * h - r * r, 3);
+  return 315 / (64 * std::numbers::pi * std::pow(h, 9)) * std::pow(h * h - r * r, 3);
 }
 
 struct ReferenceKernel {
   std::string name;
   Real h;
+  int dimensions = 3;
 
   Real operator()(Real r) const {
     if (r >= h) return 0;
+    if (dimensions == 2) return in_plane(r);
     if (name == "poly6") return reference_poly6(r, h);
     if (name == "spiky") return 15 / (std::numbers::pi * std::pow(h, 6)) * std::pow(h - r, 3);
     if (name == "wendland_c2") return 21 / (2 * std::numbers::pi * std::pow(h, 8)) * std::pow(h - r, 4) * (h + 4 * r);
     throw std::invalid_argument("the reference does not know " + name);
   }
+  Real in_plane(Real r) const {
+    if (name == "poly6") return reference_poly6(r, h, 2);
+    if (name == "spiky") return 10 / (std::numbers::pi * std::pow(h, 5)) * std::pow(h - r, 3);
+    return 7 / (std::numbers::pi * std::pow(h, 7)) * std::pow(h - r, 4) * (h + 4 * r);
+  }
+  Real slope_in_plane(Real r) const {
+    if (name == "poly6") return -24 / (std::numbers::pi * std::pow(h, 8)) * r * std::pow(h * h - r * r, 2);
+    if (name == "spiky") return -30 / (std::numbers::pi * std::pow(h, 5)) * std::pow(h - r, 2);
+    return -140 / (std::numbers::pi * std::pow(h, 7)) * r * std::pow(h - r, 3);
+  }
   /// dW/dr
   Real slope(Real r) const {
     if (r >= h) return 0;
+    if (dimensions == 2) return slope_in_plane(r);
     if (name == "poly6") return -6 * 315 / (64 * std::numbers::pi * std::pow(h, 9)) * r * std::pow(h * h - r * r, 2);
     if (name == "spiky") return -45 / (std::numbers::pi * std::pow(h, 6)) * std::pow(h - r, 2);
     if (name == "wendland_c2") return -210 / (std::numbers::pi * std::pow(h, 8)) * r * std::pow(h - r, 3);
@@ -52,10 +67,10 @@ class ReferenceWalls {
       : slope_(slope),
         min_(scene.domain.min),
         max_(scene.domain.max),
-        kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius},
+        kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius, scene.fluid.dimensions},
         s_(scene.fluid.spacing) {
-    for (int a = 0; a < 3; ++a) {  // no walls where the box repeats
-      if (!scene.periodic[static_cast<std::size_t>(a)]) continue;
+    for (int a = 0; a < 3; ++a) {  // no walls where the box repeats, and none across a layer
+      if (!scene.periodic[static_cast<std::size_t>(a)] && !(a == 1 && kernel_.dimensions == 2)) continue;
       min_[a] -= 1000;
       max_[a] += 1000;
     }
@@ -92,13 +107,14 @@ class ReferenceWalls {
   const Missing& missing(const std::vector<int>& layer) const {
     const auto [known, is_new] = missing_.try_emplace(layer);
     if (!is_new) return known->second;
-    const int reach = static_cast<int>(std::ceil(kernel_.h / s_));
+    const bool in_plane = kernel_.dimensions == 2;
+    const int reach = static_cast<int>(std::ceil(kernel_.h / s_)), across = in_plane ? 0 : reach;
     Missing sum;
     Real whole = 0;
     for (int x = -reach; x <= reach; ++x)
-      for (int y = -reach; y <= reach; ++y)
+      for (int y = -across; y <= across; ++y)
         for (int z = -reach; z <= reach; ++z) {
-          const int at[] = {x, y, z};
+          const int at[] = {x, in_plane ? z : y, in_plane ? y : z};
           const Real r = s_ * std::sqrt(x * x + y * y + z * z);
           if (r > kernel_.h * (1 - 1e-9)) continue;
           whole += kernel_(r);
