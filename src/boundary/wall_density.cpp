@@ -34,7 +34,7 @@ Missing behind_planes(std::span<const Real> d, const Kernel& kernel, Real spacin
 
 }  // namespace
 
-AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h)
+AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h, Real slope)
     : box_(box),
       kernel_(kernel),
       h_(h),
@@ -43,16 +43,16 @@ AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, R
       layers_(std::max(1, static_cast<int>(std::ceil(h / spacing - 1e-9)) - 1)) {
   const Real reach = (layers_ + 0.5) * spacing;
   interior_ = {box.min.array() + reach, box.max.array() - reach};
-  tabulate_layers();
+  tabulate_layers(slope);
   tabulate_ratios();
 }
 
-void AnalyticWallDensity::tabulate_layers() {
+void AnalyticWallDensity::tabulate_layers(Real slope) {
   for (int k = 0; k < layers_; ++k) {
     const std::array<Real, 1> d = {(k + 0.5) * spacing_};
     const Missing missing = behind_planes(d, kernel_, spacing_, h_);
     value_.push_back(missing.value);
-    slope_.push_back(-wall_slope * missing.pull);
+    slope_.push_back(-slope * missing.pull);
   }
   value_.push_back(0);
   slope_.push_back(0);

@@ -182,7 +182,7 @@ void DensityProblem<T>::release_in_flight() {
 
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
-  const typename Projection::Swept<T> swept{
+  const Swept<T> swept{
       {particles_->position, particles_->predicted}, act_, {swept_rho_, constraint_.model().rest_density}};
   projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });

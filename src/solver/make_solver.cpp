@@ -64,8 +64,10 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
 
 std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
   if (settings.walls.density != WallDensity::analytic) return std::nullopt;
+  const bool positions_only = shifts_positions_only(settings.density, settings.gravity.value_or(Vec3::Zero()));
   return AnalyticWallDensity(box_of_walls(settings), kernels_of(settings.fluid).density, settings.fluid.spacing,
-                             settings.fluid.kernel_radius);
+                             settings.fluid.kernel_radius,
+                             positions_only ? WallSlope::of_positions : WallSlope::of_velocities);
 }
 
 std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {
@@ -125,6 +127,12 @@ bool wants_hue(const Settings& settings) {
   return settings.colour == Colour::rainbow_x && !settings.output.directory.empty();
 }
 
+std::unique_ptr<Balance> make_balance(MPI_Comm comm, const Settings& settings) {
+  constexpr Real min_gain = 0.01;
+  return std::make_unique<Balance>(comm,
+                                   settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
+}
+
 template <class T>
 std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given given) {
   SolverExtras& extras = given.extras;
@@ -145,9 +153,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.slabs = std::make_unique<Slabs>(
       first_slabs(settings, *parts.grid, plane_weights(*parts.comm, *parts.grid, parts.particles), size_of(comm)));
   migrate(*parts.comm, parts.particles, &Particles::position, *parts.grid, *parts.slabs);
-  constexpr Real min_gain = 0.01;
-  parts.balance = std::make_unique<Balance>(
-      *parts.comm, settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
+  parts.balance = make_balance(*parts.comm, settings);
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;

@@ -2,7 +2,7 @@
 """The pages inputs/README.md and postprocess/README.md against the program.
 
 Every key, type and default of a scene, every column, key, dataset, attribute and file that a run writes is in a row of
-their tables, and no row names what is not there. Defaults are compared with tests/unit/scene_defaults.hpp, which a unit
+their tables, and no row names what is not there. Defaults are compared with tests/scene/scene_defaults.hpp, which a unit
 test compares with the program's scene, and written out in runs that must give the same bits as those without them.
 """
 
@@ -136,7 +136,7 @@ def value_of(toml):
 
 def assignments(name):
     """{path: value} of a list in scene_defaults.hpp; those with {} are computed, and None here."""
-    text = (ROOT / "tests/unit/scene_defaults.hpp").read_text()
+    text = (ROOT / "tests/scene/scene_defaults.hpp").read_text()
     body = re.search(re.escape(name) + r"[^;{]*\{(.*?)\};", text, re.S)[1]
     found = {}
     for path, value in re.findall(r'"([a-z_0-9.]+)=([^"\n]*)"', body):

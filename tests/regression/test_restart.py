@@ -80,7 +80,7 @@ max = [1.3, 0.9, 0.15]
 
     def test_tank_that_overflows(self):
         full = ("particles.0.min=[0, 0, 0]", "particles.0.max=[0.8, 0.6, 0.6]", "inlet.0.flow=0.2")
-        parted = self.same_bits((runs.ROOT / "tests/mpi/weir.toml").read_text(), *set_to(full))
+        parted = self.same_bits((runs.ROOT / "tests/solver/weir.toml").read_text(), *set_to(full))
         inflow, outflow, there = (runs.column(parted, name) for name in ("inflow", "outflow", "particles"))
         self.assertGreater(outflow[-1] - outflow[30], 20)
         self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))

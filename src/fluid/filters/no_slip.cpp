@@ -54,7 +54,7 @@ Vec3 NoSlip<T>::held(const Vec3& p, const Vec3& v, Real dt) const {
 
 // What each of them gave to a particle that has the velocity v now.
 template <class T>
-void NoSlip<T>::tell(const Vec3& p, const Vec3& v, Real dt) {
+void NoSlip<T>::record(const Vec3& p, const Vec3& v, Real dt) {
   for_each_wall(p, [&](std::size_t account, Real distance, const Vec3& displacement) {
     obstacles_->record(account, rate(distance) * dt * (displacement - v * dt), p);
   });
@@ -71,7 +71,7 @@ void NoSlip<T>::apply(Neighbourhood<T>&, Particles& particles, Real dt) {
       const Vec3& p = particles.predicted[i];
       if (!obstacles_ && inner.contains(p)) continue;
       particles.velocity[i] = held(p, particles.velocity[i], dt);
-      if (obstacles_) tell(p, particles.velocity[i], dt);
+      if (obstacles_) record(p, particles.velocity[i], dt);
     }
   });
 }

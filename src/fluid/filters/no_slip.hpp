@@ -27,7 +27,7 @@ class NoSlip : public VelocityFilter<T> {
  private:
   Real rate(Real distance) const;
   Vec3 held(const Vec3& p, const Vec3& v, Real dt) const;
-  void tell(const Vec3& p, const Vec3& v, Real dt);
+  void record(const Vec3& p, const Vec3& v, Real dt);
   template <class Visit>
   void for_each_wall(const Vec3& p, Visit&& visit) const;
 

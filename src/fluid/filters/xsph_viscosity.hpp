@@ -9,7 +9,7 @@
 // more viscosity.
 //   Neighbours must not stand in for those that are missing at walls and surfaces: where M_i is below
 // min_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
-// apart keeps its rate to 5 % at 10 across (tests/mpi/test_viscosity.cpp). Collective.
+// apart keeps its rate to 5 % at 10 across (tests/fluid/test_viscosity.cpp). Collective.
 #pragma once
 
 #include "fluid/filters/velocity_filter.hpp"
