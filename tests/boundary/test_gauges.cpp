@@ -9,6 +9,7 @@
 #include "io/tables/gauge_series.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
 
@@ -16,20 +17,8 @@ namespace trevi::test {
 namespace {
 
 // Water 1.2 m deep, with a box on the floor whose front is at x = 1.
-const std::string pool = R"(
-[domain]
-min = [0, 0, 0]
-max = [2, 1.2, 1.8]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [2, 1.2, 1.2]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-[output.series]
+const std::string pool =
+    tank_with_gravity({.max = "2, 1.2, 1.8", .water = {{"0, 0, 0", "2, 1.2, 1.2"}}}) + R"([output.series]
 [[obstacle]]
 type = "box"
 center = [1.25, 0.6, 0.3]
@@ -111,7 +100,7 @@ TEST_F(Gauges, WeightHasTheIntegralOne) {
 }
 
 // A disc whose lower half is behind the floor, one with a wall behind all of it, and one in the midst of the water.
-TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
+TEST_F(Gauges, FractionIsWhatIsOpenBeforeASolid) {
   const Box box{Vec3::Zero(), Vec3::Ones()};
   const auto nowhere = [](const Vec3&) { return false; };
   GaugeSettings gauge{GaugeKind::pressure, {0, 0.5, 0}, {1, 0, 0}, 0.1};
@@ -125,7 +114,7 @@ TEST_F(Gauges, ShareIsWhatIsOpenBeforeASolid) {
 
 // Of a level disc that is wider than the box what is in that: in a channel as narrow as this the strip along its
 // middle.
-TEST_F(Gauges, ShareOfALevelDiscIsExactInANarrowBox) {
+TEST_F(Gauges, FractionOfALevelDiscIsExactInANarrowBox) {
   const Box box{Vec3(-9, -0.01, 0), Vec3(9, 0.01, 1)};
   const GaugeSettings gauge{GaugeKind::height, {0, 0, 0}, {0, 0, 1}, 9};
   EXPECT_NEAR(open_fraction_of_gauge(gauge, 0.1, box, {}) / (0.02 * 8 / (3 * std::numbers::pi * 9)), 1, 1e-5);

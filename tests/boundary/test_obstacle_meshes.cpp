@@ -12,6 +12,7 @@
 #include "parallel/reductions.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
 
@@ -143,25 +144,15 @@ TEST(Mesh, IsRefusedWithItsOpenEdges) {
 // A third of a second at 1 to 3 g sideways there and back: what has not gone over the rim is inside, and nobody in the
 // wall.
 TEST(Mesh, JugKeepsItsWater) {
-  Scene scene = parse_scene("test.toml", R"(
-[domain]
-min = [-1, -1, -0.8]
-max = [1, 1, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [-0.5, -0.5, -0.5]
-max = [0.5, 0.5, 0.2]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-[[obstacle]]
+  Scene scene = parse_scene(
+      "test.toml",
+      tank_with_gravity({.min = "-1, -1, -0.8", .max = "1, 1, 1.2", .water = {{"-0.5, -0.5, -0.5", "0.5, 0.5, 0.2"}}}) +
+          R"([[obstacle]]
 type = "sphere"
 center = [0, 0, 0]
 radius = 1
 )",
-                            {});
+      {});
   scene.obstacles = {mesh_of(jug(0.1))};
   scene.obstacles[0].knots = {{0, {0, 0, 0}}, {0.25, {0.1, 0, 0}}, {0.5, {-0.1, 0, 0}}, {0.75, {0, 0, 0}}};
   Particles particles = initial_particles(world, scene);

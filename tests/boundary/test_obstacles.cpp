@@ -226,7 +226,7 @@ struct Tank {
     settings.obstacles = std::move(solids);
     settings = resolved(settings);
     const Walls walls(settings.domain, settings.walls, 1e-6 * h);
-    const AnalyticWallDensity law(settings.domain, kernel(), spacing, h);
+    const AnalyticWallDensity law(settings.domain, kernel(), spacing, h, WallSlope::of_positions);
     obstacles = std::make_unique<Obstacles>(settings, walls, law);
   }
   Real distance(const Vec3& p) const {
@@ -277,6 +277,25 @@ TEST(Paths, NobodyEntersAnyShape) {
           EXPECT_GT(tank.distance(p), -1e-9);
         }
       }
+    }
+  }
+}
+
+// Inside a smooth cylinder a path goes along the wall for any number of turns: bounces on shorter and shorter chords
+// would never come round. What the wall gives has no torque about the axis but for the way to the first contact.
+TEST(Paths, TurnOnAlongACurvedWall) {
+  ObstacleSettings vessel = cylinder(0.5, 4);
+  vessel.inside = true;
+  for (const Real dt : {1.0 / 60, 1.0 / 240}) {
+    Tank tank({vessel});
+    Vec3 p(0.5 - 1e-6, 0, 0), v(0.3, 1.5, 0);  // presses on the wall, too
+    const Real start = 0.5 * 1.5;
+    for (int step = 0; step < 400; ++step) {
+      const Vec3 end = tank.obstacles->predict(p, v, dt);
+      v = (end - p) / dt;
+      EXPECT_NEAR(p.x() * v.y() - p.y() * v.x(), start, 0.02 * start) << "1/" << 1 / dt << " s, step " << step;
+      p = end;
+      EXPECT_GT(tank.distance(p), 0);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "domain/migrate.hpp"
 #include "domain/neighbourhood.hpp"
 #include "support/cloud.hpp"
+#include "support/tank.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi::test {
@@ -74,20 +75,14 @@ TEST(Periodic, NeighboursAreThoseOfTheNearestImages) {
   }
 }
 
-const std::string endless = R"(
-[domain]
-min = [0.5, -1, 0.25]
-max = [2.25, 0.25, 1.25]
-periodic = ["x", "y", "z"]
-[fluid]
-spacing = 0.125
-[[particles]]
-min = [0.5, -1, 0.25]
-max = [2.25, 0.25, 1.25]
-[time]
-dt = 0.0166666667
-end = 1.0
-[tensile]
+const std::string endless = tank_text({.min = "0.5, -1, 0.25",
+                                       .max = "2.25, 0.25, 1.25",
+                                       .water = {{"0.5, -1, 0.25", "2.25, 0.25, 1.25"}},
+                                       .dt = "0.0166666667",
+                                       .end = "1.0",
+                                       .spacing = "0.125",
+                                       .domain = "periodic = [\"x\", \"y\", \"z\"]"}) +
+                            R"([tensile]
 [vorticity]
 epsilon = 0.01
 [viscosity]

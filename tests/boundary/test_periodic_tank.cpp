@@ -7,25 +7,18 @@
 
 #include "base/threads.hpp"
 #include "support/cloud.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
 
-const std::string tank = R"(
-[domain]
-min = [0.4, -1.2, 0.25]
-max = [2.0, 0.2, 1.65]
-periodic = ["x", "y"]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.4, -1.2, 0.25]
-max = [2.0, 0.2, 1.05]
-[time]
-dt = 0.0166666667
-end = 1.0
-[gravity]
-acceleration = [0.3, -0.2, -9.8]
+const std::string tank = tank_with_gravity({.min = "0.4, -1.2, 0.25",
+                                            .max = "2.0, 0.2, 1.65",
+                                            .water = {{"0.4, -1.2, 0.25", "2.0, 0.2, 1.05"}},
+                                            .dt = "0.0166666667",
+                                            .end = "1.0",
+                                            .domain = "periodic = [\"x\", \"y\"]"}) +
+                         R"(acceleration = [0.3, -0.2, -9.8]
 )";
 
 const std::string solids = rod_and_ball("1.2, -0.5, 0.5", 4, "1.2, -0.5, 0.9", 0.1);

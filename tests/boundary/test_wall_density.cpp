@@ -1,5 +1,5 @@
-// The walls' share of density against brute-force sums over the lattice that would go on behind them; its gradient
-// against central differences; and how it falls with the distance.
+// The walls' contribution to the density against brute-force sums over the lattice that would go on behind them; its
+// gradient against central differences; and how it falls with the distance.
 #include "boundary/wall_density.hpp"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ Box box_of(int x, int y, int z) {
   return {corner, corner + spacing * Vec3(x, y, z)};
 }
 
-AnalyticWallDensity walls(const Case& c, const Box& box) { return {box, c.kernel, spacing, c.h()}; }
+AnalyticWallDensity walls(const Case& c, const Box& box) { return {box, c.kernel, spacing, c.h(), WallSlope::of_velocities}; }
 
 /// Of the particle at lattice place (x, y, z) of `count` in each direction: the share of the places that are not in the
 /// box.

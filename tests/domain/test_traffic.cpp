@@ -5,6 +5,7 @@
 #include "parallel/reductions.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
@@ -17,20 +18,11 @@ constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (coarse_columns + 2
 constexpr std::int64_t field_cells_per_plane = (rows + 2) * ((coarse_columns + 7) / 8 * 8);
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
-const std::string still_scene = R"(
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [3.4, 0.4, 1.6]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.0, 0.0, 0.0]
-max = [3.4, 0.4, 1.0]
-[time]
-dt = 0.0166666667
-end = 1.0
-[gravity]
-)";
+const std::string still_scene = tank_with_gravity({.min = "0.0, 0.0, 0.0",
+                                                   .max = "3.4, 0.4, 1.6",
+                                                   .water = {{"0.0, 0.0, 0.0", "3.4, 0.4, 1.0"}},
+                                                   .dt = "0.0166666667",
+                                                   .end = "1.0"});
 
 /// What finds the pressure: pairs alone, or the projection, without gravity or with it.
 enum class Grid { none, floating, upright };

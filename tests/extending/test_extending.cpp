@@ -70,7 +70,8 @@ struct Slope {
     settings = resolved(settings);
     const Real h = settings.fluid.kernel_radius, spacing = settings.fluid.spacing;
     const Walls walls(settings.domain, settings.walls, 1e-6 * h);
-    const AnalyticWallDensity law(settings.domain, kernels_of(settings.fluid).density, spacing, h);
+    const AnalyticWallDensity law(settings.domain, kernels_of(settings.fluid).density, spacing, h,
+                                  WallSlope::of_positions);
     obstacles = std::make_shared<Obstacles>(settings, walls, law);
   }
   Settings settings;

@@ -80,7 +80,7 @@ TEST(NoSlip, SurfaceGoesAsFastAsItTurns) {
   const Scene scene = parse_scene("test.toml", pipe + turning, {});
   Obstacles obstacles(scene, Walls(scene.domain, scene.walls, 1e-7),
                       AnalyticWallDensity(scene.domain, kernels_of(scene.fluid).density, scene.fluid.spacing,
-                                          scene.fluid.kernel_radius));
+                                          scene.fluid.kernel_radius, WallSlope::of_positions));
   obstacles.move(0, 0.01);
   int met = 0;
   for (const Real distance : {0.01, 0.05, 0.1, 0.15}) {

@@ -164,7 +164,7 @@ Diagnostics row_of_energies(Real kinetic, Real potential) {
   return row;
 }
 
-TEST(EnergyRise, IsTheHighestAboveTheStartAsAShare) {
+TEST(EnergyRise, IsTheHighestAboveTheStartAsAFraction) {
   EnergyRise rise(4, 1, 1);  // 40 J for ten particles
   EXPECT_TRUE(std::isnan(rise.fraction()));
   for (const Real kinetic : {10.0, 12.0, 14.0, 6.0}) rise.add(row_of_energies(kinetic, 10));
@@ -177,7 +177,7 @@ TEST(EnergyRise, IsTheHighestAboveTheStartAsAShare) {
   EXPECT_EQ(fall.fraction(), 0);
 }
 
-TEST(EnergyRise, WithoutGravityIsAShareOfTheMotionAtTheStart) {
+TEST(EnergyRise, WithoutGravityIsAFractionOfTheMotionAtTheStart) {
   EnergyRise moving(0, 0, 1), resting(0, 0, 1), compressed(1, 1, 1);
   for (const Real kinetic : {2.0, 3.0}) moving.add(row_of_energies(kinetic, 0));
   EXPECT_DOUBLE_EQ(moving.fraction(), 0.5);

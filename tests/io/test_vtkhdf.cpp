@@ -9,26 +9,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "frames.hpp"
 #include "io/frames/blowup.hpp"
 #include "io/frames/vtkhdf.hpp"
-#include "support/output_fixture.hpp"
 
 namespace trevi {
 namespace {
-
-FrameOptions frame_options(const std::string& folder) {
-  FrameOptions options;
-  options.directory = folder;
-  options.schedule.every_steps = 5;
-  options.fields = {"velocity", "density", "id", "rank", "rgb"};
-  options.colour.by = Colour::rainbow_x;
-  return options;
-}
-
-std::size_t row_of(const Particles& all, vtkDataArray* ids, vtkIdType i) {
-  const auto id = static_cast<GlobalId>(ids->GetVariantValue(i).ToLongLong());
-  return static_cast<std::size_t>(std::lower_bound(all.id.begin(), all.id.end(), id) - all.id.begin());
-}
 
 /// What VTK reads; the reader owns it.
 struct Reading {
@@ -53,7 +39,7 @@ void expect_frame(const std::string& path, const Particles& all) {
   EXPECT_EQ(reading.array("rgb")->GetDataType(), VTK_UNSIGNED_CHAR);
   std::vector<int> seen(all.id.size(), 0);
   for (vtkIdType i = 0; i < count; ++i) {
-    const std::size_t row = row_of(all, reading.array("id"), i);
+    const std::size_t row = row_of(all, id_of(reading.array("id"), i));
     ASSERT_LT(row, all.id.size());
     ++seen[row];
     EXPECT_EQ(Vec3(reading.grid()->GetPoint(i)), all.position[row]);
@@ -165,7 +151,7 @@ TEST_F(Output, BlowUpFileOpensWhateverIsInIt) {
   ASSERT_EQ(reading.grid()->GetNumberOfPoints(), 60);
   int bad = 0;
   for (vtkIdType i = 0; i < 60; ++i) {
-    const std::size_t row = row_of(all, reading.array("id"), i);
+    const std::size_t row = row_of(all, id_of(reading.array("id"), i));
     EXPECT_EQ(Vec3(reading.grid()->GetPoint(i)), all.position[row]);
     bad += std::isnan(reading.array("velocity")->GetTuple3(i)[0]) &&
            std::isinf(reading.array("predicted")->GetTuple3(i)[0]);

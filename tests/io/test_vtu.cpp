@@ -14,28 +14,14 @@
 #include <cmath>
 #include <fstream>
 
+#include "frames.hpp"
 #include "io/frames/vtk_compressor.hpp"
 #include "io/frames/vtu.hpp"
 #include "io/run_directory/files.hpp"
 #include "parallel/collective.hpp"
-#include "support/output_fixture.hpp"
 
 namespace trevi {
 namespace {
-
-FrameOptions vtu_options(const std::string& folder) {
-  FrameOptions options;
-  options.directory = folder;
-  options.schedule.every_steps = 5;
-  options.fields = {"velocity", "density", "id", "rank", "rgb"};
-  options.colour.by = Colour::rainbow_x;
-  return options;
-}
-
-/// Row of each id in the whole cloud.
-std::size_t row_of(const Particles& all, GlobalId id) {
-  return static_cast<std::size_t>(std::lower_bound(all.id.begin(), all.id.end(), id) - all.id.begin());
-}
 
 void expect_frame(const std::string& path, const Particles& all) {
   vtkNew<vtkXMLPUnstructuredGridReader> reader;
@@ -52,7 +38,7 @@ void expect_frame(const std::string& path, const Particles& all) {
   EXPECT_EQ(ids->GetDataTypeSize(), 8);
   EXPECT_EQ(grid->GetPointData()->GetArray("rgb")->GetDataType(), VTK_UNSIGNED_CHAR);
   for (vtkIdType i = 0; i < count; ++i) {
-    const std::size_t row = row_of(all, static_cast<GlobalId>(ids->GetVariantValue(i).ToLongLong()));
+    const std::size_t row = row_of(all, id_of(ids, i));
     ASSERT_LT(row, all.id.size());
     EXPECT_EQ(Vec3(grid->GetPoint(i)), all.position[row]);
     EXPECT_EQ(grid->GetCellType(i), VTK_VERTEX);
@@ -76,11 +62,11 @@ void write_frames(const FrameOptions& options, const Particles& all, std::int64_
 
 TEST_F(Output, VtuFramesReadBackWithAnEmptyRank) {
   const Particles all = whole_cloud(500);
-  write_frames(vtu_options(folder()), all, 0, 12);
+  write_frames(frame_options(folder()), all, 0, 12);
   for (const char* step : {"000000", "000005", "000010"}) {
     expect_frame(path(std::string("vtu/particles_") + step + ".pvtu"), all);
   }
-  write_frames(vtu_options(folder()), whole_cloud(0), 0, 0);
+  write_frames(frame_options(folder()), whole_cloud(0), 0, 0);
   expect_frame(path("vtu/particles_000000.pvtu"), whole_cloud(0));
 }
 
@@ -88,7 +74,7 @@ TEST_F(Output, VtuIsTheSameBytesOnAnyNumberOfThreads) {
   const Particles all = whole_cloud(300000, 3);  // several batches of blocks
   const auto texts = on_threads(path("vtu/particles_000000_0.vtu"), [&] {
     on_root(world, [&] { fs::remove_all(path("particles.pvd")); });
-    write_frames(vtu_options(folder()), all, 0, 0);
+    write_frames(frame_options(folder()), all, 0, 0);
   });
   EXPECT_GT(texts[0].size(), 24 * all.id.size() / static_cast<std::size_t>(size_of(world)) / 2);
   EXPECT_TRUE(texts[0] == texts[1] && texts[0] == texts[2]);
@@ -144,7 +130,7 @@ TEST_F(Output, VtkCompressorKnowsAllBlocksAndGivesThoseOfVtk) {
 
 TEST_F(Output, VtuRestartSetsLaterFramesAside) {
   const Particles all = whole_cloud(50);
-  FrameOptions options = vtu_options(folder());
+  FrameOptions options = frame_options(folder());
   write_frames(options, all, 0, 12);
   barrier();
   options.restart_step = 7;
@@ -163,7 +149,7 @@ TEST_F(Output, VtuRestartSetsLaterFramesAside) {
 
 TEST_F(Output, VtuRestartKeepsWhatIsWholeOfACutList) {
   const Particles all = whole_cloud(50);
-  FrameOptions options = vtu_options(folder());
+  FrameOptions options = frame_options(folder());
   write_frames(options, all, 0, 7);
   barrier();
   on_root(world, [&] {
@@ -179,7 +165,7 @@ TEST_F(Output, VtuRestartKeepsWhatIsWholeOfACutList) {
 }
 
 TEST_F(Output, VtuFailuresReachAllRanks) {
-  FrameOptions options = vtu_options(folder());
+  FrameOptions options = frame_options(folder());
   options.fields.push_back("vorticity");
   expect_mentions(input_error_of([&] { make_vtu_writer(world, options); }), {"unknown output field", "vorticity"});
   options.fields = {"id"};

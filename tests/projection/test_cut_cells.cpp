@@ -36,7 +36,7 @@ Settings many_solids(MPI_Comm comm) {
 
 struct Measured {
   Settings settings = many_solids(world);
-  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h};
+  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
   CutCells solids{obstacles};
   ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
@@ -54,7 +54,7 @@ struct Measured {
     return least;
   }
   // Of a cuboid around a middle, or of a rectangle where a half length is 0.
-  Real open_share(const Vec3& middle, const Vec3& half) const {
+  Real open_fraction(const Vec3& middle, const Vec3& half) const {
     constexpr int n = 12;
     int open = 0;
     for (int i = 0; i < n * n * n; ++i) {
@@ -65,7 +65,7 @@ struct Measured {
   }
 };
 
-TEST(CutCells, SharesAreThoseOfAllObstacles) {
+TEST(CutCells, FractionsAreThoseOfAllObstacles) {
   const Measured m;
   const Vec3 half = m.grid.size() / 2;
   Real wrong_cell = 0, wrong_faces = 0;
@@ -79,7 +79,7 @@ TEST(CutCells, SharesAreThoseOfAllObstacles) {
         if (std::abs(distance) < h / 2) {
           EXPECT_EQ(m.solids.nearest(at), body);
         }
-        const Real open = m.open_share(middle, half);
+        const Real open = m.open_fraction(middle, half);
         cut += open > 0 && open < 1;
         wrong_cell = std::max(wrong_cell, std::abs(m.solids.open(at) - open));
         for (std::size_t a = 0; a < 3; ++a) {
@@ -87,14 +87,14 @@ TEST(CutCells, SharesAreThoseOfAllObstacles) {
           Vec3 place = middle, flat = half;
           place[m.grid.axis(a)] -= half[static_cast<Eigen::Index>(a)];
           flat[m.grid.axis(a)] = 0;
-          const Real area = m.open_share(place, flat);
+          const Real area = m.open_fraction(place, flat);
           cut_faces += area > 0 && area < 1;
           wrong_faces += std::abs(m.solids.face(a, at) - area);
         }
       }
     }
   }
-  std::printf("%d cells cut; shares of volume within %.3f, of area %.4f in the mean of faces cut\n", cut, wrong_cell,
+  std::printf("%d cells cut; fractions of volume within %.3f, of area %.4f in the mean of faces cut\n", cut, wrong_cell,
               wrong_faces / cut_faces);
   EXPECT_GT(cut, 50);
   EXPECT_LT(wrong_cell, 0.05);
@@ -105,7 +105,7 @@ TEST(CutCells, SharesAreThoseOfAllObstacles) {
 struct Vessel {
   static constexpr LocalId planes = 12;
   Settings settings;
-  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h};
+  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
   CutCells cuts{obstacles};
   ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};

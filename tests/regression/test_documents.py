@@ -22,30 +22,16 @@ from pathlib import Path
 import h5py
 
 from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, ProgramTest, main
+from scenes import tank
 
 ROOT = Path(__file__).resolve().parents[2]
 TIMES = ("imbalance", "wall_seconds")
 # Files that a run removes before it ends, and those that only a viewer and a removed folder bring about.
 ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
-SCENE = """
-gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
+SCENE = """gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
          {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]}]
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.8, 2.4]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 0.8, 0.4]
-[[particles]]
-min = [0.4, 0.2, 0.8]
-max = [0.8, 0.6, 1.2]
-[time]
-dt = 0.016666666666666667
-end = 1.0
-[gravity]
+""" + tank("1.6, 0.8, 2.4", ("0, 0, 0", "1.6, 0.8, 0.4"), ("0.4, 0.2, 0.8", "0.8, 0.6, 1.2")) + """
 [[fountain]]
 center = [1.2, 0.4]
 [[obstacle]]

@@ -24,7 +24,7 @@ if(TARGET trevi_python)
       ENVIRONMENT "TREVI_PYTHON=${PROJECT_BINARY_DIR}/python")
   endforeach()
 endif()
-set_tests_properties(golden PROPERTIES TIMEOUT 1200)  # 170 runs or more: ranks x threads x instruction sets
+set_tests_properties(golden PROPERTIES TIMEOUT 1200)  # 80 runs or more: ranks x threads x instruction sets
 set_tests_properties(inputs PROPERTIES TIMEOUT 600)  # 15 runs to their end
 # What jobs/test.sh --quick runs: all unit tests, all MPI tests on one rank, and the bits of three scenes on one set.
 add_test(NAME golden_quick COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_golden.py $<TARGET_FILE:trevi>

@@ -8,21 +8,13 @@
 #include "scene/formula.hpp"
 #include "scene/lattice.hpp"
 #include "support/cloud.hpp"
+#include "support/tank.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi::test {
 namespace {
 
-const std::string tank = R"(
-[domain]
-min = [0, 0, 0]
-max = [2, 1, 1.5]
-[fluid]
-spacing = 0.1
-[time]
-dt = 0.01
-end = 1
-[[particles]]
+const std::string tank = tank_text({.max = "2, 1, 1.5", .dt = "0.01"}) + R"([[particles]]
 min = [0, 0, 0]
 max = [2, 1, 1]
 )";

@@ -7,21 +7,13 @@
 #include <set>
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 inline constexpr Real spacing = 0.1;
 
 // A shaft without water, wide enough for a jet.
-inline const std::string shaft = R"(
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.9, 3.0]
-[fluid]
-spacing = 0.1
-[time]
-dt = 0.0166666667
-end = 2
-)";
+inline const std::string shaft = tank_text({.max = "1.6, 0.9, 3.0", .dt = "0.0166666667", .end = "2"});
 
 inline const std::string jet = R"(
 [[inlet]]
@@ -33,20 +25,10 @@ radius = 0.2
 inline const std::string bottom = "[[drain]]\ntype = \"plane\"\ncenter = [0, 0, 0.3]\naxis = [0, 0, -1]\n";
 
 // A pool that an inlet stirs from below, a jet from above, and a drain at one side.
-inline const std::string fountain = R"(
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.8, 1.6]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 0.8, 0.5]
-[time]
-dt = 0.0166666667
-end = 2
-[gravity]
-[[inlet]]
+inline const std::string fountain =
+    tank_with_gravity(
+        {.max = "1.6, 0.8, 1.6", .water = {{"0, 0, 0", "1.6, 0.8, 0.5"}}, .dt = "0.0166666667", .end = "2"}) +
+    R"([[inlet]]
 type = "rectangle"
 center = [0.4, 0.4, 0.15]
 direction = [0.3, 0, 1]

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "support/cloud.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
@@ -26,14 +27,6 @@ Real fastest(const Particles& particles) {
   return v;
 }
 
-std::unique_ptr<Solver> started(const Scene& scene) {
-  BuildOptions options;
-  options.progress = ProgressMode::none;
-  std::unique_ptr<Solver> solver = build_solver(world, scene, std::move(options));
-  solver->start();
-  return solver;
-}
-
 // Layers that end at the top of a cell and in it, at h = 2.5 spacings at 0.6 of it, where a cell begins to count as
 // wet. Found: 8e-14 m/s.
 TEST(Pool, AtRestStaysAtRest) {
@@ -50,24 +43,12 @@ TEST(Pool, AtRestStaysAtRest) {
 // ---- jets that meet
 // ---------------------------------------------------------------------------------------------------
 
-const std::string jets_scene = R"(
-[domain]
-min = [-2.0, -1.4, -1.4]
-max = [2.0, 1.8, 1.8]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [-1.0, 0.0, 0.0]
-max = [-0.1, 0.3, 0.4]
-velocity = [5, 0, 0]
-[[particles]]
-min = [0.0, 0.1, -0.1]
-max = [0.9, 0.4, 0.2]
-velocity = [-4, 0.5, 0]
-[time]
-dt = 0.0166666667
-end = 2
-)";
+const std::string jets_scene = tank_text({.min = "-2.0, -1.4, -1.4",
+                                          .max = "2.0, 1.8, 1.8",
+                                          .water = {{"-1.0, 0.0, 0.0", "-0.1, 0.3, 0.4", "velocity = [5, 0, 0]"},
+                                                    {"0.0, 0.1, -0.1", "0.9, 0.4, 0.2", "velocity = [-4, 0.5, 0]"}},
+                                          .dt = "0.0166666667",
+                                          .end = "2"});
 
 /// What the jets have changed, in shares of the sums of |v| and |r||v| at the start, and how far their speeds changed.
 struct Changes {
@@ -127,16 +108,7 @@ Real kinetic_energy(const Particles& particles) {
 
 // A layer and a block that are thrown at a wall at 1 m/s: what is pushed apart along the wall is stopped there, too.
 TEST(Impact, OfWaterOnAWallGivesItNoEnergyInAnyStep) {
-  const std::string box = R"(
-[domain]
-min = [0, 0, 0]
-max = [2, 1, 1]
-[fluid]
-spacing = 0.1
-[time]
-dt = 0.0166666667
-end = 2
-)";
+  const std::string box = tank_text({.max = "2, 1, 1", .dt = "0.0166666667", .end = "2"});
   const std::string layer = "[[particles]]\nmin = [0.2, 0.1, 0.4]\nmax = [1.2, 0.9, 0.5]\nvelocity = [0, 0, 1]\n";
   const std::string block = "[[particles]]\nmin = [0.5, 0.3, 0.3]\nmax = [0.9, 0.7, 0.7]\nvelocity = [1, 0, 0]\n";
   for (const std::string& water : {layer, block}) {
@@ -184,20 +156,10 @@ Cloud cloud_of(const Block& block) {
 
 // The largest rise of kinetic and potential energy over the least before, in units of that at the start.
 Real rise_of(const Block& block, int rate) {
-  const std::string box = R"(
-[domain]
-min = [0, 0, 0]
-max = [2.4, 2.4, 2.4]
-[fluid]
-spacing = 0.1
-[[particles]]  # the block takes their place
-min = [0, 0, 0]
-max = [0.1, 0.1, 0.1]
-[time]
-end = 1
-)";
-  const Scene scene =
-      scene_with(box + (block.gravity > 0 ? "[gravity]\n" : ""), {fmt::format("time.dt={}", 1.0 / rate)});
+  const std::string box = tank_text({.max = "2.4, 2.4, 2.4",  // the block takes the place of the water
+                                     .water = {{"0, 0, 0", "0.1, 0.1, 0.1"}},
+                                     .dt = fmt::format("{}", 1.0 / rate)});
+  const Scene scene = scene_with(box + (block.gravity > 0 ? "[gravity]\n" : ""), {});
   const std::unique_ptr<Solver> solver = solver_of(world, scene, cloud_of(block));
   const auto energy = [&] {
     const Cloud now = gathered(world, solver->particles());

@@ -197,36 +197,26 @@ TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
     const Real kilograms = 1000 * spacing * spacing * spacing * static_cast<Real>(solver->flow()->inflow);
     const Real given = *std::max_element(seen->supplied.begin(), seen->supplied.end());
     EXPECT_GT(given, 0);
-    const Real most_lost = *weight == 0 ? 1e-5 * kilograms : 0.04 * given;
+    const Real max_lost = *weight == 0 ? 1e-5 * kilograms : 0.04 * given;
     for (std::size_t k = 0; k < seen->energy.size(); ++k) {
       EXPECT_LE(seen->energy[k], seen->supplied[k] + (*weight == 0 ? 1e-5 * kilograms : 1e-3 * given)) << weight << k;
-      EXPECT_GE(seen->energy[k], seen->supplied[k] - most_lost) << weight << k;
+      EXPECT_GE(seen->energy[k], seen->supplied[k] - max_lost) << weight << k;
     }
   }
 }
 
 // A box that is lowered slowly lifts the water: Archimedes' work is what the water has more.
 TEST(SuppliedEnergy, OfABoxThatIsLoweredIsWhatItLifts) {
-  const Scene scene = scene_with(R"(
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.8, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 0.8, 0.6]
-[time]
-dt = 0.0166666667
-end = 4
-[gravity]
-[[obstacle]]
+  const Scene scene = scene_with(
+      tank_with_gravity(
+          {.max = "1.6, 0.8, 1.2", .water = {{"0, 0, 0", "1.6, 0.8, 0.6"}}, .dt = "0.0166666667", .end = "4"}) +
+          R"([[obstacle]]
 type = "box"
 center = [0.8, 0.4, 0.9]
 size = [0.6, 0.4, 0.4]
 motion = [[0, 0.8, 0.4, 0.9], [3, 0.8, 0.4, 0.55], [9, 0.8, 0.4, 0.55]]
 )",
-                                 {});
+      {});
   const auto [seen, solver] = watched(scene);
   run(*solver, 4);
   const Real rise = seen->energy.back() - seen->energy.front(), work = seen->supplied.back();

@@ -65,19 +65,8 @@ TEST(Inlet, WaitsForWaterWhereItRecycles) {
 
 // A full box has little room. With room again on one side, that side alone is filled.
 TEST(Inlet, LeavesOutPlacesThatAreTaken) {
-  const std::string full = R"(
-[domain]
-min = [0, 0, 0]
-max = [1.2, 0.6, 0.6]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.2, 0.6, 0.6]
-[time]
-dt = 0.01
-end = 1
-[[inlet]]
+  const std::string full =
+      tank_text({.max = "1.2, 0.6, 0.6", .water = {{"0, 0, 0", "1.2, 0.6, 0.6"}}, .dt = "0.01"}) + R"([[inlet]]
 type = "rectangle"
 center = [0.6, 0.3, 0.33]
 direction = [0, 0, -1]

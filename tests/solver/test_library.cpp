@@ -1,6 +1,6 @@
 // Trevi as a library: solvers one after the other and side by side in one process, on communicators of the caller's,
 // with forcings of the caller's and particles that the caller changes between steps.
-#include "support/cloud.hpp"
+#include "small_tank.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi::test {
@@ -21,25 +21,6 @@ struct Wind : Forcing {
       particles.velocity[i].x() += 2 * particles.position[i].z() * info.dt;
   }
 };
-
-Settings tank(Precision precision = Precision::double_) {
-  Settings settings;
-  settings.domain = {Vec3::Zero(), Vec3(1.6, 0.8, 1.2)};
-  settings.gravity = Vec3(0, 0, -9.8);
-  settings.density.precision = precision;
-  return settings;
-}
-
-/// 8 x 8 x 6 particles at the low end of the tank; every rank brings some, wherever they belong.
-Particles block(MPI_Comm comm) {
-  Particles particles;
-  for (int n = rank_of(comm); n < 384; n += size_of(comm)) {
-    particles.id.push_back(n);
-    particles.position.push_back(0.1 * Vec3(n % 8 + 0.5, n / 8 % 8 + 0.5, n / 64 + 0.5));
-    particles.velocity.push_back(Vec3::Zero());
-  }
-  return particles;
-}
 
 std::unique_ptr<Solver> tank_solver(MPI_Comm comm, const Settings& settings = tank()) {
   SolverExtras extras;

@@ -5,30 +5,13 @@
 #include <stdexcept>
 
 #include "base/threads.hpp"
-#include "support/cloud.hpp"
+#include "small_tank.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi::test {
 namespace {
 
 constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
-
-Settings tank() {
-  Settings settings;
-  settings.domain = {Vec3::Zero(), Vec3(1.6, 0.8, 1.2)};
-  settings.gravity = Vec3(0, 0, -9.8);
-  return settings;
-}
-
-Particles block() {
-  Particles particles;
-  for (int n = rank_of(world); n < 384; n += size_of(world)) {
-    particles.id.push_back(n);
-    particles.position.push_back(0.1 * Vec3(n % 8 + 0.5, n / 8 % 8 + 0.5, n / 64 + 0.5));
-    particles.velocity.push_back(Vec3::Zero());
-  }
-  return particles;
-}
 
 ObstacleSettings ball() {
   ObstacleSettings one;
@@ -38,7 +21,7 @@ ObstacleSettings ball() {
 }
 
 /// What make_solver() says; all ranks must say the same.
-std::string refusal(const Settings& settings, Particles particles = block(), SolverExtras extras = {}) {
+std::string refusal(const Settings& settings, Particles particles = block(world), SolverExtras extras = {}) {
   std::string said = "taken";
   try {
     make_solver(world, settings, std::move(particles), std::move(extras));
@@ -209,7 +192,7 @@ TEST(LibraryInput, SettingsThatAreWrongOnOneRankAreRefusedOnAll) {
 // The last rank alone brings what is wrong.
 TEST(LibraryInput, ParticlesThatCannotBeAreRefusedOnAllRanks) {
   const auto spoiled = [](const std::function<void(Particles&)>& spoil) {
-    Particles particles = block();
+    Particles particles = block(world);
     if (rank_of(world) == size_of(world) - 1) spoil(particles);
     return refusal(tank(), particles);
   };
@@ -228,8 +211,8 @@ TEST(LibraryInput, ExtrasThatAreNullAreRefused) {
   SolverExtras forcing, observer;
   forcing.forcings.push_back(nullptr);
   observer.observers.push_back(nullptr);
-  EXPECT_THAT(refusal(tank(), block(), std::move(forcing)), testing::HasSubstr("a forcing is null"));
-  EXPECT_THAT(refusal(tank(), block(), std::move(observer)), testing::HasSubstr("an observer is null"));
+  EXPECT_THAT(refusal(tank(), block(world), std::move(forcing)), testing::HasSubstr("a forcing is null"));
+  EXPECT_THAT(refusal(tank(), block(world), std::move(observer)), testing::HasSubstr("an observer is null"));
 }
 
 using Act = std::function<void(Particles&, std::size_t)>;
@@ -286,7 +269,7 @@ struct UnknownForcing : Forcing {
 };
 
 std::string end_of(SolverExtras extras) {
-  const auto solver = make_solver(world, tank(), block(), std::move(extras));
+  const auto solver = make_solver(world, tank(), block(world), std::move(extras));
   solver->start();
   try {
     for (int k = 0; k < 3; ++k) solver->step();
@@ -336,7 +319,7 @@ TEST(LibraryInput, MoreThreadsWhileASolverLivesAreForTheNextOne) {
   int most = 0;
   SolverExtras extras;
   extras.forcings.push_back(std::make_unique<Counter>(most));
-  const auto solver = make_solver(world, settings, block(), std::move(extras));
+  const auto solver = make_solver(world, settings, block(world), std::move(extras));
   Session::use_threads(before + 3);
   solver->start();
   for (int k = 0; k < 3; ++k) solver->step();

@@ -5,26 +5,19 @@
 
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
 
 // Eight cell planes along x; the cube drifts across all of them and meets the far wall.
-const std::string cube_scene = R"(
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [1.6, 1.1, 1.4]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.2, 0.2, 0.3]
-max = [1.0, 0.9, 1.0]
-velocity = [4.0, -1.0, -2.0]
-[time]
-dt = 0.0166666667
-end = 1.0
-[gravity]
-acceleration = [0, 0, -9.8]
+const std::string cube_scene =
+    tank_with_gravity({.min = "0.0, 0.0, 0.0",
+                       .max = "1.6, 1.1, 1.4",
+                       .water = {{"0.2, 0.2, 0.3", "1.0, 0.9, 1.0", "velocity = [4.0, -1.0, -2.0]"}},
+                       .dt = "0.0166666667",
+                       .end = "1.0"}) +
+    R"(acceleration = [0, 0, -9.8]
 [density]
 relaxation = 0.5
 [tensile]
@@ -36,36 +29,17 @@ c = 0.001
 every_steps = 1
 )";
 
-const std::string default_pool_scene = R"(
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [1.6, 1.6, 1.4]
-[fluid]
-spacing = 0.1
-[[particles]]
-[time]
-dt = 0.0166666667
-end = 1.0
-[gravity]
-[output.series]
-every_steps = 1
-)";
+const std::string default_pool_scene =
+    tank_with_gravity({.max = "1.6, 1.6, 1.4", .dt = "0.0166666667", .fluid = "[[particles]]"}) +
+    "[output.series]\nevery_steps = 1\n";
 
-const std::string fountain_scene = R"(
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [1.8, 1.0, 2.0]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.0, 0.0, 0.0]
-max = [1.8, 1.0, 0.4]
-[time]
-dt = 0.0166666667
-end = 1.0
-cfl = 0.4
-[gravity]
-acceleration = [0, 0, -9.8]
+const std::string fountain_scene = tank_with_gravity({.min = "0.0, 0.0, 0.0",
+                                                      .max = "1.8, 1.0, 2.0",
+                                                      .water = {{"0.0, 0.0, 0.0", "1.8, 1.0, 0.4"}},
+                                                      .dt = "0.0166666667",
+                                                      .end = "1.0",
+                                                      .time = "cfl = 0.4"}) +
+                                   R"(acceleration = [0, 0, -9.8]
 [density]
 relaxation = 0.5
 [viscosity]

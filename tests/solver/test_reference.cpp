@@ -108,20 +108,12 @@ TEST(Reference, KernelsOfDensityAndGradient) {
 }
 
 // The box of the clouds with nothing but what every scene has: all else are the defaults.
-const std::string default_scene = R"(
-[domain]
-min = [-0.3, 0.2, 0.1]
-max = [1.2, 1.25, 1.0]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.0, 0.3, 0.1]
-max = [0.2, 0.5, 0.3]
-[time]
-dt = 0.0166666667
-end = 1.0
-[gravity]
-acceleration = [0.3, -0.2, -9.8]
+const std::string default_scene = tank_with_gravity({.min = "-0.3, 0.2, 0.1",
+                                                     .max = "1.2, 1.25, 1.0",
+                                                     .water = {{"0.0, 0.3, 0.1", "0.2, 0.5, 0.3"}},
+                                                     .dt = "0.0166666667",
+                                                     .end = "1.0"}) +
+                                  R"(acceleration = [0.3, -0.2, -9.8]
 [random]
 seed = 9
 )";
@@ -150,7 +142,7 @@ void expect_reference_of_pool(const std::vector<std::string>& overrides, Real lo
   }
 }
 
-TEST(Reference, WallsShareOfDensity) {
+TEST(Reference, WallsContributionToDensity) {
   expect_reference(cloud_scene, {"walls.density='analytic'"});
   expect_reference(cloud_scene,
                    {"walls.density='analytic'", "fluid.density_kernel='poly6'", "fluid.kernel_radius=0.27"});

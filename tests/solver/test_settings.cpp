@@ -5,41 +5,26 @@
 #include "scene/scene_defaults.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
 
 // A cube thrown into a wall at 12 m/s, so that some steps are split, and others not.
-const std::string thrown_cube = R"(
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [1.6, 0.8, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.6, 0.1, 0.3]
-max = [1.2, 0.7, 0.9]
-[time]
-dt = 0.0333333333
-end = 1.0
-[gravity]
-acceleration = [12, 0, -9.8]
+const std::string thrown_cube = tank_with_gravity({.min = "0.0, 0.0, 0.0",
+                                                   .max = "1.6, 0.8, 1.2",
+                                                   .water = {{"0.6, 0.1, 0.3", "1.2, 0.7, 0.9"}},
+                                                   .dt = "0.0333333333",
+                                                   .end = "1.0"}) +
+                                R"(acceleration = [12, 0, -9.8]
 )";
-
-std::unique_ptr<Solver> solver_of(const Scene& scene) {
-  BuildOptions options;
-  options.progress = ProgressMode::none;
-  std::unique_ptr<Solver> solver = build_solver(world, scene, std::move(options));
-  solver->start();
-  return solver;
-}
 
 TEST(Settings, DefaultsWrittenOutAreTheSameRun) {
   const Scene scene = scene_with(thrown_cube, {});
-  const std::unique_ptr<Solver> absent = solver_of(scene);
+  const std::unique_ptr<Solver> absent = started(scene);
   std::vector<std::string> defaults = defaults_of_all_scenes(scene);
   std::erase(defaults, "time.cfl=2");  // it would hide that another key changes cfl
-  const std::unique_ptr<Solver> written = solver_of(scene_with(thrown_cube, defaults));
+  const std::unique_ptr<Solver> written = started(scene_with(thrown_cube, defaults));
   for (int k = 0; k < 15; ++k) {
     absent->step();
     written->step();

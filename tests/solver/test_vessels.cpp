@@ -8,6 +8,7 @@
 #include "support/cloud.hpp"
 #include "support/kept_run.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
@@ -33,20 +34,7 @@ struct VesselRun : KeptRun {
   }
 };
 
-const std::string pool = R"(
-[domain]
-min = [0, 0, 0]
-max = [1.6, 1.2, 1.6]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 1.2, 1.2]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-)";
+const std::string pool = tank_with_gravity({.max = "1.6, 1.2, 1.6", .water = {{"0, 0, 0", "1.6, 1.2, 1.2"}}});
 
 const std::string ball = R"(
 [[obstacle]]
@@ -111,20 +99,10 @@ TEST(Vessels, BuoyancyIsThatOfArchimedes) {
 
 // Shaken at 10 m/s and 20 g for half a second: a swing of 0.51 m along x, with the same along z a quarter later.
 TEST(Vessels, NobodyLeavesAShakenBall) {
-  const std::string text = R"(
-[domain]
-min = [-1.2, -0.7, -1.2]
-max = [1.2, 0.7, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [-0.6, -0.6, -0.6]
-max = [0.6, 0.6, 0.1]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-[[obstacle]]
+  const std::string text =
+      tank_with_gravity(
+          {.min = "-1.2, -0.7, -1.2", .max = "1.2, 0.7, 1.2", .water = {{"-0.6, -0.6, -0.6", "0.6, 0.6, 0.1"}}}) +
+      R"([[obstacle]]
 type = "sphere"
 center = [0, 0, 0]
 radius = 0.6
@@ -149,20 +127,11 @@ inside = true
 // As calm after 8 s as a pool that had to settle in the plain box (1.1e-4 m²/s²), three times that at most; and its
 // centre of mass is within 0.2 spacings of that of 0.816 m³ in such a box.
 TEST(Vessels, WaterRestsInATurnedBox) {
-  VesselRun run(world, R"(
-[domain]
-min = [-1.2, -1.2, 0]
-max = [1.2, 1.2, 2.4]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [-1.1, -1.1, 0.1]
-max = [1.1, 1.1, 1.1]
-[time]
-dt = 0.0166666666666666667
-end = 8
-[gravity]
-[[obstacle]]
+  VesselRun run(world, tank_with_gravity({.min = "-1.2, -1.2, 0",
+                                          .max = "1.2, 1.2, 2.4",
+                                          .water = {{"-1.1, -1.1, 0.1", "1.1, 1.1, 1.1"}},
+                                          .end = "8"}) +
+                           R"([[obstacle]]
 type = "box"
 center = [0, 0, 1.2]
 size = [1.2, 1.2, 1.6]
@@ -182,23 +151,10 @@ inside = true
 // Three layers whose lattice lies anyhow to the walls, the third in cells of air above those of the surface, and a heap
 // on them: the water sloshes for long, as nothing damps waves, but its energy never grows.
 TEST(Vessels, TopLayersInCellsOfAirCalm) {
-  VesselRun run(world, R"(
-[domain]
-min = [0, 0, 0]
-max = [1.2, 1.2, 1]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.03, 0.07, 0]
-max = [1.13, 1.17, 0.3]
-[[particles]]
-min = [0.03, 0.37, 0.3]
-max = [1.13, 0.97, 0.4]
-[time]
-dt = 0.0166666666666666667
-end = 8
-[gravity]
-)");
+  VesselRun run(
+      world, tank_with_gravity({.max = "1.2, 1.2, 1",
+                                .water = {{"0.03, 0.07, 0", "1.13, 1.17, 0.3"}, {"0.03, 0.37, 0.3", "1.13, 0.97, 0.4"}},
+                                .end = "8"}));
   run.steps(480);
   Real early = 0, late = 0;
   for (std::size_t k = 0; k < run.rows.size(); ++k)

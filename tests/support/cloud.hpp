@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "app/build.hpp"
+#include "support/tank.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi::test {
@@ -52,24 +53,15 @@ inline Cloud random_cloud(int count, const Box& box, Real speed, Real apart = 0)
 }
 
 /// Seven planes along x, five along y, with everything explicit that an absent key would leave to the defaults.
-inline const std::string cloud_scene = R"(
-[domain]
-min = [-0.3, 0.2, 0.1]
-max = [1.2, 1.25, 1.0]
-[fluid]
-spacing = 0.1
-rest_density = 1000.0
-kernel_radius = 0.2
-mass = "calibrated"
-[[particles]]
-min = [0.0, 0.3, 0.1]
-max = [0.2, 0.5, 0.3]
-[time]
-dt = 0.0166666667
-end = 1.0
-cfl = 0.0
-[gravity]
-acceleration = [0.3, -0.2, -9.8]
+inline const std::string cloud_scene =
+    tank_with_gravity({.min = "-0.3, 0.2, 0.1",
+                       .max = "1.2, 1.25, 1.0",
+                       .water = {{"0.0, 0.3, 0.1", "0.2, 0.5, 0.3"}},
+                       .dt = "0.0166666667",
+                       .end = "1.0",
+                       .fluid = "rest_density = 1000.0\nkernel_radius = 0.2\nmass = 'calibrated'",
+                       .time = "cfl = 0.0"}) +
+    R"(acceleration = [0.3, -0.2, -9.8]
 [density]
 method = "jacobi"
 iterations = 4
@@ -119,6 +111,15 @@ inline std::unique_ptr<Solver> solver_of(MPI_Comm comm, const Scene& scene, cons
   particles.position = std::move(mine.position);
   particles.velocity = std::move(mine.velocity);
   return make_solver(comm, scene, std::move(particles), std::move(extras));
+}
+
+/// One as the program makes it, started, without a line of progress.
+inline std::unique_ptr<Solver> started(const Scene& scene) {
+  BuildOptions options;
+  options.progress = ProgressMode::none;
+  std::unique_ptr<Solver> solver = build_solver(world, scene, std::move(options));
+  solver->start();
+  return solver;
 }
 
 inline Cloud sorted_by_id(const Cloud& cloud) {

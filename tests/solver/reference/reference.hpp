@@ -24,7 +24,7 @@ class Reference {
         cloud_(sorted_by_id(cloud)),
         density_kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius, scene.fluid.dimensions},
         gradient_kernel_{scene.fluid.gradient_kernel.value(), scene.fluid.kernel_radius, scene.fluid.dimensions},
-        walls_(scene),
+        walls_(scene, is_projected() && s_.density.method == Method::chebyshev ? 1.25 : 2),
         projection_(scene) {
     const Real ratio = scene.fluid.spacing / 0.1;
     epsilon_ = scene.density.epsilon / (ratio * ratio);

@@ -59,7 +59,9 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         all += weight * fits[cell].weight;
         sum += weight * fits[cell].weight * fits[cell].at(y[i] - offset);
       });
-      smooth.push_back(all > 0 ? Vec3(result_[i].act * kept[particles_[i].cell] / all * sum) : Vec3::Zero());
+      const Real squeezed = std::clamp((compression[i] - 0.02) / (0.04 - 0.02), 0.0, 1.0);  // keeps its own shift
+      const Real part = result_[i].act * (1 - squeezed) * kept[particles_[i].cell];
+      smooth.push_back(all > 0 ? Vec3(part / all * sum) : Vec3::Zero());
     }
     return smooth;
   }

@@ -62,8 +62,10 @@ struct ReferenceKernel {
 
 class ReferenceWalls {
  public:
-  explicit ReferenceWalls(const Scene& scene)
-      : min_(scene.domain.min),
+  /// `slope` of a plane, over that of what the lattice misses.
+  ReferenceWalls(const Scene& scene, Real slope)
+      : slope_(slope),
+        min_(scene.domain.min),
         max_(scene.domain.max),
         kernel_{scene.fluid.density_kernel, scene.fluid.kernel_radius, scene.fluid.dimensions},
         s_(scene.fluid.spacing) {
@@ -132,12 +134,12 @@ class ReferenceWalls {
     result.axis = axis;
     const Dual x = distance / s_ - 0.5;
     if (x.value() < 0) {
-      result.share = missing({0}).share + 2 * missing({0}).slope * s_ * x;
+      result.share = missing({0}).share + slope_ * missing({0}).slope * s_ * x;
       return result;
     }
     const int k = result.low = std::min(static_cast<int>(x.value()), layers_ - 1);
     const Real w0 = missing({k}).share, w1 = missing({k + 1}).share, rise = w1 - w0;
-    const Real d0 = 2 * missing({k}).slope * s_, d1 = 2 * missing({k + 1}).slope * s_;
+    const Real d0 = slope_ * missing({k}).slope * s_, d1 = slope_ * missing({k + 1}).slope * s_;
     const Dual t = x - static_cast<Real>(k), s = 1 - t;
     result.share = w0 + rise * (rise * t * t + d0 * t * s) / (rise + (d0 + d1 - 2 * rise) * t * s);
     result.upper = t * t * (3 - 2 * t);
@@ -180,6 +182,7 @@ class ReferenceWalls {
     return sum;
   }
 
+  Real slope_;
   Vec3 min_, max_;
   ReferenceKernel kernel_;
   Real s_;
