@@ -14,6 +14,8 @@ struct Quartic {
   static constexpr std::string_view name = "quartic";
   using Gradient = Quartic;
 
+  /// Of W in the plane, 3/(π h²) (1 − u²)², over h times the one in space.
+  static constexpr Real in_plane = 32.0 / 35;
   static constexpr Real factor(Real h) { return 105 / (32 * std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 4 * factor(h) / h; }
   /// The slope is largest at u² = 1/3.

@@ -7,9 +7,9 @@
 
 #include "boundary/geometry/shape.hpp"
 #include "boundary/volume_map/volume_map.hpp"
-#include "cloud.hpp"
 #include "fluid/in_two_dimensions.hpp"
-#include "kept_run.hpp"
+#include "support/cloud.hpp"
+#include "support/kept_run.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi::test {
