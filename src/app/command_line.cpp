@@ -36,11 +36,11 @@ void refuse_single_dash(const CLI::App& app, int argc, const char* const* argv) 
     const std::string argument = argv[k];
     const std::string meant = "-" + argument.substr(0, argument.find('='));
     if (is_petsc_option(argument) && meant != "--help" && app.get_option_no_throw(meant) != nullptr) {
-      throw InputError(argument + ": did you mean -" + argument + "? A single dash is for options of PETSc");
+      throw InputError(fmt::format("{0}: did you mean -{0}? A single dash is for options of PETSc", argument));
     }
     if (argument == "-np" || argument == "-n") {
-      throw InputError(argument + ": the number of ranks is for mpirun, before the program: mpirun " + argument +
-                       " 2 trevi SCENE.toml");
+      throw InputError(fmt::format(
+          "{0}: the number of ranks is for mpirun, before the program: mpirun {0} 2 trevi SCENE.toml", argument));
     }
   }
 }

@@ -4,7 +4,7 @@
 
 #if defined(__clang__) && __clang_major__ < 16
 namespace std {
-struct source_location {
+struct source_location {  // the name of the standard; NOLINT(readability-identifier-naming)
   static constexpr source_location current() noexcept { return {}; }
   constexpr const char* file_name() const noexcept { return __builtin_FILE(); }
   constexpr const char* function_name() const noexcept { return __builtin_FUNCTION(); }

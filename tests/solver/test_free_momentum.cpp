@@ -34,8 +34,8 @@ struct Block {
         boundary(make_boundary({Walls(box, WallSettings{}, 1e-6 * h), nullptr, {}})),
         constraint(DensityModel{}, std::nullopt, std::nullopt) {
     for (GlobalId k = rank_of(world); k < 250; k += size_of(world)) {
-      const Vec3 p =
-          low + 0.1 * Vec3(static_cast<Real>(k / 25), static_cast<Real>(k / 5 % 5), static_cast<Real>(k % 5));
+      const GlobalId i = k / 25, j = k / 5 % 5, l = k % 5;
+      const Vec3 p = low + 0.1 * Vec3(static_cast<Real>(i), static_cast<Real>(j), static_cast<Real>(l));
       particles.id.push_back(k);
       particles.predicted.push_back(p);
       particles.position.push_back(p - dt * Vec3(1, p.x(), -p.y()));

@@ -36,6 +36,7 @@ std::vector<std::string> newest_checkpoints(MPI_Comm comm, const std::string& di
   steps.resize(static_cast<std::size_t>(count));
   MPI_Bcast(steps.data(), count, MPI_INT64_T, 0, comm);
   std::vector<std::string> files;
+  files.reserve(steps.size());
   for (const std::int64_t step : steps) files.push_back(directory + "/" + name_of_step(checkpoint_files, step));
   return files;
 }
