@@ -28,6 +28,7 @@ from typing import Callable, NamedTuple
 
 import counted_water
 import known_motion as known
+import known_plate
 from known_motion import Motion, of_water, run_motion
 from known_water import Tank, pool, wave
 from study import STRESS, parser_of, write_table
@@ -98,7 +99,7 @@ def plates(runs=((0.05, 0.2), (0.05, 0.4), (0.025, 0.2)), rates=(60, 120, 240)):
     for spacing, wide in runs:
         for rate in rates:
             yield Case("plate", f"s {spacing:g}, {wide / spacing:g} spacings wide, {at(rate)}",
-                       known.plate(rate, spacing, wide), marks, {"spacing": spacing, "steps_per_second": rate})
+                       known_plate.plate(rate, spacing, wide), marks, {"spacing": spacing, "steps_per_second": rate})
 
 
 def rotations(spacings=(0.05, 0.025), rates=(60, 240, 480), starts=("lattice", "rings")):

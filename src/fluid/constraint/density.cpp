@@ -156,10 +156,11 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
 }
 
 // A multiplier also holds what was pressed together without any motion, where the projection alone moves the water: a
-// wall that gave it back as velocity would throw.
+// wall that gave it back as velocity would throw. As this makes velocities, water behind the wall pushes, too.
 template <class T>
 void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                             std::span<const Vec3> velocity, Real dt, WallsOrShifts<T>& field) const {
+  constexpr Real mirrored = WallSlope::of_velocities / WallSlope::of_positions;
   for_each_part(range, sums_chunk, [&](Range here) { field.clear_walls(here); });
   sum_deltas(loops_.delta, pairs, range, p, field);
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
@@ -172,7 +173,7 @@ void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, 
       const Real nearer = wall == Wall::obstacle ? obstacles_->growth(box, p[i], path) : all.gradient.dot(path);
       const Real pushed = multiplier * all.gradient.squaredNorm();
       if (nearer * pushed >= 0) return;
-      const Real factor = multiplier * std::min(-nearer / pushed, 1.0);
+      const Real factor = multiplier * std::min(-nearer / pushed, mirrored);
       field.add_to_shift(i, factor * all.gradient);
       if (!obstacles_ || !obstacles_->records_impulses()) return;
       if (wall == Wall::obstacle) {

@@ -164,7 +164,7 @@ class Reference {
     for (std::size_t i = 0; i < size(); ++i) {
       const Vec3 wall = has_walls() ? walls_.at(p_[i]).gradient : Vec3(Vec3::Zero());
       const Real nearer = wall.dot(cloud_.velocity[i]) * dt_, pushed = in_flight[i] * wall.squaredNorm();
-      if (nearer * pushed < 0) cloud_.velocity[i] += std::min(-nearer / pushed, 1.0) * in_flight[i] * wall / dt_;
+      if (nearer * pushed < 0) cloud_.velocity[i] += std::min(-nearer / pushed, 2 / 1.25) * in_flight[i] * wall / dt_;
       for (const std::size_t j : near_[i])
         cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
     }
