@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "trevi/types.hpp"
+#include "trevi/wavemaker.hpp"
 
 namespace trevi {
 
@@ -58,10 +59,13 @@ struct ObstacleSettings {
   std::string motion;                        ///< a file of times and places
   std::vector<ObstacleKnot> knots;           ///< in place of a velocity; at rest before the first and after the last
   std::optional<Oscillation> oscillation;    ///< in place of velocities and knots
+  std::optional<WavemakerSettings> wavemaker;  ///< in place of all of these: the paddle of a wavemaker
   std::optional<Real> restitution;           ///< that of the walls where there is none
   Real friction = 0;                         ///< Coulomb's coefficient in a bounce
 
-  bool moves() const { return !knots.empty() || oscillation || !velocity.isZero() || !angular_velocity.isZero(); }
+  bool moves() const {
+    return !knots.empty() || oscillation || wavemaker || !velocity.isZero() || !angular_velocity.isZero();
+  }
   bool operator==(const ObstacleSettings&) const = default;
 };
 

@@ -154,6 +154,16 @@ struct DrainSettings {
   bool operator==(const DrainSettings&) const = default;
 };
 
+/// A box of water that comes to rest, so that no waves come back from the wall behind it.
+struct DampingSettings {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
+  Real rate = 0;                                ///< 1/s, at its end; from 0 at its beginning, with the square of the way
+  /// Of length 1, along x or y, to the end; by default to the nearest wall across the box.
+  Derived<Vec3> direction{};
+
+  bool operator==(const DampingSettings&) const = default;
+};
+
 enum class GaugeKind { height, pressure, velocity };
 
 /// A place where the water is measured. It changes nothing.
@@ -208,10 +218,11 @@ struct Settings {
   std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;
-  std::vector<ObstacleSettings> obstacles;
+  std::vector<ObstacleSettings> obstacles;  ///< the paddles of wavemakers (paddle_of()) among them
   std::vector<FountainSettings> fountains;
   std::vector<InletSettings> inlets;
   std::vector<DrainSettings> drains;
+  std::vector<DampingSettings> dampings;
   std::vector<GaugeSettings> gauges;  ///< those of pressure need an obstacle
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement

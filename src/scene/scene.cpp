@@ -230,7 +230,7 @@ std::string scene_reference() {
       "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
       "obstacle = [{type = 'basin'}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh', motion = "
       "{}}]\n"
-      "gauge = [{type = 'pressure'}]\n"
+      "gauge = [{type = 'pressure'}]\nwavemaker = [{}]\ndamping = [{}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";
   Findings findings("reference");

@@ -8,6 +8,7 @@
 #include "boundary/geometry/closed_mesh.hpp"
 #include "boundary/geometry/periods.hpp"
 #include "boundary/periodic_domain.hpp"
+#include "boundary/waves/check_wavemaker.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "parallel/collective.hpp"
 #include "solver/check_flow.hpp"
@@ -125,9 +126,33 @@ void check_obstacle(const ObstacleSettings& one, const std::string& name) {
     demand(one.knots.empty() && one.velocity.isZero() && one.angular_velocity.isZero(),
            name + "oscillation is in place of knots and velocities");
   }
+  demand(!one.wavemaker || (one.knots.empty() && !one.oscillation && one.velocity.isZero() &&
+                            one.angular_velocity.isZero() && one.rotate.isZero()),
+         name + "wavemaker is in place of all other motion");
   for (std::size_t k = 0; k < one.knots.size(); ++k) {
     demand(std::isfinite(one.knots[k].time) && one.knots[k].center.allFinite(), name + "knots must be finite");
     demand(k == 0 || one.knots[k].time > one.knots[k - 1].time, name + "knots must be in the order of their times");
+  }
+}
+
+void check_waves(const Settings& all) {
+  for (std::size_t k = 0; k < all.obstacles.size(); ++k) {
+    if (!all.obstacles[k].wavemaker) continue;
+    const std::string name = fmt::format("obstacles[{}].wavemaker.", k);
+    const auto wrong = what_is_wrong(*all.obstacles[k].wavemaker, all.domain);
+    demand(!wrong, wrong ? name + wrong->key + " " + wrong->why : "");
+    demand(all.obstacles[k].wavemaker->gravity == -all.gravity.value_or(Vec3::Zero()).z(),
+           name + "gravity must be that of the settings");
+  }
+  for (std::size_t k = 0; k < all.dampings.size(); ++k) {
+    const DampingSettings& zone = all.dampings[k];
+    const std::string name = fmt::format("dampings[{}].", k);
+    demand(zone.min.allFinite() && zone.max.allFinite() && (zone.max - zone.min).minCoeff() > 0,
+           name + "max must be greater than min on every axis");
+    demand(is_amount(zone.rate), name + "rate must not be negative");
+    demand(zone.direction.given(), name + "direction is missing, and the zone is at no single wall");
+    const Vec3 d = zone.direction.value().cwiseAbs();
+    demand(d == Vec3::UnitX() || d == Vec3::UnitY(), name + "direction must be along x or y, of length 1");
   }
 }
 
@@ -219,6 +244,7 @@ Settings checked_and_resolved(const Settings& settings) {
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
   check_periodic(all);
   check_gauges(all);
+  check_waves(all);
   check_viscosity(all);
   check_flow(all);
   check_output(all);

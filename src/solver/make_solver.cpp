@@ -14,6 +14,7 @@
 #include "fluid/filters/no_slip.hpp"
 #include "fluid/filters/vorticity_confinement.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
+#include "fluid/forcings/damping.hpp"
 #include "fluid/forcings/floor_friction.hpp"
 #include "fluid/forcings/gravity.hpp"
 #include "io/writers.hpp"
@@ -39,6 +40,7 @@ std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
     forcings.push_back(std::make_unique<FloorFriction>(settings.walls.floor_friction, settings.domain.min.z(),
                                                        settings.fluid.kernel_radius));
   }
+  for (const DampingSettings& zone : settings.dampings) forcings.push_back(std::make_unique<Damping>(zone));
   std::move(more.begin(), more.end(), std::back_inserter(forcings));
   return forcings;
 }

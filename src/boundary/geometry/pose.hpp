@@ -2,9 +2,13 @@
 // version of the C library, which sine and cosine of the library would not give. Not collective.
 #pragma once
 
+#include <memory>
+
 #include "trevi/obstacle.hpp"
 
 namespace trevi {
+
+class PaddleMotion;
 
 using Rotation = Eigen::Matrix3d;
 
@@ -41,6 +45,7 @@ class BodyMotion {
   Rotation start_;
   std::vector<ObstacleKnot> knots_;
   std::optional<Oscillation> oscillation_;
+  std::shared_ptr<const PaddleMotion> paddle_;  // null without a wavemaker
 };
 
 }  // namespace trevi
