@@ -164,15 +164,19 @@ struct DampingSettings {
   bool operator==(const DampingSettings&) const = default;
 };
 
-enum class GaugeKind { height, pressure, velocity };
+enum class GaugeKind { height, pressure, velocity, pressure_in_water, flow, run_up };
 
 /// A place where the water is measured. It changes nothing.
 struct GaugeSettings {
   GaugeKind kind = GaugeKind::height;
   Vec3 center =
-      Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; velocity: there
-  Vec3 normal = Vec3::UnitZ();  ///< pressure: out of the solid; normalised
-  Real radius = 0;  ///< m, of the disc around the centre over which the mean is taken; velocity: of the ball
+      Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; others: there
+  /// Normalised. Pressure: out of the solid; flow: the way that counts as positive; run-up: level, the way up the beach.
+  Vec3 normal = Vec3::UnitZ();
+  /// m, of the disc around the centre over which the mean is taken; velocity: of the ball; run-up: half the width of the
+  /// strip.
+  Real radius = 0;
+  Real size[2] = {0, 0};  ///< m, of the rectangle of a flow: the level edge, and across that
 
   bool operator==(const GaugeSettings&) const = default;
 };
@@ -197,7 +201,8 @@ struct OutputSettings {
   std::string directory;  ///< relative to the working directory; empty: make_solver() writes no file
   std::optional<FrameSettings> vtu, vtkhdf;
   std::optional<CheckpointSettings> checkpoint;
-  std::optional<Schedule> series;  ///< of series.csv, obstacles.csv and gauges.csv
+  std::optional<Schedule> series;  ///< of series.csv and obstacles.csv
+  std::optional<Schedule> gauges;  ///< of gauges.csv; that of the series where it is absent
 
   bool operator==(const OutputSettings&) const = default;
 };
@@ -223,7 +228,7 @@ struct Settings {
   std::vector<InletSettings> inlets;
   std::vector<DrainSettings> drains;
   std::vector<DampingSettings> dampings;
-  std::vector<GaugeSettings> gauges;  ///< those of pressure need an obstacle
+  std::vector<GaugeSettings> gauges;  ///< those of pressure on a solid and of run-up need an obstacle
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   VorticityForm vorticity_form = VorticityForm::report;

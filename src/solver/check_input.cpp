@@ -13,6 +13,7 @@
 #include "parallel/collective.hpp"
 #include "solver/check_flow.hpp"
 #include "solver/demand.hpp"
+#include "solver/density_solver.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -156,14 +157,26 @@ void check_waves(const Settings& all) {
   }
 }
 
+bool stands(const Settings& all) {
+  return std::any_of(all.obstacles.begin(), all.obstacles.end(), [](const auto& one) { return !one.moves(); });
+}
+
 void check_gauges(const Settings& all) {
   for (std::size_t k = 0; k < all.gauges.size(); ++k) {
     const GaugeSettings& gauge = all.gauges[k];
     const std::string name = fmt::format("gauges[{}].", k);
-    demand(is_positive(gauge.radius), name + "radius must be positive");
+    demand(gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::pressure_in_water || is_positive(gauge.radius),
+           name + "radius must be positive");
     demand(gauge.center.allFinite(), name + "center must be finite");
-    demand(gauge.kind != GaugeKind::pressure || (gauge.normal.allFinite() && gauge.normal.norm() > 0),
-           name + "normal must have a length");
+    const bool has_normal =
+        gauge.kind == GaugeKind::pressure || gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::run_up;
+    demand(!has_normal || is_direction(gauge.normal), name + "normal must have a length");
+    demand(gauge.kind != GaugeKind::flow || (is_positive(gauge.size[0]) && is_positive(gauge.size[1])),
+           name + "size must be positive");
+    demand(gauge.kind != GaugeKind::run_up || gauge.normal.z() == 0, name + "normal must be level");
+    demand(gauge.kind != GaugeKind::run_up || stands(all), "a gauge of run-up needs an obstacle that stands");
+    demand(gauge.kind != GaugeKind::pressure_in_water || (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
+           "a gauge of pressure in the water needs density.coarse_grid and gravity along -z");
     demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
   }
 }

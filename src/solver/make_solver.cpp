@@ -77,6 +77,11 @@ std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls&
   return obstacles;
 }
 
+std::unique_ptr<PressureProbes> make_probes(const Settings& settings) {
+  auto probes = std::make_unique<PressureProbes>(settings);
+  return probes->count() > 0 ? std::move(probes) : nullptr;
+}
+
 std::optional<PeriodicDomain> make_periodic(const Settings& settings, const Vec3& first) {
   if (settings.periodic == std::array<bool, 3>{}) return std::nullopt;
   return PeriodicDomain(settings.domain, settings.periodic, first);
@@ -92,8 +97,10 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
+  parts.probes = make_probes(settings);
   parts.density_solver = make_density_solver<T>(
-      settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get()});
+      settings.density,
+      {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get(), parts.probes.get()});
   parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,

@@ -42,6 +42,7 @@ struct SolverParts {
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Boundary> boundary;
+  std::unique_ptr<PressureProbes> probes;  ///< null without gauges of pressure in the water
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<InflowOutflow> flow;             ///< may be null

@@ -27,6 +27,7 @@ struct ReportedState {
   const FlowState* flow;  ///< null without inlets and drains
   std::array<LocalId, 3> first_cell;
   Real crush_limit;  ///< DensitySettings::crush_limit
+  const PressureProbes* probes = nullptr;  ///< null without gauges of pressure in the water
 };
 
 template <class T>
@@ -69,13 +70,14 @@ class Reporter {
  private:
   void attempt(const std::function<void()>& work);
   Frame frame();
-  ForceSums take_mean_forces();
+  void take_means();
+  std::vector<Real> probe_pressures() const;
   bool watches_energy() const;
   void add_work(const std::vector<TotalImpulse>& impulses, Real per);
 
   struct Asked {
     std::vector<bool> due;  // of each observer
-    bool diagnostics = false, density = false, forces = false;
+    bool diagnostics = false, density = false, forces = false, pressures = false;
   };
 
   ReportedState<T> state_;
@@ -90,6 +92,7 @@ class Reporter {
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
   ForceSums sums_, means_;
+  std::vector<Real> probed_;
   Event diagnostics_event_{"Diagnostics"};
 };
 

@@ -30,7 +30,9 @@ ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
 SCENE = """
 gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
-         {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]}]
+         {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]},
+         {type = "flow", center = [0.8, 0.4, 0.2], size = [0.4, 0.2], normal = [1, 0, 0]},
+         {type = "run_up", center = [0, 0.4, 0], normal = [1, 0, 0]}]
 [domain]
 min = [0, 0, 0]
 max = [1.6, 0.8, 2.4]

@@ -88,31 +88,35 @@ std::array<LocalId, 3> read_first_cell(const std::string& path, const Hdf5Reader
   return cell;
 }
 
-// Steps, numbers of bodies and gauges; then forces and torques, then pressures.
+// Steps, numbers of bodies and gauges, and the steps of gauges where they are others; then forces and torques, then
+// pressures.
 void write_force_sums(MPI_Comm comm, Hdf5Writer& file, const ForceSums* sums) {
-  if (sums == nullptr || sums->steps == 0) return;
+  if (sums == nullptr || (sums->steps == 0 && sums->pressure_steps == 0)) return;
   std::vector<Real> rows;
   for (const BodyForce& one : sums->forces) {
     rows.insert(rows.end(), one.force.begin(), one.force.end());
     rows.insert(rows.end(), one.torque.begin(), one.torque.end());
   }
   rows.insert(rows.end(), sums->pressures.begin(), sums->pressures.end());
-  write_on_root(comm, file, "/force_steps",
-                std::vector<std::int64_t>{sums->steps, std::ssize(sums->forces), std::ssize(sums->pressures)});
+  std::vector<std::int64_t> counts{sums->steps, std::ssize(sums->forces), std::ssize(sums->pressures)};
+  if (sums->pressure_steps != sums->steps) counts.push_back(sums->pressure_steps);
+  write_on_root(comm, file, "/force_steps", counts);
   write_on_root(comm, file, "/force_sums", rows);
 }
 
 ForceSums read_force_sums(const std::string& path, const Hdf5Reader& file) {
   if (!file.has("/force_steps")) return {};
-  const auto counts = file.read<std::int64_t>("/force_steps", {0, 3, 3});
+  const std::int64_t length = file.rows<std::int64_t>("/force_steps") == 4 ? 4 : 3;
+  auto counts = file.read<std::int64_t>("/force_steps", {0, length, length});
+  if (length == 3) counts.push_back(counts[0]);
   const std::int64_t total = file.rows<Real>("/force_sums"), bodies = counts[1], gauges = counts[2];
   const auto rows = file.read<Real>("/force_sums", {0, total, total});
   const bool finite = std::all_of(rows.begin(), rows.end(), [](Real x) { return std::isfinite(x); });
-  if (counts[0] < 1 || bodies < 1 || bodies > total || gauges < 0 || gauges > total || 6 * bodies + gauges != total ||
+  if (std::min(counts[0], counts[3]) < 0 || std::max(counts[0], counts[3]) < 1 || bodies < 0 || bodies > total || gauges < 0 || gauges > total || 6 * bodies + gauges != total ||
       !finite)
     throw DamagedFile(path + ": /force_steps, /force_sums: cannot be forces since a row; use another checkpoint");
   ForceSums sums{counts[0], std::vector<BodyForce>(static_cast<std::size_t>(bodies)),
-                 std::vector<Real>(rows.end() - gauges, rows.end())};
+                 std::vector<Real>(rows.end() - gauges, rows.end()), counts[3]};
   for (std::size_t k = 0; k < sums.forces.size(); ++k) {
     const Real* const row = &rows[6 * k];
     sums.forces[k] = {Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5])};
