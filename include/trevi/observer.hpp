@@ -50,7 +50,7 @@ struct BodyForce {
 /// The forces of the steps since an observer last heard of them, added up; what a restart needs to go on with the mean.
 struct ForceSums {
   std::int64_t steps = 0;           ///< of the forces
-  std::vector<BodyForce> forces;  ///< on each obstacle, then on the box
+  std::vector<BodyForce> forces;    ///< on each obstacle, then on the box
   std::vector<Real> pressures;      ///< of each gauge of pressure on a solid
   std::int64_t pressure_steps = 0;  ///< of these
 };
@@ -67,7 +67,7 @@ struct Frame {
   /// Pa, of each gauge of pressure on a solid in the mean over the steps since an observer last heard of them; empty
   /// unless an observer wanted it.
   std::span<const Real> pressures{};
-  std::array<LocalId, 3> first_cell{};  ///< Solver::first_cell()
+  std::array<LocalId, 3> first_cell{};    ///< Solver::first_cell()
   const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles
   /// J, given to the water since the start by forcings that are not gravity or friction, by what inlets bring and
   /// drains take, and by obstacles that move (of these with an observer that wants forces only). Measured from the

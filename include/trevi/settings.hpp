@@ -157,7 +157,7 @@ struct DrainSettings {
 /// A box of water that comes to rest, so that no waves come back from the wall behind it.
 struct DampingSettings {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
-  Real rate = 0;                                ///< 1/s, at its end; from 0 at its beginning, with the square of the way
+  Real rate = 0;  ///< 1/s, at its end; from 0 at its beginning, with the square of the way
   /// Of length 1, along x or y, to the end; by default to the nearest wall across the box.
   Derived<Vec3> direction{};
 
@@ -169,12 +169,12 @@ enum class GaugeKind { height, pressure, velocity, pressure_in_water, flow, run_
 /// A place where the water is measured. It changes nothing.
 struct GaugeSettings {
   GaugeKind kind = GaugeKind::height;
-  Vec3 center =
-      Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; others: there
-  /// Normalised. Pressure: out of the solid; flow: the way that counts as positive; run-up: level, the way up the beach.
+  Vec3 center = Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; others: there
+  /// Normalised. Pressure: out of the solid; flow: the way that counts as positive; run-up: level, the way up the
+  /// beach.
   Vec3 normal = Vec3::UnitZ();
-  /// m, of the disc around the centre over which the mean is taken; velocity: of the ball; run-up: half the width of the
-  /// strip.
+  /// m, of the disc around the centre over which the mean is taken; velocity: of the ball; run-up: half the width of
+  /// the strip.
   Real radius = 0;
   Real size[2] = {0, 0};  ///< m, of the rectangle of a flow: the level edge, and across that
 

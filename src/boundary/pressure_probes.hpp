@@ -19,8 +19,8 @@ class PressureProbes {
   std::size_t count() const { return places_.size(); }
   const Vec3& place(std::size_t k) const { return places_[k]; }
 
-  /// What a cell near the place says: phi, m², the pressure over the density times the time of the substep squared, with
-  /// a weight from 0 to 1. Not in loops that threads share.
+  /// What a cell near the place says: phi, m², the pressure over the density times the time of the substep squared,
+  /// with a weight from 0 to 1. Not in loops that threads share.
   void add(std::size_t k, Real weight, Real phi);
   /// The weighted means since clear(), m²; 0 where there was no water.
   std::vector<Real> means(MPI_Comm comm) const;

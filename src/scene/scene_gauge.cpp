@@ -38,18 +38,19 @@ void read_radius(Section& section, const Scene& scene, GaugeSettings& gauge, boo
 // Without a normal a pressure is that of the water there.
 void read_normal(Section& section, GaugeSettings& gauge) {
   const bool required = gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::run_up;
-  const bool given = section.direction(
-      {"normal",
-       "the direction [x, y, z], of any length: pressure: out of the wall or the obstacle; flow: the way that counts as "
-       "positive; run_up: level, up the beach"},
-      gauge.normal);
+  const bool given = section.direction({"normal",
+                                        "the direction [x, y, z], of any length: pressure: out of the wall or the "
+                                        "obstacle; flow: the way that counts as "
+                                        "positive; run_up: level, up the beach"},
+                                       gauge.normal);
   section.check("normal", !required || section.given("normal"), "missing; give the direction [x, y, z]");
   if (gauge.kind == GaugeKind::pressure && !section.given("normal")) gauge.kind = GaugeKind::pressure_in_water;
   if (gauge.kind == GaugeKind::run_up && given)
     section.check("normal", gauge.normal.z() == 0, "must be level, the way up the beach as seen from above");
   const bool takes = required || is_pressure(gauge);
   belongs_to(section, "normal", takes, "a pressure, a flow or a run_up");
-  belongs_to(section, "radius", gauge.kind != GaugeKind::pressure_in_water, "a pressure on a surface, which has a normal");
+  belongs_to(section, "radius", gauge.kind != GaugeKind::pressure_in_water,
+             "a pressure on a surface, which has a normal");
 }
 
 void read_rectangle(Section& section, GaugeSettings& gauge) {
@@ -113,14 +114,15 @@ void check_gauges(Section& root, const Scene& scene) {
   };
   const bool stands =
       std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const auto& one) { return !one.moves(); });
-  root.check("gauge", !any(GaugeKind::pressure) || root.given("obstacle") || root.given("wavemaker"),
-             "type = \"pressure\" with a normal needs an [[obstacle]]: without one nobody counts what walls take of the "
-             "water; leave out the normal for the pressure of the water there");
+  root.check(
+      "gauge", !any(GaugeKind::pressure) || root.given("obstacle") || root.given("wavemaker"),
+      "type = \"pressure\" with a normal needs an [[obstacle]]: without one nobody counts what walls take of the "
+      "water; leave out the normal for the pressure of the water there");
   root.check("gauge", !any(GaugeKind::run_up) || stands || !root.fine("obstacle"),
              "type = \"run_up\" needs an [[obstacle]] that stands, for the water to run up");
   root.check("gauge",
-             !any(GaugeKind::pressure_in_water) ||
-                 ((!scene.density.coarse_grid.given() || scene.density.coarse_grid) && is_downward(scene.gravity.value_or(Vec3::Zero()))),
+             !any(GaugeKind::pressure_in_water) || ((!scene.density.coarse_grid.given() || scene.density.coarse_grid) &&
+                                                    is_downward(scene.gravity.value_or(Vec3::Zero()))),
              "type = \"pressure\" without a normal needs the projection, density.coarse_grid, and gravity along -z");
   root.check("gauge", scene.gauges.empty() || scene.output.series || scene.output.gauges,
              "gauges.csv has a row with each of series.csv, or of [output.gauges]; add one of them");

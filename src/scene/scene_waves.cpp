@@ -13,9 +13,7 @@
 namespace trevi {
 namespace {
 
-bool is_along_x_or_y(const Vec3& direction) {
-  return direction.z() == 0 && (direction.x() == 0 || direction.y() == 0);
-}
+bool is_along_x_or_y(const Vec3& direction) { return direction.z() == 0 && (direction.x() == 0 || direction.y() == 0); }
 
 // m above the floor; none where a file says where the water is, or an expression.
 std::optional<Real> depth_of_water(const Scene& scene) {
@@ -29,9 +27,9 @@ std::optional<Real> depth_of_water(const Scene& scene) {
 }
 
 void read_irregular(Section& section, WavemakerSettings& maker) {
-  section.choice<WaveSpectrum>({"spectrum", "irregular: the shape of the spectrum; default jonswap"}, maker.spectrum,
-                               {{"jonswap", WaveSpectrum::jonswap},
-                                {"pierson_moskowitz", WaveSpectrum::pierson_moskowitz}});
+  section.choice<WaveSpectrum>(
+      {"spectrum", "irregular: the shape of the spectrum; default jonswap"}, maker.spectrum,
+      {{"jonswap", WaveSpectrum::jonswap}, {"pierson_moskowitz", WaveSpectrum::pierson_moskowitz}});
   section.number({"peak_enhancement", "irregular: gamma of JONSWAP; default 3.3"}, maker.peak_enhancement, at_least(1));
   section.integer({"components", "irregular: the number of sines; default 128"}, maker.components, 1);
   section.integer({"seed", "irregular: the seed of the phases; default that of [random]"}, maker.seed, 0);
@@ -45,10 +43,9 @@ void read_irregular(Section& section, WavemakerSettings& maker) {
 void read_wave(Section& section, WavemakerSettings& maker) {
   section.choice<PaddleKind>({"type", "the paddle", true}, maker.kind,
                              {{"piston", PaddleKind::piston}, {"flap", PaddleKind::flap}});
-  section.choice<WaveKind>({"wave", "the waves; default regular"}, maker.wave,
-                           {{"regular", WaveKind::regular},
-                            {"irregular", WaveKind::irregular},
-                            {"solitary", WaveKind::solitary}});
+  section.choice<WaveKind>(
+      {"wave", "the waves; default regular"}, maker.wave,
+      {{"regular", WaveKind::regular}, {"irregular", WaveKind::irregular}, {"solitary", WaveKind::solitary}});
   section.number({"height", "the height of the waves in metres; of irregular ones H_m0", true}, maker.height, above(0));
   const bool periodic = maker.wave != WaveKind::solitary;
   section.number({"period", "the period of the waves in seconds; of irregular ones that of the peak"}, maker.period,
@@ -64,8 +61,7 @@ void read_wave(Section& section, WavemakerSettings& maker) {
   section.flag({"second_order", "whether a piston of regular waves has Madsen's correction; default true"},
                maker.second_order);
   section.check("second_order",
-                !section.given("second_order") ||
-                    (maker.kind == PaddleKind::piston && maker.wave == WaveKind::regular),
+                !section.given("second_order") || (maker.kind == PaddleKind::piston && maker.wave == WaveKind::regular),
                 "is for a piston of regular waves; leave it out");
   read_irregular(section, maker);
 }
@@ -80,8 +76,9 @@ Real default_position(const WavemakerSettings& maker, const Scene& scene) {
 }
 
 bool all_fine(const Section& section) {
-  constexpr const char* keys[] = {"type",      "wave",     "height",           "period",     "ramp", "second_order",
-                                  "direction", "spectrum", "peak_enhancement", "components", "seed", "depth", "position"};
+  constexpr const char* keys[] = {"type",         "wave",      "height",   "period",           "ramp",
+                                  "second_order", "direction", "spectrum", "peak_enhancement", "components",
+                                  "seed",         "depth",     "position"};
   return std::all_of(std::begin(keys), std::end(keys), [&](const char* key) { return section.fine(key); });
 }
 

@@ -175,7 +175,8 @@ void check_gauges(const Settings& all) {
            name + "size must be positive");
     demand(gauge.kind != GaugeKind::run_up || gauge.normal.z() == 0, name + "normal must be level");
     demand(gauge.kind != GaugeKind::run_up || stands(all), "a gauge of run-up needs an obstacle that stands");
-    demand(gauge.kind != GaugeKind::pressure_in_water || (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
+    demand(gauge.kind != GaugeKind::pressure_in_water ||
+               (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
            "a gauge of pressure in the water needs density.coarse_grid and gravity along -z");
     demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
   }

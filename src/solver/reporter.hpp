@@ -26,7 +26,7 @@ struct ReportedState {
   const std::vector<std::unique_ptr<Forcing>>& forcings;
   const FlowState* flow;  ///< null without inlets and drains
   std::array<LocalId, 3> first_cell;
-  Real crush_limit;  ///< DensitySettings::crush_limit
+  Real crush_limit;                        ///< DensitySettings::crush_limit
   const PressureProbes* probes = nullptr;  ///< null without gauges of pressure in the water
 };
 

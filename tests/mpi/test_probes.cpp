@@ -64,7 +64,7 @@ class Probes : public Output {};
 
 // In the open, at walls, in corners, between cells and in the air; without an obstacle.
 TEST_F(Probes, StillWaterHasThePressureOfItsDepth) {
-  const std::vector<Vec3> places = {{0.73, 0.61, 0.3}, {1, 0.6, 0.1}, {0, 0.6, 0.55}, {2, 1.2, 0},
+  const std::vector<Vec3> places = {{0.73, 0.61, 0.3}, {1, 0.6, 0.1}, {0, 0.6, 0.55},  {2, 1.2, 0},
                                     {1.1, 0.1, 0.8},   {1, 0.6, 1.7}, {0.4, 1.2, 1.05}};
   std::string text = tank;
   for (const Vec3& place : places) text += pressure_at(place);

@@ -120,7 +120,8 @@ TEST(Waves, ASolitaryPaddleGoesWithItsWave) {
   EXPECT_NEAR(paddle.displacement(0), -stroke / 2, 1e-12);
   EXPECT_NEAR(paddle.displacement(end), stroke / 2, 1e-12);
   for (Real t = 0.1 * end; t < 0.95 * end; t += 0.1 * end) {
-    const Real x = paddle.displacement(t), speed = (paddle.displacement(t + 1e-5) - paddle.displacement(t - 1e-5)) / 2e-5;
+    const Real x = paddle.displacement(t),
+               speed = (paddle.displacement(t + 1e-5) - paddle.displacement(t - 1e-5)) / 2e-5;
     const Real sech = 1 / std::cosh(kappa * (celerity * (t - end / 2) - x)), eta = maker.height * sech * sech;
     EXPECT_NEAR(speed, celerity * eta / (maker.depth + eta), 0.01 * celerity * maker.height / maker.depth) << t;
   }
@@ -178,7 +179,8 @@ max = [7.2, 0.4, 1.4]
 rate = 6
 [output.gauges]
 [[wavemaker]]
-)" + keys + "\n" + more;
+)" + keys +
+         "\n" + more;
 }
 
 const std::string piston = "type = 'piston'\nheight = 0.25\nperiod = 1.46\nposition = 0.4";
@@ -188,7 +190,8 @@ class WaveTank : public Output {};
 // Linear theory: the first harmonic where no wave comes back, half a wavelength before the zone. What 30 spacings a
 // wavelength do to a wave, and a second from the last few periods, leave it within an eighth.
 TEST_F(WaveTank, APistonMakesWavesOfTheHeight) {
-  const Scene scene = parse_scene("test.toml", tank(piston, "[[gauge]]\ntype = 'height'\ncenter = [2.4, 0.2, 0]\n"), {});
+  const Scene scene =
+      parse_scene("test.toml", tank(piston, "[[gauge]]\ntype = 'height'\ncenter = [2.4, 0.2, 0]\n"), {});
   auto solver = make_solver(world, scene, initial_particles(world, scene), {});
   GaugeReadings readings(world, scene);
   solver->start();
@@ -209,7 +212,8 @@ TEST_F(WaveTank, APistonMakesWavesOfTheHeight) {
 // The water that a paddle moves is on the other side of it: nothing leaks, and bits do not know the ranks.
 TEST_F(WaveTank, SameBitsOnAnyRanksAndNothingLeaks) {
   for (const std::string& keys :
-       {piston, std::string("type = 'flap'\nwave = 'irregular'\nheight = 0.2\nperiod = 1.5\nposition = 0.5\nramp = 0.2"),
+       {piston,
+        std::string("type = 'flap'\nwave = 'irregular'\nheight = 0.2\nperiod = 1.5\nposition = 0.5\nramp = 0.2"),
         std::string("type = 'piston'\nwave = 'solitary'\nheight = 0.2\ndirection = [-1, 0, 0]")}) {
     const Scene scene = parse_scene("test.toml", tank(keys), {});
     const auto run = [&](MPI_Comm comm) {

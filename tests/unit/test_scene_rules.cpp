@@ -224,8 +224,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]", "12: gauge", "add [output.series]"},
         BadScene{appended, "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\nnormal = [1, 0, 0]\n[output.series]",
                  "12: gauge", "needs an [[obstacle]]"},
-        BadScene{appended, "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\n[output.series]\n[density]\n"
-                           "coarse_grid = false", "12: gauge", "needs the projection"},
+        BadScene{appended,
+                 "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\n[output.series]\n[density]\n"
+                 "coarse_grid = false",
+                 "12: gauge", "needs the projection"},
         BadScene{appended, "[[gauge]]\ntype = 'flow'\ncenter = [1, 0.5, 0.5]\nnormal = [1, 0, 0]\n[output.series]",
                  "12: [[gauge]] size", "missing"},
         BadScene{appended, "[[gauge]]\ntype = 'flow'\ncenter = [1, 0.5, 0.5]\nsize = [1, 1]\n[output.series]",
@@ -253,8 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "17: [[wavemaker]] position", "out of the box"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nwave = 'solitary'\nheight = 0.1",
                  "15: [[wavemaker]] wave", "is by a piston"},
-        BadScene{appended,
-                 "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\ndirection = [1, 1, 0]",
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\ndirection = [1, 1, 0]",
                  "17: [[wavemaker]] direction", "along x or y"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\nseed = 2",
                  "17: [[wavemaker]] seed", "is for wave = \"irregular\""},

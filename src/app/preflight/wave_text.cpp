@@ -71,18 +71,20 @@ std::string wave_text(const Scene& scene) {
 }
 
 std::vector<std::string> wave_warnings(const Scene& scene) {
-  constexpr Real least_length = 30, least_height = 4;  // spacings
+  constexpr Real min_length = 30, min_height = 4;  // spacings
   std::vector<std::string> warnings;
   for_each_wavemaker(scene, [&](const WavemakerSettings& w, int line) {
     const Real s = scene.fluid.spacing, length = expected_of(w).length;
-    if (length < least_length * s)
-      warnings.push_back(fmt::format("the waves of line {} are {:.1f} spacings long, and die early with less than "
-                                     "{:.0f}; make them longer, or the spacing at most {:.4g} m",
-                                     line, length / s, least_length, length / least_length));
-    if (w.height < least_height * s)
-      warnings.push_back(fmt::format("the waves of line {} are {:.1f} spacings high, and noisy with less than {:.0f}; "
-                                     "make them higher, or the spacing at most {:.4g} m",
-                                     line, w.height / s, least_height, w.height / least_height));
+    if (length < min_length * s)
+      warnings.push_back(
+          fmt::format("the waves of line {} are {:.1f} spacings long, and die early with less than "
+                      "{:.0f}; make them longer, or the spacing at most {:.4g} m",
+                      line, length / s, min_length, length / min_length));
+    if (w.height < min_height * s)
+      warnings.push_back(
+          fmt::format("the waves of line {} are {:.1f} spacings high, and noisy with less than {:.0f}; "
+                      "make them higher, or the spacing at most {:.4g} m",
+                      line, w.height / s, min_height, w.height / min_height));
   });
   return warnings;
 }

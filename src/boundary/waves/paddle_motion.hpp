@@ -28,10 +28,6 @@ class PaddleMotion {
   std::vector<PaddleComponent> components_;  // of other waves than a solitary one
 };
 
-/// The paddle of a wavemaker as an obstacle: a box from wall to wall that goes on outside of the box `domain`, so that
-/// there is nothing behind it.
-ObstacleSettings paddle_of(const WavemakerSettings& wavemaker, const Box& domain);
-
 /// The farthest that a paddle goes to either side of its rest, m; irregular waves by four standard deviations.
 Real paddle_reach(const WavemakerSettings& wavemaker);
 

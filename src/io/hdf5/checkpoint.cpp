@@ -112,8 +112,8 @@ ForceSums read_force_sums(const std::string& path, const Hdf5Reader& file) {
   const std::int64_t total = file.rows<Real>("/force_sums"), bodies = counts[1], gauges = counts[2];
   const auto rows = file.read<Real>("/force_sums", {0, total, total});
   const bool finite = std::all_of(rows.begin(), rows.end(), [](Real x) { return std::isfinite(x); });
-  if (std::min(counts[0], counts[3]) < 0 || std::max(counts[0], counts[3]) < 1 || bodies < 0 || bodies > total || gauges < 0 || gauges > total || 6 * bodies + gauges != total ||
-      !finite)
+  if (std::min(counts[0], counts[3]) < 0 || std::max(counts[0], counts[3]) < 1 || bodies < 0 || bodies > total ||
+      gauges < 0 || gauges > total || 6 * bodies + gauges != total || !finite)
     throw DamagedFile(path + ": /force_steps, /force_sums: cannot be forces since a row; use another checkpoint");
   ForceSums sums{counts[0], std::vector<BodyForce>(static_cast<std::size_t>(bodies)),
                  std::vector<Real>(rows.end() - gauges, rows.end()), counts[3]};

@@ -22,7 +22,7 @@ bool is_pressure(const GaugeSettings& gauge) {
 // Sums are integers, so that they do not depend on the order of the particles.
 Real unit_of_height(Real spacing) { return std::ldexp(spacing, -32); }
 Real unit_of_flow(Real spacing) { return std::ldexp(spacing * spacing, -36); }  // m³/s
-constexpr Real unit_of_velocity = 0x1p-30;  // of 1 m/s, and of a weight
+constexpr Real unit_of_velocity = 0x1p-30;                                      // of 1 m/s, and of a weight
 
 // Of a gauge of velocity: the number of particles; the ten sums of w x_a x_b, a <= b, with x = (1, offset in radii);
 // the twelve of w x_a v_b.

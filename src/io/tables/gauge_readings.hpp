@@ -1,5 +1,5 @@
-// What the gauges of a scene show: heights, velocities, flows and run-ups from the particles, pressures as the frame has
-// them. Sums are integers, so that no order of the particles, and no number of ranks or threads, is seen in them.
+// What the gauges of a scene show: heights, velocities, flows and run-ups from the particles, pressures as the frame
+// has them. Sums are integers, so that no order of the particles, and no number of ranks or threads, is seen in them.
 // Collective: read().
 #pragma once
 
