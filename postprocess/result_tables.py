@@ -111,7 +111,15 @@ def leaks():
         yield [row["vessel"], row["particles"], row["lost"], row["outside"], row["farthest_m"].lstrip("-")]
 
 
-TABLES = {"plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
+def paddles():
+    yield ["case", "height, spacings", "step, s", "quantity", "theory", "measured"]
+    for row in rows_of("waves"):
+        yield [row["case"], f"{float(row['height_spacings']):g}", f"1/{1 / float(row['step_s']):.0f}", row["quantity"],
+               row["theory"], fixed(row["measured"], 3)]
+
+
+TABLES = {"paddles": paddles,
+          "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
           "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
 
 

@@ -73,7 +73,8 @@ struct Frame {
   /// drains take, and by obstacles that move (of these with an observer that wants forces only). Measured from the
   /// first step on if an observer wants diagnostics; 0 otherwise.
   Real supplied_energy = 0;
-  std::span<const Real> probes{};  ///< Pa, of each gauge of pressure in the water in this step; with pressures
+  std::span<const Real> paddle_ways{};  ///< m, ActiveAbsorption::ways(); empty without paddles that absorb
+  std::span<const Real> probes{};       ///< Pa, of each gauge of pressure in the water in this step; with pressures
 };
 
 class Observer {

@@ -29,6 +29,10 @@ struct WavemakerSettings {
   int components = 128;         ///< of irregular waves
   std::uint64_t seed = 1;       ///< of their phases
 
+  /// Whether the paddle takes in waves that come back to it. Its place then depends on the water, and is state of a
+  /// run.
+  bool absorb = false;
+
   bool operator==(const WavemakerSettings&) const = default;
 };
 

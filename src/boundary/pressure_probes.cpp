@@ -28,8 +28,7 @@ void PressureProbes::add(std::size_t k, Real weight, Real phi) {
 }
 
 std::vector<Real> PressureProbes::means(MPI_Comm comm) const {
-  std::vector<std::int64_t> all(sums_.size());
-  MPI_Allreduce(sums_.data(), all.data(), static_cast<int>(sums_.size()), MPI_INT64_T, MPI_SUM, comm);
+  const std::vector<std::int64_t> all = sum_over_ranks(comm, sums_);
   std::vector<Real> means;
   for (std::size_t k = 0; k < all.size(); k += 2) {
     const Real weight = static_cast<Real>(all[k + 1]) * unit_of_weight;

@@ -63,6 +63,8 @@ void read_wave(Section& section, WavemakerSettings& maker) {
   section.check("second_order",
                 !section.given("second_order") || (maker.kind == PaddleKind::piston && maker.wave == WaveKind::regular),
                 "is for a piston of regular waves; leave it out");
+  section.flag({"absorb", "whether the paddle takes in waves that come back to it; default false"}, maker.absorb);
+  section.check("absorb", periodic || !section.given("absorb"), "is not for a solitary wave; leave it out");
   read_irregular(section, maker);
 }
 
@@ -76,9 +78,9 @@ Real default_position(const WavemakerSettings& maker, const Scene& scene) {
 }
 
 bool all_fine(const Section& section) {
-  constexpr const char* keys[] = {"type",         "wave",      "height",   "period",           "ramp",
-                                  "second_order", "direction", "spectrum", "peak_enhancement", "components",
-                                  "seed",         "depth",     "position"};
+  constexpr const char* keys[] = {"type",      "wave",     "height",           "period",     "ramp", "second_order",
+                                  "direction", "spectrum", "peak_enhancement", "components", "seed", "depth",
+                                  "position",  "absorb"};
   return std::all_of(std::begin(keys), std::end(keys), [&](const char* key) { return section.fine(key); });
 }
 

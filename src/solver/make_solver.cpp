@@ -94,6 +94,11 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const Real spacing = settings.fluid.spacing;
   const Walls walls(box_of_walls(settings.domain, settings.periodic), settings.walls, 1e-6 * model.h);
   const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
+  if (ActiveAbsorption::is_wanted(settings)) {
+    parts.absorption = std::make_unique<ActiveAbsorption>(settings, std::move(parts.paddle_ways));
+    parts.absorption->place(*obstacles);
+    obstacles->move(parts.clock.time(), parts.clock.time());
+  }
   parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
@@ -157,6 +162,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;
+  parts.paddle_ways = std::move(extras.paddle_ways);
   parts.water_mass = water_mass(settings.fluid);
   parts.gravity = settings.gravity.value_or(Vec3::Zero());
   parts.requests = std::move(extras.requests);

@@ -17,6 +17,15 @@ Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr
     : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics), supplied_(supplied) {}
 
 template <class T>
+void Reporter<T>::begin_step() {
+  iterations_before_step_ = counters_.iterations;
+  ways_.clear();
+  const Obstacles* const obstacles = state_.problem.obstacles();
+  for (std::size_t k = 0; obstacles != nullptr && k < obstacles->count(); ++k)
+    ways_.push_back(obstacles->body(k).way());
+}
+
+template <class T>
 void Reporter<T>::ask_observers(std::int64_t step) {
   Clock clock = state_.clock;
   clock.step = step;
@@ -112,7 +121,8 @@ Frame Reporter<T>::frame() {
           {},
           state_.first_cell,
           state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
-          supplied_.joules()};
+          supplied_.joules(),
+          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->ways()) : std::span<const Real>()};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.
@@ -146,7 +156,7 @@ void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) 
   for (std::size_t k = 0; k < obstacles.count(); ++k) {
     const Body& body = obstacles.body(k);
     if (!body.moves()) continue;
-    const Pose from = body.motion().at(begin), to = body.motion().at(end);
+    const Pose from = body.motion().at(begin, ways_[k]), to = body.motion().at(end, body.way());
     const Eigen::AngleAxisd rotation(to.turn * from.turn.transpose());
     supplied_.add(per * (impulses[k].shift.dot(to.center - from.center) +
                          impulses[k].moment.dot(rotation.angle() * rotation.axis())));

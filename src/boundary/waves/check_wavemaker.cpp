@@ -28,6 +28,7 @@ std::optional<WrongMember> in_numbers(const WavemakerSettings& w) {
     return WrongMember{"peak_enhancement", "must be at least 1; that of the North Sea is 3.3"};
   if (w.components < 1 || w.components > max_components)
     return WrongMember{"components", fmt::format("must be from 1 to {}", max_components)};
+  if (w.absorb && w.wave == WaveKind::solitary) return WrongMember{"absorb", "is not for a solitary wave"};
   const Vec3 d = w.direction.cwiseAbs();
   if (!(d == Vec3::UnitX() || d == Vec3::UnitY()))
     return WrongMember{"direction", "must be along x or y, to either side; give [1, 0, 0] for instance"};

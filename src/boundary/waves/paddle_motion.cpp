@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "boundary/waves/elementary.hpp"
 
@@ -17,7 +18,19 @@ Real smooth_step(Real u) {
 }  // namespace
 
 PaddleMotion::PaddleMotion(const WavemakerSettings& wavemaker) : wavemaker_(wavemaker) {
-  if (wavemaker.wave != WaveKind::solitary) components_ = paddle_components(wavemaker);
+  if (wavemaker.wave == WaveKind::solitary) return;
+  components_ = paddle_components(wavemaker);
+  for (const PaddleComponent& part : components_) {
+    const Real k = wave_number(2 * std::numbers::pi * part.frequency, wavemaker.depth, wavemaker.gravity);
+    levels_.push_back(part.amplitude * biesel_transfer(wavemaker.kind, k * wavemaker.depth));
+  }
+}
+
+Real PaddleMotion::level(Real time) const {
+  Real sum = 0;
+  for (std::size_t n = 0; n < components_.size(); ++n)
+    sum += levels_[n] * sine_cosine_of_turns(components_[n].frequency * time + components_[n].phase).cosine;
+  return wavemaker_.ramp > 0 ? smooth_step(time / wavemaker_.ramp) * sum : sum;
 }
 
 Real PaddleMotion::displacement(Real time) const {

@@ -150,6 +150,8 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   write_force_sums(comm, file, frame.force_sums);
   if (frame.supplied_energy != 0)
     write_on_root(comm, file, "/supplied_energy", std::vector<Real>{frame.supplied_energy});
+  if (!frame.paddle_ways.empty())
+    write_on_root(comm, file, "/paddle_ways", std::vector<Real>(frame.paddle_ways.begin(), frame.paddle_ways.end()));
   if (frame.first_cell != std::array<LocalId, 3>{}) {
     write_on_root(comm, file, "/first_cell",
                   std::vector<std::int64_t>(frame.first_cell.begin(), frame.first_cell.end()));
@@ -247,6 +249,8 @@ void check_header(const std::string& path, const CheckpointState& state) {
   if (state.step < 0) refuse("step", state.step);
   if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
   if (state.substeps < 1) refuse("substeps", state.substeps);
+  for (const Real way : state.paddle_ways)
+    if (!std::isfinite(way)) refuse("paddle_ways", way);
   if (!std::isfinite(state.supplied_energy)) refuse("supplied_energy", state.supplied_energy);
   const auto& text = state.info.scene_text;
   const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -276,6 +280,10 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.first_cell = read_first_cell(path, file);
   state.force_sums = read_force_sums(path, file);
   if (file.has("/supplied_energy")) state.supplied_energy = file.read<Real>("/supplied_energy", {0, 1, 1})[0];
+  if (file.has("/paddle_ways")) {
+    const std::int64_t paddles = file.rows<Real>("/paddle_ways");
+    state.paddle_ways = file.read<Real>("/paddle_ways", {0, paddles, paddles});
+  }
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);
