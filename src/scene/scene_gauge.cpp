@@ -125,7 +125,7 @@ void check_gauges(Section& root, const Scene& scene) {
                                                     is_downward(scene.gravity.value_or(Vec3::Zero()))),
              "type = \"pressure\" without a normal needs the projection, density.coarse_grid, and gravity along -z");
   root.check("gauge", scene.gauges.empty() || scene.output.series || scene.output.gauges,
-             "gauges.csv has a row with each of series.csv, or of [output.gauges]; add one of them");
+             "gauges.csv has a row with each of series.csv; add [output.series], or [output.gauges]");
 }
 
 void check_gauge_places(const Scene& scene, const FreePlaces& places) {

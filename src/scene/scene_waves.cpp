@@ -32,7 +32,7 @@ void read_irregular(Section& section, WavemakerSettings& maker) {
       {{"jonswap", WaveSpectrum::jonswap}, {"pierson_moskowitz", WaveSpectrum::pierson_moskowitz}});
   section.number({"peak_enhancement", "irregular: gamma of JONSWAP; default 3.3"}, maker.peak_enhancement, at_least(1));
   section.integer({"components", "irregular: the number of sines; default 128"}, maker.components, 1);
-  section.integer({"seed", "irregular: the seed of the phases; default that of [random]"}, maker.seed, 0);
+  section.integer({"seed", "irregular: the seed of the phases; default 1"}, maker.seed, 0);
   for (const char* key : {"spectrum", "peak_enhancement", "components", "seed"})
     section.check(key, !section.given(key) || maker.wave == WaveKind::irregular,
                   "is for wave = \"irregular\"; leave it out");
