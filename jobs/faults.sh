@@ -13,7 +13,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 main() {
   case "${1:-60}${2:-200}${3:-1000}" in
-    *-h* | *--help*) print_help && exit 0 ;;
+    *-h*) print_help && exit 0 ;;
     *[!0-9]*) fail "CALLS, KILLS and RESTARTS must be numbers, not '$*'; see --help" 2 ;;
   esac
   cd "$trevi_root"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # usage: jobs/lint.sh [--no-tidy] [C++ FILE ...]
 #
-# Checks the house rules: clang-format, clang-tidy, shellcheck (when present) and the layers. All C++ files of the
+# Checks the house rules: clang-format, clang-tidy, shellcheck (when present) the layers and the words. All C++ files of the
 # project, or only those named; --no-tidy leaves out the slow part. Exits 1 when any check fails, after doing all.
 #   apt-get install -y --no-install-recommends clang-format clang-tidy shellcheck
 set -euo pipefail
@@ -15,31 +15,10 @@ project_files() {
   done
 }
 
-# Clang before 16 has no __builtin_source_location, so libstdc++ gives it no std::source_location: lend it one.
-source_location_shim() {
-  local shim=build/lint/source_location.hpp
-  mkdir -p build/lint
-  cat >"$shim" <<'SHIM'
-#if defined(__clang__) && __clang_major__ < 16
-namespace std {
-struct source_location {
-  static constexpr source_location current() noexcept { return {}; }
-  constexpr const char* file_name() const noexcept { return __builtin_FILE(); }
-  constexpr const char* function_name() const noexcept { return __builtin_FUNCTION(); }
-  constexpr unsigned line() const noexcept { return __builtin_LINE(); }
-  constexpr unsigned column() const noexcept { return 0; }
-};
-}  // namespace std
-#endif
-SHIM
-  echo "$trevi_root/$shim"
-}
-
 # tidy FILE...: the sources among the files; headers are checked through the sources that include them.
 tidy() {
-  local shim sources
+  local sources shim="$trevi_root/tests/regression/source_location.hpp"
   cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null || return 1
-  shim="$(source_location_shim)"
   mapfile -t sources < <(printf '%s\n' "$@" | grep '\.cpp$' | while read -r file; do
     if grep -q "\"file\": \".*/$file\"" build/tidy/compile_commands.json; then
       echo "$file"

@@ -7,6 +7,9 @@ jet           Water in the air follows its parabola and keeps its speed across, 
               plane across its way stays the disc of the opening.
 rotation      Solid-body rotation is steady without viscosity. Its surface is the paraboloid
               z = d + omega² (r² − R²/2)/(2 g) (Lamb, Hydrodynamics, 6th ed., §26).
+plate         A plane jet that falls on a level plate runs out on it both ways, at its surface with the speed of its
+              total head, sqrt(U² + 2 g (H − d)); the plate bears the weight of the water over it and takes what
+              momentum comes down to it (Milne-Thomson, Theoretical Hydrodynamics, §11.42).
 tank          First mode of a tank (Lamb, §228, §257), whose swings do not depend on how the tank stands.
 shear         u(y) along x is a steady flow without viscosity, of any profile.
 taylor_green  Taylor & Green 1937 (Proc. R. Soc. A 158, 499): E0 exp(−4 nu k² t), k = 2 pi/1 m; constant for nu = 0.
@@ -224,6 +227,40 @@ def steepness(places, radius, rings=6):
     count = np.bincount(ring, minlength=rings)
     means = [np.bincount(ring, values, rings) / count for values in (square, 2 * place[:, 2])]
     return np.polyfit(*means, 1)[0]
+
+
+# A jet on a plate.
+
+def plate(rate, spacing=0.05, wide=0.2, speed=3.0, fall=0.65, seconds=1.2, length=1.4):
+    """A plane jet, six spacings across, goes down at `speed` from an opening `fall` above the plate, an obstacle; the water
+    ends beyond `length` both ways."""
+    width, top = 6 * spacing, 2 * spacing
+    box = (f'[[obstacle]]\ntype = "box"\ncenter = [0, {width / 2!r}, {top - 0.3!r}]\n'
+           f"size = [{2 * length + 2!r}, {width + 1!r}, 0.6]\n")
+    inlet = (f'[[inlet]]\ntype = "rectangle"\ncenter = [0, {width / 2!r}, {top + fall!r}]\nsize = [{wide!r}, {width!r}]\n'
+             f"direction = [0, 0, -1]\nspeed = {speed!r}\n")
+    drains = "".join(f'[[drain]]\ntype = "plane"\ncenter = [{side * length!r}, 0, 0]\naxis = [{side}, 0, 0]\n'
+                     for side in (1, -1))
+    text = scene_of((-length - 0.2, 0, 0), (length + 0.2, width, top + fall + 0.5), spacing, 1 / rate, seconds, every=0.02,
+                    extra=box + inlet + drains)
+    return Motion(text, partial(plate_figures, spacing, wide, speed, fall, top))
+
+
+def plate_figures(spacing, wide, speed, fall, top, run, last=0.4, high=0.5):
+    """In the mean of the last 0.4 s, from 0.8 to 1.2 m beside the jet: speed along the plate over that of the total head
+    at the surface. And the force on the plate over the weight and momentum of the water below `high`, m, over it."""
+    late = [state for state, time in zip(run.states, run.times) if time > run.times[-1] - last]
+    place, velocity = (np.concatenate(part) for part in zip(*late))
+    width, height = 6 * spacing, place[:, 2] - top
+    sheet = (np.abs(place[:, 0]) > 0.8) & (np.abs(place[:, 0]) < 1.2)
+    thick = sheet.sum() / len(late) * spacing**3 / (0.8 * width)
+    ideal = math.sqrt(speed**2 + 2 * GRAVITY * (fall - thick))
+    below = (height < high).sum() / len(late) * 1000 * spacing**3 * GRAVITY
+    arriving = 1000 * speed * wide * width * math.sqrt(speed**2 + 2 * GRAVITY * (fall - high))
+    time = np.array(run.obstacles["time"])
+    force = -mean(np.array(run.obstacles["force_z_0"])[time > run.times[-1] - last])
+    return {"speed_ratio": np.abs(velocity[sheet, 0]).mean() / ideal,
+            "across": np.abs(velocity[sheet, 1]).mean() / ideal, "force_ratio": force / (below + arriving)}
 
 
 # A tank that stands askew.

@@ -118,9 +118,38 @@ def paddles():
                row["theory"], fixed(row["measured"], 3)]
 
 
-TABLES = {"paddles": paddles,
-          "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-          "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
+def planes(kind, heads):
+    """Rows of two_dimensions.csv of a kind, each with columns (head, name, how it is written)."""
+    yield ["case", "dimensions", "particles", *(head for head, _, _ in heads), "CPU s a second"]
+    for row in rows_of("two_dimensions"):
+        if row["case"].split()[0] in kind.split():
+            yield [row["case"], row["dimensions"], f"{int(row['particles']):,}",
+                   *(write(row[name]) if row[name] else "" for _, name, write in heads), fixed(row["cpu_per_second"], 2)]
+
+
+def percent(text):
+    return f"{100 * float(text):.1f} %"
+
+
+PLANES = {
+    "plane_dams": ("dam", [("front raw", "front_raw", percent), ("shift dT", "shift", lambda x: signed(x, 3)),
+                           ("after", "front_shifted", percent), ("energy at 0.8 s", "energy_0.8_s", lambda x: fixed(x, 3)),
+                           ("at 1.5 s", "energy_1.5_s", lambda x: fixed(x, 3)),
+                           ("compression", "compression_mean", lambda x: f"{100 * float(x):.2f} %")]),
+    "plane_waves": ("wave", [("period over linear", "period", lambda x: fixed(x, 3)),
+                             ("lost per half-period", "loss_per_half", percent),
+                             ("energy rises by", "own_energy_gain", percent)]),
+    "plane_rest": ("still pool", [("motion, m²/s²", "motion", lambda x: short(x, 1)),
+                                  ("centre of mass too high", "com_error", lambda x: f"{100 * float(x):.3f} %"),
+                                  ("energy rises by", "energy_gain", lambda x: f"{100 * float(x):.3f} %")]),
+    "plane_vortices": ("vortices shear", [("energy over exact", "energy", lambda x: fixed(x, 3)),
+                                          ("effective over true viscosity", "viscosity", lambda x: fixed(x, 3)),
+                                          ("shear: energy after 1 turn", "energy_1", lambda x: fixed(x, 3)),
+                                          ("after 3", "energy_3", lambda x: fixed(x, 3))]),
+}
+TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
+    "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
+    "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
 
 
 def markdown(rows):

@@ -101,7 +101,7 @@ class Step(NamedTuple):
 
 def exchange_bytes(basin, filters=0):
     """Bytes through one cut in one direction and step: counts, records, coarse planes. The same formula as in
-    tests/mpi/test_traffic.cpp, in the mean of both directions. `filters`: exchanges of the velocity filters."""
+    tests/domain/test_traffic.cpp, in the mean of both directions. `filters`: exchanges of the velocity filters."""
     rows = basin.width / 2 + 2
     fields = FIELDS * rows * math.ceil(basin.columns() / 8) * 8  # columns eight at a time
     coarse = FILL * rows + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())

@@ -36,7 +36,7 @@ def draw(panel, rows, groups, widest):
     panel.tick_params(length=0)
 
 
-def most_cases(rows):
+def max_cases(rows):
     """In a group, of one preset."""
     return max(Counter((row["group"], row["preset"]) for row in rows).values())
 
@@ -48,7 +48,7 @@ def main():
     arguments = parser.parse_args()
     rows = read(arguments.rows)
     groups = list(dict.fromkeys(row["group"] for row in rows))
-    widest = most_cases(rows)
+    widest = max_cases(rows)
     size = (2.2 + len(TITLES) * 0.62 * widest, 1 + 0.26 * len(groups))
     figure, panels = plt.subplots(1, len(TITLES), figsize=size, sharey=True, layout="constrained")
     for panel, (preset, title) in zip(panels, TITLES.items()):

@@ -5,6 +5,7 @@ where), one row of a CSV file for each: group, name, parameters, figures, target
 flight            blocks thrown through the air: the same velocity for all to 1e-3 m/s, momentum to 1e-9
 ball              turning in free fall: angular momentum to 1e-4 after one turn
 jet               level, 4 m/s: as wide after 2.4 m as at the start, to 15 %
+plate             a plane jet on a plate: 0.95 of the speed of its total head, its force to 3 %
 rotation          in an upright cylinder: 0.98 of the angular momentum after one turn, the paraboloid to 5 %; closed and
                   without gravity 0.99
 rotation, long    the same for ten turns: 0.9
@@ -89,6 +90,15 @@ def jets(spacings=(0.05, 0.025), rates=(60, 240)):
         for rate in rates:
             yield Case("jet", f"s {spacing:g}, {at(rate)}", known.jet(rate, spacing), (Mark("half_width", 0.85, 1.15),),
                        {"spacing": spacing, "steps_per_second": rate})
+
+
+def plates(runs=((0.05, 0.2), (0.05, 0.4), (0.025, 0.2)), rates=(60, 120, 240)):
+    """runs: spacings, and how wide the jet is, m."""
+    marks = Mark("speed_ratio", 0.95, 1.05), Mark("force_ratio", 0.97, 1.03)
+    for spacing, wide in runs:
+        for rate in rates:
+            yield Case("plate", f"s {spacing:g}, {wide / spacing:g} spacings wide, {at(rate)}",
+                       known.plate(rate, spacing, wide), marks, {"spacing": spacing, "steps_per_second": rate})
 
 
 def rotations(spacings=(0.05, 0.025), rates=(60, 240, 480), starts=("lattice", "rings")):
@@ -226,7 +236,7 @@ def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
 
 
 def all_cases():
-    return [*flights(), *balls(), *jets(), *rotations(), *tanks(), *shears(), *vortices(), *waves(), *rests(),
+    return [*flights(), *balls(), *jets(), *plates(), *rotations(), *tanks(), *shears(), *vortices(), *waves(), *rests(),
             *counts(), *spheres(), *long_rotations()]
 
 

@@ -53,8 +53,8 @@ class Case(NamedTuple):
 
 
 def wave_case(tank, amplitude, diagonal=False, group="waves"):
-    most_lost = 0.05 if tank.layers >= 40 else 0.10 if tank.layers >= 10 else math.inf
-    marks = WAVE_MARKS | STILL_MARKS | {"loss": lambda f: f["loss_per_half"] <= most_lost}
+    max_lost = 0.05 if tank.layers >= 40 else 0.10 if tank.layers >= 10 else math.inf
+    marks = WAVE_MARKS | STILL_MARKS | {"loss": lambda f: f["loss_per_half"] <= max_lost}
     name = (f"{'square, diagonal, ' if diagonal else ''}{tank.layers} layers, {tank.length:g} m, A {amplitude:g}, "
             f"h {tank.ratio:g}, 1/{tank.steps_per_second:g} s")
     return Case(group, name, wave(tank, amplitude, diagonal), marks, parameters_of(tank) | {"amplitude": amplitude})
@@ -168,7 +168,7 @@ def steadiness(rows):
         row["verdict"] = "fail" if row["failed"] else "pass"
 
 
-def least_viscosity(rows, rates):
+def min_viscosity(rows, rates):
     """The least nu of which all rows at these steps per second pass, m²/s; none: there is no such nu."""
     rows = [row for row in rows if row["group"] == "viscosity" and row["steps_per_second"] in rates]
     calm = [nu for nu in VISCOSITIES if all(row["verdict"] == "pass" for row in rows if row["nu"] == nu)]
@@ -207,8 +207,8 @@ def main():
     failed = sum(row["verdict"] == "fail" for row in rows)
     print(f"{len(rows) - failed} pass, {failed} fail")
     if any(row["group"] == "viscosity" for row in rows):
-        print(f"least viscosity (m²/s) that calms without damping: {least_viscosity(rows, (60,))} at 1/60 s, "
-              f"{least_viscosity(rows, (60, 240))} at 1/240 s, too")
+        print(f"least viscosity (m²/s) that calms without damping: {min_viscosity(rows, (60,))} at 1/60 s, "
+              f"{min_viscosity(rows, (60, 240))} at 1/240 s, too")
     write_table(arguments.output, [rounded(row) for row in rows])
     return 0
 

@@ -47,7 +47,8 @@ void bind_water(py::module_& m) {
   fluid.def_readwrite("spacing", &FluidSettings::spacing, "of the start lattice, m")
       .def_readwrite("rest_density", &FluidSettings::rest_density, "kg/m³")
       .def_readwrite("mass", &FluidSettings::mass, "of a particle in the density")
-      .def_readwrite("density_kernel", &FluidSettings::density_kernel, "kernel of the density, by its name");
+      .def_readwrite("density_kernel", &FluidSettings::density_kernel, "kernel of the density, by its name")
+      .def_readwrite("dimensions", &FluidSettings::dimensions, "3, or 2 for a layer in the plane y = 0");
   derived(fluid, "kernel_radius", &FluidSettings::kernel_radius, "h, m; None: 2 spacings");
   derived(fluid, "gradient_kernel", &FluidSettings::gradient_kernel,
           "kernel along whose gradient particles are shifted; None: the density kernel, or Spiky for Poly6");

@@ -5,7 +5,8 @@ The rules (ARCHITECTURE.md): a module includes only itself and lower modules; no
 include/trevi, listed below with their module) includes public headers only; mpi.h and petsc*.h in headers of parallel/ and
 domain/ only; HDF5 and VTK only in src/io, VTK in src/view, too, which alone may draw (X11, VTK's rendering); sndfile
 only in src/music/*.cpp; ZeroMQ only in src/live and src/view; no file over 400 lines; no other folders at the top than
-the known ones; the figure of the modules in ARCHITECTURE.md is that of the code; no banned words.
+the known ones; folders of tests/ are those of the modules; the figure of the modules in ARCHITECTURE.md is that of the
+code; no banned words.
 Prints each violation as file:line: message and exits 1 when there is one.
 """
 
@@ -24,6 +25,7 @@ PUBLIC = {  # header of the library: its module
     "settings": "particles", "wavemaker": "particles", "obstacle": "particles", "forcing": "particles", "observer": "particles", "solver": "solver", "scene": "scene",
 }
 FOLDERS = {"jobs", "inputs", "postprocess", "python", "tests", "src", "include"}
+TEST_FOLDERS = {"support", "regression", "embed", "extending", "benchmarks"}  # besides those of the modules
 MAX_LINES = 400
 CODE = {".hpp", ".h", ".cpp"}
 COUNTED = CODE | {".py", ".sh", ".cmake"}
@@ -138,16 +140,30 @@ def check_figure(tree, root):
             yield "ARCHITECTURE.md", 1, "the figure of the modules is not that of the code; see tests/layering.py --figure"
 
 
-BANNED = re.compile(r"\b(Toll|SolidMap|PlaneLike|WaterReach|CoarseSolids|Ballot|MomentumKeeper|last_plane|crowded|seam|"
-                    r"tell_\w+|leave_water|start_at_rest|most_\w+|least_(?!squares)\w+)\b")
+BANNED = re.compile(r"\b(Toll|SolidMap|PlaneLike|WaterReach|CoarseSolids|Ballot|MomentumKeeper|last_plane\w*|\w*crowded|"
+                    r"seam|tell_\w+|\w*vote[sd]?(?:_\w+)?|Vote|leave_water|start_at_rest|most_\w+|least_(?!squares)\w+)\b")
+BANNED_IN_PAGES = re.compile(r"\b(house rules?|[Rr]ooms (?:only|look)|books|vote[sd]?|hair)\b")
 
 
-def check_words(tree, root):
+def check_words(root):
     """Words of former versions that nobody else uses; the glossary of ARCHITECTURE.md has the field's."""
-    for file in tree.includes:
-        for number, line in enumerate((root / file).read_text().splitlines(), start=1):
-            for word in BANNED.findall(line):
-                yield file, number, f"\"{word}\" is not a word of the field; see the glossary of ARCHITECTURE.md"
+    for folder in ("include", "src", "tests", "python", "postprocess", "inputs", "jobs", "."):
+        paths = root.glob("*.md") if folder == "." else (root / folder).rglob("*")
+        for path in sorted(paths):
+            banned = BANNED_IN_PAGES if path.suffix == ".md" else BANNED if path.suffix in CODE | {".py"} else None
+            if banned is None or path.name in (Path(__file__).name, "CHANGELOG.md"):
+                continue
+            for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
+                for word in banned.findall(line):
+                    yield (path.relative_to(root).as_posix(), number,
+                           f"\"{word}\" is not a word of the field; see the glossary of ARCHITECTURE.md")
+
+
+def check_tests(root):
+    """Folders of tests are those of the modules, and a few of their own."""
+    for path in sorted((root / "tests").glob("*/")) if (root / "tests").is_dir() else []:
+        if path.is_dir() and path.name not in {*MODULES, *TEST_FOLDERS, "__pycache__"}:
+            yield path.relative_to(root).as_posix(), 1, "is neither a module nor one of " + ", ".join(sorted(TEST_FOLDERS))
 
 
 def check_libraries(tree):
@@ -203,7 +219,7 @@ def violations(root):
     root = root.resolve()
     tree = Tree(root)
     checks = (check_layers(tree), check_public(tree), check_libraries(tree), check_circles(tree), check_lengths(root),
-              check_folders(root), check_figure(tree, root), check_words(tree, root))
+              check_folders(root), check_figure(tree, root), check_words(root), check_tests(root))
     return [violation for check in checks for violation in check]
 
 
@@ -223,7 +239,7 @@ GOOD = {
     "src/live/link.cpp": "#include <zmq.hpp>\n",
     "src/view/window.cpp": "#include <vtkRenderer.h>\n#include <zmq.hpp>\n",
     "src/app/main.cpp": '#include "trevi/scene.hpp"\n',
-    "jobs/run.sh": "\n" * MAX_LINES,
+    "jobs/run.sh": "\n" * MAX_LINES, "tests/fluid/test_x.cpp": "\n", "tests/support/x.hpp": "\n",
     ".gitignore": "build/\n/out\n",
     "build/x": "", "out/x": "", ".ci/run": "",
 }
@@ -247,6 +263,8 @@ BAD = [  # file, text, the line and a word of the violation
     ("src/domain/b.hpp", '#include "domain/a.hpp"\n', 1, "circular"),
     ("src/fluid/long.cpp", "\n" * (MAX_LINES + 1), MAX_LINES + 1, "401 lines"),
     ("src/fluid/words.hpp", "class Toll;\n", 1, "not a word"),
+    ("inputs/page.md", "The house rules.\n", 1, "not a word"),
+    ("tests/unit/test_all.cpp", "\n", 1, "neither a module"),
     ("docs/manual.txt", "", 1, "unknown folder"),
 ]
 BAD_HELPERS = {"src/solver/private.hpp": "\n", "src/view/peephole.hpp": "\n", "include/trevi/settings.hpp": "\n",
@@ -268,7 +286,7 @@ def self_test():
         write_tree(root, BAD_HELPERS | {file: text for file, text, *_ in BAD})
         found = violations(root)
     for file, _, line, word in BAD:
-        reported = "docs" if word == "unknown folder" else file
+        reported = {"unknown folder": "docs", "neither a module": "tests/unit"}.get(word, file)
         if not any((v[0], v[1]) == (reported, line) and word in v[2] for v in found):
             failures.append(f"not found: {file}:{line}: {word}")
     if len(found) != len(BAD):

@@ -63,6 +63,7 @@ struct ObstacleSettings {
   std::optional<WavemakerSettings> wavemaker;  ///< in place of all of these: the paddle of a wavemaker
   std::optional<Real> restitution;             ///< that of the walls where there is none
   Real friction = 0;                           ///< Coulomb's coefficient in a bounce
+  bool extruded = false;                       ///< goes on along y without end, as in two dimensions; of resolved()
 
   bool moves() const {
     return !knots.empty() || oscillation || wavemaker || !velocity.isZero() || !angular_velocity.isZero();

@@ -1,7 +1,7 @@
 // Requests to a run from outside: to write a checkpoint (SIGUSR1), or to write one and stop (SIGUSR2, SIGTERM, SIGINT,
 // SIGHUP unless it is ignored as under nohup, a stop file, the wall-clock limit, a viewer). A rank sees only some of
 // them, and two ranks may see a signal in different steps; so each rank counts requests, and the largest counts over
-// all ranks decide, which the solver finds by its vote in each substep. Nothing here communicates. Signal handlers
+// all ranks decide, which the solver finds by the consensus of each substep. Nothing here communicates. Signal handlers
 // belong to the process, so there may be one watch at a time; its destructor restores the old handlers.
 #pragma once
 

@@ -26,6 +26,7 @@ struct ParticleSource {
   std::vector<std::string> velocity_formulas;
   std::string surface;  ///< block: an expression of x and y for the height of its surface, m
   Real vortex = 0;      ///< m/s, block: of the vortex that is added
+  int vortex_axis = 1;  ///< of the vortex, beside x: y, or z (2) in two dimensions
   std::string path;     ///< file, resolved against the scene's folder
   bool operator==(const ParticleSource&) const = default;
 };

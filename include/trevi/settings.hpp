@@ -62,6 +62,9 @@ struct FluidSettings {
   std::string density_kernel = "spiky";  ///< of rho, by its name
   /// Kernel along whose gradient particles are shifted; default: the density kernel, or Spiky for Poly6.
   Derived<std::string> gradient_kernel{};
+  /// 2: a layer of particles in the plane y = 0, with kernels normalised there; the domain is one spacing thick then,
+  /// and what stands in it goes on along y (in_two_dimensions.hpp).
+  int dimensions = 3;
   bool operator==(const FluidSettings&) const = default;
 };
 

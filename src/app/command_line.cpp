@@ -58,20 +58,7 @@ std::vector<std::string> own_arguments(int argc, const char* const* argv) {
   return {own.rbegin(), own.rend()};
 }
 
-}  // namespace
-
-CommandLine parse_command_line(int argc, const char* const* argv) {
-  CommandLine line;
-  CLI::App app("Trevi: water by position based fluids, on any number of MPI ranks.", "trevi");
-  app.footer(
-      "PETSc options such as -log_view may follow the scene.\nDefaults, definitions and formats are in "
-      "inputs/README.md. "
-      "In short: a box is at least one kernel radius wide (two\nspacings), so two dimensions are a tank of that width; "
-      "a "
-      "score has lines \"time pitch length\", such as 0.5 C4 0.25;\nparticle files are HDF5 with /particles/position "
-      "(N "
-      "x 3), velocity (N x 3) and id (N).\n\nKeys of a scene:\n" +
-      scene_reference());
+void add_options(CLI::App& app, CommandLine& line) {
   app.add_option("scene", line.scene, "scene file (.toml)")->required();
   app.add_option("--output", line.output, "output directory, in place of the scene's")->check(refuse_empty);
   app.add_option("--set", line.overrides, "table.key=value, in place of the scene's value; repeatable")
@@ -98,6 +85,23 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
                                                                               {"lines", ProgressMode::lines},
                                                                               {"none", ProgressMode::none}}));
   app.set_version_flag("--version", std::string("trevi ") + TREVI_VERSION);
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  CommandLine line;
+  CLI::App app("Trevi: water by position based fluids, on any number of MPI ranks.", "trevi");
+  app.footer(
+      "PETSc options such as -log_view may follow the scene.\nDefaults, definitions and formats are in "
+      "inputs/README.md. "
+      "In short: a box is at least one kernel radius wide (two\nspacings), so two dimensions are a tank of that width; "
+      "a "
+      "score has lines \"time pitch length\", such as 0.5 C4 0.25;\nparticle files are HDF5 with /particles/position "
+      "(N "
+      "x 3), velocity (N x 3) and id (N).\n\nKeys of a scene:\n" +
+      scene_reference());
+  add_options(app, line);
   refuse_single_dash(app, argc, argv);
   try {
     app.parse(own_arguments(argc, argv));

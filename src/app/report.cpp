@@ -72,6 +72,16 @@ double pair_seconds(const std::vector<PhaseReport>& phases) {
   return seconds;
 }
 
+// All warnings of the run, those of the start first.
+std::vector<std::string> all_warnings(const RunContext& context, const Solver& solver) {
+  std::vector<std::string> all = start_warnings(context.scene);
+  const auto add = [&](std::vector<std::string> more) { std::move(more.begin(), more.end(), std::back_inserter(all)); };
+  if (context.energy != nullptr) add(energy_warnings(context.scene, *context.energy));
+  add(crush_warnings(context.scene, solver.counters().compression));
+  add(flow_warnings(context.scene, solver.flow()));
+  return all;
+}
+
 RunReport local_report(const RunContext& context, const Solver& solver, const Outcome& outcome) {
   RunReport report;
   report.exit_reason = outcome.reason;
@@ -87,12 +97,10 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.spacing = context.scene.fluid.spacing;
   report.rest_density = context.scene.fluid.rest_density;
   report.scene_hash = scene_hash(context.scene.text);
-  report.warnings = start_warnings(context.scene);
+  report.warnings = all_warnings(context, solver);
   if (context.energy != nullptr) {
     report.energy_gain = context.energy->fraction();
     report.motion_gain = context.energy->fraction_of_motion();
-    for (std::string& warning : energy_warnings(context.scene, *context.energy))
-      report.warnings.push_back(std::move(warning));
   }
   report.instruction_set = instruction_set_name();
   report.precision = context.scene.density.precision == Precision::single ? "single" : "double";
@@ -103,10 +111,6 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.unconverged_solves = counters.unconverged;
   report.compression_largest = counters.compression.largest;
   report.crushed_step = counters.compression.first_crushed;
-  for (std::string& warning : crush_warnings(context.scene, counters.compression))
-    report.warnings.push_back(std::move(warning));
-  for (std::string& warning : flow_warnings(context.scene, solver.flow()))
-    report.warnings.push_back(std::move(warning));
   if (solver.flow() != nullptr) {
     for (const FlowState::Stream& stream : solver.flow()->streams)
       report.inlets.push_back({stream.asked(), stream.made, stream.covered, stream.blocked, stream.dry});

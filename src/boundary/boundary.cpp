@@ -69,7 +69,7 @@ class PeriodicBoundary : public Inside {
 };
 
 // Walls along the other axes do not depend on the place along the periodic ones, so paths are computed without it.
-class PeriodicWalls final : public PeriodicBoundary<WallBoundary> {
+class PeriodicWalls : public PeriodicBoundary<WallBoundary> {
  public:
   using PeriodicBoundary::PeriodicBoundary;
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override {
@@ -80,7 +80,7 @@ class PeriodicWalls final : public PeriodicBoundary<WallBoundary> {
   }
 };
 
-class PeriodicObstacles final : public PeriodicBoundary<ObstacleBoundary> {
+class PeriodicObstacles : public PeriodicBoundary<ObstacleBoundary> {
  public:
   using PeriodicBoundary::PeriodicBoundary;
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override {
@@ -91,14 +91,37 @@ class PeriodicObstacles final : public PeriodicBoundary<ObstacleBoundary> {
   }
 };
 
+// Two dimensions. Nothing pushes along y but rounding, if anything; but a layer that is pressed together buckles, which
+// would make metres of it.
+template <class Inside>
+class Layer : public Inside {
+ public:
+  using Inside::Inside;
+  void wrap_positions(Particles& particles) const override {
+    Inside::wrap_positions(particles);
+    for_each_index({0, particles.size()}, [&](std::size_t i) {
+      particles.position[i].y() = 0;
+      particles.velocity[i].y() = 0;
+    });
+  }
+};
+
+template <class Inside>
+using AsItIs = Inside;
+
+template <template <class> class Kind>
+std::unique_ptr<Boundary> make(BoundaryParts parts) {
+  if (parts.periodic && parts.obstacles)
+    return std::make_unique<Kind<PeriodicObstacles>>(*parts.periodic, parts.walls, std::move(parts.obstacles));
+  if (parts.periodic) return std::make_unique<Kind<PeriodicWalls>>(*parts.periodic, parts.walls);
+  if (parts.obstacles) return std::make_unique<Kind<ObstacleBoundary>>(parts.walls, std::move(parts.obstacles));
+  return std::make_unique<Kind<WallBoundary>>(parts.walls);
+}
+
 }  // namespace
 
 std::unique_ptr<Boundary> make_boundary(BoundaryParts parts) {
-  if (parts.periodic && parts.obstacles)
-    return std::make_unique<PeriodicObstacles>(*parts.periodic, parts.walls, std::move(parts.obstacles));
-  if (parts.periodic) return std::make_unique<PeriodicWalls>(*parts.periodic, parts.walls);
-  if (parts.obstacles) return std::make_unique<ObstacleBoundary>(parts.walls, std::move(parts.obstacles));
-  return std::make_unique<WallBoundary>(parts.walls);
+  return parts.layer ? make<Layer>(std::move(parts)) : make<AsItIs>(std::move(parts));
 }
 
 }  // namespace trevi

@@ -37,7 +37,8 @@ class Boundary {
   virtual Real fastest(Real /*begin*/, Real /*end*/) const { return 0; }
 
   /// Along periodic axes: positions to the quantum; then back into the box; and p* with its x into the length of the
-  /// box that begins at the first cell, together, as velocities come from the displacement between the two.
+  /// box that begins at the first cell, together, as velocities come from the displacement between the two. In two
+  /// dimensions wrap_positions() also keeps the layer in its plane.
   virtual void round_positions(Particles&) const {}
   virtual void wrap_positions(Particles&) const {}
   virtual void wrap_predicted(Particles&) const {}
@@ -51,11 +52,12 @@ class Boundary {
   Walls walls_;
 };
 
-/// What make_boundary() chooses from; `obstacles` may be null, `periodic` absent.
+/// What make_boundary() chooses from; `obstacles` may be null, `periodic` absent. `layer`: of two dimensions.
 struct BoundaryParts {
   Walls walls;
   std::shared_ptr<Obstacles> obstacles;
   std::optional<PeriodicDomain> periodic;
+  bool layer = false;
 };
 std::unique_ptr<Boundary> make_boundary(BoundaryParts parts);
 

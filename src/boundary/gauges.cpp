@@ -30,11 +30,12 @@ constexpr Real bulge = 0.25;  // spacings
 
 // The weight of what counts of the disc, but for a factor.
 template <class Counts>
-Real weight_of(const Counts& counts) {
+Real weight_of(const Counts& counts, int dimensions) {
   constexpr int samples = 64;  // across
+  const int rows = dimensions == 2 ? 1 : samples;
   Real sum = 0;
-  for (int k = 0; k < samples * samples; ++k) {
-    const Real a = 2 * (k % samples + 0.5) / samples - 1, b = 2 * (k / samples + 0.5) / samples - 1;
+  for (int k = 0; k < samples * rows; ++k) {
+    const Real a = 2 * (k % samples + 0.5) / samples - 1, b = 2 * (k / samples + 0.5) / rows - 1;
     const Real weight = 1 - (a * a + b * b);
     if (weight > 0 && counts(a, b)) sum += weight;
   }
@@ -71,30 +72,49 @@ Real gauge_weight_of(const Box2& rectangle, Real radius) {
   return 2 / std::numbers::pi * (to(x1, y1) - to(x0, y1) - to(x1, y0) + to(x0, y0));
 }
 
-Real open_fraction_of_gauge(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid) {
+Real gauge_weight_in_layer(Real distance2, Real radius, Real spacing) {
+  const Real area = radius * radius;
+  return distance2 < area ? 0.75 / (radius * spacing) * (1 - distance2 / area) : 0;
+}
+
+Real gauge_weight_in_layer_of(const Box2& rectangle, Real radius) {
+  const auto to = [radius](Real x) {
+    const Real a = std::clamp(x / radius, -1.0, 1.0);
+    return 0.75 * (a - a * a * a / 3);
+  };
+  return to(rectangle.max_x) - to(rectangle.min_x);
+}
+
+Real open_fraction_of_gauge(const GaugeSettings& gauge, const PointLattice& lattice, const Box& box,
+                            const IsSolid& is_solid) {
+  const int dimensions = lattice.dimensions;
   if (gauge.kind == GaugeKind::height) {
     const Vec3 low = box.min - gauge.center, high = box.max - gauge.center;
-    return gauge_weight_of({low.x(), low.y(), high.x(), high.y()}, gauge.radius);
+    const Box2 level{low.x(), low.y(), high.x(), high.y()};
+    return dimensions == 2 ? gauge_weight_in_layer_of(level, gauge.radius) : gauge_weight_of(level, gauge.radius);
   }
-  const Plane plane = across(gauge.normal);
-  const Vec3 off = bulge * spacing * gauge.normal;
+  // In two dimensions the segment lies in the plane.
+  const Plane plane =
+      dimensions == 2 ? Plane{Vec3(gauge.normal.z(), 0, -gauge.normal.x()), Vec3::Zero()} : across(gauge.normal);
+  const Vec3 off = bulge * lattice.spacing * gauge.normal;
   const auto open = [&](const Vec3& p) { return box.contains(p) && !is_solid(p); };
   const auto counts = [&](Real a, Real b) {
     const Vec3 p = gauge.center + gauge.radius * (a * plane.u + b * plane.v);
     return open(p + off) && !open(p - off);
   };
-  return weight_of(counts) / weight_of(everywhere);
+  return weight_of(counts, dimensions) / weight_of(everywhere, dimensions);
 }
 
 PressureGauges::PressureGauges(const Settings& settings, const IsSolid& is_solid)
     : spacing_(settings.fluid.spacing),
       h_(settings.fluid.kernel_radius),
-      unit_(std::ldexp(settings.fluid.kernel_radius * settings.fluid.kernel_radius, -34)) {
+      unit_(std::ldexp(settings.fluid.kernel_radius * settings.fluid.kernel_radius, -34)),
+      in_layer_(settings.fluid.dimensions == 2) {
   for (const GaugeSettings& gauge : settings.gauges) {
     if (gauge.kind != GaugeKind::pressure) continue;
     gauges_.push_back(gauge);
     volume_.push_back(spacing_ * spacing_ * spacing_ /
-                      open_fraction_of_gauge(gauge, spacing_, settings.domain, is_solid));
+                      open_fraction_of_gauge(gauge, lattice_of(settings.fluid), settings.domain, is_solid));
   }
   clear();
 }
@@ -108,7 +128,9 @@ void PressureGauges::add_to(std::size_t k, const Vec3& shift, const Vec3& p) {
   const Vec3 from = p - gauge.center;
   const Real height = from.dot(gauge.normal);
   if (!(height >= -bulge * spacing_ && height <= h_)) return;
-  const Real weight = gauge_weight(from.squaredNorm() - height * height, gauge.radius);
+  const Real distance2 = from.squaredNorm() - height * height;
+  const Real weight =
+      in_layer_ ? gauge_weight_in_layer(distance2, gauge.radius, spacing_) : gauge_weight(distance2, gauge.radius);
   if (weight != 0) add_phi(k, -volume_[k] * weight * shift.dot(gauge.normal));
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/threads.hpp"
+#include "kernels/kernels.hpp"
 #include "trevi/session.hpp"
 #include "trevi/settings.hpp"
 
@@ -22,16 +23,21 @@ struct Box2 {
 
 /// At a distance from the axis of the gauge, 1/m²; its integral over the disc is 1.
 Real gauge_weight(Real distance2, Real radius);
+/// The same in two dimensions, where the disc is a segment of that half length in a layer as thick as a spacing.
+Real gauge_weight_in_layer(Real distance2, Real radius, Real spacing);
 
 /// The integral of the weight over a rectangle as far as that is in the disc, from the centre of the gauge in m. Exact.
 Real gauge_weight_of(const Box2& rectangle, Real radius);
+/// The same in two dimensions, where the rectangle is as wide as the layer.
+Real gauge_weight_in_layer_of(const Box2& rectangle, Real radius);
 
 /// Whether a place is in an obstacle.
 using IsSolid = std::function<bool(const Vec3&)>;
 
 /// The weight, at most 1, of the part of the disc that counts. Height: what is in the box. Pressure: what has open
 /// space a quarter of a spacing before it, and a wall or an obstacle as far behind it, so that surfaces may be curved.
-Real open_fraction_of_gauge(const GaugeSettings& gauge, Real spacing, const Box& box, const IsSolid& is_solid);
+Real open_fraction_of_gauge(const GaugeSettings& gauge, const PointLattice& lattice, const Box& box,
+                            const IsSolid& is_solid);
 
 class PressureGauges {
  public:
@@ -58,6 +64,7 @@ class PressureGauges {
   std::vector<GaugeSettings> gauges_;
   std::vector<Real> volume_;  // of a particle, m³, over the fraction of the disc
   Real spacing_, h_, unit_;   // m, m, m²
+  bool in_layer_;             // two dimensions
   PerThread<std::vector<std::int64_t>> sums_;
 };
 

@@ -17,21 +17,24 @@ struct Missing {
 };
 
 Missing behind_planes(std::span<const Real> d, const Kernel& kernel, Real spacing, Real h) {
+  using Axes = std::array<Eigen::Index, 3>;
+  const Axes axes = kernel.dimensions == 2 ? Axes{0, 2, 1} : Axes{0, 1, 2};  // in the plane no point lies along y
   Missing missing;
-  for_each_lattice_point(spacing, h, [&](const Vec3& offset) {
+  const PointLattice lattice{spacing, kernel.dimensions};
+  for_each_lattice_point(lattice, h, [&](const Vec3& offset) {
     bool behind = true;
-    for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[static_cast<Eigen::Index>(a)] < -d[a];
+    for (std::size_t a = 0; a < d.size(); ++a) behind = behind && offset[axes[a]] < -d[a];
     if (!behind) return;
     missing.value += kernel.value(offset, h);
     missing.pull += kernel.gradient(offset, h).x();
   });
-  const Real whole = lattice_density_sum(kernel, spacing, h);
+  const Real whole = lattice_density_sum(kernel, lattice, h);
   return {missing.value / whole, std::abs(missing.pull) / whole};
 }
 
 }  // namespace
 
-AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h)
+AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h, Real slope)
     : box_(box),
       kernel_(kernel),
       h_(h),
@@ -40,16 +43,16 @@ AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, R
       layers_(std::max(1, static_cast<int>(std::ceil(h / spacing - 1e-9)) - 1)) {
   const Real reach = (layers_ + 0.5) * spacing;
   interior_ = {box.min.array() + reach, box.max.array() - reach};
-  tabulate_layers();
+  tabulate_layers(slope);
   tabulate_ratios();
 }
 
-void AnalyticWallDensity::tabulate_layers() {
+void AnalyticWallDensity::tabulate_layers(Real slope) {
   for (int k = 0; k < layers_; ++k) {
     const std::array<Real, 1> d = {(k + 0.5) * spacing_};
     const Missing missing = behind_planes(d, kernel_, spacing_, h_);
     value_.push_back(missing.value);
-    slope_.push_back(-wall_slope * missing.pull);
+    slope_.push_back(-slope * missing.pull);
   }
   value_.push_back(0);
   slope_.push_back(0);

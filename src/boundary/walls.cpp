@@ -2,11 +2,12 @@
 
 namespace trevi {
 
-Box box_of_walls(const Box& box, const std::array<bool, 3>& periodic) {
+Box box_of_walls(const Settings& settings) {
   constexpr Real far = 1000;  // lengths of the box, which no particle crosses in a step
+  const Box& box = settings.domain;
   Box walls = box;
   for (int a = 0; a < 3; ++a) {
-    if (!periodic[static_cast<std::size_t>(a)]) continue;
+    if (!settings.periodic[static_cast<std::size_t>(a)] && !(settings.fluid.dimensions == 2 && a == 1)) continue;
     walls.min[a] -= far * (box.max[a] - box.min[a]);
     walls.max[a] += far * (box.max[a] - box.min[a]);
   }

@@ -18,8 +18,9 @@ struct WallHit {
   Real t = 0;
 };
 
-/// The box with its walls along periodic axes so far away that nothing gets there.
-Box box_of_walls(const Box& box, const std::array<bool, 3>& periodic);
+/// The box with its walls so far away that nothing gets there along axes that have none: periodic ones, and y in two
+/// dimensions.
+Box box_of_walls(const Settings& settings);
 
 class Walls {
  public:

@@ -42,7 +42,7 @@ void Halo::rebuild(CellOrder& order) {
   receive(low_counts_.data(), bytes, neighbours_.from[low], low);
   receive(high_counts_.data(), bytes, neighbours_.from[high], high);
   send(order.first_plane_counts().data(), bytes, neighbours_.from[low], low);
-  send(order.last_plane_counts().data(), bytes, neighbours_.from[high], high);
+  send(order.high_plane_counts().data(), bytes, neighbours_.from[high], high);
   finish();
   order.add_ghosts(low_counts_, high_counts_);
   owned_ = {order.start(1, 0),

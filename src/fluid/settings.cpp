@@ -5,6 +5,7 @@
 
 #include "fluid/constraint/density.hpp"
 #include "fluid/forcings/music_kind.hpp"
+#include "fluid/in_two_dimensions.hpp"
 #include "kernels/kernels.hpp"
 
 namespace trevi {
@@ -23,7 +24,7 @@ Real refinement(const Settings& settings) {
 Real stable_relaxation(const Settings& settings) {
   constexpr Real with_safeguard = 0.9587, without = 0.685;
   const DensityModel model = density_model(settings);
-  const Real largest = lattice_jacobi_eigenvalue(model.kernels, settings.fluid.spacing, model.h,
+  const Real largest = lattice_jacobi_eigenvalue(model.kernels, lattice_of(settings.fluid), model.h,
                                                  model.mass / model.rest_density, model.epsilon);
   const Real fraction = settings.density.method == Method::chebyshev ? with_safeguard : without;
   return fraction * 2 / largest;
@@ -67,6 +68,7 @@ std::optional<Tensile> tensile_of(const Settings& settings) {
 }
 
 Settings resolved(Settings settings) {
+  lay_in_plane(settings);
   const Vec3 extent = settings.domain.max - settings.domain.min;
   settings.slab_axis.set_default(extent.y() > extent.x() ? 1 : 0);
   settings.fluid.kernel_radius.set_default(2 * settings.fluid.spacing);

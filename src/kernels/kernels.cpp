@@ -27,17 +27,38 @@ constexpr std::size_t index_of(std::type_identity<std::tuple<Listed...>>) {
   return index;
 }
 
+// A kernel in the plane: the same shape with another factor.
+template <class K>
+struct InPlane {
+  static constexpr Real per_space(Real h) { return K::in_plane * h; }
+  static Real factor(Real h) { return per_space(h) * K::factor(h); }
+  static Real slope_factor(Real h) { return per_space(h) * K::slope_factor(h); }
+  static Real steepest(Real h) { return per_space(h) * K::steepest(h); }
+  static Real value(const Vec3& r, Real h) { return per_space(h) * K::value(r, h); }
+  static Vec3 gradient(const Vec3& r, Real h) { return per_space(h) * K::gradient(r, h); }
+};
+
 template <class... Listed>
 constexpr std::array<Kernel, sizeof...(Listed)> described(std::type_identity<std::tuple<Listed...>> list) {
-  return {Kernel{Listed::name, index_of<Listed>(list), index_of<typename Listed::Gradient>(list), Listed::factor,
+  return {Kernel{Listed::name, 3, index_of<Listed>(list), index_of<typename Listed::Gradient>(list), Listed::factor,
                  Listed::slope_factor, Listed::steepest, Listed::value, Listed::gradient}...};
+}
+
+template <class... Listed>
+constexpr std::array<Kernel, sizeof...(Listed)> described_in_plane(std::type_identity<std::tuple<Listed...>> list) {
+  return {Kernel{Listed::name, 2, index_of<Listed>(list), index_of<typename Listed::Gradient>(list),
+                 InPlane<Listed>::factor, InPlane<Listed>::slope_factor, InPlane<Listed>::steepest,
+                 InPlane<Listed>::value, InPlane<Listed>::gradient}...};
 }
 
 }  // namespace
 
-std::span<const Kernel> all_kernels() {
+PointLattice lattice_of(const FluidSettings& fluid) { return {fluid.spacing, fluid.dimensions}; }
+
+std::span<const Kernel> all_kernels(int dimensions) {
   static constexpr auto all = described(std::type_identity<KernelList>());
-  return all;
+  static constexpr auto in_plane = described_in_plane(std::type_identity<KernelList>());
+  return dimensions == 2 ? in_plane : all;
 }
 
 std::vector<std::string> kernel_names() {
@@ -46,33 +67,34 @@ std::vector<std::string> kernel_names() {
   return names;
 }
 
-const Kernel& kernel_named(std::string_view name) {
-  for (const Kernel& kernel : all_kernels())
+const Kernel& kernel_named(std::string_view name, int dimensions) {
+  for (const Kernel& kernel : all_kernels(dimensions))
     if (kernel.name == name) return kernel;
   throw InputError(fmt::format("there is no kernel \"{}\"; take one of {}", name, fmt::join(kernel_names(), ", ")));
 }
 
 Kernels kernels_of(const FluidSettings& fluid) {
-  const Kernel& density = kernel_named(fluid.density_kernel);
-  return {density, fluid.gradient_kernel.given() ? kernel_named(fluid.gradient_kernel.value())
-                                                 : all_kernels()[density.gradient_index]};
+  const Kernel& density = kernel_named(fluid.density_kernel, fluid.dimensions);
+  return {density, fluid.gradient_kernel.given() ? kernel_named(fluid.gradient_kernel.value(), fluid.dimensions)
+                                                 : all_kernels(fluid.dimensions)[density.gradient_index]};
 }
 
-Real lattice_density_sum(const Kernel& kernel, Real spacing, Real h) {
+Real lattice_density_sum(const Kernel& kernel, const PointLattice& lattice, Real h) {
   Real sum = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3& offset) { sum += kernel.value(offset, h); });
+  for_each_lattice_point(lattice, h, [&](const Vec3& offset) { sum += kernel.value(offset, h); });
   return sum;
 }
 
-Real lattice_laplacian_moment(Real spacing, Real h) {
+Real lattice_laplacian_moment(const PointLattice& lattice, Real h) {
+  const Kernel& poly6 = kernel_named(Poly6::name, lattice.dimensions);
   Real sum = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3& r) { sum += r.x() * r.x() * Poly6::value(r, h); });
+  for_each_lattice_point(lattice, h, [&](const Vec3& r) { sum += r.x() * r.x() * poly6.value(r, h); });
   return sum / 2;
 }
 
-int lattice_neighbours(Real spacing, Real h) {
+int lattice_neighbours(const PointLattice& lattice, Real h) {
   int points = 0;
-  for_each_lattice_point(spacing, h, [&](const Vec3&) { ++points; });
+  for_each_lattice_point(lattice, h, [&](const Vec3&) { ++points; });
   return points - 1;
 }
 
@@ -90,15 +112,15 @@ std::array<Real, 24> sines_of_twelfths() {
 
 }  // namespace
 
-Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Real volume, Real epsilon) {
+Real lattice_jacobi_eigenvalue(const Kernels& kernels, const PointLattice& lattice, Real h, Real volume, Real epsilon) {
   struct Neighbour {
     std::array<int, 3> position;
     Vec3 dense, push;
   };
   std::vector<Neighbour> neighbours;
   Real diagonal = epsilon;
-  for_each_lattice_point(spacing, h, [&](const Vec3& r) {
-    const auto index = [&](Real x) { return static_cast<int>(std::lround(x / spacing)); };
+  for_each_lattice_point(lattice, h, [&](const Vec3& r) {
+    const auto index = [&](Real x) { return static_cast<int>(std::lround(x / lattice.spacing)); };
     neighbours.push_back({{index(r.x()), index(r.y()), index(r.z())},
                           volume * kernels.density.gradient(r, h),
                           volume * kernels.gradient.gradient(r, h)});
@@ -106,7 +128,8 @@ Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Rea
   });
   const std::array<Real, 24> sine = sines_of_twelfths();
   Real largest = 0;
-  // k = π/spacing (x, y, z)/12 with 12 >= x >= y >= z >= 0; the other waves are mirror images.
+  // k = π/spacing (x, y, z)/12 with 12 >= x >= y >= z >= 0; the other waves are mirror images. In the plane y counts
+  // for nothing.
   for (int x = 0; x <= 12; ++x) {
     for (int y = 0; y <= x; ++y) {
       for (int z = 0; z <= y; ++z) {

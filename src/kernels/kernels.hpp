@@ -2,7 +2,8 @@
 // other code depends on which kernel it uses. The pair loops sum the dimensionless shapes W(r)/W(0) and
 // (−dW/dr)/slope_factor r̂; the factors here give these sums their units. A density constraint has two kernels, one for
 // the density and one for the gradient along which particles are shifted: where they are the same, shifts are along the
-// gradient of the constraint itself. Not collective.
+// gradient of the constraint itself. Each kernel has a form in the plane, of the same shape, for scenes in two
+// dimensions: its integral over the plane is 1, and its unit 1/m². Not collective.
 #pragma once
 
 #include <span>
@@ -14,9 +15,18 @@
 
 namespace trevi {
 
-/// All lengths in metres.
+/// The lattice on which water starts: cubic, or, in two dimensions, square in the plane of x and z.
+struct PointLattice {
+  PointLattice(Real edge, int axes = 3) : spacing(edge), dimensions(axes) {}
+  Real spacing;    ///< m
+  int dimensions;  ///< 2 or 3
+};
+PointLattice lattice_of(const FluidSettings& fluid);
+
+/// All lengths in metres. In two dimensions units have a metre less below the line.
 struct Kernel {
   std::string_view name;                    ///< by which a scene names it
+  int dimensions;                           ///< in which its integral is 1: 2 or 3
   std::size_t index;                        ///< in the list
   std::size_t gradient_index;               ///< of the gradient kernel to use by default with this density kernel
   Real (*factor)(Real h);                   ///< W(0), 1/m³
@@ -27,10 +37,10 @@ struct Kernel {
 };
 
 /// In the order of the list.
-std::span<const Kernel> all_kernels();
+std::span<const Kernel> all_kernels(int dimensions = 3);
 std::vector<std::string> kernel_names();
 /// Throws InputError where there is no kernel of this name.
-const Kernel& kernel_named(std::string_view name);
+const Kernel& kernel_named(std::string_view name, int dimensions = 3);
 
 /// The two kernels of a density constraint.
 struct Kernels {
@@ -38,19 +48,19 @@ struct Kernels {
 };
 Kernels kernels_of(const FluidSettings& fluid);
 
-/// Sum of the kernel over a cubic lattice around one of its points, itself included, 1/m³; spacing and h in metres.
-Real lattice_density_sum(const Kernel& kernel, Real spacing, Real h);
+/// Sum of the kernel over a lattice of as many dimensions around one of its points, itself included, 1/m³; h in metres.
+Real lattice_density_sum(const Kernel& kernel, const PointLattice& lattice, Real h);
 /// ½ Σ W6(r) x² over the same points, 1/m: Σ_j (v_j − v_i) W6(p_ij) is this times ∇²v, to the second order of v's
 /// Taylor series (the first vanishes by symmetry, and x², y², z² have the same sums). W6 is Poly6.
-Real lattice_laplacian_moment(Real spacing, Real h);
+Real lattice_laplacian_moment(const PointLattice& lattice, Real h);
 /// Points of the lattice nearer than h, without the point itself.
-int lattice_neighbours(Real spacing, Real h);
+int lattice_neighbours(const PointLattice& lattice, Real h);
 
 /// Largest eigenvalue mu of a Jacobi sweep with relaxation 1 on the infinite lattice. `volume` V is the mass of a
 /// particle over the rest density, m³; epsilon in 1/m². A sweep multiplies a wave e^{ik·x} in C by 1 − relaxation
 /// mu(k), with
 ///   mu(k) = V Σ_r ∇W sin(k·r) · V Σ_r ∇G sin(k·r) / (V² Σ_r |∇G|² + epsilon), W of the density, G of the gradient,
 /// so that with a relaxation above 2/mu some wave grows. IEEE operations only: the same bits on any processor.
-Real lattice_jacobi_eigenvalue(const Kernels& kernels, Real spacing, Real h, Real volume, Real epsilon);
+Real lattice_jacobi_eigenvalue(const Kernels& kernels, const PointLattice& lattice, Real h, Real volume, Real epsilon);
 
 }  // namespace trevi

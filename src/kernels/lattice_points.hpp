@@ -1,18 +1,19 @@
-// The points of a cubic lattice around one of its points. Every sum over the lattice uses this function, so that all
+// The points of a lattice around one of its points. Every sum over the lattice uses this function, so that all
 // agree on which points are inside. Rank-local; the order of the points is fixed, as the last bits of the sums depend
 // on it.
 #pragma once
 
-#include "trevi/types.hpp"
+#include "kernels/kernels.hpp"
 
 namespace trevi {
 
 /// Calls visit(offset) for each lattice point nearer than h, the centre included; metres.
 template <class Visit>
-void for_each_lattice_point(Real spacing, Real h, Visit&& visit) {
-  const int reach = static_cast<int>(h / spacing) + 1;
+void for_each_lattice_point(const PointLattice& lattice, Real h, Visit&& visit) {
+  const Real spacing = lattice.spacing;
+  const int reach = static_cast<int>(h / spacing) + 1, across = lattice.dimensions == 2 ? 0 : reach;
   for (int x = -reach; x <= reach; ++x) {
-    for (int y = -reach; y <= reach; ++y) {
+    for (int y = -across; y <= across; ++y) {
       for (int z = -reach; z <= reach; ++z) {
         const Vec3 offset = spacing * Vec3(x, y, z);
         // Points at exactly h count as outside whatever the rounding.

@@ -20,6 +20,9 @@ struct Poly6 {
   static constexpr std::string_view name = "poly6";
   using Gradient = Spiky;
 
+  /// Of W in the plane, 4/(π h²) (1 − u²)³, over h times the one in space.
+  static constexpr Real in_plane = 256.0 / 315;
+
   static constexpr Real factor(Real h) { return 315 / (64 * std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 6 * factor(h) / h; }
   /// The maximum is at u² = 1/5, where u (1 − u²)² = 16/(25 √5).

@@ -16,6 +16,9 @@ struct Spiky {
   static constexpr std::string_view name = "spiky";
   using Gradient = Spiky;
 
+  /// Of W in the plane, 10/(π h²) (1 − u)³, over h times the one in space.
+  static constexpr Real in_plane = 2.0 / 3;
+
   static constexpr Real factor(Real h) { return 15 / (std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 45 / (std::numbers::pi * h * h * h * h); }
   /// The slope is largest in the limit u = 0.

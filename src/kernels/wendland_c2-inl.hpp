@@ -1,4 +1,4 @@
-// Wendland's C2 function in three dimensions (Wendland 1995; Dehnen & Aly 2012), with support h, not 2h:
+// Wendland's C2 function in two and three dimensions (Wendland 1995; Dehnen & Aly 2012), with support h, not 2h:
 //   W(r)     = 21/(2 π h³) (1 − u)⁴ (1 + 4u),  u = r/h        [1/m³]
 //   −dW/dr   = 210/(π h⁴) u (1 − u)³                          [1/m⁴]
 // Its Fourier transform is positive, so that particles do not pair, however large h is; its slope vanishes at the
@@ -16,6 +16,9 @@ namespace trevi {
 struct WendlandC2 {
   static constexpr std::string_view name = "wendland_c2";
   using Gradient = WendlandC2;
+
+  /// Of W in the plane, 7/(π h²) (1 − u)⁴ (1 + 4u), over h times the one in space.
+  static constexpr Real in_plane = 2.0 / 3;
 
   static constexpr Real factor(Real h) { return 21 / (2 * std::numbers::pi * h * h * h); }
   static constexpr Real slope_factor(Real h) { return 210 / (std::numbers::pi * h * h * h * h); }

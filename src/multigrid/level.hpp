@@ -1,10 +1,10 @@
-// One level of the multigrid of the coarse-grid correction (coarse_multigrid.hpp): the equation
-//   Σ link (phi − phi of the neighbour) + sink phi = rhs
-// for the cells of water in a run of planes, over the six faces of each. A sink is a link to where phi is 0: the free
-// surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels; planes and rows are joined
-// by twos. A cell of a coarse level stands for up to four: sinks, upward links and right-hand sides are sums over
-// these, links sideways half of the sums, as their distance is twice as long. The correction of a coarse cell goes to
-// all of its cells alike.
+// One level of the multigrid (multigrid.hpp): the equation
+//   Σ link (phi − phi of the neighbour) + dirichlet phi = rhs
+// for the cells of water in a run of planes, over the six faces of each. The Dirichlet diagonal is the sum of the links
+// to where phi is 0: the free surface. Other cells have no links, and phi = 0. Columns keep their cells on all levels;
+// planes and rows are joined by twos. A cell of a coarse level stands for up to four: Dirichlet diagonals, upward links
+// and right-hand sides are sums over these, links sideways half of the sums, as their distance is twice as long. The
+// correction of a coarse cell goes to all of its cells alike.
 //
 // A sweep solves each column exactly, with its neighbours as they were (line Jacobi), and is damped:
 // pressure acts mostly up and down, and with whole columns nothing depends on the depth. Arrays have a ring of cells
@@ -57,7 +57,7 @@ class MultigridLevel {
   /// Tells that in row (k, r) only the lowest `columns` cells can hold water; at first all can. Clears those above.
   void use_columns(LocalId k, LocalId r, std::size_t columns);
 
-  /// To be called when links and sinks are known: prepares the sweeps of the own planes.
+  /// To be called when links and Dirichlet diagonals are known: prepares the sweeps of the own planes.
   void factor();
   bool is_water(std::size_t at) const { return per_pivot[at] > 0; }
 
@@ -72,7 +72,8 @@ class MultigridLevel {
   /// Of a field whose own planes are new, and whose ghost planes have come if other ranks have them.
   void repeat(std::vector<Real>& field) const;
 
-  /// Links and sinks of the own planes [planes) of `coarse`; needs those of the plane above the own ones here.
+  /// Links and Dirichlet diagonals of the own planes [planes) of `coarse`; needs those of the plane above the own ones
+  /// here.
   void coarsen(MultigridLevel& coarse, Range planes) const;
   /// rhs of the own planes [planes) of `coarse` from the residual in `next`, ghost planes included.
   void restrict_residual(MultigridLevel& coarse, Range planes) const;

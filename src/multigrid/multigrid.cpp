@@ -13,7 +13,7 @@ namespace {
 // The damping of a sweep: less than 1 to damp what changes sign from column to column.
 constexpr Real damping = 0.8;
 // Sweeps before and after the correction by the coarser level, and on the coarsest. With these a cycle leaves a tenth
-// to a fifth of an error; see tests/mpi/test_multigrid.cpp.
+// to a fifth of an error; see tests/multigrid/test_multigrid.cpp.
 constexpr int sweeps = 2, coarsest_sweeps = 4;
 
 LocalId half(LocalId count) { return (count + 1) / 2; }

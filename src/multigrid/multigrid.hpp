@@ -1,5 +1,5 @@
-// Multigrid for the pressure of the coarse-grid correction: a fixed number of V-cycles over levels that join columns of
-// cells by twos in either horizontal direction (coarse_level.hpp). As a sweep solves whole columns, the number of
+// Multigrid for the pressure of the projection: a fixed number of V-cycles over levels that join columns of
+// cells by twos in either horizontal direction (level.hpp). As a sweep solves whole columns, the number of
 // cycles, of sweeps and of messages does not depend on the depth. On a level whose columns are wider than the water is
 // deep a column's own pressure decides nearly all, so the number of levels follows the depth and not the extent of the
 // water.

@@ -30,7 +30,7 @@ void combine(void* in, void* inout, int* count, MPI_Datatype*) {
 }  // namespace
 
 StepState state_of(std::span<const GlobalId> ids) {
-  PerThread<StepState> votes;
+  PerThread<StepState> parts;
   constexpr LocalId part_size = 8192;
   for_each_part({0, static_cast<LocalId>(ids.size())}, part_size, [&](Range part) {
     std::uint64_t sum = 0, squares = 0;
@@ -39,14 +39,14 @@ StepState state_of(std::span<const GlobalId> ids) {
       sum += n;
       squares += n * n;
     }
-    votes.mine().ids += sum;
-    votes.mine().squares += squares;
+    parts.mine().ids += sum;
+    parts.mine().squares += squares;
   });
   StepState total;
   total.particles = ids.size();
-  votes.for_each([&](const StepState& vote) {
-    total.ids += vote.ids;
-    total.squares += vote.squares;
+  parts.for_each([&](const StepState& part) {
+    total.ids += part.ids;
+    total.squares += part.squares;
   });
   return total;
 }

@@ -21,7 +21,7 @@ struct StepState {
   RequestCounts requests{};      ///< the largest over all ranks
 };
 
-/// The part of a vote that counts particles.
+/// The part of the consensus that counts particles.
 StepState state_of(std::span<const GlobalId> ids);
 
 class StepConsensus {

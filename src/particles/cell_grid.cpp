@@ -19,6 +19,7 @@ CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, cons
     if (periodic_[k]) per_length_[k] *= 1 + 0x1p-50;
     length_[k] = extent;
   }
+  is_layer_ = max.y() - min.y() < h * (1 - 1e-9);
   assert(static_cast<Real>(rows()) * columns() < 2e9);  // the reader of the scene has seen to it
 }
 

@@ -21,8 +21,9 @@ inline bool is_whole_period(Real length, Real h) {
 
 class CellGrid {
  public:
-  /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide in each axis; three times that along x, y, z that
-  /// are periodic. There a place up to a box's length below `min` is in the cell that repeats it.
+  /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide in each axis, but along y in two dimensions; three
+  /// times that along x, y, z that are periodic. There a place up to a box's length below `min` is in the cell that
+  /// repeats it.
   CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, const std::array<bool, 3>& periodic = {});
 
   LocalId planes() const { return count_[0]; }
@@ -36,6 +37,8 @@ class CellGrid {
   int axis(std::size_t direction) const { return axis_[direction]; }
   /// Number of cells along a direction.
   LocalId count(std::size_t direction) const { return count_[direction]; }
+  /// Whether it is that of two dimensions: a single layer of cells, thinner than h.
+  bool is_layer() const { return is_layer_; }
   /// Cells per metre, as they are counted.
   Real per_length(std::size_t direction) const { return per_length_[direction]; }
   /// Extent of the box along a direction, m.
@@ -61,6 +64,7 @@ class CellGrid {
   std::array<Real, 3> per_length_;  // cells per metre
   std::array<Real, 3> length_{};
   std::array<bool, 3> periodic_{};
+  bool is_layer_ = false;
 };
 
 }  // namespace trevi

@@ -114,7 +114,7 @@ void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velo
 
 std::span<const LocalId> CellOrder::first_plane_counts() const { return {counts_.data(), cells()}; }
 
-std::span<const LocalId> CellOrder::last_plane_counts() const {
+std::span<const LocalId> CellOrder::high_plane_counts() const {
   return {counts_.data() + (static_cast<std::size_t>(planes_) - 1) * cells(), cells()};
 }
 

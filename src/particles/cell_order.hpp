@@ -34,7 +34,7 @@ class CellOrder {
 
   /// Particles in each cell of the first and the last owned plane, for the neighbour ranks.
   std::span<const LocalId> first_plane_counts() const;
-  std::span<const LocalId> last_plane_counts() const;
+  std::span<const LocalId> high_plane_counts() const;
 
   /// Adds the ghost planes (empty spans where the box ends). size(), start() and owned_range() are valid only after
   /// this.

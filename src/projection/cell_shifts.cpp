@@ -15,12 +15,12 @@ namespace HWY_NAMESPACE {
 
 // Of particles [i, end) as many as a vector has lanes, others 0; whole vectors are read where there is something.
 template <class T>
-HWY_INLINE V load_act(std::span<const T> act, std::size_t i, std::size_t end) {
+HWY_INLINE V load_scalars(std::span<const T> of, std::size_t i, std::size_t end) {
   const hn::Rebind<T, Wide> d;
   std::array<T, max_lanes> last{};
-  const bool whole = i + hn::Lanes(d) <= act.size();
-  if (!whole && i < act.size()) std::copy(act.begin() + static_cast<std::ptrdiff_t>(i), act.end(), last.begin());
-  const auto loaded = hn::LoadU(d, whole ? &act[i] : last.data());
+  const bool whole = i + hn::Lanes(d) <= of.size();
+  if (!whole && i < of.size()) std::copy(of.begin() + static_cast<std::ptrdiff_t>(i), of.end(), last.begin());
+  const auto loaded = hn::LoadU(d, whole ? &of[i] : last.data());
   const V all = [&] {
     if constexpr (sizeof(T) == sizeof(double)) {
       return loaded;
@@ -31,13 +31,22 @@ HWY_INLINE V load_act(std::span<const T> act, std::size_t i, std::size_t end) {
   return hn::IfThenElseZero(hn::FirstN(Wide(), std::min(end > i ? end - i : 0, hn::Lanes(Wide()))), all);
 }
 
+// From 1 where the density is that of water at rest down to 0 where it is that of a particle that is squeezed.
+HWY_INLINE V unsqueezed(const Densities& densities, std::size_t i, std::size_t end) {
+  constexpr Real range = projection::squeezed_full - projection::squeezed_begins;
+  const V rho = load_scalars(densities.rho, i, end);
+  const V above = hn::Sub(hn::Div(rho, set(densities.rest)), set(1 + projection::squeezed_begins));
+  return hn::Sub(set(1), clamp(hn::Div(above, set(range)), 0, 1));
+}
+
 template <class T>
-HWY_INLINE void remove_smooth_of(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
-                                 const AffineMap& smooth, std::span<const T> act, Vec4<T>* out) {
+HWY_INLINE void remove_smooth_of(const CellFrame& frame, const Swept<T>& swept, const CellParticles& cell,
+                                 const AffineMap& smooth, Vec4<T>* out) {
   const std::size_t lanes = hn::Lanes(Wide());
   for (std::size_t i = cell.begin; i < cell.end; i += lanes, out += lanes) {
-    const V3 y = load(frame, shifts, cell, i).y;
-    const V less = hn::Neg(load_act(act, i, cell.end));
+    const V3 y = load(frame, swept.shifts, cell, i).y;
+    const V kept = hn::Mul(load_scalars(swept.act, i, cell.end), unsqueezed(swept.densities, i, cell.end));
+    const V less = hn::Neg(kept);
     V3 u = zeros();
     for (std::size_t a = 0; a < 3; ++a) {
       u[a] = set(smooth.a[a]);
@@ -61,7 +70,7 @@ HWY_INLINE std::array<Real, 4> sum_shifts(const Motion& shifts, const CellPartic
   const auto add_eight = [&]<bool first>(std::size_t i) {
     for (std::size_t lane = 0; lane < virtual_lanes; lane += hn::Lanes(Wide())) {
       const V3 path = load_path(shifts, i + lane);
-      const V weight = load_act(act, i + lane, cell.end);
+      const V weight = load_scalars(act, i + lane, cell.end);
       for (std::size_t a = 0; a < 3; ++a) add_to_lanes<first>(&lanes[a][lane], hn::Mul(weight, path[a]));
       add_to_lanes<first>(&lanes[3][lane], weight);
     }
@@ -82,7 +91,7 @@ HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, c
   if (sums[3] == 0) return;
   for (std::size_t i = cell.begin; i < cell.end; i += hn::Lanes(d)) {
     V3 off = load_path(shifts, i), v = load(std::span<const Vec3>(velocity), i);
-    const V weight = load_act(act, i, cell.end);
+    const V weight = load_scalars(act, i, cell.end);
     for (std::size_t a = 0; a < 3; ++a) off[a] = hn::Sub(off[a], set(sums[a] / sums[3]));
     for (std::size_t a = 0; a < 3; ++a) {
       V carried = hn::Mul(set(slope[a][0]), off[0]);
@@ -100,13 +109,13 @@ HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, c
 }
 
 // Highway's dispatch takes no templates.
-void remove_smooth_single(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
-                          const AffineMap& smooth, std::span<const float> act, Vec4<float>* out) {
-  remove_smooth_of(frame, shifts, cell, smooth, act, out);
+void remove_smooth_single(const CellFrame& frame, const Swept<float>& swept, const CellParticles& cell,
+                          const AffineMap& smooth, Vec4<float>* out) {
+  remove_smooth_of(frame, swept, cell, smooth, out);
 }
-void remove_smooth_double(const CellFrame& frame, const Motion& shifts, const CellParticles& cell,
-                          const AffineMap& smooth, std::span<const double> act, Vec4<double>* out) {
-  remove_smooth_of(frame, shifts, cell, smooth, act, out);
+void remove_smooth_double(const CellFrame& frame, const Swept<double>& swept, const CellParticles& cell,
+                          const AffineMap& smooth, Vec4<double>* out) {
+  remove_smooth_of(frame, swept, cell, smooth, out);
 }
 void carry_single(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
                   std::span<const float> act, std::span<Vec3> velocity) {
@@ -130,14 +139,14 @@ HWY_EXPORT(carry_single);
 HWY_EXPORT(carry_double);
 
 template <>
-void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                   std::span<const float> act, Vec4<float>* out) {
-  HWY_DYNAMIC_DISPATCH(remove_smooth_single)(frame, shifts, cell, smooth, act, out);
+void remove_smooth(const CellFrame& frame, const Swept<float>& swept, const CellParticles& cell,
+                   const AffineMap& smooth, Vec4<float>* out) {
+  HWY_DYNAMIC_DISPATCH(remove_smooth_single)(frame, swept, cell, smooth, out);
 }
 template <>
-void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                   std::span<const double> act, Vec4<double>* out) {
-  HWY_DYNAMIC_DISPATCH(remove_smooth_double)(frame, shifts, cell, smooth, act, out);
+void remove_smooth(const CellFrame& frame, const Swept<double>& swept, const CellParticles& cell,
+                   const AffineMap& smooth, Vec4<double>* out) {
+  HWY_DYNAMIC_DISPATCH(remove_smooth_double)(frame, swept, cell, smooth, out);
 }
 template <>
 void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,

@@ -6,16 +6,32 @@
 
 namespace trevi {
 
-/// Writes −act · (a + B y), m, of the particles of a cell, as the scalar 0; `act` is that of all particles.
+/// Densities of the owned particles, kg/m³, and that at rest.
+struct Densities {
+  std::span<const Real> rho;
+  Real rest;
+};
+
+/// What the sweeps have done: shifts of positions from x to p, where the grid acts (0 to 1), and the densities that they
+/// have seen last; of all owned particles.
 template <class T>
-void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                   std::span<const T> act, Vec4<T>* out);
+struct Swept {
+  Motion shifts;
+  std::span<const T> act;
+  Densities densities;
+};
+
+/// Writes −act · (a + B y), m, of the particles of a cell, as the scalar 0; less of it, down to nothing, of those that
+/// are squeezed (parameters.hpp).
+template <class T>
+void remove_smooth(const CellFrame& frame, const Swept<T>& swept, const CellParticles& cell, const AffineMap& smooth,
+                   Vec4<T>* out);
 template <>
-void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                   std::span<const float> act, Vec4<float>* out);
+void remove_smooth(const CellFrame& frame, const Swept<float>& swept, const CellParticles& cell,
+                   const AffineMap& smooth, Vec4<float>* out);
 template <>
-void remove_smooth(const CellFrame& frame, const Motion& shifts, const CellParticles& cell, const AffineMap& smooth,
-                   std::span<const double> act, Vec4<double>* out);
+void remove_smooth(const CellFrame& frame, const Swept<double>& swept, const CellParticles& cell,
+                   const AffineMap& smooth, Vec4<double>* out);
 
 /// v += act · B (Δ − the mean of Δ over the particles of the cell, weighted by act) with the slopes B, 1/s.
 template <class T>

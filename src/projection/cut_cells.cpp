@@ -108,7 +108,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
     for (LocalId c = 0; c < grid.columns(); ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
-        if (cells_[at].face[a] == 1) continue;
+        if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) continue;  // nothing moves across a layer
         const Vec3 p =
             place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
         const Body& body = obstacles_.body(nearest_at(p, near.of_row).body);

@@ -22,9 +22,9 @@ class CutCells {
   /// For the planes and columns that `grid` has now.
   void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box);
 
-  /// Share of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
+  /// Fraction of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
   Real open(std::size_t at) const { return cells_[at].open; }
-  /// Share of the area of face (a, at) that is open.
+  /// Fraction of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
   /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
   ByAxis middle_of_face(std::size_t a, std::size_t at) const {

@@ -26,6 +26,7 @@ class ProjectionGrid {
       : axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
         count_{grid.planes(), grid.rows(), grid.columns()},
         repeats_{grid.is_periodic(0), grid.is_periodic(1), grid.is_periodic(2)},
+        is_layer_(grid.is_layer()),
         wall_below_(rank_of(comm) == 0 && !repeats_[0]),
         wall_above_(rank_of(comm) + 1 == size_of(comm) && !repeats_[0]) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -74,6 +75,8 @@ class ProjectionGrid {
   }
   /// Whether the box is periodic along planes, rows and columns.
   const Repeats& repeats() const { return repeats_; }
+  /// Whether it is that of two dimensions, a single row of cells in each plane, which nothing moves across.
+  bool is_layer() const { return is_layer_; }
   /// Fills the ring of cells where rows and columns repeat.
   template <class T>
   void repeat(std::vector<T>& field) const {
@@ -119,6 +122,7 @@ class ProjectionGrid {
   std::array<int, 3> axis_;
   std::array<LocalId, 3> count_;  // of the box
   Repeats repeats_;
+  bool is_layer_;
   bool wall_below_, wall_above_;
   Vec3 size_;
   std::array<Real, 3> origin_{}, per_length_{};

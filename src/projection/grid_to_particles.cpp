@@ -124,6 +124,7 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c), above = at + grid.step(a);
   FacePair pair;
+  if (a == 1 && grid.is_layer()) return {0, 0, true, true, true, true};
   pair.low_wall = grid.is_wall(a, k, r, c);
   pair.high_wall = grid.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2));
   pair.low_closed = pair.low_wall || surface_.face(a, at) == 0;

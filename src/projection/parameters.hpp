@@ -81,5 +81,8 @@ constexpr Real min_wall = 0.1;
 /// Mean compression of the particles around from which on, and at which in full, sweeps may push water apart over more
 /// than a cell. Relaxed water has 0.004 by itself, as its kernel sums exceed those of the lattice of the same density.
 constexpr Real swelling_begins = 0.004, swelling_full = 0.008;
+/// Compression of a particle from which on, and at which in full, its own shift is left as it is. Flowing water has a
+/// spread of 0.01; what exceeds that twice over is a particle that is squeezed, at a wall most of all.
+constexpr Real squeezed_begins = 0.02, squeezed_full = 0.04;
 
 }  // namespace trevi::projection

@@ -76,7 +76,7 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
     if (k > planes) return;
-    find_faces(1, k, r, cuts);
+    if (!grid_.is_layer()) find_faces(1, k, r, cuts);  // across a layer nothing moves
     find_faces(2, k, r, cuts);
   });
   grid_.repeat(displacement_[1]);

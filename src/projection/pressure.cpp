@@ -128,7 +128,7 @@ bool Pressure::may_swell(const FreeSurface& surface, LocalId k, LocalId r, Local
   return false;
 }
 
-// Links between two cells of water, 1/m²; those to cells of air are sinks.
+// Links between two cells of water, 1/m²; those to cells of air are in the Dirichlet diagonal.
 void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   auto& link = multigrid_.finest().link;

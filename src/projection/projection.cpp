@@ -122,7 +122,7 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
   for_each_row_with<ShiftFilter::Smooth>(own_rows(), [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
     shift_filter_.find_smooth(smooth, k, r);
     for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
-      remove_smooth(particles_to_grid_.frame(), swept.shifts, cell, smooth.at(c), swept.act, &out[cell.begin]);
+      remove_smooth(particles_to_grid_.frame(), swept, cell, smooth.at(c), &out[cell.begin]);
     });
     leave_flying<T>(order, k, r, out);
   });

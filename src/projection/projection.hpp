@@ -37,14 +37,6 @@ class Projection {
   template <class T>
   void displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
-  /// What the sweeps after that have done: shifts of positions from x to p, where the grid acts (0 to 1), and the
-  /// densities that they have seen last.
-  template <class T>
-  struct Swept {
-    Motion shifts;
-    std::span<const T> act;
-    Densities densities;
-  };
   /// Minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
   void filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out);

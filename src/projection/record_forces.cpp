@@ -28,6 +28,7 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
   Vec3 shift = Vec3::Zero();
   for (std::size_t a = 0; a < 3; ++a) {
+    if (a == 1 && grid.is_layer()) continue;  // nothing presses along y
     const Real size = grid.size()[static_cast<Eigen::Index>(a)], half = a == 2 ? g_dt2_ * size / 2 : 0;
     const std::array<LocalId, 3> above{k + (a == 0 ? 1 : 0), r + (a == 1 ? 1 : 0), c + (a == 2 ? 1 : 0)};
     Real& along = shift[static_cast<Eigen::Index>(grid.axis(a))];
@@ -50,6 +51,7 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
   Vec3 shift = Vec3::Zero();
   for (std::size_t a = 0; a < 3; ++a) {
+    if (a == 1 && grid.is_layer()) continue;
     const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
     const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
     shift[static_cast<Eigen::Index>(grid.axis(a))] =

@@ -13,8 +13,6 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-constexpr Real per_tent = 1 / ((1 + 2 * projection::tent) * (1 + 2 * projection::tent) * (1 + 2 * projection::tent));
-
 // What a fit needs to know of places.
 struct SpreadVectors {
   V per_n;
@@ -130,11 +128,11 @@ void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::si
     const TentSums<MapSums> around(sums, part);
     const Numbers<> map = around.from(), own{part.of(moments, of_moments)};
     Real* const out = part.of(flow, numbers::flow);
-    const V weight = hn::Mul(map[0], set(per_tent)), n = own[0];
+    const V weight = hn::Mul(map[0], set(maps.per_tent)), n = own[0];
     const V3 y = {own[1], own[2], own[3]};
     const Symmetric yy = {own[4], own[5], own[6], own[7], own[8], own[9]};
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto scaled = [&](std::size_t q) { return hn::Mul(map[q], set(per_tent)); };
+      const auto scaled = [&](std::size_t q) { return hn::Mul(map[q], set(maps.per_tent)); };
       const V a = scaled(1 + i), x = scaled(4 + 3 * i), b = scaled(5 + 3 * i), z = scaled(6 + 3 * i);
       const auto less = [&](V sum, std::size_t q) { return hn::NegMulAdd(weight, own[10 + q], sum); };
       write(less(hn::MulAdd(a, n, dot(x, b, z, y[0], y[1], y[2])), i), out, i);
@@ -163,7 +161,7 @@ void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* 
   for (Part part = cells_of(noise); part.begin < part.end; ++part) {
     const TentSums<MapSums> second(noise_sums, part), first(map_sums, part);
     Real* const out = part.of(damping, numbers::map);
-    const V whole = set(per_tent), kept = hn::Mul(hn::Mul(whole, whole), second.from()[0]);
+    const V whole = set(maps.per_tent), kept = hn::Mul(hn::Mul(whole, whole), second.from()[0]);
     write(hn::Mul(kept, first.from()[0]), out, 0);
     for (std::size_t q = 1; q < numbers::map; ++q)
       write(hn::MulSub(kept, first.from()[q], hn::Mul(whole, second.from()[q])), out, q);
@@ -176,7 +174,7 @@ void add_maps_of(const RowsAround& maps, EightCells* sum) {
     const TentSums<MapSums> around(sums, part);
     Real* const out = part.of(sum, numbers::map);
     for (std::size_t q = 0; q < numbers::map; ++q)
-      write(hn::MulAdd(set(per_tent), around.from()[q], Numbers<>{out}[q]), out, q);
+      write(hn::MulAdd(set(maps.per_tent), around.from()[q], Numbers<>{out}[q]), out, q);
   }
 }
 
@@ -208,6 +206,11 @@ HWY_EXPORT(damp_noise_of);
 HWY_EXPORT(add_maps_of);
 HWY_EXPORT(average_maps_of);
 
+// 1 over the weight of a whole tent, along two axes in two dimensions.
+template <int axes>
+constexpr Real per_tent_of = 1 / ((axes == 2 ? 1 : 1 + 2 * projection::tent) * (1 + 2 * projection::tent) *
+                                  (1 + 2 * projection::tent));
+
 RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory) {
   const LocalId rows = grid.rows();
   const bool repeats = grid.repeats()[2];
@@ -220,7 +223,9 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
                     static_cast<std::size_t>(repeats ? grid.columns() : row.cells.end),
                     static_cast<std::size_t>(grid.columns()),
                     repeats,
-                    memory};
+                    memory,
+                    grid.is_layer() ? per_tent_of<2> : per_tent_of<3>,
+                    grid.is_layer()};
   for (LocalId i = 0; i < 3; ++i) {
     const LocalId r = grid.repeats()[1] ? (row.r - 1 + i + rows) % rows : row.r - 1 + i;
     for (LocalId j = 0; j < 3; ++j)

@@ -52,6 +52,8 @@ struct RowsAround {
   std::size_t begin, end, columns;  // of `columns` there is memory
   bool repeats;                     // along the row
   TentMemory& memory;
+  Real per_tent;  // 1 over the weight of a whole tent
+  bool is_layer;  // beside this row there are no others
 };
 /// Cells of a row; none others of it hold anything.
 struct RowPlace {

@@ -144,6 +144,7 @@ template <class Sums>
 HWY_INLINE const EightCells* planes_of(const RowsAround& rows, std::size_t i) {
   TentMemory::Row& row = rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.columns);
   EightCells* const out = row.values.data();
+  if (rows.is_layer && i != 1) return out;  // never written: 0
   const Part needed = cells_around(rows);
   if (row.begin == row.end) row.begin = row.end = needed.begin;
   if (needed.begin < row.begin) sum_planes<Sums>(rows, i, {needed.begin, row.begin}, out);

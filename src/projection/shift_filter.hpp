@@ -2,7 +2,8 @@
 // disordered water exceed those of the lattice of the same density by 0.4 %, and spread by 1 %; a constraint that only
 // pushes would lift the water by that, and the dam break is 2 % too thin without this filter. Volume has one judge, the
 // cells' fill. So the smooth part of the shifts, the mean of the fits of the cells around a particle (affine.hpp), is
-// taken off where the grid acts, but for where water is compressed over more than a cell, as in impacts.
+// taken off where the grid acts, but for where water is compressed over more than a cell, as in impacts, and for single
+// particles that are squeezed, as at walls.
 //
 // A shifted particle takes on the velocity of where it goes (Lind et al., J. Comput. Phys. 231, 2012, eq. 28): v += B Δ
 // with the slope B of the water's motion there (Projection::carry_velocities). Without that, shear and vortices
@@ -11,15 +12,10 @@
 // Collective: find().
 #pragma once
 
+#include "projection/cell_shifts.hpp"
 #include "projection/free_surface.hpp"
 
 namespace trevi {
-
-/// Densities of the owned particles, kg/m³, and that at rest.
-struct Densities {
-  std::span<const Real> rho;
-  Real rest;
-};
 
 class ShiftFilter {
  public:

@@ -25,7 +25,7 @@ GlobalId BlockStart::count(const Lattice& lattice, int axis, GlobalId layer) con
 Vec3 BlockStart::velocity(const Vec3& place) const {
   Vec3 velocity = block_.velocity;
   for (std::size_t k = 0; k < velocity_.size(); ++k) velocity[static_cast<Eigen::Index>(k)] = velocity_[k](place);
-  return block_.vortex == 0 ? velocity : Vec3(velocity + vortex_at(block_, place));
+  return block_.vortex == 0 ? velocity : Vec3(velocity + vortex_at(block_, place, block_.vortex_axis));
 }
 
 Real BlockStart::fastest() const {

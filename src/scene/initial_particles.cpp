@@ -79,6 +79,19 @@ void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, c
   });
 }
 
+// In two dimensions.
+void check_layer(MPI_Comm comm, const ParticleRows& rows, const std::string& source) {
+  all_or_none(comm, [&] {
+    for (std::size_t i = 0; i < rows.position.size(); ++i) {
+      if (rows.position[i].y() == 0 && rows.velocity[i].y() == 0) continue;
+      throw InputError(
+          fmt::format("{}: /particles: row {} is not in the plane y = 0, or leaves it; in two dimensions "
+                      "write 0 for y of positions and velocities",
+                      source, rows.first + static_cast<GlobalId>(i)));
+    }
+  });
+}
+
 void check_free(MPI_Comm comm, const FreePlaces& places, const ParticleRows& rows, const std::string& source) {
   all_or_none(comm, [&] {
     for (std::size_t i = 0; i < rows.position.size(); ++i) {
@@ -97,6 +110,7 @@ GlobalId append_file(MPI_Comm comm, const Scene& scene, const ParticleSource& so
   const GlobalId first_id = files.first_id.back();
   const ParticleRows rows = read_particle_file(comm, path);
   if (rows.total == 0) throw InputError(path + ": /particles/position: no particles; write one row for each");
+  if (scene.fluid.dimensions == 2) check_layer(comm, rows, path);
   check_inside(comm, scene, rows, path);
   check_free(comm, places, rows, path);
   append_rows(files.particles, rows, first_id);

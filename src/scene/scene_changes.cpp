@@ -115,6 +115,7 @@ std::string why_never(const std::string& path, std::pair<bool, bool> by_volume) 
   if (path == "fluid.kernel_radius" || path == "fluid.density_kernel")
     return "it would change the density of the water in the checkpoint; steps with another kernel need a run of their "
            "own";
+  if (path == "domain.dimensions") return "the particles of the checkpoint are not those of another space";
   if (path.starts_with("particles.")) return "a restart has its particles from the checkpoint; put it back";
   return {};
 }

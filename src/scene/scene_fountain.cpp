@@ -8,6 +8,7 @@
 
 #include "fluid/forcings/music_kind.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
@@ -84,6 +85,7 @@ void read_music(Section& section, const Scene& scene, PumpSettings& fountain) {
 
 void read_jet(Section& section, const Scene& scene, PumpSettings& pump) {
   section.direction({"direction", "the direction of the jet [x, y, z], of any length"}, pump.direction);
+  check_along_plane(section, scene, "direction", pump.direction);
   const Interval speeds{.low = 0, .high = highest_speed};
   section.number({"speed", "the speed of the jet in m/s"}, pump.speed, speeds);
   section.number({"jitter", "the largest random addition to speed in m/s"}, pump.jitter, speeds);
@@ -106,6 +108,7 @@ std::string beside_scene(const std::string& scene_path, const std::string& path)
 void read_fountain(Section& section, Scene& scene, bool box_known) {
   FountainSettings fountain;
   section.numbers({"center", "the middle [x, y] of the fountain on the floor in metres", true}, fountain.center);
+  if (scene.fluid.dimensions == 2) fountain.center[1] = 0;
   if (box_known && section.fine("center")) {
     const Eigen::Map<const Eigen::Vector2d> center(fountain.center);
     const auto low = scene.domain.min.head<2>(), high = scene.domain.max.head<2>();

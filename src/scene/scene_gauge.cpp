@@ -7,6 +7,7 @@
 #include "boundary/gauges.hpp"
 #include "scene/scene_place.hpp"
 #include "solver/density_solver.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
@@ -36,7 +37,7 @@ void read_radius(Section& section, const Scene& scene, GaugeSettings& gauge, boo
 }
 
 // Without a normal a pressure is that of the water there.
-void read_normal(Section& section, GaugeSettings& gauge) {
+void read_normal(Section& section, const Scene& scene, GaugeSettings& gauge) {
   const bool required = gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::run_up;
   const bool given = section.direction({"normal",
                                         "the direction [x, y, z], of any length: pressure: out of the wall or the "
@@ -47,6 +48,7 @@ void read_normal(Section& section, GaugeSettings& gauge) {
   if (gauge.kind == GaugeKind::pressure && !section.given("normal")) gauge.kind = GaugeKind::pressure_in_water;
   if (gauge.kind == GaugeKind::run_up && given)
     section.check("normal", gauge.normal.z() == 0, "must be level, the way up the beach as seen from above");
+  check_along_plane(section, scene, "normal", gauge.normal);
   const bool takes = required || is_pressure(gauge);
   belongs_to(section, "normal", takes, "a pressure, a flow or a run_up");
   belongs_to(section, "radius", gauge.kind != GaugeKind::pressure_in_water,
@@ -69,6 +71,7 @@ std::vector<Vec3> read_line(Section& section, const Scene& scene, const GaugeSet
   int count = 1;
   const bool line = section.numbers({"to", "height: the last of a line of gauges [x, y, z] in metres"}, to);
   section.integer({"count", "height: the number of gauges from center to to"}, count, 2);
+  if (scene.fluid.dimensions == 2) to.y() = 0;
   for (const char* key : {"to", "count"}) belongs_to(section, key, gauge.kind == GaugeKind::height, "a height");
   section.check("count", section.given("to") == section.given("count"), "and to go together; give both, or none");
   section.check("count", count <= most, fmt::format("must be at most {}", most));
@@ -95,10 +98,11 @@ void read_gauge(Section& section, Scene& scene, bool box_known) {
       {"center", "the foot of the column, or the place in the water, on a wall or an obstacle, [x, y, z] in metres",
        true},
       gauge.center);
+  if (scene.fluid.dimensions == 2) gauge.center.y() = 0;
   if (box_known && section.fine("center"))
     section.check("center", scene.domain.contains(gauge.center), "is outside the box; move it inside, or onto a wall");
   read_radius(section, scene, gauge, box_known);
-  read_normal(section, gauge);
+  read_normal(section, scene, gauge);
   read_rectangle(section, gauge);
   for (const Vec3& place : read_line(section, scene, gauge, box_known)) {
     scene.gauges.push_back(gauge);
@@ -132,7 +136,7 @@ void check_gauge_places(const Scene& scene, const FreePlaces& places) {
   for (std::size_t k = 0; k < scene.gauges.size(); ++k) {
     const GaugeSettings& gauge = scene.gauges[k];
     if (gauge.kind != GaugeKind::pressure) continue;
-    const Real fraction = open_fraction_of_gauge(gauge, scene.fluid.spacing, scene.domain,
+    const Real fraction = open_fraction_of_gauge(gauge, lattice_of(scene.fluid), scene.domain,
                                                  [&](const Vec3& p) { return places.solid_at(p) >= 0; });
     if (fraction >= 0.2) continue;  // in a corner of the box it is a quarter
     told_at(scene, {"gauge", k}, "center", [&] {

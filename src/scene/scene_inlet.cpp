@@ -5,8 +5,10 @@
 #include <algorithm>
 
 #include "fluid/forcings/inlet.hpp"
+#include "fluid/in_two_dimensions.hpp"
 #include "scene/scene_fountain.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
@@ -47,6 +49,13 @@ void read_flow_rate(Section& section, InletSettings& inlet, const std::optional<
                 fmt::format("is {:.3g} m/s through this opening; lower it, or widen the opening", inlet.speed));
 }
 
+// In two dimensions the opening depends on the direction, which is one of the keys that are read later.
+void lay_in_plane(Section& section, const Scene& scene, InletSettings& inlet) {
+  if (scene.fluid.dimensions == 3) return;
+  section.direction({"direction", "the direction of the jet [x, z], of any length"}, inlet.direction);
+  lay_in_plane(inlet, scene.fluid);
+}
+
 // None where the opening is not known, or has more places than can be meant.
 std::optional<InletLattice> lattice_of(Section& section, const Scene& scene, const InletSettings& inlet,
                                        const KnownGood& known) {
@@ -66,7 +75,7 @@ void check_place(Section& section, const Scene& scene, const InletSettings& inle
                             low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
 }
 
-void read_box(Section& section, DrainSettings& drain) {
+void read_box(Section& section, const FluidSettings& fluid, DrainSettings& drain) {
   section.numbers({"min", "the lower corner of a box [x, y, z] in metres"}, drain.min);
   section.numbers({"max", "the upper corner of a box [x, y, z] in metres"}, drain.max);
   const bool box = drain.shape == DrainShape::box;
@@ -74,6 +83,7 @@ void read_box(Section& section, DrainSettings& drain) {
     only_for(section, key, box, "type = \"box\"");
     section.check(key, !box || section.given(key), "missing; give a corner of the box [x, y, z] in metres");
   }
+  lay_in_plane(drain, fluid);
   if (box && section.fine("min") && section.fine("max"))
     section.check("max", (drain.max - drain.min).minCoeff() > 0, "must be greater than min on every axis");
 }
@@ -104,6 +114,7 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   inlet.speed = 0;
   read_opening(section, inlet);
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  lay_in_plane(section, scene, inlet);
   const std::optional<InletLattice> lattice = lattice_of(section, scene, inlet, known);
   read_flow_rate(section, inlet, lattice, scene.fluid.spacing);
   section.check("speed", section.given("speed") || section.given("flow") || section.given("speed_range"),
@@ -123,8 +134,10 @@ void read_drain(Section& section, Scene& scene) {
       {"type", "the shape of the region; default box"}, drain.shape,
       {{"box", DrainShape::box}, {"cylinder", DrainShape::cylinder}, {"plane", DrainShape::plane}});
   if (!section.fine("type")) return;  // which of the other keys belong here is not known
-  read_box(section, drain);
+  read_box(section, scene.fluid, drain);
   read_round_or_plane(section, drain);
+  if (drain.shape == DrainShape::plane) check_along_plane(section, scene, "axis", drain.axis);
+  lay_in_plane(drain, scene.fluid);
   section.reject_unknown();
   scene.drains.push_back(drain);
 }

@@ -5,15 +5,17 @@
 #include <numbers>
 #include <span>
 
-#include "scene/scene_place.hpp"
-
+#include "fluid/in_two_dimensions.hpp"
 #include "scene/scene_fountain.hpp"
+#include "scene/scene_place.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
 
 void read_basin(Section& section, const FluidSettings& fluid, ObstacleSettings& obstacle) {
   section.numbers({"size", "the edges [x, y, z] of the space in a basin that is a box, in metres"}, obstacle.size);
+  if (fluid.dimensions == 2 && section.given("size")) obstacle.size.y() = fluid.spacing;
   section.number({"radius", "the radius of the space in a round basin in metres"}, obstacle.radius, above(0));
   section.number({"height", "the height of the space in a round basin in metres"}, obstacle.height, above(0));
   obstacle.wall = 2 * (fluid.kernel_radius.given() ? fluid.kernel_radius.value() : 2 * fluid.spacing);
@@ -33,8 +35,10 @@ void read_lengths(Section& section, const FluidSettings& fluid, ObstacleSettings
   const bool has_height = shape == ShapeKind::cylinder || shape == ShapeKind::capsule;
   if (shape == ShapeKind::mesh) return;
   if (shape == ShapeKind::basin) return read_basin(section, fluid, obstacle);
+  const bool in_plane = fluid.dimensions == 2;
   if (shape == ShapeKind::box) {
     section.numbers({"size", "the edges [x, y, z] of the box in metres", true}, obstacle.size);
+    if (in_plane) obstacle.size.y() = fluid.spacing;
     section.check("size", obstacle.size.minCoeff() > 0, "must be positive on every axis; give the edges of the box");
     return;
   }
@@ -46,11 +50,14 @@ void read_lengths(Section& section, const FluidSettings& fluid, ObstacleSettings
       section.check("tube", obstacle.tube < obstacle.radius, "must be less than radius; the tube would meet itself");
   }
   if (has_height)
-    section.number({"height", "the height along the axis in metres, from end to end", true}, obstacle.height, above(0));
+    section.number(
+        {"height", "the height along the axis in metres, from end to end; in two dimensions there is none", !in_plane},
+        obstacle.height, above(0));
   if (shape == ShapeKind::capsule && section.fine("radius"))
     section.check("height", obstacle.height >= 2 * obstacle.radius,
                   "must be at least twice the radius, as it goes from end to end; take a sphere");
   if (shape == ShapeKind::sphere) return;
+  if (in_plane) obstacle.axis = Vec3::UnitY();
   section.direction({"axis", "the direction of the axis [x, y, z], of any length"}, obstacle.axis);
 }
 
@@ -161,6 +168,8 @@ void read_obstacle(Section& section, Scene& scene) {
   section.number({"restitution", "the fraction of speed kept in a bounce; default that of [walls]"}, restitution,
                  {.low = 0, .high = 1});
   obstacle.restitution = restitution;
+  check_in_plane(section, scene, obstacle);
+  lay_in_plane(obstacle, scene.fluid);
   section.number({"friction", "Coulomb's coefficient of friction in a bounce"}, obstacle.friction, at_least(0));
   section.reject_unknown();
   scene.obstacles.push_back(obstacle);

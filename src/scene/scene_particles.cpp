@@ -5,6 +5,7 @@
 #include "scene/formula.hpp"
 #include "scene/scene_fountain.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_plane.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -18,12 +19,14 @@ void check_formula(Section& section, const char* key, const std::string& text, s
   }
 }
 
-void read_velocity(Section& section, ParticleSource& source) {
+void read_velocity(Section& section, const Scene& scene, ParticleSource& source) {
   const Key key{"velocity", "the start velocity [x, y, z] in m/s, or three texts, expressions of x, y and z"};
   const toml::node* node = section.find(key, "3 numbers or 3 texts");
   if (node == nullptr) return;
   const toml::array* values = node->as_array();
-  if (values == nullptr || values->size() != 3 || !values->is_homogeneous(toml::node_type::string)) {
+  const bool counts =
+      values != nullptr && (values->size() == 3 || (scene.fluid.dimensions == 2 && values->size() == 2));
+  if (!counts || !values->is_homogeneous(toml::node_type::string)) {
     section.numbers(key, source.velocity);
     return;
   }
@@ -36,12 +39,15 @@ void read_velocity(Section& section, ParticleSource& source) {
 void read_block(Section& section, const Scene& scene, const KnownGood& known, ParticleSource& source) {
   section.numbers({"min", "the lower corner of the block [x, y, z] in metres", true}, source.min);
   section.numbers({"max", "the upper corner of the block [x, y, z] in metres", true}, source.max);
-  read_velocity(section, source);
+  read_velocity(section, scene, source);
   if (section.text({"surface", "the height of the water in metres, an expression of x and y; default: max"},
                    source.surface))
     check_formula(section, "surface", source.surface, "xy");
-  section.number({"vortex", "the largest speed of a Taylor-Green vortex in x and y that is added, in m/s"},
+  section.number({"vortex",
+                  "the largest speed of a Taylor-Green vortex in x and y that is added, in m/s; in two "
+                  "dimensions in x and z"},
                  source.vortex);
+  lay_in_plane(section, scene, source);
   if (!section.fine("min") || !section.fine("max")) return;
   const Vec3 extent = source.max - source.min;
   section.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the block");

@@ -11,26 +11,20 @@
 #include "scene/scene_fountain.hpp"
 #include "scene/scene_gauge.hpp"
 #include "scene/scene_inlet.hpp"
+#include "scene/scene_method.hpp"
 #include "scene/scene_obstacle.hpp"
 #include "scene/scene_particles.hpp"
 #include "scene/scene_periodic.hpp"
+#include "scene/scene_plane.hpp"
 #include "scene/scene_waves.hpp"
 
 namespace trevi {
 namespace {
 
-/// A request to stop is seen between two steps, so a step must not take hours.
-constexpr int max_iterations = 10000;
-
 /// With three digits, for messages that name an upper limit.
 std::string rounded_down(Real positive) {
   const Real unit = std::pow(10, std::floor(std::log10(positive)) - 2);
   return fmt::format("{:.3g}", std::floor(positive / unit) * unit);
-}
-
-void read_derived(Section& section, const Key& key, Derived<Real>& target, const Interval& range) {
-  Real value = 0;
-  if (section.number(key, value, range)) target = value;
 }
 
 class PhysicsReader {
@@ -45,11 +39,7 @@ class PhysicsReader {
     read_fluid();
     read_particles();
     read_time();
-    read_forces();
-    read_density(density);
-    read_walls();
-    read_tensile();
-    read_vorticity();
+    read_method(root_, density, scene_);
     read_viscosity(viscosity);
     resolve(viscosity);
     for (Section& obstacle : root_.children("obstacle")) read_obstacle(obstacle, scene_);
@@ -75,11 +65,6 @@ class PhysicsReader {
   void read_fluid();
   void read_particles();
   void read_time();
-  void read_density(Section& density);
-  void read_forces();
-  void read_walls();
-  void read_tensile();
-  void read_vorticity();
   void read_viscosity(Section& viscosity);
   void resolve(Section& viscosity);
   void check_viscosity(Section& viscosity);
@@ -102,11 +87,9 @@ void PhysicsReader::read_preset(Section& density) {
 }
 
 void PhysicsReader::read_domain() {
+  read_dimensions(domain_, scene_);
   domain_.numbers({"min", "the lower corner of the box [x, y, z] in metres", true}, scene_.domain.min);
   domain_.numbers({"max", "the upper corner of the box [x, y, z] in metres", true}, scene_.domain.max);
-  const Vec3 extent = scene_.domain.max - scene_.domain.min;
-  if (box_known())
-    domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
   int axis = 0;
   if (domain_.choice<int>({"slab_axis", "the axis along which ranks share the box; default the longest horizontal one"},
                           axis, {{"x", 0}, {"y", 1}}))
@@ -132,6 +115,10 @@ void PhysicsReader::read_fluid() {
                      "density_kernel"},
                     gradient_kernel, kernel_names()))
     fluid.gradient_kernel = gradient_kernel;
+  check_plane(domain_, scene_);
+  const Vec3 extent = scene_.domain.max - scene_.domain.min;
+  if (box_known())
+    domain_.check("max", extent.minCoeff() > 0, "must be greater than min on every axis; enlarge the box");
 }
 
 // Far from the origin the gaps between numbers grow, until a shift of a particle is lost in them.
@@ -163,10 +150,11 @@ void PhysicsReader::check_cells() {
   const Real h = scene_.fluid.kernel_radius;
   const Vec3 extent = scene_.domain.max - scene_.domain.min;
   const char* origin = fluid_.given("kernel_radius") ? "" : " (the default)";
-  if (!fluid_.check("kernel_radius", h <= extent.minCoeff(),
+  const Real least = scene_.fluid.dimensions == 2 ? std::min(extent.x(), extent.z()) : extent.minCoeff();
+  if (!fluid_.check("kernel_radius", h <= least,
                     fmt::format("must not exceed the smallest extent of the box, {} m, got {} m{}; enlarge the box or "
                                 "refine",
-                                extent.minCoeff(), h, origin)))
+                                least, h, origin)))
     return;
   domain_.check("max", extent.maxCoeff() <= max_cells * h,
                 fmt::format("the box is {} m long, more than a million kernel radii of {} m; check the units",
@@ -218,87 +206,6 @@ void PhysicsReader::read_time() {
   time.reject_unknown();
 }
 
-void PhysicsReader::read_density(Section& section) {
-  DensitySettings& density = scene_.density;
-  section.choice<Method>(
-      {"method", "how the density iteration is accelerated"}, density.method,
-      {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
-  section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
-                  density.iterations, 1);
-  section.check("iterations", density.iterations <= max_iterations,
-                fmt::format("must be at most {}; a step of more would hardly end", max_iterations));
-  Real tolerance = 0;
-  if (section.number({"tolerance", "the mean compression to stop at; default: never stop early"}, tolerance, above(0)))
-    density.tolerance = tolerance;
-  section.number({"spectral_radius", "chebyshev: the spectral radius assumed of the relaxed iteration"},
-                 density.spectral_radius, {.low = 0, .high = 1, .with_high = false});
-  bool coarse_grid = false;
-  if (section.flag({"coarse_grid", "whether the first iteration is the coarse-grid correction"}, coarse_grid))
-    density.coarse_grid = coarse_grid;
-  read_derived(
-      section,
-      {"max_shift", "what a pair is pushed apart at most in one iteration in units of kernel_radius; 0: no cap"},
-      density.max_shift, at_least(0));
-  section.number({"epsilon", "the regularisation in 1/m² at spacing 0.1 m"}, density.epsilon, at_least(0));
-  read_derived(section, {"relaxation", "the factor on each position correction; default: as the kernel allows"},
-               density.relaxation, {.low = 0, .high = 2, .with_low = false});
-  section.choice<Constraint>({"constraint", "whether stretched fluid is pulled together, too"}, density.constraint,
-                             {{"equality", Constraint::equality}, {"inequality", Constraint::inequality}});
-  section.check(
-      "constraint", density.constraint == Constraint::inequality || density.method != Method::chebyshev,
-      "with density.method = \"chebyshev\" an equality pulls particles into clumps that explode: a cube's energy "
-      "grows by 13,000 in a second; leave it out, or take density.preset = \"report\"");
-  section.number(
-      {"crush_limit", "the mean compression from which on the run warns that its water is crushed; default 0.05, 5 %"},
-      density.crush_limit, above(0));
-  section.choice<Precision>({"precision", "the arithmetic of the pair loops"}, density.precision,
-                            {{"double", Precision::double_}, {"single", Precision::single}});
-}
-
-void PhysicsReader::read_walls() {
-  Section section = root_.child("walls");
-  WallSettings& walls = scene_.walls;
-  section.number({"restitution", "the fraction of speed kept in a bounce"}, walls.restitution, {.low = 0, .high = 1});
-  section.choice<WallDensity>({"density", "what the fluid feels of a wall"}, walls.density,
-                              {{"none", WallDensity::none}, {"analytic", WallDensity::analytic}});
-  section.choice<Reflection>({"reflection", "what restitution scales: the normal part, or all as in the report"},
-                             walls.reflection, {{"normal", Reflection::normal}, {"report", Reflection::report}});
-  section.number({"floor_friction", "the skin friction coefficient of the floor"}, walls.floor_friction, at_least(0));
-  section.reject_unknown();
-}
-
-void PhysicsReader::read_tensile() {
-  Section section = root_.child("tensile");
-  TensileSettings tensile = scene_.tensile.value_or(TensileSettings{});
-  section.number({"k", "the strength of the artificial pressure in m² at spacing 0.1 m"}, tensile.k, at_least(0));
-  section.integer({"n", "the exponent of the artificial pressure"}, tensile.n, 1);
-  section.number({"dq", "the reference distance in units of kernel_radius"}, tensile.dq,
-                 {.low = 0, .high = 1, .with_low = false, .with_high = false});
-  if (section.present()) scene_.tensile = tensile;
-  section.reject_unknown();
-}
-
-void PhysicsReader::read_forces() {
-  Section section = root_.child("gravity");
-  if (section.present()) {
-    Vec3 acceleration(0, 0, -9.8);
-    section.numbers({"acceleration", "the acceleration [x, y, z] in m/s²"}, acceleration);
-    scene_.gravity = acceleration;
-  }
-  section.reject_unknown();
-}
-
-void PhysicsReader::read_vorticity() {
-  Section vorticity = root_.child("vorticity");
-  Real epsilon = scene_.vorticity.value_or(0.002);  // a table without its key means the value of the report
-  vorticity.number({"epsilon", "the strength of the vorticity confinement"}, epsilon, at_least(0));
-  vorticity.choice<VorticityForm>({"form", "the report's, or projected to what keeps linear momentum"},
-                                  scene_.vorticity_form,
-                                  {{"report", VorticityForm::report}, {"projected", VorticityForm::projected}});
-  if (vorticity.present()) scene_.vorticity = epsilon;
-  vorticity.reject_unknown();
-}
-
 void PhysicsReader::read_viscosity(Section& section) {
   Real c = scene_.viscosity.value_or(0.001), nu = 0;
   section.number({"c", "the XSPH viscosity in m³/kg, a fraction per step; default 0.001 where nu is absent"}, c,
@@ -332,7 +239,7 @@ void PhysicsReader::check_viscosity(Section& section) {
   if (!scene_.kinematic_viscosity || !dt_known_ || !section.fine("nu")) return;
   const int parts = scene_.cfl > 0 ? scene_.max_substeps : 1;
   const Real nu = *scene_.kinematic_viscosity;
-  const Real largest = parts * longest_viscous_step(1, fluid.spacing, fluid.kernel_radius);  // nu dt, m²
+  const Real largest = parts * longest_viscous_step(1, lattice_of(fluid), fluid.kernel_radius);  // nu dt, m²
   if (nu * scene_.dt <= largest * (1 + 1e-9)) return;
   const std::string remedy =
       fmt::format("lower nu to {} or dt to {}", rounded_down(largest / scene_.dt), rounded_down(largest / nu));

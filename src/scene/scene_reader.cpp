@@ -39,87 +39,7 @@ std::optional<Real> finite_number(const toml::node& node) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
-/// Whether a problem of `path` is fully named by the override "path=value" itself.
-bool names(std::string_view assignment, std::string_view path) {
-  std::string key;
-  for (const char c : assignment.substr(0, assignment.find('='))) {
-    if (c != ' ' && c != '\t') key += c;
-  }
-  return key == path;
-}
-
 }  // namespace
-
-std::string printable(std::string_view text, std::size_t longest) {
-  std::string line;
-  for (const char c : text.substr(0, longest)) line += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  if (text.size() > longest) {
-    while (!line.empty() && (line.back() & 0xC0) == 0x80) line.pop_back();  // no half of a UTF-8 character
-    if (!line.empty() && (line.back() & 0x80)) line.pop_back();
-    line += "...";
-  }
-  return line;
-}
-
-std::string nearest_word(std::string_view word, std::span<const std::string> known) {
-  std::string best;
-  std::size_t least = 2 + word.size() / 4;
-  for (const std::string& candidate : known) {
-    const bool starts = word.size() >= 3 && candidate.size() >= 3 &&
-                        (candidate.starts_with(word) || (word.size() < 40 && word.starts_with(candidate)));
-    // Words of very different length need not be compared; it also bounds the work for a key of absurd length.
-    if (word.size() > 40) continue;
-    const std::size_t distance = starts ? 1 : edit_distance(word, candidate);
-    if (distance < least && distance < std::max(word.size(), candidate.size())) {
-      least = distance;
-      best = candidate;
-    }
-  }
-  return best;
-}
-
-void Findings::add(const Place& place, const std::string& message) {
-  constexpr std::string_view override_mark = "--set ";
-  if (place.where.path && place.where.path->starts_with(override_mark) && *place.where.path != file_) {
-    const std::string assignment = place.where.path->substr(override_mark.size());
-    add_override(assignment, names(assignment, place.path) ? message : place.label + ": " + message);
-    return;
-  }
-  const auto line = std::max<toml::source_index>(1, place.where.begin.line);
-  problems_.emplace_back(line, fmt::format("{}:{}: {}: {}", file_, line, place.label, message));
-}
-
-void Findings::add_override(const std::string& assignment, const std::string& message) {
-  problems_.emplace_back(std::numeric_limits<toml::source_index>::max(),
-                         fmt::format("--set {}: {}", printable(assignment, longest_message), message));
-}
-
-void Findings::describe(const std::string& line) {
-  if (std::find(descriptions_.begin(), descriptions_.end(), line) == descriptions_.end()) descriptions_.push_back(line);
-}
-
-void Findings::throw_if_any() const {
-  if (problems_.empty()) return;
-  auto sorted = problems_;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::string all;
-  for (const auto& problem : sorted) all += (all.empty() ? "" : "\n") + problem.second;
-  throw InputError(all);
-}
 
 bool Interval::contains(Real value) const {
   return (with_low ? value >= low : value > low) && (with_high ? value <= high : value < high);
@@ -237,6 +157,15 @@ bool Section::numbers(const Key& key, std::span<Real> target) {
   }
   std::copy(values.begin(), values.end(), target.begin());
   return true;
+}
+
+bool Section::numbers(const Key& key, Vec3& target) {
+  const toml::array* given = present() ? table_->get_as<toml::array>(key.name) : nullptr;
+  if (!findings_->pairs_ || given == nullptr || given->size() != 2) return numbers(key, {target.data(), 3});
+  std::array<Real, 2> pair{};
+  const bool good = numbers(key, pair);
+  if (good) target = Vec3(pair[0], 0, pair[1]);
+  return good;
 }
 
 bool Section::integer_between(const Key& key, std::int64_t& target, std::pair<std::int64_t, std::int64_t> bounds) {

@@ -17,40 +17,10 @@
 #include <utility>
 #include <vector>
 
+#include "scene/findings.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
-
-/// Text for a message: one line whatever it holds, and cut when long.
-inline constexpr std::size_t usual_length = 60, longest_message = 300;
-std::string printable(std::string_view text, std::size_t longest = usual_length);
-
-/// The known word that was most likely meant; empty when none is near.
-std::string nearest_word(std::string_view word, std::span<const std::string> known);
-
-struct Place {
-  toml::source_region where;
-  std::string path;   ///< "fluid.spacing", as --set names it
-  std::string label;  ///< "[fluid] spacing", as messages name it
-};
-
-/// What was wrong with a scene, and what a scene may hold.
-class Findings {
- public:
-  explicit Findings(std::string file) : file_(std::move(file)) {}
-  void add(const Place& place, const std::string& message);
-  /// A problem of an override that has no place in the document.
-  void add_override(const std::string& assignment, const std::string& message);
-  void describe(const std::string& line);
-  /// Throws InputError with one problem a line, in the order of the file, overrides last; nothing found: returns.
-  void throw_if_any() const;
-  const std::vector<std::string>& descriptions() const { return descriptions_; }
-
- private:
-  std::string file_;
-  std::vector<std::pair<toml::source_index, std::string>> problems_;  ///< line for sorting, message
-  std::vector<std::string> descriptions_;
-};
 
 struct Key {
   const char* name;
@@ -84,7 +54,8 @@ class Section {
   /// These return whether the key was given and good; only then is the target written.
   bool number(const Key& key, Real& target, const Interval& range = {});
   bool numbers(const Key& key, std::span<Real> target);
-  bool numbers(const Key& key, Vec3& target) { return numbers(key, {target.data(), 3}); }
+  /// [x, y, z], or, in a scene of two dimensions, [x, z] with y = 0.
+  bool numbers(const Key& key, Vec3& target);
   /// Of any length but zero; the target gets the length 1.
   bool direction(const Key& key, Vec3& target);
   bool flag(const Key& key, bool& target);
@@ -106,6 +77,8 @@ class Section {
   bool present() const { return table_ != nullptr; }
   bool given(const char* key) const { return table_ && table_->contains(key); }
   bool fine(const char* key) const { return !failed_.contains(key); }
+  /// From now on vectors of the document may be [x, z].
+  void allow_pairs() { findings_->pairs_ = true; }
   /// In the scene file; 0 when the table came from an override.
   int line() const;
   /// Reports the keys that nobody asked for; call last.

@@ -7,8 +7,10 @@
 
 #include "boundary/waves/check_wavemaker.hpp"
 #include "boundary/waves/paddle_motion.hpp"
+#include "fluid/in_two_dimensions.hpp"
 #include "scene/lattice.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_plane.hpp"
 
 namespace trevi {
 namespace {
@@ -98,6 +100,7 @@ void read_wavemaker(Section& section, Scene& scene, const KnownGood& known) {
   read_wave(section, maker);
   section.direction({"direction", "the way [x, y, z] that the waves go, along x or y; default [1, 0, 0]"},
                     maker.direction);
+  check_along_plane(section, scene, "direction", maker.direction);
   const std::optional<Real> depth = depth_of_water(scene);
   maker.depth = depth.value_or(0);
   section.number({"depth", "the depth of the still water in metres; default that of the blocks of [[particles]]"},
@@ -118,6 +121,7 @@ void read_wavemaker(Section& section, Scene& scene, const KnownGood& known) {
   }
   if (!is_right(section, maker, scene.domain)) return;
   scene.obstacles.push_back(paddle_of(maker, scene.domain));
+  lay_in_plane(scene.obstacles.back(), scene.fluid);
   SceneTable::add(scene, "obstacle", section.line());
 }
 
@@ -125,6 +129,7 @@ void read_damping(Section& section, Scene& scene, bool box_known) {
   DampingSettings zone;
   section.numbers({"min", "the lower corner of the zone [x, y, z] in metres", true}, zone.min);
   section.numbers({"max", "the upper corner of the zone [x, y, z] in metres", true}, zone.max);
+  lay_in_plane(zone, scene.fluid);
   if (section.fine("min"))
     section.check("max", (zone.max - zone.min).minCoeff() > 0, "must be greater than min on every axis");
   section.number({"rate", "how fast velocities die at the end of the zone in 1/s", true}, zone.rate, at_least(0));
@@ -132,6 +137,7 @@ void read_damping(Section& section, Scene& scene, bool box_known) {
   if (section.direction({"direction", "the way [x, y, z] to its end, along x or y; default to the nearest wall"},
                         direction)) {
     zone.direction = direction;
+    check_along_plane(section, scene, "direction", direction);
     section.check("direction", is_along_x_or_y(direction), "must be along x or y; give [1, 0, 0] for instance");
   } else if (box_known && section.fine("min") && section.fine("max") && section.fine("direction")) {
     Settings one = scene;

@@ -20,13 +20,16 @@ inline Real sine_of_turns(Real turns) {
 }
 
 /// v = vortex (sin X cos Y, -(L_y/L_x) cos X sin Y, 0) with X = 2 pi (x - min)/L_x over the extent of the block: no
-/// divergence, and one whole vortex pattern, so that it repeats.
-inline Vec3 vortex_at(const ParticleSource& block, const Vec3& p) {
+/// divergence, and one whole vortex pattern, so that it repeats. `across` is the coordinate that stands for y: 1, or 2
+/// in two dimensions.
+inline Vec3 vortex_at(const ParticleSource& block, const Vec3& p, Eigen::Index across) {
   const Vec3 extent = block.max - block.min, turns = (p - block.min).cwiseQuotient(extent);
   const auto sine = [](Real t) { return sine_of_turns(t); };
   const auto cosine = [](Real t) { return sine_of_turns(t + 0.25); };
-  const Real u = sine(turns.x()) * cosine(turns.y()), v = cosine(turns.x()) * sine(turns.y());
-  return block.vortex * Vec3(u, -extent.y() / extent.x() * v, 0);
+  const Real u = sine(turns.x()) * cosine(turns[across]), v = cosine(turns.x()) * sine(turns[across]);
+  Vec3 velocity(u, 0, 0);
+  velocity[across] = -extent[across] / extent.x() * v;
+  return block.vortex * velocity;
 }
 
 }  // namespace trevi

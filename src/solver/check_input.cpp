@@ -10,6 +10,7 @@
 #include "boundary/periodic_domain.hpp"
 #include "boundary/waves/check_wavemaker.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
+#include "fluid/in_two_dimensions.hpp"
 #include "parallel/collective.hpp"
 #include "solver/check_flow.hpp"
 #include "solver/demand.hpp"
@@ -21,6 +22,33 @@ namespace trevi {
 namespace {
 
 constexpr Real rounding = 1e-9;
+
+void demand_no(const std::string& wrong, const std::string& name) { demand(wrong.empty(), name + " " + wrong); }
+
+void check_plane(const Settings& all) {
+  demand(all.fluid.dimensions == 2 || all.fluid.dimensions == 3, "fluid.dimensions must be 2 or 3");
+  if (all.fluid.dimensions == 3) return;
+  demand(!all.periodic[1], "y cannot be periodic in two dimensions");
+  demand(all.slab_axis == 0, "slab_axis must be 0 in two dimensions");
+  demand_no(why_not_along_plane(all.gravity.value_or(Vec3::Zero())), "gravity");
+  for (std::size_t k = 0; k < all.obstacles.size(); ++k) {
+    const ObstacleSettings& one = all.obstacles[k];
+    const std::string name = fmt::format("obstacles[{}].", k);
+    const Oscillation swing = one.oscillation.value_or(Oscillation{});
+    demand_no(why_not_in_plane(one), name + "shape:");
+    for (const Vec3& along : {one.velocity, swing.amplitude}) demand_no(why_not_along_plane(along), name + "velocity");
+    for (const Vec3& about : {one.rotate, one.angular_velocity, swing.rotation})
+      demand_no(why_not_about_y(about), name + "rotate");
+    if (one.wavemaker) demand_no(why_not_along_plane(one.wavemaker->direction), name + "wavemaker.direction");
+  }
+  for (const auto& one : all.dampings)
+    demand_no(one.direction.given() ? why_not_along_plane(one.direction) : "", "a damping's direction");
+  for (const auto& one : all.fountains) demand_no(why_not_along_plane(one.direction), "a fountain's direction");
+  for (const auto& one : all.inlets) demand_no(why_not_along_plane(one.direction), "an inlet's direction");
+  for (const auto& one : all.drains)
+    demand_no(one.shape == DrainShape::plane ? why_not_along_plane(one.axis) : "", "a drain's axis");
+  for (const auto& one : all.gauges) demand_no(why_not_along_plane(one.normal), "a gauge's normal");
+}
 
 void check_periodic(const Settings& all) {
   const Vec3 extent = all.domain.max - all.domain.min, gravity = all.gravity.value_or(Vec3::Zero());
@@ -70,10 +98,10 @@ void check_viscosity(const Settings& all) {
   demand(!all.kinematic_viscosity || is_amount(*all.kinematic_viscosity), "kinematic_viscosity must not be negative");
   demand(!all.viscosity || !all.kinematic_viscosity, "give viscosity or kinematic_viscosity, not both");
   demand(!all.no_slip || all.kinematic_viscosity, "no_slip needs a kinematic_viscosity");
-  demand(
-      !all.kinematic_viscosity || all.cfl > 0 ||
-          all.dt <= longest_viscous_step(*all.kinematic_viscosity, fluid.spacing, fluid.kernel_radius) * (1 + rounding),
-      "kinematic_viscosity is too much for dt; lower one of them, or give a cfl, which splits steps");
+  demand(!all.kinematic_viscosity || all.cfl > 0 ||
+             all.dt <= longest_viscous_step(*all.kinematic_viscosity, lattice_of(fluid), fluid.kernel_radius) *
+                           (1 + rounding),
+         "kinematic_viscosity is too much for dt; lower one of them, or give a cfl, which splits steps");
 }
 
 void check_mesh(const ObstacleSettings& obstacle, const std::string& name) {
@@ -205,6 +233,7 @@ GlobalId first_double(MPI_Comm comm, const std::vector<GlobalId>& ids) {
 
 void check_own_particles(const Settings& settings, const Particles& particles) {
   const std::size_t count = particles.id.size();
+  const bool in_plane = settings.fluid.dimensions == 2;
   const auto fits = [count](std::size_t length, bool may_be_empty) {
     return length == count || (may_be_empty && length == 0);
   };
@@ -219,6 +248,9 @@ void check_own_particles(const Settings& settings, const Particles& particles) {
                                    particles.id[i], p.x(), p.y(), p.z()));
     }
     if (!v.allFinite()) throw InputError(fmt::format("particle {} has a velocity that is not finite", particles.id[i]));
+    if (in_plane && (p.y() != 0 || v.y() != 0))
+      throw InputError(fmt::format("particle {} is at y = {}, or has a velocity along y; in two dimensions both are 0",
+                                   particles.id[i], p.y()));
   }
 }
 
@@ -243,7 +275,9 @@ Settings checked_and_resolved(const Settings& settings) {
   demand(settings.domain.min.allFinite() && settings.domain.max.allFinite(), "the domain must be finite");
   Settings all = resolved(settings);
   const Real h = all.fluid.kernel_radius;
-  demand(((all.domain.max - all.domain.min).array() >= h).all(),
+  check_plane(all);
+  const Vec3 thickness = fluid.dimensions == 2 ? Vec3(h * Vec3::UnitY()) : Vec3::Zero();  // that of the layer is given
+  demand(((all.domain.max - all.domain.min + thickness).array() >= h).all(),
          "the domain must be at least a kernel_radius wide in each axis");
   check_numbers(all);
   check_density(all.density);

@@ -14,15 +14,16 @@ namespace trevi {
 
 namespace {
 
-// Direction for a pair of ids, evenly distributed over the sphere: the first of a sequence of hashed points in a cube
-// that lies in the inscribed ball. The same bits on any machine, which sine and cosine would not give.
-Vec3 direction_of(GlobalId a, GlobalId b) {
+// Direction for a pair of ids, evenly distributed over the sphere, or over the circle in the plane of x and z: the
+// first of a sequence of hashed points in a cube that lies in the inscribed ball. The same bits on any machine, which
+// sine and cosine would not give.
+Vec3 direction_of(GlobalId a, GlobalId b, int dimensions) {
   constexpr std::uint64_t next = 0x9E3779B97F4A7C15ull;
   constexpr Real half = 1U << 20U;
   const auto number = [](std::uint64_t bits) { return (static_cast<Real>(bits & 0x1FFFFFU) + 0.5) / half - 1; };
   for (std::uint64_t x = static_cast<std::uint64_t>(a) * next + static_cast<std::uint64_t>(b);; x += next) {
     const std::uint64_t bits = mix(x);
-    const Vec3 v(number(bits), number(bits >> 21U), number(bits >> 42U));
+    const Vec3 v(number(bits), dimensions == 2 ? 0 : number(bits >> 21U), number(bits >> 42U));
     if (v.squaredNorm() <= 1) return v / std::sqrt(v.squaredNorm());
   }
 }
@@ -181,7 +182,7 @@ void DensityProblem<T>::release_in_flight() {
 
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
-  const typename Projection::Swept<T> swept{
+  const Swept<T> swept{
       {particles_->position, particles_->predicted}, act_, {swept_rho_, constraint_.model().rest_density}};
   projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
@@ -198,8 +199,9 @@ void DensityProblem<T>::separate_coincident() {
     return;  // the test of all pairs in a first_overfull_particle cell would take too long
   const std::vector<Vec3>& p = particles_->predicted;
   const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
+  const int dimensions = constraint_.model().kernels.density.dimensions;
   const auto part = [&](std::size_t i, std::size_t j) {
-    const Vec3 away = shift * direction_of(particles_->id[i], particles_->id[j]);
+    const Vec3 away = shift * direction_of(particles_->id[i], particles_->id[j], dimensions);
     field_.add_to_shift(i, away);
     field_.add_to_shift(j, -away);
   };

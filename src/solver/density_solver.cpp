@@ -164,15 +164,27 @@ std::unique_ptr<DensitySolver<T>> make_fine(const DensitySettings& settings, con
 
 bool is_downward(const Vec3& gravity) { return gravity.z() < 0 && -gravity.z() >= gravity.head<2>().norm(); }
 
+namespace {
+
+bool has_projection(const DensitySettings& settings, const Vec3& gravity) {
+  return settings.coarse_grid && (gravity.isZero() || is_downward(gravity));
+}
+
+}  // namespace
+
+bool shifts_positions_only(const DensitySettings& settings, const Vec3& gravity) {
+  return settings.method == Method::chebyshev && has_projection(settings, gravity);
+}
+
 template <class T>
 std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
                                                       const DensitySolverContext& context) {
-  if (!settings.coarse_grid || !(context.gravity.isZero() || is_downward(context.gravity)))
-    return make_fine<T>(settings, context);
+  if (!has_projection(settings, context.gravity)) return make_fine<T>(settings, context);
   DensitySettings rest = settings;
   rest.iterations = std::max(1, rest.iterations - 1);  // without an iteration after it the projection leaves noise
   std::unique_ptr<DensitySolver<T>> fine = make_fine<T>(rest, context);
-  if (settings.method != Method::chebyshev) return std::make_unique<ProjectionFirst<T>>(context, std::move(fine));
+  if (!shifts_positions_only(settings, context.gravity))
+    return std::make_unique<ProjectionFirst<T>>(context, std::move(fine));
   auto projected = std::make_unique<Projected<T>>(context, std::move(fine));
   if (!context.gravity.isZero()) return projected;
   return std::make_unique<FreeMomentum<T>>(context, std::move(projected));

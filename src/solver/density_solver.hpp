@@ -45,6 +45,8 @@ struct DensitySolverContext {
 
 /// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.
 bool is_downward(const Vec3& gravity);
+/// Whether velocities are those of the projection, and sweeps shift positions only.
+bool shifts_positions_only(const DensitySettings& settings, const Vec3& gravity);
 
 /// `settings` are those of resolved().
 template <class T>

@@ -27,8 +27,8 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
   const CellGrid& grid = context.grid;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = a == 0 ? grid.slab_axis() : a == 1 ? 1 - grid.slab_axis() : 2;
-    const bool repeats = grid.is_periodic(a);
-    const Real reach = repeats ? -INFINITY : wall_reach * context.model.h;
+    const bool repeats = grid.is_periodic(a), has_walls = !repeats && !(axis == 1 && grid.is_layer());
+    const Real reach = !has_walls ? -INFINITY : wall_reach * context.model.h;
     interior_.min[axis] += reach;
     interior_.max[axis] -= reach;
     turns_ = turns_ && !repeats;

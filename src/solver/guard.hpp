@@ -1,6 +1,6 @@
 // Checks during a run: all particles are finite and inside the box, neighbour lists are not too long, no particle is
 // lost and none is there twice. A failure is noted on the rank that finds it, and the substep goes on to its end, as a
-// rank that throws alone would leave the others waiting for ever. There all ranks vote, and all throw the same BlowUp
+// rank that throws alone would leave the others waiting for ever. There all ranks agree, and all throw the same BlowUp
 // with rank, step, particle and likely cause. Collective: the constructor, recount() and agree().
 #pragma once
 

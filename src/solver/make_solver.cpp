@@ -57,7 +57,7 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
     filters.back() = std::make_unique<MomentumConserving<T>>(comm, std::move(filters.back()));
   if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
   if (settings.kinematic_viscosity)
-    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, settings.fluid.spacing,
+    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid),
                                                               model.h, velocity));
   if (settings.no_slip)
     filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, walls, obstacles));
@@ -66,8 +66,10 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
 
 std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
   if (settings.walls.density != WallDensity::analytic) return std::nullopt;
-  return AnalyticWallDensity(box_of_walls(settings.domain, settings.periodic), kernels_of(settings.fluid).density,
-                             settings.fluid.spacing, settings.fluid.kernel_radius);
+  const bool positions_only = shifts_positions_only(settings.density, settings.gravity.value_or(Vec3::Zero()));
+  return AnalyticWallDensity(box_of_walls(settings), kernels_of(settings.fluid).density, settings.fluid.spacing,
+                             settings.fluid.kernel_radius,
+                             positions_only ? WallSlope::of_positions : WallSlope::of_velocities);
 }
 
 std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {
@@ -92,14 +94,16 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const DensityModel model = density_model(settings);
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
-  const Walls walls(box_of_walls(settings.domain, settings.periodic), settings.walls, 1e-6 * model.h);
+  const PointLattice lattice = lattice_of(settings.fluid);
+  const Walls walls(box_of_walls(settings), settings.walls, 1e-6 * model.h);
   const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
   if (ActiveAbsorption::is_wanted(settings)) {
     parts.absorption = std::make_unique<ActiveAbsorption>(settings, std::move(parts.paddle_ways));
     parts.absorption->place(*obstacles);
     obstacles->move(parts.clock.time(), parts.clock.time());
   }
-  parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
+  parts.boundary =
+      make_boundary({walls, obstacles, make_periodic(settings, parts.box.min), settings.fluid.dimensions == 2});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.probes = make_probes(settings);
@@ -108,11 +112,11 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,
-                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), spacing, model.h),
+                        longest_viscous_step(settings.kinematic_viscosity.value_or(0), lattice, model.h),
                         settings.max_substeps};
   parts.diagnostics = std::make_unique<DiagnosticsSum>(
       *parts.comm, model,
-      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(spacing, model.h), gravity,
+      DiagnosticsSum::Surroundings{settings.domain, walls.box(), lattice_neighbours(lattice, model.h), gravity,
                                    water_mass(settings.fluid)});
 }
 
@@ -136,6 +140,12 @@ bool wants_hue(const Settings& settings) {
   return settings.colour == Colour::rainbow_x && !settings.output.directory.empty();
 }
 
+std::unique_ptr<Balance> make_balance(MPI_Comm comm, const Settings& settings) {
+  constexpr Real min_gain = 0.01;
+  return std::make_unique<Balance>(comm,
+                                   settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
+}
+
 template <class T>
 std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given given) {
   SolverExtras& extras = given.extras;
@@ -156,9 +166,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.slabs = std::make_unique<Slabs>(
       first_slabs(settings, *parts.grid, plane_weights(*parts.comm, *parts.grid, parts.particles), size_of(comm)));
   migrate(*parts.comm, parts.particles, &Particles::position, *parts.grid, *parts.slabs);
-  constexpr Real min_gain = 0.01;
-  parts.balance = std::make_unique<Balance>(
-      *parts.comm, settings.slabs == SlabCuts::balanced ? min_gain : std::numeric_limits<Real>::max());
+  parts.balance = make_balance(*parts.comm, settings);
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;

@@ -103,7 +103,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
   apply_velocity_filters(info.dt);                                            // 22
   guard_.note_compression(problem_.density(), problem_.model().rest_density);
-  vote_on_failures();  //     all ranks throw, or none
+  agree_on_failures();  //     all ranks throw, or none
   reporter_.note_compression(guard_.compression(), info.step + 1);
   guard_.end_if_crushed(info.step + 1);
   accept_positions();  // 23
@@ -200,7 +200,7 @@ void PbfSolver<T>::find_neighbours(Velocities velocities) {
   const int rank = rank_of(*parts_.comm);
   near_.rebuild(parts_.particles, {parts_.slabs->first_plane(rank), parts_.slabs->end_plane(rank)}, velocities);
   if (const LocalId i = near_.list().first_overfull_particle();
-      i >= 0) {  // on this rank alone: thrown when all ranks vote
+      i >= 0) {  // on this rank alone: thrown when all ranks agree on failures
     guard_.note(
         parts_.clock.step + 1,
         fmt::format("particle {} has more than {} neighbours: the water has collapsed into a point; use a smaller dt, "
@@ -223,7 +223,7 @@ void PbfSolver<T>::apply_velocity_filters(Real dt) {
 }
 
 template <class T>
-void PbfSolver<T>::vote_on_failures() {
+void PbfSolver<T>::agree_on_failures() {
   const std::int64_t step = parts_.clock.step + 1;
   guard_.check(parts_.particles, parts_.boundary->walls(), step);
   guard_.agree(parts_.particles, step);
@@ -250,7 +250,7 @@ void PbfSolver<T>::change_particles(const std::function<void(Particles&)>& chang
   guard_.recount(particles);
   guard_.note_compression({}, 1);  // not known before the next solve
   if (parts_.flow) parts_.flow->begin(*parts_.comm, *parts_.boundary, particles);
-  vote_on_failures();
+  agree_on_failures();
   migrate_particles(&Particles::position);
 }
 

@@ -98,7 +98,7 @@ class PbfSolver : public Solver {
   void find_neighbours(Velocities velocities);
   void update_velocities(Real dt);
   void apply_velocity_filters(Real dt);
-  void vote_on_failures();
+  void agree_on_failures();
   void accept_positions();
 
   int threads_ = thread_count();

@@ -23,7 +23,7 @@ constexpr auto between_wishes = std::chrono::milliseconds(500);  // repeated, an
 constexpr int heartbeat = 2000, presumed_gone = 10000;           // ms
 
 constexpr std::int64_t longest_message = std::int64_t{1} << 30;  // bytes
-constexpr std::size_t max_parts = 3;                            // sender, text, particles
+constexpr std::size_t max_parts = 3;                             // sender, text, particles
 
 /// Says once that somebody without the key has called; ZeroMQ has turned him away.
 class CallerMonitor : public zmq::monitor_t {

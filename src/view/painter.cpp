@@ -27,9 +27,9 @@ namespace trevi {
 namespace {
 
 constexpr double min_point = 2, largest_point = 16;  // pixels
-constexpr double sphere_radius = 0.5;                  // in spacings: neighbours touch
-constexpr double fluid_radius = 0.75;                  // larger, so that the gaps close
-constexpr double view_angle = 30;                      // degrees, VTK's own
+constexpr double sphere_radius = 0.5;                // in spacings: neighbours touch
+constexpr double fluid_radius = 0.75;                // larger, so that the gaps close
+constexpr double view_angle = 30;                    // degrees, VTK's own
 
 void set_floor(vtkPlaneSource* plane, const Vec3& min, const Vec3& max, double drop) {
   const double z = min.z() - drop;

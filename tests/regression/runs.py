@@ -16,6 +16,7 @@ import h5py
 import numpy
 
 from program import WITHOUT, with_instruction_set
+from scenes import tank
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("TREVI", str(ROOT / "build/release/trevi"))
@@ -29,25 +30,7 @@ SETTINGS = {
 }
 
 # 576 particles in a box of eight planes: a step takes about a millisecond.
-BOX = """
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [1.6, 0.6, 1.6]
-
-[fluid]
-spacing = 0.1
-
-[[particles]]
-min = [{low}, 0.0, {height}]
-max = [{high}, 0.6, {top}]
-
-[time]
-dt = 0.016666666666666667
-end = 1.0
-
-[gravity]
-acceleration = [0.0, 0.0, -9.8]
-
+BOX = tank("1.6, 0.6, 1.6", ("{low}, 0.0, {height}", "{high}, 0.6, {top}")) + """
 [tensile]
 k = 0.001
 

@@ -1,5 +1,5 @@
 // Clang before 16 has no __builtin_source_location, so libstdc++ gives it no std::source_location: lend it one.
-// Included before everything else by the fuzz targets (TREVI_FUZZ), which need clang.
+// Included before everything else by the fuzz targets (TREVI_FUZZ), which need clang, and by jobs/lint.sh.
 #pragma once
 
 #if defined(__clang__) && __clang_major__ < 16

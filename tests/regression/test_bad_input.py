@@ -32,6 +32,9 @@ BAD_LINES = {
     "nan": (12, "dt = nan", ["scene.toml:12:", "dt"]),
     "infinite velocity": (9, "min = [0, 0, 0]\nvelocity = [inf, 0, 0]", ["scene.toml:10:", "velocity"]),
     "not toml": (12, "dt = = 3", ["scene.toml:12"]),
+    "one dimension": (2, "dimensions = 1\nmin = [0, 0, 0]", ["scene.toml:2:", "dimensions", "at least 2"]),
+    "four dimensions": (2, "dimensions = 4\nmin = [0, 0, 0]", ["scene.toml:2:", "dimensions", "must be 2 or 3"]),
+    "a pair in space": (3, "max = [2, 1]", ["scene.toml:3:", "max", "3 finite numbers"]),
     "no digit before the point": (12, "dt = .01", ["scene.toml:12: ", "digits on both sides of a point; write 0.01"]),
     "no digit behind it": (3, "max = [2, 1., 1]  # m", ["scene.toml:3: ", "write 1.0\n"]),
     "nor before an exponent": (12, "dt = -1.e-2", ["scene.toml:12: ", "write -1.0e-2"]),
@@ -83,6 +86,31 @@ class BadInput(ProgramTest):
         (self.folder / "scene.toml").write_text("\n".join(GOOD))
         self.run_well(2, "scene.toml")
         self.assertEqual(len((self.folder / "out/scene/series.csv").read_text().splitlines()), 4)
+
+    def test_what_two_dimensions_have_not(self):
+        flat = [line.replace("min = [0, 0, 0]", "min = [0, 0]") for line in GOOD]
+        flat[1] = "dimensions = 2\nmin = [0, 0]"
+        ball = "[[obstacle]]\ntype = 'sphere'\ncenter = [1, 0.5]\nradius = 0.2"
+        rod = "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5]\nradius = 0.2\n"
+        cases = {"periodic y": (3, "periodic = ['y']", ["scene.toml:5:", "periodic", "one spacing thick"]),
+                 "slabs across y": (3, "slab_axis = 'y'", ["scene.toml:5:", "slab_axis", "leave it out"]),
+                 "velocity along y": (10, "velocity = [1, 1, 0]", ["scene.toml:12:", "velocity", "0 along y"]),
+                 "three texts": (10, "velocity = ['x', 'x', '0']", ["scene.toml:12:", "velocity", "two texts"]),
+                 "gravity along y": (15, "[gravity]\nacceleration = [0, 1, -9]", ["scene.toml:18:", "acceleration"]),
+                 "ball": (15, ball, ["scene.toml:18:", "type", 'type = "cylinder"']),
+                 "rod across": (15, rod + "axis = [1, 0, 0]", ["scene.toml:21:", "axis", "along y"]),
+                 "turned out of the plane": (15, rod + "rotate = [10, 0, 0]", ["scene.toml:21:", "rotate", "about y"]),
+                 "round basin": (15, "[[obstacle]]\ntype = 'basin'\ncenter = [1, 0.5]\nradius = 0.3\nheight = 0.3",
+                                 ["scene.toml:18:", "type", "give size"])}
+        self.assert_all_refused([(name, "\n".join([*flat[:line], text, *flat[line:]]) + "\n", ["scene.toml"], words)
+                                 for name, (line, text, words) in cases.items()])
+
+    def test_a_file_off_the_plane(self):
+        def cloud(folder):
+            with h5py.File(folder / "cloud.h5", "w") as file:
+                file["particles/position"] = numpy.array([[0.5, 0, 0.5], [0.6, 0.01, 0.5]])
+        self.assert_all_refused([("off the plane", scene_of_file().replace("[domain]", "[domain]\ndimensions = 2"),
+                                  ["scene.toml"], ["cloud.h5", "row 1", "write 0 for y"], cloud)])
 
     def test_each_bad_line(self):
         self.assert_all_refused([(name, scene_with(line, text), ["scene.toml"], words)

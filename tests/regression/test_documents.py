@@ -2,7 +2,7 @@
 """The pages inputs/README.md and postprocess/README.md against the program.
 
 Every key, type and default of a scene, every column, key, dataset, attribute and file that a run writes is in a row of
-their tables, and no row names what is not there. Defaults are compared with tests/unit/scene_defaults.hpp, which a unit
+their tables, and no row names what is not there. Defaults are compared with tests/scene/scene_defaults.hpp, which a unit
 test compares with the program's scene, and written out in runs that must give the same bits as those without them.
 """
 
@@ -22,31 +22,17 @@ from pathlib import Path
 import h5py
 
 from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, ProgramTest, main
+from scenes import tank
 
 ROOT = Path(__file__).resolve().parents[2]
 TIMES = ("imbalance", "wall_seconds")
 # Files that a run removes before it ends, and those that only a viewer and a removed folder bring about.
 ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
-SCENE = """
-gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
+SCENE = """gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
          {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]},
  {type = "flow", center = [0.8, 0.4, 0.2], size = [1, 1], normal = [1, 0, 0]}, {type = "run_up", center = [0, 0.4, 0], normal = [1, 0, 0]}]
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.8, 2.4]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 0.8, 0.4]
-[[particles]]
-min = [0.4, 0.2, 0.8]
-max = [0.8, 0.6, 1.2]
-[time]
-dt = 0.016666666666666667
-end = 1.0
-[gravity]
+""" + tank("1.6, 0.8, 2.4", ("0, 0, 0", "1.6, 0.8, 0.4"), ("0.4, 0.2, 0.8", "0.8, 0.6, 1.2")) + """
 [[fountain]]
 center = [1.2, 0.4]
 [[obstacle]]
@@ -136,7 +122,7 @@ def value_of(toml):
 
 def assignments(name):
     """{path: value} of a list in scene_defaults.hpp; those with {} are computed, and None here."""
-    text = (ROOT / "tests/unit/scene_defaults.hpp").read_text()
+    text = (ROOT / "tests/scene/scene_defaults.hpp").read_text()
     body = re.search(re.escape(name) + r"[^;{]*\{(.*?)\};", text, re.S)[1]
     found = {}
     for path, value in re.findall(r'"([a-z_0-9.]+)=([^"\n]*)"', body):

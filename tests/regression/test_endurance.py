@@ -13,27 +13,15 @@ from pathlib import Path
 
 import runs
 from runs import CHECKPOINTS, FLOW, FRAMES, JET, Folder
+from scenes import tank
 
 RESTARTS, RANKS, SECONDS = (int(os.environ.get(f"TREVI_{name}", default))
                             for name, default in (("RESTARTS", 6), ("RANKS", 12), ("SECONDS", 300)))
 # All that has a state of its own: two inlets, one of which recycles, a drain, and a fountain's random numbers.
 RESTARTED = FLOW + JET
 # A plane of cells for each rank.
-LONG = """
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [{length}, 0.4, 0.6]
-slab_axis = "x"
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.0, 0.0, 0.0]
-max = [{length}, 0.4, 0.3]
-velocity = [1.0, 0.0, 0.0]
-[time]
-dt = 0.016666666666666667
-end = 1.0
-[gravity]
+LONG = tank("{length}, 0.4, 0.6", ("0, 0, 0", "{length}, 0.4, 0.3", "velocity = [1.0, 0.0, 0.0]"),
+            domain='slab_axis = "x"') + """
 [output.series]
 every_steps = 1
 [output.checkpoint]
@@ -41,19 +29,7 @@ every_steps = 4
 [output.vtkhdf]
 every_steps = 4
 """
-SMALL = """
-[domain]
-min = [0.0, 0.0, 0.0]
-max = [0.8, 0.6, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0.0, 0.0, 0.0]
-max = [0.8, 0.6, 0.3]
-[time]
-dt = 0.016666666666666667
-end = {seconds}.0
-[gravity]
+SMALL = tank("0.8, 0.6, 1.2", ("0, 0, 0", "0.8, 0.6, 0.3"), end="{seconds}.0") + """
 [viscosity]
 c = 0.001
 [[fountain]]

@@ -80,7 +80,7 @@ max = [1.3, 0.9, 0.15]
 
     def test_tank_that_overflows(self):
         full = ("particles.0.min=[0, 0, 0]", "particles.0.max=[0.8, 0.6, 0.6]", "inlet.0.flow=0.2")
-        parted = self.same_bits((runs.ROOT / "tests/mpi/weir.toml").read_text(), *set_to(full))
+        parted = self.same_bits((runs.ROOT / "tests/solver/weir.toml").read_text(), *set_to(full))
         inflow, outflow, there = (runs.column(parted, name) for name in ("inflow", "outflow", "particles"))
         self.assertGreater(outflow[-1] - outflow[30], 20)
         self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
@@ -126,6 +126,11 @@ radius = 0.1
 
     def test_single_precision_with_substeps(self):
         self.same_bits(CUBE, "--set", "density.precision=single", "--set", "time.cfl=0.1")
+
+    def test_two_dimensions(self):
+        """A slice of what flows, beside a wheel that turns."""
+        wheel = 'obstacle=[{type="cylinder",center=[0.7,0.3],radius=0.12,angular_velocity=[0,3,0]}]'
+        self.same_bits(FLOW, *set_to(("domain.dimensions=2", "fluid.spacing=0.05", wheel)))
 
     def test_step_0_and_another_folder(self):
         folder = Folder()
@@ -359,6 +364,7 @@ class SceneChanges(unittest.TestCase):
         for text, folder, settings, words in (
                 (self.text, self.output, ["fluid.spacing=0.09"], "fluid.spacing: 0.1 -> 0.09; the particles of the checkpoint"),
                 (self.text, self.output, ["fluid.rest_density=900.0"], "fluid.rest_density: (absent) -> 900; it would change the mass"),
+                (self.text, self.output, ["domain.dimensions=2"], "the particles of the checkpoint are not those of another space"),
                 (self.text, self.output, ["fluid.mass=volume"], "it would change the mass"),
                 (self.text, self.output, ["density.preset=report"], "it would change the mass"),
                 (self.text, self.output, ["fluid.kernel_radius=0.21"], "it would change the density of the water"),

@@ -12,26 +12,15 @@ import h5py
 import numpy as np
 
 from program import TIME_LIMIT, WITHOUT, ProgramTest, main
+from scenes import tank
 
 POSTPROCESS = Path(__file__).resolve().parents[2] / "postprocess"
 sys.path.insert(0, str(POSTPROCESS))
 from trevi_run import Run, RunError, scene_of  # noqa: E402
 
-SCENE = """
-[domain]
-min = [0, 0, 0]
-max = [1.6, 0.8, 1.2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [0.8, 0.8, 0.8]
-[time]
-dt = 0.02
-end = 0.4
+SCENE = tank("1.6, 0.8, 1.2", ("0, 0, 0", "0.8, 0.8, 0.8"), dt=0.02, end=0.4) + """
 [colour]
 by = "speed"
-[gravity]
 [[obstacle]]
 type = "sphere"
 center = [1.2, 0.4, 0.4]

@@ -209,7 +209,7 @@ class WithoutHands(ViewTest):
         return numpy.asarray(Image.open(self.folder.path("shot.png")))[:-60, :, :3].astype(int)  # without the status
 
     def test_fluid_has_the_colours_of_its_particles(self):
-        """Where two colours meet in depth or side by side there is no dark seam."""
+        """Where two colours meet in depth or side by side there is no dark line."""
         for colour in ("rank", "rainbow"):
             seen = water(self.shot("--style", "spheres", "--colour", colour))
             self.assertGreater(seen.sum(), 2000)

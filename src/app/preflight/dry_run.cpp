@@ -107,7 +107,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
 
 std::string time_text(const Scene& scene) {
   const Real h = scene.fluid.kernel_radius, cfl = scene.cfl > 0 ? scene.cfl.value() : 0.4;
-  const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), scene.fluid.spacing, h);
+  const Real viscous = longest_viscous_step(scene.kinematic_viscosity.value_or(0), lattice_of(scene.fluid), h);
   return fmt::format("time        {} steps of {:.6g} s; dt by CFL {}: {:.3g} s at {:.3g} m/s{}{}\n", scene.steps(),
                      scene.dt, cfl, longest_step(scene, cfl), expected_speed(scene),
                      std::isfinite(viscous) ? fmt::format(", by viscosity {:.3g} s", viscous) : "",

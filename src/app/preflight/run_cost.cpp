@@ -7,6 +7,8 @@
 #include <filesystem>
 
 #include "app/build.hpp"
+#include "fluid/in_two_dimensions.hpp"
+#include "scene/lattice.hpp"
 
 namespace trevi {
 
@@ -26,17 +28,20 @@ double field_bytes(const FrameSettings& frames) {
   return bytes;
 }
 
-// The sample: a basin of this many spacings, full to two thirds. Enough water for all loops, and a second of work.
-constexpr int wide = 24, high = 36;
-
+// The sample: a basin of so many spacings, full to two thirds. Enough water for all loops, and a second of work.
 Scene sample_of(const Scene& scene) {
+  constexpr int deep = 24, high = 36, long_layer = 200;
+  const int wide = scene.fluid.dimensions == 2 ? long_layer : deep;
   Scene sample = scene;
   const Real s = scene.fluid.spacing;
   sample.domain.min = Vec3::Zero();
   sample.domain.max = Vec3(wide, wide, high) * s;
+  lay_in_plane(sample);
   sample.slab_axis = 0;
   ParticleSource pool;
-  pool.max = Vec3::Constant(wide * s);
+  pool.min = sample.domain.min;
+  pool.max = sample.domain.max;
+  pool.max.z() = deep * s;
   sample.particles = {pool};
   sample.fountains.clear();
   sample.inlets.clear();
@@ -95,7 +100,7 @@ MeasuredSpeed measured_speed(const Scene& scene) {
   for (int k = 0; k < 3; ++k) solver->step();
   const Solver::Counters after = solver->counters();
   MeasuredSpeed speed;
-  speed.particles = wide * wide * wide;
+  speed.particles = static_cast<int>(Lattice(sample.particles[0], sample.fluid.spacing).size());
   speed.substeps = (after.substeps - before.substeps) / 3;
   speed.substep =
       (after.seconds - before.seconds) / static_cast<double>(after.substeps - before.substeps) / speed.particles;

@@ -10,6 +10,8 @@ namespace trevi {
 
 namespace {
 
+std::unique_ptr<Shape> make_extruded(const ObstacleSettings& obstacle);
+
 Real radial(const Vec3& p) { return std::sqrt(p.x() * p.x() + p.y() * p.y()); }
 
 class Sphere : public Shape {
@@ -156,6 +158,27 @@ class BoxBasin : public Shape {
   Real wall_;
 };
 
+// What goes on without end along a coordinate: its distance is that in the cut through the middle of a shape whose ends
+// are so far away that they are never the nearest of its surface.
+class Extruded : public Shape {
+ public:
+  /// `shown`: the same, as long as pictures are to show it.
+  Extruded(std::unique_ptr<Shape> shape, std::unique_ptr<Shape> shown, Eigen::Index along)
+      : shape_(std::move(shape)), shown_(std::move(shown)), along_(along) {}
+  Real distance(const Vec3& p) const override {
+    Vec3 in_cut = p;
+    in_cut[along_] = 0;
+    return shape_->distance(in_cut);
+  }
+  Box bounds() const override { return shown_->bounds(); }
+  TriangleMesh surface(Real finest) const override { return shown_->surface(finest); }
+  std::optional<Eigen::Index> extruded_along() const override { return along_; }
+
+ private:
+  std::unique_ptr<Shape> shape_, shown_;
+  Eigen::Index along_;
+};
+
 // The rest of the world.
 class Outside : public Shape {
  public:
@@ -163,12 +186,14 @@ class Outside : public Shape {
   Real distance(const Vec3& p) const override { return -shape_->distance(p); }
   Box bounds() const override { return shape_->bounds(); }
   TriangleMesh surface(Real finest) const override { return shape_->surface(finest); }
+  std::optional<Eigen::Index> extruded_along() const override { return shape_->extruded_along(); }
 
  private:
   std::unique_ptr<Shape> shape_;
 };
 
 std::unique_ptr<Shape> make_solid(const ObstacleSettings& obstacle) {
+  if (obstacle.extruded) return make_extruded(obstacle);
   switch (obstacle.shape) {
     case ShapeKind::box:
       return std::make_unique<Cuboid>(obstacle.size);
@@ -186,6 +211,21 @@ std::unique_ptr<Shape> make_solid(const ObstacleSettings& obstacle) {
     default:
       return std::make_unique<Sphere>(obstacle.radius);
   }
+}
+
+// A cylinder's frame has its axis along z.
+std::unique_ptr<Shape> make_extruded(const ObstacleSettings& obstacle) {
+  ObstacleSettings shown = obstacle;
+  shown.extruded = false;
+  ObstacleSettings endless = shown;
+  const bool along_axis = obstacle.shape == ShapeKind::cylinder;
+  constexpr Real far = 4;  // times the largest extent in the cut
+  if (along_axis) {
+    endless.height = far * obstacle.radius;
+  } else {
+    endless.size.y() = far * std::max(obstacle.size.x(), obstacle.size.z()) + far * obstacle.wall;
+  }
+  return std::make_unique<Extruded>(make_solid(endless), make_solid(shown), along_axis ? 2 : 1);
 }
 
 }  // namespace

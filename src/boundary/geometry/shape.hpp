@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "trevi/box.hpp"
 #include "trevi/obstacle.hpp"
@@ -33,6 +34,8 @@ class Shape {
   virtual TriangleMesh surface(Real finest) const = 0;
   /// Unit vector along which the distance grows.
   Vec3 normal(const Vec3& p) const;
+  /// The coordinate along which the shape goes on without end, so that its distance does not depend on it, if any.
+  virtual std::optional<Eigen::Index> extruded_along() const { return std::nullopt; }
 };
 
 /// The shape of an obstacle; for a vessel that of its solid, which is all the rest of the world. `axis` and `rotate`

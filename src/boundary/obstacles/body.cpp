@@ -160,6 +160,24 @@ bool Body::covers(const Vec3& from, const Vec3& place) const {
   return first_contact(segment).has_value();
 }
 
+std::optional<Vec3> Body::shift_inside(const ContactPoint& end, const Vec3& normal, Real limit) const {
+  const auto is_outside = [&](Real shift) {
+    return distance({end.in_body + shift * normal, end.in_world + shift * (now_.turn * normal)}, h_) < tolerance_;
+  };
+  constexpr int doublings = 10, halvings = 24;
+  Real low = 0, high = std::ldexp(limit, -doublings);
+  for (int k = 0; k < doublings && is_outside(high); ++k) {
+    low = high;
+    high *= 2;
+  }
+  if (is_outside(high)) return std::nullopt;
+  for (int k = 0; k < halvings; ++k) {
+    const Real middle = (low + high) / 2;
+    (is_outside(middle) ? low : high) = middle;
+  }
+  return Vec3(high * normal);
+}
+
 bool Body::is_clear(const ContactPoint& point) const { return distance(point, h_) >= tolerance_ / 2; }
 
 Vec3 Body::exit_shift(const ContactPoint& point) const {

@@ -93,6 +93,9 @@ class Body {
   /// The shift off the surface at a contact, by as much as a contact is near to it, so that a path along the surface
   /// does not begin with another contact.
   Vec3 contact_offset(const Vec3& normal) const { return tolerance_ * normal; }
+  /// The least shift along `normal`, in the frame of the body, that takes the end of a path to where contacts are; none
+  /// if a shift of `limit`, m, does not.
+  std::optional<Vec3> shift_inside(const ContactPoint& end, const Vec3& normal, Real limit) const;
   Vec3 normal(const ContactPoint& point) const;
   /// What a bounce makes of a velocity, and of the rest of a path; all in the frame of the body.
   Vec3 reflected(const Vec3& velocity, const Vec3& normal) const;
@@ -108,9 +111,9 @@ class Body {
   std::unique_ptr<Shape> shape_;
   BodyMotion motion_;
   bool moves_, vessel_, whole_;
-  Real h_, tolerance_, restitution_, friction_, radius_,
-      wall_extension_;  // seam_: of the walls, where solids go on as inside it
-  Box inner_;           // the box without it
+  Real h_, tolerance_, restitution_, friction_, radius_;
+  Real wall_extension_;  // at the walls, where solids go on as inside it
+  Box inner_;            // the box without it
   Pose before_, now_;
   Real way_before_ = 0, way_now_ = 0;  // of a paddle that absorbs, m
   Box near_box_, beside_;              // beside_: the first places that are not in near_box_

@@ -8,6 +8,21 @@
 
 namespace trevi {
 
+namespace {
+
+// The box at whose walls solids end. In two dimensions there are none along y, and to clamp a place to them would round
+// its other coordinates.
+Box box_of_solids(const Settings& settings, const Box& open) {
+  Box box = settings.domain;
+  if (settings.fluid.dimensions == 2) {
+    box.min.y() = open.min.y();
+    box.max.y() = open.max.y();
+  }
+  return box;
+}
+
+}  // namespace
+
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
     : walls_(walls),
       law_(std::move(law)),
@@ -15,8 +30,8 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing) {
-  const BodyRules rules{settings.domain, walls_.box(), settings.walls, kernels_of(settings.fluid).density,
-                        settings.fluid.kernel_radius};
+  const BodyRules rules{box_of_solids(settings, walls_.box()), walls_.box(), settings.walls,
+                        kernels_of(settings.fluid).density, settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));
   gauges_.emplace(settings, [&](const Vec3& p) {

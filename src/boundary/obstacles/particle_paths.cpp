@@ -8,6 +8,8 @@ namespace trevi {
 namespace {
 
 constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+/// Cosine of the angle between the normals of two contacts below which they are taken for those of two faces.
+constexpr Real same_direction = 0.9;
 
 }  // namespace
 
@@ -21,6 +23,8 @@ struct Obstacles::Leg {
   const std::vector<std::unique_ptr<Body>>& bodies;
   const Walls& walls;
   std::vector<Segment>& segments;
+  std::size_t last_met = nobody;  // what body it met last, and the normal there, in the frame of the body
+  Vec3 last_normal = Vec3::Zero();
 
   const Vec3& here() const { return segments.front().from.in_world; }
   Contact first_contact() const {
@@ -57,6 +61,38 @@ struct Obstacles::Leg {
     const Vec3 step = bodies[body]->now().turn * bodies[body]->contact_offset(normal);
     shift(step);
     if (!is_clear()) shift(-step);
+  }
+  /// To the wall and away from it in the time that is left of `left`, s: the target from there on.
+  Vec3 bounce_at_wall(const WallHit& wall, Real& left, Vec3& velocity) {
+    const Real part = std::clamp(wall.t / left, 0.0, 1.0);
+    left *= 1 - part;
+    go(part);
+    Vec3 on_wall = here();
+    walls.bounce(wall, on_wall, velocity);
+    shift(on_wall - here());
+    return here() + velocity * left;
+  }
+  /// The same at a body, in the frame in which it stands still. Inside a curved wall the bounces would go on for ever, on
+  /// shorter and shorter chords, and the rest of the path would be lost. From the second contact with it on, the wall
+  /// therefore pushes along the normal of the first one, as far as the end of the path needs: what goes along the wall is
+  /// kept, and so is the angular momentum about its axis.
+  Vec3 bounce_at_body(const Contact& contact, Real& left, Vec3& velocity) {
+    const Body& body = *bodies[contact.body];
+    const Segment& segment = segments[contact.body];
+    const Vec3 relative = (segment.to.in_body - segment.from.in_body) / left;
+    left *= 1 - contact.part;
+    go(contact.part);
+    const Vec3 normal = body.normal(segment.from);
+    const bool curved = contact.body == last_met && normal.dot(last_normal) > same_direction;
+    const auto push = curved ? body.shift_inside(segment.to, last_normal, relative.norm() * left) : std::nullopt;
+    contact_offset(contact.body, normal);
+    const Vec3 end = push ? Vec3(segment.to.in_body + *push)
+                          : Vec3(segment.from.in_body + body.reflected(relative, normal) * left);
+    if (!push) last_normal = normal;
+    last_met = contact.body;
+    const Vec3 target = body.now().into_world(end);
+    velocity = (target - here()) / std::max(left, 1e-300);
+    return target;
   }
   /// Out of the solids that it is in, as those that move may be where a wall has stopped it.
   void leave() {
@@ -101,7 +137,6 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
   leg.leave();
   Vec3 velocity = v, target = p + v * dt;
   leg.aim(target);
-  std::size_t last_met = nobody;
   Real left = dt;
   constexpr int max_bounces = 16;  // the rest of the motion is then dropped
   for (int bounce = 0; bounce < max_bounces && left > 1e-9 * dt; ++bounce) {
@@ -110,37 +145,21 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
     const bool at_wall = wall.axis >= 0 && wall.t <= contact.part * left;
     if (!at_wall && contact.body == nobody) return walls_.clamp(target);
     const Vec3 last = target;
-    const Real whole = left;
     std::size_t account = box_account();
     if (at_wall) {
-      const Real part = std::clamp(wall.t / left, 0.0, 1.0);
-      left *= 1 - part;
-      leg.go(part);
-      Vec3 on_wall = leg.here();
-      walls_.bounce(wall, on_wall, velocity);
-      leg.shift(on_wall - leg.here());
-      target = leg.here() + velocity * left;
+      target = leg.bounce_at_wall(wall, left, velocity);
     } else {
-      account = last_met = contact.body;
-      const Body& body = *bodies_[contact.body];
-      const Segment& segment = leg.segments[contact.body];
-      const Vec3 relative =
-          (segment.to.in_body - segment.from.in_body) / whole;  // the velocity in the frame of the body
-      left *= 1 - contact.part;
-      leg.go(contact.part);
-      const Vec3 normal = body.normal(segment.from), away = body.reflected(relative, normal);
-      leg.contact_offset(contact.body, normal);
-      target = body.now().into_world(segment.from.in_body + away * left);
-      velocity = (target - leg.here()) / std::max(left, 1e-300);
+      account = contact.body;
+      target = leg.bounce_at_body(contact, left, velocity);
     }
     leg.aim(target);
     record(account, target - last, leg.here());
   }
   // Stays where it met something last, and goes with an obstacle.
-  const bool by_walls = last_met == nobody;
-  const Vec3 stop =
-      walls_.clamp(by_walls ? leg.here() : bodies_[last_met]->now().into_world(leg.segments[last_met].from.in_body));
-  record(by_walls ? box_account() : last_met, stop - target, stop);
+  const std::size_t met = leg.last_met;
+  const bool by_walls = met == nobody;
+  const Vec3 stop = walls_.clamp(by_walls ? leg.here() : bodies_[met]->now().into_world(leg.segments[met].from.in_body));
+  record(by_walls ? box_account() : met, stop - target, stop);
   return stop;
 }
 

@@ -9,11 +9,9 @@ namespace {
 
 constexpr int steps = 1024;
 
-}  // namespace
-
 // V(d) = 2 pi ∫_d^h W(r) r (r − d) dr, by Simpson's rule from step to step: with A = ∫ W r dr and B = ∫ W r² dr from d
-// to h it is B − d A, up to a factor, which V(0) = ½ gives.
-PlaneVolume::PlaneVolume(const Kernel& kernel, Real h) : h_(h), fraction_(steps + 1, 0.0) {
+// to h it is B − d A, up to a factor.
+void sum_ball(const Kernel& kernel, Real h, std::vector<Real>& fraction) {
   const Real step = h / steps;
   const auto w = [&](Real r) { return kernel.value(Vec3(r, 0, 0), h); };
   Real a = 0, b = 0;
@@ -21,8 +19,38 @@ PlaneVolume::PlaneVolume(const Kernel& kernel, Real h) : h_(h), fraction_(steps 
     const Real low = k * step, mid = low + step / 2, high = low + step;
     a += step / 6 * (w(low) * low + 4 * w(mid) * mid + w(high) * high);
     b += step / 6 * (w(low) * low * low + 4 * w(mid) * mid * mid + w(high) * high * high);
-    fraction_[static_cast<std::size_t>(k)] = b - low * a;
+    fraction[static_cast<std::size_t>(k)] = b - low * a;
   }
+}
+
+// The integral of the kernel along a line in the plane at distance z from its centre, up to a factor, by Simpson's
+// rule.
+Real along_line(const Kernel& kernel, Real h, Real z) {
+  constexpr int parts = 64;
+  const Real end = std::sqrt(std::max(h * h - z * z, 0.0)), part = end / parts;
+  const auto w = [&](Real x) { return kernel.value(Vec3(x, 0, z), h); };
+  Real sum = 0;
+  for (int k = 0; k < parts; ++k) sum += w(k * part) + 4 * w((k + 0.5) * part) + w((k + 1) * part);
+  return sum * part;
+}
+
+// V(d) = ∫_d^h of what the kernel is on the line at that distance.
+void sum_disc(const Kernel& kernel, Real h, std::vector<Real>& fraction) {
+  const Real step = h / steps;
+  Real sum = 0, above = along_line(kernel, h, h);
+  for (int k = steps; k-- > 0;) {
+    const Real below = along_line(kernel, h, k * step);
+    sum += below + 4 * along_line(kernel, h, (k + 0.5) * step) + above;
+    fraction[static_cast<std::size_t>(k)] = sum;
+    above = below;
+  }
+}
+
+}  // namespace
+
+// V(0) = ½ gives the factor.
+PlaneVolume::PlaneVolume(const Kernel& kernel, Real h) : h_(h), fraction_(steps + 1, 0.0) {
+  kernel.dimensions == 2 ? sum_disc(kernel, h, fraction_) : sum_ball(kernel, h, fraction_);
   const Real per = 0.5 / fraction_.front();
   for (Real& fraction : fraction_) fraction *= per;
 }

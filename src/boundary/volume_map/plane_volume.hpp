@@ -1,4 +1,5 @@
-// How much of the density kernel's ball lies behind a plane, as a fraction of its integral: V(d) for a plane at
+// How much of the density kernel's ball, or of its disc in two dimensions, lies behind a plane, as a fraction of its
+// integral: V(d) for a plane at
 // distance d, from 1 at −h over ½ at 0 to 0 at h. Its inverse turns the volume fraction of any solid into the distance
 // of the plane that takes as much: what the solid is to a particle, whose density term is then that of the box's walls.
 // Not collective.

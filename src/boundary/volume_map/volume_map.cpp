@@ -16,13 +16,17 @@ BlockPlace moved(const BlockPlace& place, std::int32_t by) { return {place[0] + 
 
 Vec3 corner_of(const BlockPlace& place, Real size) { return size * Vec3(place[0], place[1], place[2]); }
 
-// Of the kernel over a cell that begins at `corner`, by 4³ points: its peak is sharp.
-Real mean_over_cell(const Kernel& kernel, const Vec3& corner, Real size, Real h) {
+// Of the kernel over a cell that begins at `corner`, by 4³ points: its peak is sharp. Of a kernel in the plane across
+// coordinate `along` only the cells on both sides of it have any.
+Real mean_over_cell(const Kernel& kernel, const Vec3& corner, Real size, Real h, std::optional<Eigen::Index> along) {
   constexpr int parts = 4;
   Real sum = 0;
+  if (along && (corner[*along] > 0.5 * size || corner[*along] < -1.5 * size)) return 0;
   for (int k = 0; k < parts * parts * parts; ++k) {
-    const Vec3 place(k % parts + 0.5, k / parts % parts + 0.5, k / parts / parts + 0.5);
-    sum += kernel.value(corner + size / parts * place, h);
+    Vec3 place(k % parts + 0.5, k / parts % parts + 0.5, k / parts / parts + 0.5);
+    place = corner + size / parts * place;
+    if (along) place[*along] = 0;
+    sum += kernel.value(place, h);
   }
   return sum / (parts * parts * parts);
 }
@@ -55,11 +59,16 @@ VolumeMap::VolumeMap(const Shape& shape, const Kernel& kernel, Real h, const std
       high_(moved(place_of(shape.bounds().max, block * node_), 3)),
       cells_(moved(low_, -1), moved(high_, 1)),
       nodes_(low_, high_) {
+  weigh_cells(kernel);
+}
+
+void VolumeMap::weigh_cells(const Kernel& kernel) {
+  const std::optional<Eigen::Index> along = kernel.dimensions == 2 ? shape_.extruded_along() : std::nullopt;
   Real sum = 0;
   for (int z = -reach; z < reach; ++z) {
     for (int y = -reach; y < reach; ++y) {
       for (int x = -reach; x < reach; ++x) {
-        const Real w = mean_over_cell(kernel, node_ / fine * Vec3(x, y, z), node_ / fine, h);
+        const Real w = mean_over_cell(kernel, node_ / fine * Vec3(x, y, z), node_ / fine, h_, along);
         if (w <= 0) continue;
         const int column = x + reach, row = (z + reach) * window + y + reach;
         weights_.push_back({static_cast<std::size_t>(column % 2), row * (window / 2) + column / 2, w});

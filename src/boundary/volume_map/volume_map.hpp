@@ -5,6 +5,8 @@
 // cubic without kinks (Catmull & Rom) is used with its exact derivative, so that the solid returns just the energy that
 // it took.
 //
+// In two dimensions the ball is a disc, across the coordinate along which the solid goes on without end.
+//
 // In the frame of the solid, for any number of poses. Blocks of the grid are made when a particle first comes near,
 // from the shape alone: the same bits on any ranks and threads. Not collective.
 #pragma once
@@ -67,6 +69,7 @@ class VolumeMap {
     std::ptrdiff_t offset;  // from the first cell that a node sees
     Real weight;
   };
+  void weigh_cells(const Kernel& kernel);
   Real solid_distance(const Vec3& p) const;
   Real cut_fraction(const Vec3& middle, Real size) const;
   void fill_cells(const Vec3& corner, Cells& cells) const;

@@ -14,8 +14,8 @@ Real water_mass(const FluidSettings& fluid) {
 }
 
 Real particle_mass(const FluidSettings& fluid) {
-  if (fluid.mass == Mass::volume) return water_mass(fluid);
-  return fluid.rest_density / lattice_density_sum(kernels_of(fluid).density, fluid.spacing, fluid.kernel_radius);
+  if (fluid.mass == Mass::volume) return fluid.dimensions == 2 ? water_mass(fluid) / fluid.spacing : water_mass(fluid);
+  return fluid.rest_density / lattice_density_sum(kernels_of(fluid).density, lattice_of(fluid), fluid.kernel_radius);
 }
 
 Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {

@@ -35,7 +35,7 @@ struct DensityModel {
 /// The water that a particle stands for, kg: rest_density · spacing³. All that is reported goes by it.
 Real water_mass(const FluidSettings& fluid);
 /// The weight of a particle in kernel sums, kg: with mass "volume" the water's own; "calibrated" such that the lattice
-/// interior is at rest density.
+/// interior is at rest density. In two dimensions kg/m, of a layer one metre thick.
 Real particle_mass(const FluidSettings& fluid);
 
 /// Physical constants, with epsilon and artificial pressure scaled to the spacing: settings give their values at a

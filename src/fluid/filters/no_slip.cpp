@@ -1,6 +1,7 @@
 #include "fluid/filters/no_slip.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "kernels/kernels.hpp"
@@ -10,9 +11,13 @@ namespace trevi {
 
 template <class T>
 NoSlip<T>::NoSlip(Real nu, const FluidSettings& fluid, const Box& walls, std::shared_ptr<Obstacles> obstacles)
-    : h_(fluid.kernel_radius), walls_(walls), obstacles_(std::move(obstacles)) {
-  const Real s = fluid.spacing, particles = h_ * h_ * h_ / (s * s * s);
-  factor_ = nu / lattice_laplacian_moment(s, h_) * particles * Poly6::factor(h_) * std::numbers::pi / 40;
+    : dimensions_(fluid.dimensions), h_(fluid.kernel_radius), walls_(walls), obstacles_(std::move(obstacles)) {
+  const Real s = fluid.spacing;
+  const bool in_plane = dimensions_ == 2;
+  const Real particles = in_plane ? h_ * h_ / (s * s) : h_ * h_ * h_ / (s * s * s);
+  const Real poly6 = kernel_named(Poly6::name, dimensions_).factor(h_);
+  factor_ = nu / lattice_laplacian_moment(lattice_of(fluid), h_) * particles * poly6;
+  factor_ = in_plane ? factor_ * 32 / 315 : factor_ * std::numbers::pi / 40;
   least_ = s / 8;  // a particle that is pushed against the wall is not there for ever
 }
 
@@ -20,7 +25,8 @@ NoSlip<T>::NoSlip(Real nu, const FluidSettings& fluid, const Box& walls, std::sh
 template <class T>
 Real NoSlip<T>::rate(Real distance) const {
   const Real u = std::max(distance, least_) / h_, rest = 1 - u * u;
-  return rest > 0 ? factor_ * rest * rest * rest * rest * rest / u : 0;
+  if (!(rest > 0)) return 0;
+  return factor_ * rest * rest * rest * rest * (dimensions_ == 2 ? std::sqrt(rest) : rest) / u;
 }
 
 // visit(account, distance, displacement of the surface in the substep).
@@ -48,7 +54,7 @@ Vec3 NoSlip<T>::held(const Vec3& p, const Vec3& v, Real dt) const {
 
 // What each of them gave to a particle that has the velocity v now.
 template <class T>
-void NoSlip<T>::tell(const Vec3& p, const Vec3& v, Real dt) {
+void NoSlip<T>::record(const Vec3& p, const Vec3& v, Real dt) {
   for_each_wall(p, [&](std::size_t account, Real distance, const Vec3& displacement) {
     obstacles_->record(account, rate(distance) * dt * (displacement - v * dt), p);
   });
@@ -65,7 +71,7 @@ void NoSlip<T>::apply(Neighbourhood<T>&, Particles& particles, Real dt) {
       const Vec3& p = particles.predicted[i];
       if (!obstacles_ && inner.contains(p)) continue;
       particles.velocity[i] = held(p, particles.velocity[i], dt);
-      if (obstacles_) tell(p, particles.velocity[i], dt);
+      if (obstacles_) record(p, particles.velocity[i], dt);
     }
   });
 }

@@ -35,7 +35,7 @@ class VelocityField {
   std::vector<Vec4<T>> vectors_;
 };
 
-/// Share of the field's memory, bytes, that each of the filters that share it reports.
+/// Fraction of the field's memory, bytes, that each of the filters that share it reports.
 template <class T>
 std::size_t contribution_of(const std::shared_ptr<VelocityField<T>>& field) {
   return field->bytes() / static_cast<std::size_t>(field.use_count());

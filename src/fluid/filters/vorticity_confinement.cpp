@@ -14,7 +14,7 @@ template <class T>
 VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon,
                                               std::shared_ptr<VelocityField<T>> velocity)
     : loops_(filter_loops<T>()),
-      omega_factor_(model.mass * Spiky::slope_factor(model.h)),
+      omega_factor_(model.mass * kernel_named(Spiky::name, model.kernels.density.dimensions).slope_factor(model.h)),
       epsilon_(epsilon),
       velocity_(std::move(velocity)) {}
 

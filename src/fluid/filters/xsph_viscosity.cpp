@@ -18,11 +18,21 @@ void add_sums(const Neighbourhood<T>& near, const Loop& loop, Real factor, std::
   });
 }
 
+const Kernel& poly6_in(int dimensions) { return kernel_named(Poly6::name, dimensions); }
+
+// ½ ∫ W6 x² over the volume of a particle: the second moment of neighbours that lie anywhere.
+Real moment_without_order(const PointLattice& lattice, Real h) {
+  const Real s = lattice.spacing;
+  return lattice.dimensions == 2 ? h * h / (20 * s * s) : h * h / (22 * s * s * s);
+}
+
 }  // namespace
 
 template <class T>
 XsphViscosity<T>::XsphViscosity(Real c, const DensityModel& model, std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(filter_loops<T>()), factor_(c * model.mass * Poly6::factor(model.h)), velocity_(std::move(velocity)) {}
+    : loops_(filter_loops<T>()),
+      factor_(c * model.mass * poly6_in(model.kernels.density.dimensions).factor(model.h)),
+      velocity_(std::move(velocity)) {}
 
 template <class T>
 void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
@@ -34,23 +44,25 @@ void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real)
   log_flops(static_cast<double>(near.list().pairs()) * 22);
 }
 
-Real longest_viscous_step(Real nu, Real spacing, Real h) {
-  return lattice_laplacian_moment(spacing, h) / (nu * lattice_density_sum(kernel_named(Poly6::name), spacing, h));
+Real longest_viscous_step(Real nu, const PointLattice& lattice, Real h) {
+  const Kernel& poly6 = poly6_in(lattice.dimensions);
+  return lattice_laplacian_moment(lattice, h) / (nu * lattice_density_sum(poly6, lattice, h));
 }
 
-Real min_second_moment(Real spacing, Real h) {
-  const Real without_order = h * h / (22 * spacing * spacing * spacing);
-  return std::min(1.0, without_order / lattice_laplacian_moment(spacing, h)) *
-         (1 - 3.0 / lattice_neighbours(spacing, h));
+Real min_second_moment(const PointLattice& lattice, Real h) {
+  const Real scatter = lattice.dimensions;  // neighbours
+  return std::min(1.0, moment_without_order(lattice, h) / lattice_laplacian_moment(lattice, h)) *
+         (1 - scatter / lattice_neighbours(lattice, h));
 }
 
 template <class T>
-KinematicViscosity<T>::KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity)
+KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, Real h,
+                                          std::shared_ptr<VelocityField<T>> velocity)
     : loops_(filter_loops<T>()), velocity_(std::move(velocity)) {
-  const Real lattice = lattice_laplacian_moment(spacing, h);
-  per_second_ = nu / lattice * Poly6::factor(h) / 2;
-  moment_factor_ = static_cast<T>(h * h * Poly6::factor(h) / (6 * lattice));
-  least_ = static_cast<T>(min_second_moment(spacing, h));
+  const Real moment = lattice_laplacian_moment(lattice, h), factor = poly6_in(lattice.dimensions).factor(h);
+  per_second_ = nu / moment * factor / 2;
+  moment_factor_ = static_cast<T>(h * h * factor / (2 * lattice.dimensions * moment));
+  least_ = static_cast<T>(min_second_moment(lattice, h));
 }
 
 // M_lattice/M_i to the scalar of each velocity.

@@ -1,7 +1,7 @@
 // XSPH viscosity (Macklin & Müller 2013, eq. 17): v_i += c m Σ_j (v_j − v_i) W6(p_ij), with c given, or with a factor
 // of each pair that makes the sum nu dt ∇²v, a step of explicit diffusion with the kinematic viscosity nu, for any step
 // and spacing:
-//   v_i += nu dt Σ_j ½ (1/M_i + 1/M_j) (v_j − v_i) W6(p_ij),  M_i = 1/6 Σ_j W6(p_ij) p_ij²
+//   v_i += nu dt Σ_j ½ (1/M_i + 1/M_j) (v_j − v_i) W6(p_ij),  M_i = 1/6 Σ_j W6(p_ij) p_ij², 1/4 in two dimensions
 // M_i is the second moment of the neighbours that the particle has, per axis: on the lattice that of the lattice
 // (lattice_laplacian_moment), in water without order 5 % less with h = 2 s, s being the spacing. As pairs take the mean
 // of 1/M they keep momentum, and the friction of a uniform shear is right in the mean of all directions, wherever the
@@ -9,7 +9,7 @@
 // more viscosity.
 //   Neighbours must not stand in for those that are missing at walls and surfaces: where M_i is below
 // min_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
-// apart keeps its rate to 5 % at 10 across (tests/mpi/test_viscosity.cpp). Collective.
+// apart keeps its rate to 5 % at 10 across (tests/fluid/test_viscosity.cpp). Collective.
 #pragma once
 
 #include "fluid/filters/velocity_filter.hpp"
@@ -34,18 +34,18 @@ class XsphViscosity : public VelocityFilter<T> {
 /// The longest step, s, in which this viscosity takes no velocity past the mean of its neighbours, i.e. c rho0 ≤ 1
 /// where the lattice is at rest density. The sum has the particle itself, which is more than neighbours of the least
 /// M_i have too much. Explicit diffusion is unstable from about twice that.
-Real longest_viscous_step(Real nu, Real spacing, Real h);
+Real longest_viscous_step(Real nu, const PointLattice& lattice, Real h);
 
 /// The M_i, over that of the lattice, below which neighbours are missing: that of the lattice or of water without
-/// order, h²/(22 s³), whichever is less, without the contribution of three neighbours, which is what M_i scatters by in
-/// flowing water.
-Real min_second_moment(Real spacing, Real h);
+/// order, h²/(22 s³), or h²/(20 s²) in the plane, whichever is less, without the contribution of three neighbours, two
+/// in the plane, which is what M_i scatters by in flowing water.
+Real min_second_moment(const PointLattice& lattice, Real h);
 
 template <class T>
 class KinematicViscosity : public VelocityFilter<T> {
  public:
   /// `nu` in m²/s.
-  KinematicViscosity(Real nu, Real spacing, Real h, std::shared_ptr<VelocityField<T>> velocity);
+  KinematicViscosity(Real nu, const PointLattice& lattice, Real h, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
   std::size_t bytes() const override { return contribution_of(velocity_); }
 

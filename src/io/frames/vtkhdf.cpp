@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-/// This rank's share of rows that ranks give in rank order.
+/// This rank's slice of rows that ranks give in rank order.
 RowSlice in_rank_order(MPI_Comm comm, std::int64_t count) {
   return {sum_over_lower_ranks(comm, count), count, sum_over_ranks(comm, count)};
 }

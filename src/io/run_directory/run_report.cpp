@@ -23,8 +23,16 @@ Json phase_json(const PhaseReport& phase) {
               {"flops", phase.flops}};
 }
 
-Json report_json(const RunReport& report) {
-  Json json;
+Json inlet_json(const RunReport::Inlet& inlet) {
+  return Json{{"asked", inlet.asked},
+              {"made", inlet.made},
+              {"covered", inlet.covered},
+              {"blocked", inlet.blocked},
+              {"dry", inlet.dry}};
+}
+
+// How it ended, by what, and of which scene.
+void add_origin(Json& json, const RunReport& report) {
   json["exit_reason"] = report.exit_reason;
   json["exit_code"] = report.exit_code;
   json["ranks"] = report.ranks;
@@ -38,6 +46,11 @@ Json report_json(const RunReport& report) {
   json["spacing"] = report.spacing;
   json["rest_density"] = report.rest_density;
   json["warnings"] = report.warnings;
+}
+
+Json report_json(const RunReport& report) {
+  Json json;
+  add_origin(json, report);
   json["instruction_set"] = report.instruction_set;
   json["precision"] = report.precision;
   json["first_step"] = report.first_step;
@@ -54,13 +67,7 @@ Json report_json(const RunReport& report) {
   json["compression_largest"] = report.compression_largest;
   json["crushed_step"] = report.crushed_step;
   json["inlets"] = Json::array();
-  for (const RunReport::Inlet& inlet : report.inlets) {
-    json["inlets"].push_back(Json{{"asked", inlet.asked},
-                                  {"made", inlet.made},
-                                  {"covered", inlet.covered},
-                                  {"blocked", inlet.blocked},
-                                  {"dry", inlet.dry}});
-  }
+  for (const RunReport::Inlet& inlet : report.inlets) json["inlets"].push_back(inlet_json(inlet));
   json["unconverged_solves"] = report.unconverged_solves;
   json["halo_bytes_per_step"] = report.halo_bytes_per_step;
   json["halo_messages_per_step"] = report.halo_messages_per_step;

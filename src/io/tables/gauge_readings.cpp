@@ -41,7 +41,7 @@ void add_velocity(const GaugeSettings& gauge, const Vec3& p, const Vec3& v, std:
 }
 
 // The linear field that fits best, at the centre; the mean where no such field is known there.
-Vec3 velocity_from(const std::int64_t* sums) {
+Vec3 velocity_from(const std::int64_t* sums, bool in_layer) {
   const std::int64_t count = *sums++;
   if (count == 0) return Vec3::Constant(NAN);
   Eigen::Matrix4d moments;
@@ -51,6 +51,7 @@ Vec3 velocity_from(const std::int64_t* sums) {
   for (Eigen::Index a = 0; a < 4; ++a)
     for (Eigen::Index b = 0; b < 3; ++b) velocities(a, b) = static_cast<Real>(*sums++);
   if (moments(0, 0) == 0) return Vec3::Constant(NAN);
+  if (in_layer) moments(2, 2) = moments(0, 0);  // in the plane nothing has a slope along y
   constexpr Real far = 0.25, flat = 1e-3;
   constexpr std::int64_t enough = 8;
   const Vec3 middle = moments.block<3, 1>(1, 0) / moments(0, 0);
@@ -67,10 +68,13 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       gauges_(settings.gauges),
       first_{0},
       spacing_(settings.fluid.spacing),
+      in_layer_(settings.fluid.dimensions == 2),
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
   for (const GaugeSettings& gauge : gauges_) {
     first_.push_back(first_.back() + (gauge.kind == GaugeKind::velocity ? count_of_moments : 1));
-    open_.push_back(gauge.kind == GaugeKind::height ? open_fraction_of_gauge(gauge, spacing_, settings.domain, {}) : 1);
+    open_.push_back(gauge.kind == GaugeKind::height
+                        ? open_fraction_of_gauge(gauge, lattice_of(settings.fluid), settings.domain, {})
+                        : 1);
     run_ups_.emplace_back(gauge, settings);
     flows_.emplace_back(gauge, spacing_);
   }
@@ -83,8 +87,9 @@ void GaugeReadings::add_height(std::size_t g, const Vec3& p, std::int64_t& sum) 
   const Vec3 from = p - gauges_[g].center;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
   const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
+  const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};
   const Real weight =
-      gauge_weight_of({from.x() - half, from.y() - half, from.x() + half, from.y() + half}, gauges_[g].radius);
+      in_layer_ ? gauge_weight_in_layer_of(cube, gauges_[g].radius) : gauge_weight_of(cube, gauges_[g].radius);
   sum += std::llround(above * spacing_ * weight / open_[g] / unit_of_height(spacing_));
 }
 
@@ -171,7 +176,7 @@ std::vector<Real> GaugeReadings::read(const Frame& frame) {
       values.push_back(*probe++);
     }
     if (kind == GaugeKind::velocity) {
-      const Vec3 velocity = velocity_from(&all[first_[k]]);
+      const Vec3 velocity = velocity_from(&all[first_[k]], in_layer_);
       values.insert(values.end(), velocity.begin(), velocity.end());
     }
   }

@@ -1,0 +1,89 @@
+// What the halos send in a step is what the formula of postprocess/results/scaling.md says, to the byte. The water is
+// a lattice at rest, so that the planes keep their particles.
+#include <gtest/gtest.h>
+
+#include "parallel/reductions.hpp"
+#include "support/cloud.hpp"
+#include "support/output_fixture.hpp"
+#include "support/tank.hpp"
+
+namespace trevi::test {
+namespace {
+
+// Cells of the box and of the water, and those that the coarse grid looks at: two above the water, rounded up to a
+// multiple of four, and a ring.
+constexpr int rows = 2, columns = 8, water_columns = 5, coarse_columns = (water_columns + 2 + 3) / 4 * 4;
+constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (coarse_columns + 2);
+// Fields of several numbers of a cell have a ring of rows only, and columns eight at a time.
+constexpr std::int64_t field_cells_per_plane = (rows + 2) * ((coarse_columns + 7) / 8 * 8);
+constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
+
+const std::string still_scene = tank_with_gravity({.min = "0.0, 0.0, 0.0",
+                                                   .max = "3.4, 0.4, 1.6",
+                                                   .water = {{"0.0, 0.0, 0.0", "3.4, 0.4, 1.0"}},
+                                                   .dt = "0.0166666667",
+                                                   .end = "1.0"});
+
+/// What finds the pressure: pairs alone, or the projection, without gravity or with it.
+enum class Grid { none, floating, upright };
+
+/// Bytes over all ranks in a substep. `record`: bytes of a packed record; `velocity_exchanges`: of the filters.
+std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, bool filters = false) {
+  const bool projected = grid != Grid::none;
+  const std::int64_t messages = 2 * (ranks - 1);  // of one exchange: both ways through every cut
+  const std::int64_t counts = 4 * rows * columns;
+  // Places once with the list and in every sweep, and those of the filtered shifts; lambda in every sweep but the
+  // projection, which asks for no densities, and what is in flight. The filters: velocities twice, and |omega|.
+  const std::int64_t places_sent = 1 + iterations + (projected ? 1 : 0) + (filters ? 2 : 0);
+  const std::int64_t scalars_sent = iterations + (filters ? 1 : 0);
+  // For each cell of the fields both ways: the volume in three planes and the moments of its particles; their fit; the
+  // moments of the shifts, in the same memory, and their fit. Under gravity the flow that the filter of noise leaves,
+  // and its fit.
+  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1 + volumes;
+  const int noise = grid == Grid::upright ? flow + fit : 0;
+  const std::int64_t field_cell = 8 * (moments + fit + noise + moments + fit);
+  // For each cell that has a single one both ways: the fill; the pivot; phi in each of four sweeps a cycle. One way:
+  // what holds phi at 0, and the residual of each cycle. Coarser levels are small enough to be gathered.
+  const int cycles = 3, both_ways = 1 + 1 + 4 * cycles, one_way = 1 + cycles;
+  const std::int64_t cell = 8 * both_ways + 4 * one_way;
+  const std::int64_t heights = 4 * rows;  // of the water
+  return messages * (counts + (3 * places_sent + scalars_sent) * particles_per_plane * record / 4 +
+                     (projected ? heights + coarse_cells_per_plane * cell + field_cells_per_plane * field_cell : 0));
+}
+
+class Traffic : public Output {
+ protected:
+  std::int64_t bytes_per_step(const std::vector<std::string>& overrides) const {
+    BuildOptions options;
+    options.directory = path("out");
+    options.progress = ProgressMode::none;
+    const std::unique_ptr<Solver> solver = build_solver(world, scene_with(still_scene, overrides), std::move(options));
+    solver->start();
+    const std::int64_t before = solver->counters().halo_bytes;
+    constexpr int steps = 12;  // with a look at the balance among them
+    for (int k = 0; k < steps; ++k) solver->step();
+    const std::int64_t sent = sum_over_ranks(world, solver->counters().halo_bytes - before);
+    EXPECT_EQ(sent % steps, 0);
+    return sent / steps;
+  }
+};
+
+TEST_F(Traffic, IsAsTheFormulaSays) {
+  const int ranks = size_of(world);
+  EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 4, Grid::upright));
+  EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}),
+            formula(ranks, 32, 7, Grid::upright));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}),
+            formula(ranks, 16, 4, Grid::none));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
+            formula(ranks, 16, 4, Grid::upright, true));
+}
+
+TEST_F(Traffic, NoiseIsThatOfGravityAlone) {
+  const int ranks = size_of(world);
+  EXPECT_EQ(bytes_per_step({"density.precision='single'", "gravity.acceleration=[0, 0, 0]"}),
+            formula(ranks, 16, 4, Grid::floating));
+}
+
+}  // namespace
+}  // namespace trevi::test

@@ -1,0 +1,197 @@
+// The multigrid of the coarse grid: what a cycle leaves of an error does not depend on the depth, and no bit depends on
+// the ranks, on where they are cut, on what is gathered or on the threads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/threads.hpp"
+#include "multigrid/multigrid.hpp"
+#include "support/cloud.hpp"
+
+namespace trevi::test {
+namespace {
+
+/// Water in a tank of cells, as uneven as it gets: a surface that slopes or is rough, and holes.
+struct Lake {
+  LocalId planes, rows, columns;
+  LocalId depth, roughness;
+  Real holes;
+  Repeats repeats{};  // along planes and rows
+
+  // A number in [0, 1) for each cell and purpose, whatever the rank.
+  static Real chance(LocalId k, LocalId r, LocalId c, int purpose) {
+    std::uint64_t x = (static_cast<std::uint64_t>(k) * 1000003 + static_cast<std::uint64_t>(r)) * 1000003 +
+                      static_cast<std::uint64_t>(c) * 16 + static_cast<std::uint64_t>(purpose);
+    for (int turn = 0; turn < 3; ++turn) x = (x ^ (x >> 31)) * 0x9E3779B97F4A7C15U + 1;
+    return static_cast<Real>(x >> 11) * 0x1p-53;
+  }
+  bool is_inside(LocalId k, LocalId r, LocalId c) const {
+    return k >= 0 && k < planes && r >= 0 && r < rows && c >= 0 && c < columns;
+  }
+  void wrap(LocalId& k, LocalId& r) const {
+    if (repeats[0]) k = (k + planes) % planes;
+    if (repeats[1]) r = (r + rows) % rows;
+  }
+  bool is_wet(LocalId k, LocalId r, LocalId c) const {
+    wrap(k, r);
+    if (!is_inside(k, r, c)) return false;
+    const Real top = depth - std::floor(static_cast<Real>(roughness) * (chance(k, r, 0, 1) + k / Real(planes)) / 2);
+    return c < top && chance(k, r, c, 2) >= holes;
+  }
+  Real link(int a, LocalId k, LocalId r, LocalId c) const {
+    wrap(k, r);
+    LocalId below[] = {k - (a == 0), r - (a == 1), c - (a == 2)};
+    wrap(below[0], below[1]);
+    if (!is_inside(k, r, c) || !is_inside(below[0], below[1], below[2])) return 0;
+    const bool high = is_wet(k, r, c), low = is_wet(below[0], below[1], below[2]);
+    if (high && low) return a == 2 ? 25 : 25 * (0.2 + chance(k, r, c, 3 + a));
+    return high || low ? 25 / (0.05 + chance(k, r, c, 3 + a)) : 0;
+  }
+};
+
+void fill(MultigridLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId c) {
+  const LevelShape& shape = cells.shape();
+  LocalId plane = k - 1 + shape.first;
+  lake.wrap(plane, r);
+  const std::size_t at = shape.index(k, r, c);
+  const bool wet = lake.is_wet(plane, r, c);
+  cells.phi[at] = wet ? Lake::chance(plane, r, c, 7) - 0.5 : 0;
+  cells.rhs[at] = wet ? 100 * (Lake::chance(plane, r, c, 8) - 0.5) : 0;
+  cells.dirichlet[at] = 0;
+  for (int a = 0; a < 3; ++a) {
+    const LocalId step[] = {a == 0, a == 1, a == 2};
+    const Real low = lake.link(a, plane, r, c), high = lake.link(a, plane + step[0], r + step[1], c + step[2]);
+    const bool low_wet = lake.is_wet(plane - step[0], r - step[1], c - step[2]);
+    cells.link[static_cast<std::size_t>(a)][at] = wet && low_wet ? low : 0;
+    if (!wet) continue;
+    if (!low_wet) cells.dirichlet[at] += low;
+    if (!lake.is_wet(plane + step[0], r + step[1], c + step[2])) cells.dirichlet[at] += high;
+  }
+}
+
+/// A solver of a communicator, with its planes of the lake.
+struct Tank {
+  Tank(MPI_Comm comm, const Lake& lake, LocalId own_planes, GlobalId gathered = 4096)
+      : halo(comm, lake.repeats[0]), multigrid(comm, lake.repeats, gathered) {
+    multigrid.resize(own_planes, lake.rows, lake.columns, lake.depth);
+    for (LocalId k = 0; k <= own_planes + 1; ++k)
+      for (LocalId r = 0; r < lake.rows; ++r)
+        for (LocalId c = 0; c < lake.columns; ++c) fill(multigrid.finest(), lake, k, r, c);
+  }
+  Halo halo;
+  Multigrid multigrid;
+};
+
+/// sqrt(Σ phi A phi) of the equation without right-hand side, on one rank.
+Real energy_norm(MultigridLevel& cells) {
+  cells.find_residual();
+  Real sum = 0;
+  for (std::size_t at = 0; at < cells.phi.size(); ++at) sum -= cells.phi[at] * cells.next[at];
+  return std::sqrt(sum);
+}
+
+/// The largest share of an error that one of six cycles leaves.
+Real share_left(const Lake& lake) {
+  Tank run(MPI_COMM_SELF, lake, lake.planes);
+  MultigridLevel& cells = run.multigrid.finest();
+  std::fill(cells.rhs.begin(), cells.rhs.end(), 0.0);
+  run.multigrid.solve(run.halo, 0);
+  Real largest = 0;
+  for (int cycle = 0; cycle < 6; ++cycle) {
+    const Real before = energy_norm(cells);
+    run.multigrid.solve(run.halo, 1);
+    largest = std::max(largest, energy_norm(cells) / before);
+  }
+  return largest;
+}
+
+TEST(Multigrid, ACycleLeavesAFifthOfAnErrorAtAnyDepth) {
+  for (const LocalId depth : {2, 8, 64, 512}) {
+    SCOPED_TRACE(depth);
+    EXPECT_LT(share_left({24, 20, depth + 2, depth, 0, 0}), 0.2);
+    EXPECT_LT(share_left({5, 5, depth + 2, depth, 0, 0}), 0.2);
+    EXPECT_LT(share_left({90, 2, depth + 2, depth, 0, 0}), 0.2);
+    EXPECT_LT(share_left({1, 1, depth + 2, depth, 0, 0}), 1e-9);
+    EXPECT_LT(share_left({24, 20, depth + 2, depth, depth / 2 + 1, 0}), 0.4);
+    EXPECT_LT(share_left({24, 20, depth + 2, depth, depth / 2 + 1, 0.2}), 0.4);
+  }
+}
+
+// With an even or an odd number of cells around, or so few that a cell is next to another on both sides.
+TEST(Multigrid, ACycleLeavesAQuarterOfAnErrorWhereTheBoxRepeats) {
+  for (const LocalId depth : {2, 8, 64}) {
+    for (const Repeats repeats : {Repeats{true, false}, Repeats{false, true}, Repeats{true, true}}) {
+      SCOPED_TRACE(depth);
+      EXPECT_LT(share_left({24, 20, depth + 2, depth, 0, 0, repeats}), 0.2);
+      EXPECT_LT(share_left({23, 13, depth + 2, depth, 0, 0, repeats}), 0.25);
+      EXPECT_LT(share_left({3, 5, depth + 2, depth, 0, 0, repeats}), 0.25);
+      EXPECT_LT(share_left({23, 21, depth + 2, depth, depth / 2 + 1, 0.2, repeats}), 0.4);
+    }
+  }
+}
+
+// Water up to the ceiling: nothing holds phi, and nothing grows.
+TEST(Multigrid, AFullBoxIsHarmless) {
+  for (const LocalId planes : {1, 9}) {
+    const Lake lake{planes, planes, 12, 12, 0, 0};
+    Tank run(MPI_COMM_SELF, lake, planes);
+    run.multigrid.solve(run.halo, 20);
+    for (const Real phi : run.multigrid.finest().phi) EXPECT_LT(std::abs(phi), 1e4);
+  }
+}
+
+/// Own planes of this rank: all the same, or as different as can be.
+LocalId planes_of_rank(LocalId planes, int kind) {
+  const int ranks = size_of(world), rank = rank_of(world);
+  if (kind == 0) return planes * (rank + 1) / ranks - planes * rank / ranks;
+  const int large = kind == 1 ? 0 : ranks - 1;
+  return rank == large ? planes - (ranks - 1) : 1;
+}
+
+void expect_same_as_alone(const Lake& lake, int kind, GlobalId gathered) {
+  const LocalId planes = planes_of_rank(lake.planes, kind);
+  Tank many(world, lake, planes, gathered), one(MPI_COMM_SELF, lake, lake.planes);
+  many.multigrid.solve(many.halo, 2);
+  one.multigrid.solve(one.halo, 2);
+  const MultigridLevel& mine = many.multigrid.finest();
+  const auto first = static_cast<std::size_t>(mine.shape().first);
+  const std::size_t plane = mine.shape().step(0), values = mine.phi.size();
+  EXPECT_EQ(std::memcmp(mine.phi.data(), one.multigrid.finest().phi.data() + first * plane, values * sizeof(Real)), 0);
+}
+
+TEST(Multigrid, SameBitsOnAnyRanksCutsAndThreads) {
+  const int before = thread_count();
+  for (const LocalId planes : {5, 8, 23, 64}) {
+    for (const int kind : {0, 1, 2}) {
+      for (const GlobalId gathered : {0, 100, 4096}) {
+        SCOPED_TRACE(std::to_string(planes) + " planes, cuts " + std::to_string(kind) + ", " +
+                     std::to_string(gathered));
+        use_threads(1 + kind % 2 * 3 + (planes == 8 ? 1 : 0));
+        expect_same_as_alone({planes, 7, 14, 11, 6, 0.1}, kind, gathered);
+        expect_same_as_alone({planes, 1, 300, 290, 6, 0}, kind, gathered);
+        expect_same_as_alone({planes, 7, 14, 11, 6, 0.1, {true, true}}, kind, gathered);
+        expect_same_as_alone({planes, 4, 60, 50, 6, 0, {true, false}}, kind, gathered);
+      }
+    }
+  }
+  use_threads(before);
+}
+
+TEST(Multigrid, SameBitsOnOneThreadAndFour) {
+  const int before = thread_count();
+  const Lake lake{40, 30, 40, 36, 12, 0.1};
+  use_threads(1);
+  Tank one(MPI_COMM_SELF, lake, lake.planes);
+  one.multigrid.solve(one.halo, 2);
+  for (const int threads : {2, 4}) {
+    use_threads(threads);
+    Tank many(MPI_COMM_SELF, lake, lake.planes);
+    many.multigrid.solve(many.halo, 2);
+    EXPECT_EQ(many.multigrid.finest().phi, one.multigrid.finest().phi);
+  }
+  use_threads(before);
+}
+
+}  // namespace
+}  // namespace trevi::test

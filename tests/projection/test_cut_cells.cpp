@@ -1,0 +1,176 @@
+// What obstacles leave of the projection's cells and faces, against brute sampling of all of them everywhere.
+#include <cmath>
+#include <random>
+
+#include "boundary/obstacles/obstacles.hpp"
+#include "particles/cell_grid.hpp"
+#include "projection/cut_cells.hpp"
+#include "support/cloud.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr Real h = 0.2;
+constexpr LocalId planes_a_rank = 6;
+
+// Balls and turned boxes at the places of a loose lattice, none in another, some cut by walls.
+Settings many_solids(MPI_Comm comm) {
+  Settings settings;
+  settings.domain = {Vec3::Zero(), Vec3(size_of(comm) * planes_a_rank * h, 2.4, 2)};
+  settings.fluid.spacing = h / 2;
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<Real> shift(-0.1, 0.1), size(0.15, 0.25), turn(0, 90);
+  for (Real x = 0.3; x < settings.domain.max.x(); x += 0.9) {
+    for (const Vec3& place : {Vec3(0, 0.1, 0.5), Vec3(0, 1.2, 0.2), Vec3(0, 2.1, 1.1), Vec3(0, 0.6, 1.6)}) {
+      ObstacleSettings solid;
+      solid.center = Vec3(x + shift(generator), place.y() + shift(generator), place.z() + shift(generator));
+      solid.shape = settings.obstacles.size() % 2 == 0 ? ShapeKind::sphere : ShapeKind::box;
+      solid.radius = size(generator);
+      solid.size = {size(generator) * 2, size(generator) * 2, size(generator) * 2};
+      if (solid.shape == ShapeKind::box) solid.rotate = {turn(generator), turn(generator), turn(generator)};
+      settings.obstacles.push_back(solid);
+    }
+  }
+  return resolved(settings);
+}
+
+struct Measured {
+  Settings settings = many_solids(world);
+  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
+  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
+  CutCells solids{obstacles};
+  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+
+  Measured() {
+    grid.resize(planes_a_rank, 10);
+    solids.measure(world, grid, settings.domain);
+  }
+  std::pair<Real, std::size_t> nearest(const Vec3& p) const {
+    std::pair<Real, std::size_t> least{INFINITY, 0};
+    for (std::size_t k = 0; k < obstacles.count(); ++k) {
+      const Body& body = obstacles.body(k);
+      least = std::min(least, {body.shape().distance(body.now().into_body(p)), k});
+    }
+    return least;
+  }
+  // Of a cuboid around a middle, or of a rectangle where a half length is 0.
+  Real open_fraction(const Vec3& middle, const Vec3& half) const {
+    constexpr int n = 12;
+    int open = 0;
+    for (int i = 0; i < n * n * n; ++i) {
+      const Vec3 in_cell(i % n, i / n % n, i / n / n);
+      open += nearest(middle + half.cwiseProduct((2 * in_cell.array() + 1 - n).matrix() / n)).first > 0;
+    }
+    return static_cast<Real>(open) / (n * n * n);
+  }
+};
+
+TEST(CutCells, FractionsAreThoseOfAllObstacles) {
+  const Measured m;
+  const Vec3 half = m.grid.size() / 2;
+  Real wrong_cell = 0, wrong_faces = 0;
+  int cut = 0, cut_faces = 0;
+  for (LocalId k = 1; k <= m.grid.planes(); ++k) {
+    for (LocalId r = 0; r < m.grid.rows(); ++r) {
+      for (LocalId c = 0; c < m.grid.columns(); ++c) {
+        const std::size_t at = m.grid.index(k, r, c);
+        const Vec3 middle = m.solids.middle(k, r, c);
+        const auto [distance, body] = m.nearest(middle);
+        if (std::abs(distance) < h / 2) {
+          EXPECT_EQ(m.solids.nearest(at), body);
+        }
+        const Real open = m.open_fraction(middle, half);
+        cut += open > 0 && open < 1;
+        wrong_cell = std::max(wrong_cell, std::abs(m.solids.open(at) - open));
+        for (std::size_t a = 0; a < 3; ++a) {
+          if (m.solids.open(at) == 0 || m.grid.is_wall(a, k, r, c) || m.solids.open(at - m.grid.step(a)) == 0) continue;
+          Vec3 place = middle, flat = half;
+          place[m.grid.axis(a)] -= half[static_cast<Eigen::Index>(a)];
+          flat[m.grid.axis(a)] = 0;
+          const Real area = m.open_fraction(place, flat);
+          cut_faces += area > 0 && area < 1;
+          wrong_faces += std::abs(m.solids.face(a, at) - area);
+        }
+      }
+    }
+  }
+  std::printf("%d cells cut; fractions of volume within %.3f, of area %.4f in the mean of faces cut\n", cut, wrong_cell,
+              wrong_faces / cut_faces);
+  EXPECT_GT(cut, 50);
+  EXPECT_LT(wrong_cell, 0.05);
+  EXPECT_LT(wrong_faces, 0.05 * cut_faces);  // in edges of boxes faces are taken to be closed by a sheet
+}
+
+// A vessel in which water turns as a rigid body, about the upright axis through its centre.
+struct Vessel {
+  static constexpr LocalId planes = 12;
+  Settings settings;
+  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
+  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
+  CutCells cuts{obstacles};
+  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+
+  Vessel(ShapeKind shape, Real radius, const Vec3& centre) : settings(settings_of(shape, radius, centre)) {
+    grid.resize(planes / size_of(world), 10);
+    cuts.measure(world, grid, settings.domain);
+  }
+  static Settings settings_of(ShapeKind shape, Real radius, const Vec3& centre) {
+    Settings settings;
+    settings.domain = {Vec3::Zero(), Vec3(planes * h, 2.4, 2)};
+    settings.fluid.spacing = h / 2;
+    ObstacleSettings vessel;
+    vessel.shape = shape;
+    vessel.inside = true;
+    vessel.center = centre;
+    vessel.radius = radius;
+    vessel.height = 4;
+    settings.obstacles.push_back(vessel);
+    return resolved(settings);
+  }
+  // Through a face, of its middle at `in_cell`, in the units of a whole face that moves by one cell.
+  Real flux(std::size_t a, std::size_t face, const Vec3& corner, const ByAxis& in_cell) const {
+    const Vec3 from_centre = corner + Vec3(in_cell[0], in_cell[1], in_cell[2]).cwiseProduct(Vec3::Constant(h)) -
+                             settings.obstacles[0].center;
+    return cuts.face(a, face) * Vec3(-from_centre.y(), from_centre.x(), 0)[static_cast<Eigen::Index>(grid.axis(a))] / h;
+  }
+  Real divergence(LocalId k, LocalId r, LocalId c) const {
+    const std::size_t at = grid.index(k, r, c);
+    const Vec3 corner = cuts.middle(k, r, c) - grid.size() / 2;
+    Real sum = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t above = at + grid.step(a);
+      ByAxis low = cuts.middle_of_face(a, at), high = cuts.middle_of_face(a, above);
+      low[grid.axis(a)] = 0;
+      high[grid.axis(a)] = 1;
+      sum += flux(a, above, corner, high) - flux(a, at, corner, low);
+    }
+    return sum;
+  }
+};
+
+// Nothing of it passes the wall, so what enters a cell leaves it: else every cell at the wall would brake the water.
+// That holds beside cells, too, of which the vessel leaves only a sliver.
+TEST(CutCells, ARigidRotationHasNoDivergenceInAVessel) {
+  for (const ShapeKind shape : {ShapeKind::cylinder, ShapeKind::sphere}) {
+    for (const Real radius : {0.53, 0.8, 0.97}) {
+      const Vessel vessel(shape, radius, Vec3(1.19, 1.21, 1.03));
+      Real worst = 0;
+      int cut = 0;
+      for (LocalId k = 1; k <= vessel.grid.planes(); ++k) {
+        for (LocalId r = 0; r < vessel.grid.rows(); ++r) {
+          for (LocalId c = 0; c < vessel.grid.columns(); ++c) {
+            const Real open = vessel.cuts.open(vessel.grid.index(k, r, c));
+            cut += open > 0 && open < 1;
+            if (open > 0) worst = std::max(worst, std::abs(vessel.divergence(k, r, c)));
+          }
+        }
+      }
+      std::printf("radius %.2f: %d cells cut, divergence %.1e of the speed at the wall\n", radius, cut,
+                  worst * h / radius);
+      EXPECT_LT(worst, 3e-3 * radius / h);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace trevi::test

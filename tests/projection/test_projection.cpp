@@ -1,0 +1,200 @@
+// The stages of the projection, each alone: affine motion passes the transfer exactly however particles lie, damping
+// and the filter of shifts keep what they should, water that moves as a whole has no pressure, and a full box rests.
+// The Poisson equation is in test_poisson.cpp.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "projection/projection.hpp"
+#include "stages.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr Real s = 0.1, h = 2 * s;
+const Box box = Lattice{}.box;
+
+Vec3 affine_motion(const Vec3& p) {
+  Eigen::Matrix3d slope;
+  slope << 0.02, -0.05, 0.01, 0.04, -0.03, 0.02, -0.01, 0.03, 0.01;
+  return Vec3(0.011, -0.007, 0.004) + slope * (p - Vec3(0.9, 0.7, 0.8));
+}
+
+TEST(ParticlesToGrid, AffineMotionIsExactAtFaces) {
+  for (const Real jitter : {0.0, 0.4}) {
+    Water water(affine_motion, {.jitter = jitter, .offset = Vec3(0.03, 0.017, 0.041)});
+    Stages at(water, s);
+    at.gather();
+    Real wrong = 0;
+    int faces = 0;
+    at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+      const std::size_t cell = at.grid.index(k, r, c);
+      if (at.transfer.moments(cell).at.n == 0) return;
+      for (const int a : {0, 1, 2}) {
+        const Real exact = affine_motion(at.middle(k, r, c, a))[a];
+        wrong = std::max(wrong, std::abs(at.transfer.displacement(static_cast<std::size_t>(a), cell) - exact));
+        ++faces;
+      }
+    });
+    EXPECT_LT(largest(wrong), 1e-8) << "of 0.05 m";
+    EXPECT_GT(sum_over_ranks(world, GlobalId{faces}), 500);
+  }
+}
+
+TEST(ParticlesToGrid, VolumeIsThatOfTheParticles) {
+  Water water([](const Vec3&) { return Vec3(Vec3::Zero()); }, {.jitter = 0.2});
+  Stages at(water, s);
+  at.gather();
+  Real volume = 0;
+  for (LocalId k = 1; k <= at.grid.planes(); ++k)
+    for (LocalId r = 0; r < at.grid.rows(); ++r) {
+      std::vector<Real> volumes(static_cast<std::size_t>(at.grid.columns()));
+      at.transfer.find_volumes(k, r, volumes);
+      volume += std::accumulate(volumes.begin(), volumes.end(), 0.0);
+    }
+  Real all = 0;
+  MPI_Allreduce(&volume, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  const auto particles = static_cast<Real>(sum_over_ranks(world, GlobalId{water.particles.size()}));
+  EXPECT_NEAR(all * at.grid.size().prod(), particles * s * s * s, 1e-10);
+}
+
+/// What the projection does to the particles in a step of 1/60 s.
+std::vector<Vec4<double>> displacements(Water& water, Real gravity) {
+  Projection projection(world, water.grid, box, {s, h, gravity});
+  std::vector<Vec4<double>> out(static_cast<std::size_t>(water.particles.size()));
+  projection.displacements<double>(water.near.order(), water.near.halo(), 1.0 / 60, water.motion(), out);
+  return out;
+}
+Real longest(const std::vector<Vec4<double>>& all) {
+  Real most = 0;
+  for (const auto& one : all) most = std::max(most, vector_of(one).norm());
+  return largest(most);
+}
+
+// Half-filled rows of cells, and lattices that lie anyhow: whatever the fill, there is no pressure.
+TEST(Projection, WaterThatFliesIsLeftAlone) {
+  for (const Vec3& offset : {Vec3(0, 0, 0.5), Vec3(0.037, 0.051, 0.513)}) {
+    Water water([](const Vec3&) { return Vec3(0.03, -0.02, 0.05); }, {.top = 1.6, .offset = offset});
+    std::vector<std::size_t> keep;
+    Particles& all = water.particles;
+    for (std::size_t i = 0; i < all.id.size(); ++i)  // off the walls
+      if (((all.position[i] - box.min).array() > 0.45).all() && ((box.max - all.position[i]).array() > 0.45).all())
+        keep.push_back(i);
+    Particles some;
+    for (const std::size_t i : keep) {
+      some.id.push_back(all.id[i]);
+      some.position.push_back(all.position[i]);
+      some.predicted.push_back(all.predicted[i]);
+      some.velocity.push_back(all.velocity[i]);
+    }
+    all = some;
+    water.sort();
+    EXPECT_GT(sum_over_ranks(world, GlobalId{all.size()}), 100);
+    for (const Real gravity : {9.8, 0.0}) EXPECT_LT(longest(displacements(water, gravity)), 1e-12) << gravity;
+  }
+}
+
+// What gravity would move is held: water at rest up to the ceiling, and below a surface.
+TEST(Projection, StillWaterIsHeldExactly) {
+  constexpr Real g_dt2 = 9.8 / 3600;
+  for (const Real top : {box.max.z(), 1.5}) {
+    Water water([](const Vec3&) { return Vec3(0, 0, -g_dt2); }, {.top = top, .at = 0});
+    Real wrong = 0;
+    for (const auto& one : displacements(water, 9.8))
+      wrong = std::max(wrong, (vector_of(one) - Vec3(0, 0, g_dt2)).norm());
+    EXPECT_LT(largest(wrong), 1e-12);
+  }
+}
+
+// What the damping of a substep gives to all particles.
+struct Damped {
+  std::array<Real, 6> impulse_and_torque{};
+  Real size = 0, energy_lost = 0;
+
+  void add(const Vec3& x, const Vec3& p, const Vec3& u) {
+    const Vec3 path = p - x, torque = ((p + x) / 2).cross(u);
+    for (const int a : {0, 1, 2}) {
+      impulse_and_torque[static_cast<std::size_t>(a)] += u[a];
+      impulse_and_torque[static_cast<std::size_t>(a + 3)] += torque[a];
+    }
+    size += u.norm();
+    energy_lost -= path.dot(u) + u.squaredNorm() / 2;
+  }
+  void sum() {
+    for (Real* one : {&impulse_and_torque[0], &impulse_and_torque[1], &impulse_and_torque[2], &impulse_and_torque[3],
+                      &impulse_and_torque[4], &impulse_and_torque[5], &size, &energy_lost})
+      MPI_Allreduce(MPI_IN_PLACE, one, 1, MPI_DOUBLE, MPI_SUM, world);
+  }
+};
+
+// The displacements without those of the pressure.
+Damped damped(const Field& motion) {
+  Water water(motion, {.jitter = 0.2});
+  Stages at(water, s);
+  at.classify();
+  at.back->prepare(water.near.halo(), {0, 0.1});
+  at.solve(0);
+  GridToParticles::Damping damping;
+  Damped sums;
+  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+    if (c == 0) at.back->find_damping(damping, k, r);
+    const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
+    if (cell.begin == cell.end) return;
+    CellDisplacement by = at.back->displacement_of(at.pressure, damping, k, r, c);
+    by.low = by.rise = {};
+    by.fade = 0;
+    by.at_surface = 1;
+    std::vector<Vec4<double>> out(cell.end - cell.begin);
+    displace_cell(at.transfer.frame(), water.motion(), cell, by, out.data());
+    for (std::size_t i = cell.begin; i < cell.end; ++i)
+      sums.add(water.particles.position[i], water.particles.predicted[i], vector_of(out[i - cell.begin]));
+  });
+  sums.sum();
+  return sums;
+}
+
+// Noise is damped without a net impulse or torque; affine motion without noise is not damped at all.
+TEST(GridToParticles, DampingKeepsMomenta) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<Real> number(-1, 1);
+  const Damped noise =
+      damped([&](const Vec3&) { return Vec3(1e-3 * Vec3(number(random), number(random), number(random))); });
+  for (const Real one : noise.impulse_and_torque) EXPECT_LT(std::abs(one), 2e-2 * noise.size);
+  EXPECT_GT(noise.energy_lost, 0) << "noise loses energy";
+  const Damped affine = damped([](const Vec3& p) { return Vec3(0.05 * affine_motion(p)); });
+  EXPECT_LT(affine.size, 1e-5 * noise.size);
+}
+
+// What a particle is displaced by is linear between the faces of its cell, so a linear field passes exactly: phi that
+// is a parabola along each axis, whose displacements of the faces are those of its gradient.
+TEST(GridToParticles, ALinearDisplacementIsExact) {
+  Water water([](const Vec3&) { return Vec3(Vec3::Zero()); }, {.top = box.max.z(), .jitter = 0.2, .at = 0});
+  Stages at(water, s);
+  const Vec3 slope(0.02, -0.05, 0.03), start(0.004, -0.002, 0.001);
+  Real wrong = 0;
+  int particles = 0;
+  at.gather();
+  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+    const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
+    if (cell.begin == cell.end) return;
+    CellDisplacement by{};
+    const Vec3 low = at.middle(k, r, c) - at.grid.size() / 2;
+    for (const int a : {0, 1, 2}) {
+      by.low[static_cast<std::size_t>(a)] = start[a] + slope[a] * low[a];
+      by.rise[static_cast<std::size_t>(a)] = slope[a] * at.grid.size()[a];
+    }
+    by.at_surface = 1;
+    std::vector<Vec4<double>> out(cell.end - cell.begin);
+    displace_cell(at.transfer.frame(), water.motion(), cell, by, out.data());
+    for (std::size_t i = cell.begin; i < cell.end; ++i, ++particles) {
+      const Vec3 exact = start + slope.cwiseProduct(water.particles.position[i]);
+      wrong = std::max(wrong, (vector_of(out[i - cell.begin]) - exact).norm());
+    }
+  });
+  EXPECT_LT(largest(wrong), 1e-12);
+  EXPECT_GT(sum_over_ranks(world, GlobalId{particles}), 500);
+}
+
+}  // namespace
+}  // namespace trevi::test

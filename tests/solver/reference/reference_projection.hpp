@@ -1,0 +1,307 @@
+// The projection by brute force, serially and over the whole box. Written from what the headers of src/projection say
+// of themselves and the constants of parameters.hpp; shares no code with them. Without obstacles. Not collective.
+#pragma once
+
+#include "reference_multigrid.hpp"
+#include "reference_particles_to_grid.hpp"
+
+namespace trevi::test {
+
+class ReferenceProjection : ReferenceParticlesToGrid {
+ public:
+  explicit ReferenceProjection(const Scene& scene) : ReferenceParticlesToGrid(scene) {
+    if (scene.gravity) gravity_ = -scene.gravity->z();
+  }
+
+  struct Displacement {
+    Vec3 u;    // m
+    Real act;  // how far the grid acts, from 0 to 1
+  };
+  /// Of particles that go from x to p in the time dt.
+  std::vector<Displacement> displacements(const std::vector<Vec3>& x, const std::vector<Vec3>& p, Real dt) {
+    gather(x, p);
+    find_water();
+    const Real time = dt * std::sqrt(gravity_ / h_);
+    solve(gravity_ * dt * dt, std::min(1.0, time / 6));
+    const std::vector<Vec3> damping = dampings(time);
+    result_.clear();
+    for (std::size_t i = 0; i < particles_.size(); ++i) result_.push_back(displacement(particles_[i], damping[i]));
+    return result_;
+  }
+
+  /// Of the same particles, shifted from x to p since: the smooth part of each shift, as far as the grid acts. The
+  /// particles still count to the cells in which they were predicted. `compression`: rho/rho0 − 1.
+  std::vector<Vec3> smooth_shifts(const std::vector<Vec3>& x, const std::vector<Vec3>& p,
+                                  const std::vector<Real>& compression) const {
+    std::vector<Vec3> y, u;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      u.push_back(p[i] - x[i]);
+      y.push_back(midway(p[i], u[i]) - particles_[i].cell.cast<Real>());
+    }
+    CellArray<ReferenceFit> fits(cells_, {});
+    CellArray<Real> kept(cells_, 0);
+    for_each_cell([&](const Cell& c) {
+      Real n = 0, sum = 0;
+      for_each_around(c, [&](const Cell& cell, const Vec3&, Real weight) {
+        for (const std::size_t i : (*members_)[cell]) {
+          n += weight;
+          sum += weight * compression[i];
+        }
+      });
+      kept[c] = 1 - std::clamp(((n > 0 ? sum / n : 0) - 0.004) / (0.008 - 0.004), 0.0, 1.0);
+      if (wet(c) || wet(c - unit(2))) fits[c] = fit_around(c, y, u);
+    });
+    std::vector<Vec3> smooth;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      Vec3 sum = Vec3::Zero();
+      Real all = 0;
+      for_each_around(particles_[i].cell, [&](const Cell& cell, const Vec3& offset, Real weight) {
+        all += weight * fits[cell].weight;
+        sum += weight * fits[cell].weight * fits[cell].at(y[i] - offset);
+      });
+      const Real squeezed = std::clamp((compression[i] - 0.02) / (0.04 - 0.02), 0.0, 1.0);  // keeps its own shift
+      const Real part = result_[i].act * (1 - squeezed) * kept[particles_[i].cell];
+      smooth.push_back(all > 0 ? Vec3(part / all * sum) : Vec3::Zero());
+    }
+    return smooth;
+  }
+
+  /// What the water's motion differs by along shifts, m: of each less the mean of its cell, as far as the grid acts.
+  std::vector<Vec3> carried(const std::vector<Vec3>& shifts) const {
+    std::vector<Vec3> result(shifts.size(), Vec3::Zero());
+    for_each_cell([&](const Cell& c) {
+      Vec3 mean = Vec3::Zero();
+      Real all = 0;
+      for (const std::size_t i : (*members_)[c]) {
+        mean += result_[i].act * shifts[i];
+        all += result_[i].act;
+      }
+      if (all == 0) return;
+      for (const std::size_t i : (*members_)[c])
+        result[i] = result_[i].act * ((*fit_)[c].b * (shifts[i] - mean / all).cwiseQuotient(size_));
+    });
+    return result;
+  }
+
+ private:
+  bool upright() const { return gravity_ > 0; }
+
+  // ---- the water and its surface ----------------------------------------------------------------------------------
+
+  void find_water() {
+    fill_.emplace(cells_, 0);
+    wet_.emplace(cells_, 0);
+    height_.emplace(cells_, 1);
+    for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
+    for_each_cell([&](const Cell& c) {
+      const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
+      const bool on_floor = c.z() == 0 && (*fill_)[c] >= 0.2;
+      (*wet_)[c] = (cells_.repeats(2) || c.z() < (*reach_)[Cell(c.x(), c.y(), 0)]) &&
+                   ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
+    });
+    // Water under the ceiling has no surface.
+    for_each_cell([&](const Cell& c) {
+      if (c.z() + 1 == count_.z() && !cells_.repeats(2)) (*wet_)[c + unit(2)] = (*wet_)[c];
+    });
+    for_each_cell([&](const Cell& c) {
+      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.2);
+    });
+    closed_ = true;
+    for_each_face([&](int a, const Cell& c) {
+      if (!is_wall(a, c) && wet(c) != wet(c - unit(a))) closed_ = false;
+    });
+  }
+  bool wet(const Cell& c) const { return (*wet_)[c] != 0; }
+  bool is_top(const Cell& c) const { return upright() && wet(c) && !wet(c + unit(2)); }
+  // A column that stands on the floor has all of its volume below its surface.
+  Real height_of_top(const Cell& c) const {
+    const Real own = (*fill_)[c] + (*fill_)[c + unit(2)];
+    Real excess = 0;
+    for (Cell below = c - unit(2); below.z() >= 0; below -= unit(2)) {
+      if (!wet(below)) return own;
+      excess += (*fill_)[below] - 1;
+    }
+    return own + std::clamp(excess, -0.25, 0.25);
+  }
+  Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
+
+  // ---- the pressure -----------------------------------------------------------------------------------------------
+
+  bool is_open(int a, const Cell& c) const { return !is_wall(a, c) && (wet(c) || wet(c - unit(a))); }
+  // Area under water over the distance between what is on either side; 0 where nothing passes.
+  Real weight(int a, const Cell& c) const {
+    const Cell below = c - unit(a);
+    if (!is_open(a, c)) return 0;
+    if (!upright()) return 1;
+    if (a == 2) return is_top(below) ? 1 / above_middle(below) : 1;
+    if (wet(below) && wet(c)) return ((*height_)[below] + (*height_)[c]) / 2;
+    return (*height_)[wet(c) ? c : below];
+  }
+
+  // Both side faces of a cell count with its own height of water.
+  Real divergence(const Cell& c) const {
+    Real sum = 0;
+    for (int a = 0; a < 3; ++a) {
+      const Real area = a == 2 ? 1 : std::min((*height_)[c], 1.0);
+      const Cell up = c + unit(a);
+      sum += area * ((is_open(a, up) ? mean(a, up) : 0) - (is_open(a, c) ? mean(a, c) : 0)) / size_[a];
+    }
+    return sum;
+  }
+
+  // Nothing pulls where air is beside a cell or below it, or, without gravity, above it.
+  bool may_swell(const Cell& c) const {
+    for (int a = 0; a < 3; ++a) {
+      const Cell down = c - unit(a), up = c + unit(a);
+      if (!is_wall(a, c) && !wet(down)) return true;
+      if ((a < 2 || !upright()) && !is_wall(a, up) && !wet(up)) return true;
+    }
+    return false;
+  }
+  Real returned(const Cell& c, Real return_fraction) const {
+    const Real less = (*fill_)[c] - 1;
+    if (closed_ || (less < 0 && may_swell(c))) return 0;
+    if (upright()) return return_fraction * (is_top(c) ? std::min(1.0, 2 * (*fill_)[c + unit(2)]) : 1) * less;
+    Vec3 way = Vec3::Zero();  // of the water of the cell, in cells
+    const std::vector<std::size_t>& here = (*members_)[c];
+    for (const std::size_t i : here) way += particles_[i].way.cwiseQuotient(size_) / static_cast<Real>(here.size());
+    return std::min(way.norm() / 6, 1.0) * less;
+  }
+
+  /// Of a column that stands on the floor: what water at rest would have below its surface, or below the ceiling where
+  /// there is no surface at all.
+  void set_hydrostatic_guess(Real g_dt2) {
+    for_each_cell([&](const Cell& c) {
+      Cell top = c;
+      for (Cell below = c; below.z() >= 0; below -= unit(2))
+        if (!wet(below)) return;
+      while (top.z() < count_.z() && !is_top(top)) top += unit(2);
+      if (top.z() < count_.z()) {
+        (*phi_)[c] = -g_dt2 * size_.z() * (above_middle(top) + top.z() - c.z());
+      } else if (closed_) {
+        (*phi_)[c] = -g_dt2 * size_.z() * (count_.z() - 0.5 - c.z());
+      }
+    });
+  }
+
+  ReferenceMultigrid::Level equation() const {
+    ReferenceMultigrid::Level level;
+    CellArray<int> row(cells_, -1);
+    for_each_cell([&](const Cell& c) {
+      if (!wet(c)) return;
+      row[c] = static_cast<int>(level.cells.size());
+      level.cells.push_back(c);
+    });
+    const auto rows = static_cast<Eigen::Index>(level.cells.size());
+    level.matrix = Eigen::MatrixXd::Zero(rows, rows);
+    for_each_face([&](int a, const Cell& c) {
+      const int below = row[c - unit(a)], above = row[c];
+      const Real link = weight(a, c) / (size_[a] * size_[a]);
+      if (below >= 0) level.matrix(below, below) += link;
+      if (above >= 0) level.matrix(above, above) += link;
+      if (below >= 0 && above >= 0) level.matrix(below, above) = level.matrix(above, below) = -link;
+    });
+    return level;
+  }
+
+  void solve(Real g_dt2, Real return_fraction) {
+    phi_.emplace(cells_, 0);
+    if (upright()) set_hydrostatic_guess(g_dt2);
+    const ReferenceMultigrid::Level level = equation();
+    Eigen::VectorXd phi(level.matrix.rows()), right(level.matrix.rows());
+    for (Eigen::Index i = 0; i < phi.size(); ++i) {
+      const Cell& c = level.cells[static_cast<std::size_t>(i)];
+      phi[i] = (*phi_)[c];
+      right[i] = divergence(c) - returned(c, return_fraction);
+    }
+    ReferenceMultigrid(cells_, depth(), closed_).solve(level, phi, right, closed_ ? 6 : 3);
+    const Real origin = closed_ && phi.size() > 0 ? phi.maxCoeff() : 0;
+    for (Eigen::Index i = 0; i < phi.size(); ++i)
+      (*phi_)[level.cells[static_cast<std::size_t>(i)]] = std::min(phi[i] - origin, 0.0);
+  }
+
+  // ---- what the particles take from it ----------------------------------------------------------------------------
+
+  /// Whether what little is in the cell follows the top cell below it.
+  bool follows(const Cell& c) const { return upright() && !wet(c) && c.z() > 0 && wet(c - unit(2)); }
+
+  // With F u of a particle the sum over the cells around it of what their fits differ by from its own motion, F is
+  // applied twice, and the second time each cell has its own rate.
+  std::vector<Vec3> dampings(Real time) const {
+    std::vector<Vec3> y, noise, damping;
+    if (!upright()) return std::vector<Vec3>(particles_.size(), Vec3::Zero());
+    for (const Particle& i : particles_) {
+      y.push_back(i.y);
+      noise.push_back(filtered(i, i.way, *fit_));
+    }
+    CellArray<ReferenceFit> second(cells_, {});
+    for_each_cell([&](const Cell& c) {
+      if (!wet(c) && !follows(c)) return;
+      second[c] = fit_around(c, y, noise);
+      second[c].weight *= std::min(time / 12, 1.0) / (1 + (*fit_)[c].rest2 / std::pow(0.2 * time * h_, 2));
+    });
+    for (std::size_t i = 0; i < particles_.size(); ++i) damping.push_back(-filtered(particles_[i], noise[i], second));
+    return damping;
+  }
+  Vec3 filtered(const Particle& i, const Vec3& own, const CellArray<ReferenceFit>& fits) const {
+    Vec3 sum = Vec3::Zero();
+    for_each_around(i.cell, [&](const Cell& cell, const Vec3& offset, Real weight) {
+      sum += weight / std::pow(1.5, dimensions_) * fits[cell].weight * (fits[cell].at(i.y - offset) - own);
+    });
+    return sum;
+  }
+
+  /// Back from a wall, m: by the linear mean at its face, but no more than the cell's own particles move towards it in
+  /// the mean, and nothing against that.
+  Real at_wall(int a, const Cell& face, const Cell& inner) const {
+    Real sum = 0, count = 0;
+    for (const Particle& i : particles_) {
+      if (i.in_flight || (i.cell.array() != inner.array()).any()) continue;
+      sum += i.way[a];
+      ++count;
+    }
+    const Real there = mean(a, face);
+    if (count == 0) return -there;
+    if (sum * there <= 0) return 0;
+    return -std::copysign(std::min(std::abs(sum / count), std::abs(there)), there);
+  }
+
+  /// Through a face of `inner`, m; nothing where neither side is wet.
+  std::optional<Real> through(int a, const Cell& face, const Cell& inner) const {
+    const Cell below = face - unit(a);
+    if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
+    if (!wet(face) && !wet(below)) return std::nullopt;
+    const Real u = ((*phi_)[face] - (*phi_)[below]) / size_[a];
+    return a == 2 && is_top(below) ? u / above_middle(below) : u;
+  }
+
+  Displacement displacement(const Particle& i, const Vec3& damping) const {
+    const Cell& c = i.cell;
+    const bool acts = wet(c) || follows(c);
+    if (i.in_flight || (upright() && !acts)) return {Vec3::Zero(), 0};
+    Vec3 u;
+    for (int a = 0; a < 3; ++a) {
+      const Cell cell = follows(c) && a < 2 ? Cell(c - unit(2)) : c;
+      std::optional<Real> low = through(a, cell, cell), high = through(a, cell + unit(a), cell);
+      if (upright()) {  // what is not known is as on the other side
+        low = low ? low : high;
+        high = high ? high : low;
+      }
+      u[a] = low.value_or(0) + i.f[a] * (high.value_or(0) - low.value_or(0));
+    }
+    u += damping;
+    if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
+    const Cell top = follows(c) ? Cell(c - unit(2)) : c;
+    const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
+    const Real faded = std::clamp((below + 0.25) / 2 + 1, 0.0, 1.0);
+    return {faded * u, faded};
+  }
+
+  Real gravity_ = 0;     // m/s²
+  bool closed_ = false;  // no water has a surface
+  std::optional<CellArray<Real>> fill_, height_, phi_;
+  std::optional<CellArray<char>> wet_;
+  std::vector<Displacement> result_;
+};
+
+}  // namespace trevi::test

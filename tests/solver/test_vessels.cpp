@@ -1,0 +1,257 @@
+// Water in vessels and around obstacles, through the whole solver: nobody leaks, still water stays still, forces are
+// those of Archimedes and balance with momentum, and the bits do not depend on the ranks.
+#include <cmath>
+#include <numbers>
+
+#include "boundary/obstacles/body.hpp"
+#include "fluid/constraint/density.hpp"
+#include "support/cloud.hpp"
+#include "support/kept_run.hpp"
+#include "support/output_fixture.hpp"
+#include "support/tank.hpp"
+
+namespace trevi::test {
+namespace {
+
+Scene scene_of(const std::string& text, const std::vector<ObstacleKnot>& knots) {
+  Scene scene = parse_scene("test.toml", text, {});
+  if (!knots.empty()) scene.obstacles.front().knots = knots;
+  return scene;
+}
+
+struct VesselRun : KeptRun {
+  VesselRun(MPI_Comm comm, const std::string& text, const std::vector<ObstacleKnot>& knots = {})
+      : KeptRun(comm, scene_of(text, knots)) {}
+  /// The least distance of a particle of this rank to a surface, negative in a solid.
+  Real nearest() const {
+    Real least = 1e300;
+    for (const ObstacleSettings& obstacle : scene.obstacles) {
+      const auto shape = make_shape(obstacle);
+      const Pose pose = BodyMotion(obstacle).at(solver->clock().time());
+      for (const Vec3& p : solver->particles().position) least = std::min(least, shape->distance(pose.into_body(p)));
+    }
+    return least;
+  }
+};
+
+const std::string pool = tank_with_gravity({.max = "1.6, 1.2, 1.6", .water = {{"0, 0, 0", "1.6, 1.2, 1.2"}}});
+
+const std::string ball = R"(
+[[obstacle]]
+type = "sphere"
+center = [0.75, 0.6, 0.6]
+radius = 0.3
+)";
+
+TEST(Vessels, SameBitsOnAnyRanks) {
+  const std::string scene = pool + ball +
+                            "velocity = [0.3, 0, 0.2]\nangular_velocity = [1, 2, 3]\n[[obstacle]]\ntype = 'box'\n"
+                            "center = [0.8, 0.6, 0.8]\nsize = [1.5, 1.1, 1.5]\nrotate = [0, 10, 5]\ninside = true\n";
+  for (const char* precision : {"double", "single"}) {
+    const std::string text = scene + "[density]\nprecision = '" + precision + "'\n";
+    VesselRun together(world, text), alone(MPI_COMM_SELF, text);
+    together.steps(15);
+    alone.steps(15);
+    const Cloud a = gathered(world, together.solver->particles()),
+                b = gathered(MPI_COMM_SELF, alone.solver->particles());
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.position, b.position);
+    EXPECT_EQ(a.velocity, b.velocity);
+    for (std::size_t k = 0; k < together.forces.back().size(); ++k) {
+      EXPECT_EQ(together.forces.back()[k].force, alone.forces.back()[k].force);
+      EXPECT_EQ(together.forces.back()[k].torque, alone.forces.back()[k].torque);
+    }
+    EXPECT_GT(together.nearest(), -1e-9);
+  }
+}
+
+// The momentum of water with rest density changes by its weight less what obstacles and the box took.
+TEST(Vessels, MomentumBalances) {
+  VesselRun run(world, pool + ball + "velocity = [1, 0, 0.5]\n");
+  run.steps(30);
+  const Real count = static_cast<Real>(run.rows.front().particles), mass = 1000 * 1e-3;
+  const Real dt = run.scene.dt;
+  for (std::size_t k = 1; k < run.rows.size(); ++k) {
+    Vec3 taken = Vec3::Zero();
+    for (const BodyForce& one : run.forces[k]) taken += one.force;
+    const Vec3 change = (run.rows[k].momentum - run.rows[k - 1].momentum) / dt;
+    const Vec3 weight(0, 0, -9.8 * count * mass);
+    EXPECT_LT((change - (weight - taken)).norm(), 1e-6 * weight.norm()) << k;
+  }
+}
+
+// In the mean over steps at rest.
+TEST(Vessels, BuoyancyIsThatOfArchimedes) {
+  for (const char* shape : {"type = 'sphere'\nradius = 0.35", "type = 'box'\nsize = [0.5, 0.44, 0.53]"}) {
+    VesselRun run(world, pool + "[[obstacle]]\ncenter = [0.77, 0.61, 0.57]\n" + shape + "\n");
+    run.steps(120);
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t k = 60; k < run.forces.size(); ++k)
+      mean += run.forces[k][0].force / static_cast<Real>(run.forces.size() - 60);
+    const bool is_ball = run.scene.obstacles[0].shape == ShapeKind::sphere;
+    const Real volume = is_ball ? std::numbers::pi * 4 / 3 * 0.35 * 0.35 * 0.35 : 0.5 * 0.44 * 0.53;
+    const Real expected = 1000 * 9.8 * volume;
+    if (rank_of(world) == 0) std::printf("buoyancy over rho g V: %.4f\n", mean.z() / expected);
+    EXPECT_NEAR(mean.z() / expected, 1, 0.02);
+    EXPECT_LT(std::abs(mean.x()) + std::abs(mean.y()), 0.02 * expected);
+  }
+}
+
+// Shaken at 10 m/s and 20 g for half a second: a swing of 0.51 m along x, with the same along z a quarter later.
+TEST(Vessels, NobodyLeavesAShakenBall) {
+  const std::string text =
+      tank_with_gravity(
+          {.min = "-1.2, -0.7, -1.2", .max = "1.2, 0.7, 1.2", .water = {{"-0.6, -0.6, -0.6", "0.6, 0.6, 0.1"}}}) +
+      R"([[obstacle]]
+type = "sphere"
+center = [0, 0, 0]
+radius = 0.6
+inside = true
+)";
+  std::vector<ObstacleKnot> knots;
+  constexpr Real speed = 10, acceleration = 20 * 9.8;
+  constexpr Real omega = acceleration / speed, swing = speed / omega;
+  for (int k = 0; k <= 400; ++k) {
+    const Real t = 0.0025 * k;
+    knots.push_back({t, Vec3(swing * std::sin(omega * t), 0, swing * (1 - std::cos(omega * t)) * 0.5)});
+  }
+  VesselRun run(world, text, knots);
+  for (int k = 0; k < 30; ++k) {
+    run.steps(1);
+    ASSERT_GT(run.nearest(), -1e-9) << k;
+  }
+  EXPECT_EQ(run.rows.back().particles, run.rows.front().particles);
+  EXPECT_GT(run.rows.back().speed_max, 3);
+}
+
+// As calm after 8 s as a pool that had to settle in the plain box (1.1e-4 m²/s²), three times that at most; and its
+// centre of mass is within 0.2 spacings of that of 0.816 m³ in such a box.
+TEST(Vessels, WaterRestsInATurnedBox) {
+  VesselRun run(world, tank_with_gravity({.min = "-1.2, -1.2, 0",
+                                          .max = "1.2, 1.2, 2.4",
+                                          .water = {{"-1.1, -1.1, 0.1", "1.1, 1.1, 1.1"}},
+                                          .end = "8"}) +
+                           R"([[obstacle]]
+type = "box"
+center = [0, 0, 1.2]
+size = [1.2, 1.2, 1.6]
+rotate = [0, 30, 0]
+inside = true
+)");
+  run.steps(480);
+  const Diagnostics& row = run.rows.back();
+  const Real energy = row.kinetic_energy / (static_cast<Real>(row.particles) * water_mass(run.scene.fluid));
+  if (rank_of(world) == 0) std::printf("kinetic energy %.2e m2/s2, centre of mass %.4f m\n", energy, row.com.z());
+  EXPECT_EQ(row.particles, 816);
+  EXPECT_LT(energy, 3.3e-4);
+  EXPECT_NEAR(row.com.z(), 0.7220, 0.02);
+  EXPECT_GT(run.nearest(), -1e-9);
+}
+
+// Three layers whose lattice lies anyhow to the walls, the third in cells of air above those of the surface, and a heap
+// on them: the water sloshes for long, as nothing damps waves, but its energy never grows.
+TEST(Vessels, TopLayersInCellsOfAirCalm) {
+  VesselRun run(
+      world, tank_with_gravity({.max = "1.2, 1.2, 1",
+                                .water = {{"0.03, 0.07, 0", "1.13, 1.17, 0.3"}, {"0.03, 0.37, 0.3", "1.13, 0.97, 0.4"}},
+                                .end = "8"}));
+  run.steps(480);
+  Real early = 0, late = 0;
+  for (std::size_t k = 0; k < run.rows.size(); ++k)
+    (k < 120 ? early : late) = std::max(k < 120 || k > 360 ? run.rows[k].kinetic_energy : 0, k < 120 ? early : late);
+  EXPECT_LT(late, 0.6 * early);
+  for (const Diagnostics& row : run.rows)
+    EXPECT_LE(row.kinetic_energy + row.potential_energy, 1.001 * run.rows.front().potential_energy);
+}
+
+struct Swing {
+  Real time, far;
+};
+
+// The first extremes of the way of the centre of mass along x from where it will rest.
+std::vector<Swing> swings_of(const VesselRun& run, Real middle) {
+  std::vector<Swing> swings;
+  for (std::size_t k = 1; k + 1 < run.rows.size(); ++k) {
+    const Real before = run.rows[k - 1].com.x(), here = run.rows[k].com.x(), after = run.rows[k + 1].com.x();
+    if ((here - before) * (after - here) <= 0 && (swings.empty() || (here - middle) * swings.back().far < 0))
+      swings.push_back({static_cast<Real>(k) * run.scene.dt, here - middle});
+  }
+  return swings;
+}
+
+// The walls of the obstacle go through cells of the coarse grid, those of the box do not. As long as cells at upright
+// walls counted as ones on the floor, the third swing was an eighth of that in the box, or two fifths.
+TEST(Vessels, ATankMadeOfAnObstacleSloshesAsTheBox) {
+  const auto tank = [](const char* box, const char* obstacle) {
+    return std::string("[domain]\n") + box + R"(
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [0.6, 1.2, 0.6]
+[[particles]]
+min = [0.6, 0, 0]
+max = [1.2, 1.2, 0.5]
+[time]
+dt = 0.0166666666666666667
+end = 3
+[gravity]
+)" + obstacle;
+  };
+  VesselRun box(world, tank("min = [0, 0, 0]\nmax = [1.2, 1.2, 1.2]", ""));
+  box.steps(140);
+  const std::vector<Swing> free = swings_of(box, 0.6);
+  for (const char* around : {"min = [-0.333, -0.361, -0.351]\nmax = [1.467, 1.439, 1.449]",
+                             "min = [-0.3, -0.3, -0.32]\nmax = [1.5, 1.5, 1.48]"}) {
+    VesselRun vessel(world, tank(around,
+                                 "[[obstacle]]\ntype = 'box'\ncenter = [0.6, 0.6, 0.6]\nsize = [1.2, 1.2, 1.2]\n"
+                                 "inside = true\n"));
+    vessel.steps(140);
+    const std::vector<Swing> held = swings_of(vessel, 0.6);
+    ASSERT_GE(std::min(free.size(), held.size()), 3U) << around;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(held[k].time / free[k].time, 1, 0.06) << around << k;
+      EXPECT_GT(held[k].far / free[k].far, 0.55) << around << k;
+    }
+  }
+}
+
+// Less than a spacing of air above the water, or a lid: with 1.0.0 4 to 25 J for ever.
+TEST(Vessels, WaterUnderALidRests) {
+  const auto scene = [](Real height, Real depth, const std::string& more) {
+    return "[domain]\nmin = [0, 0, 0]\nmax = [1.2, 0.6, " + std::to_string(height) + "]\n[fluid]\nspacing = 0.1\n" +
+           "[[particles]]\nmin = [0, 0, 0]\nmax = [1.2, 0.6, " + std::to_string(depth) +
+           "]\n[time]\ndt = 0.016666666666666667\nend = 9\n[gravity]\n" + more;
+  };
+  const auto lid = [](Real gap) {
+    return "[[obstacle]]\ntype = 'box'\ncenter = [0.6, 0.3, " + std::to_string(0.6 + gap) + "]\nsize = [2, 2, 0.2]\n";
+  };
+  const std::string away = "[[obstacle]]\ntype = 'sphere'\ncenter = [0.6, 0.3, 9]\nradius = 0.1\n";
+  for (const std::string& text : {scene(0.5, 0.5, away), scene(0.52, 0.5, away), scene(0.58, 0.5, away),
+                                  scene(1, 0.5, lid(0.005)), scene(1, 0.5, lid(0.02))}) {
+    VesselRun run(world, text);
+    run.steps(120);
+    EXPECT_LT(run.rows.back().kinetic_energy, 1e-12 * run.rows.back().potential_energy) << text;
+    EXPECT_LT(run.rows.back().compression_mean, 1e-6);
+  }
+}
+
+// A block falls on a plate that touches no wall: the plate has all of the force, which 1.0.0 shared with the box.
+TEST(Vessels, WhatTouchesAPlateAloneIsThePlates) {
+  VesselRun run(
+      world,
+      "[domain]\nmin = [0, 0, 0]\nmax = [2, 2, 2]\n[fluid]\nspacing = 0.1\n[[particles]]\nmin = [0.7, 0.7, 1.05]\n"
+      "max = [1.3, 1.3, 1.65]\nvelocity = [0, 0, -3]\n[time]\ndt = 0.00833333333333\nend = 9\n[gravity]\n"
+      "[[obstacle]]\ntype = 'box'\ncenter = [1, 1, 0.9]\nsize = [1.4, 1.4, 0.2]\n");
+  run.steps(15);
+  Real largest = 0;
+  for (const auto& forces : run.forces) {
+    if (forces.size() < 2) continue;
+    largest = std::max(largest, forces[0].force.norm());
+    EXPECT_LT(forces[1].force.norm(), 1e-9 * (1 + forces[0].force.norm()));
+  }
+  EXPECT_GT(largest, 216 * 9.8) << "the block has met the plate";
+}
+
+}  // namespace
+}  // namespace trevi::test
