@@ -111,6 +111,13 @@ def leaks():
         yield [row["vessel"], row["particles"], row["lost"], row["outside"], row["farthest_m"].lstrip("-")]
 
 
+def paddles():
+    yield ["case", "height, spacings", "step, s", "quantity", "theory", "measured"]
+    for row in rows_of("waves"):
+        yield [row["case"], f"{float(row['height_spacings']):g}", f"1/{1 / float(row['step_s']):.0f}", row["quantity"],
+               row["theory"], fixed(row["measured"], 3)]
+
+
 def planes(kind, heads):
     """Rows of two_dimensions.csv of a kind, each with columns (head, name, how it is written)."""
     yield ["case", "dimensions", "particles", *(head for head, _, _ in heads), "CPU s a second"]
@@ -141,7 +148,7 @@ PLANES = {
                                           ("after 3", "energy_3", lambda x: fixed(x, 3))]),
 }
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
-    "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
+    "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
     "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
 
 

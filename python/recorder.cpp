@@ -17,6 +17,7 @@ class Recorder : public Observer {
   bool due(const Clock& clock) const override { return schedule_.due(clock); }
   bool wants_diagnostics() const override { return true; }
   bool wants_forces() const override { return wants_forces_; }
+  bool wants_pressures() const override { return readings_.wants_pressures(); }
 
   void observe(const Frame& frame) override {
     note_series(frame);

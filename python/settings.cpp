@@ -30,7 +30,10 @@ void bind_enums(py::module_& m) {
   py::enum_<GaugeKind>(m, "GaugeKind")
       .value("height", GaugeKind::height)
       .value("pressure", GaugeKind::pressure)
-      .value("velocity", GaugeKind::velocity);
+      .value("velocity", GaugeKind::velocity)
+      .value("pressure_in_water", GaugeKind::pressure_in_water)
+      .value("flow", GaugeKind::flow)
+      .value("run_up", GaugeKind::run_up);
 }
 
 void bind_water(py::module_& m) {
@@ -129,7 +132,11 @@ void bind_things(py::module_& m) {
       .def_readwrite("kind", &GaugeSettings::kind)
       .def_property("center", in_place(&GaugeSettings::center), assigned(&GaugeSettings::center), "m")
       .def_property("normal", in_place(&GaugeSettings::normal), assigned(&GaugeSettings::normal),
-                    "pressure: out of the solid")
+                    "pressure: out of the solid; flow: the way that counts as positive; run-up: level, up the beach")
+      .def_property(
+          "size", [](const GaugeSettings& one) { return py::make_tuple(one.size[0], one.size[1]); },
+          [](GaugeSettings& one, const std::array<Real, 2>& size) { one.size[0] = size[0], one.size[1] = size[1]; },
+          "flow: the edges of the rectangle, m; set as a whole")
       .def_readwrite("radius", &GaugeSettings::radius, "m");
   closed(gauge);
   py::bind_vector<std::vector<GaugeSettings>>(m, "Gauges");

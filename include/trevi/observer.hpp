@@ -49,9 +49,10 @@ struct BodyForce {
 
 /// The forces of the steps since an observer last heard of them, added up; what a restart needs to go on with the mean.
 struct ForceSums {
-  std::int64_t steps = 0;
-  std::vector<BodyForce> forces;  ///< on each obstacle, then on the box
-  std::vector<Real> pressures;    ///< of each gauge of pressure
+  std::int64_t steps = 0;           ///< of the forces
+  std::vector<BodyForce> forces;    ///< on each obstacle, then on the box
+  std::vector<Real> pressures;      ///< of each gauge of pressure on a solid
+  std::int64_t pressure_steps = 0;  ///< of these
 };
 
 /// What an observer may read at the end of a step. Particles and density: owned ones only, same order.
@@ -63,13 +64,17 @@ struct Frame {
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
   std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
-  std::span<const Real> pressures{};    ///< Pa, of each gauge of pressure in the mean over the same steps; with forces
-  std::array<LocalId, 3> first_cell{};  ///< Solver::first_cell()
+  /// Pa, of each gauge of pressure on a solid in the mean over the steps since an observer last heard of them; empty
+  /// unless an observer wanted it.
+  std::span<const Real> pressures{};
+  std::array<LocalId, 3> first_cell{};    ///< Solver::first_cell()
   const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles
   /// J, given to the water since the start by forcings that are not gravity or friction, by what inlets bring and
   /// drains take, and by obstacles that move (of these with an observer that wants forces only). Measured from the
   /// first step on if an observer wants diagnostics; 0 otherwise.
   Real supplied_energy = 0;
+  std::span<const Real> paddle_ways{};  ///< m, ActiveAbsorption::ways(); empty without paddles that absorb
+  std::span<const Real> probes{};       ///< Pa, of each gauge of pressure in the water in this step; with pressures
 };
 
 class Observer {
@@ -80,6 +85,8 @@ class Observer {
   virtual bool wants_density() const { return false; }
   virtual bool wants_diagnostics() const { return false; }
   virtual bool wants_forces() const { return false; }
+  /// What gauges of pressure show.
+  virtual bool wants_pressures() const { return wants_forces(); }
   /// Collective.
   virtual void observe(const Frame& frame) = 0;
   /// Writes what a restart needs, on a request from outside (SIGUSR1, a request to stop), due or not. Collective.

@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "trevi/box.hpp"
 #include "trevi/types.hpp"
+#include "trevi/wavemaker.hpp"
 
 namespace trevi {
 
@@ -58,12 +60,19 @@ struct ObstacleSettings {
   std::string motion;                        ///< a file of times and places
   std::vector<ObstacleKnot> knots;           ///< in place of a velocity; at rest before the first and after the last
   std::optional<Oscillation> oscillation;    ///< in place of velocities and knots
-  std::optional<Real> restitution;           ///< that of the walls where there is none
-  Real friction = 0;                         ///< Coulomb's coefficient in a bounce
-  bool extruded = false;                     ///< goes on along y without end, as in two dimensions; of resolved()
+  std::optional<WavemakerSettings> wavemaker;  ///< in place of all of these: the paddle of a wavemaker
+  std::optional<Real> restitution;             ///< that of the walls where there is none
+  Real friction = 0;                           ///< Coulomb's coefficient in a bounce
+  bool extruded = false;                       ///< goes on along y without end, as in two dimensions; of resolved()
 
-  bool moves() const { return !knots.empty() || oscillation || !velocity.isZero() || !angular_velocity.isZero(); }
+  bool moves() const {
+    return !knots.empty() || oscillation || wavemaker || !velocity.isZero() || !angular_velocity.isZero();
+  }
   bool operator==(const ObstacleSettings&) const = default;
 };
+
+/// The paddle of a wavemaker: a box from wall to wall that goes on outside of the box of the water, `domain`, so that
+/// there is nothing behind it. To be added to the obstacles of the settings, whose gravity is that of the wavemaker.
+ObstacleSettings paddle_of(const WavemakerSettings& wavemaker, const Box& domain);
 
 }  // namespace trevi

@@ -157,15 +157,29 @@ struct DrainSettings {
   bool operator==(const DrainSettings&) const = default;
 };
 
-enum class GaugeKind { height, pressure, velocity };
+/// A box of water that comes to rest, so that no waves come back from the wall behind it.
+struct DampingSettings {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
+  Real rate = 0;  ///< 1/s, at its end; from 0 at its beginning, with the square of the way
+  /// Of length 1, along x or y, to the end; by default to the nearest wall across the box.
+  Derived<Vec3> direction{};
+
+  bool operator==(const DampingSettings&) const = default;
+};
+
+enum class GaugeKind { height, pressure, velocity, pressure_in_water, flow, run_up };
 
 /// A place where the water is measured. It changes nothing.
 struct GaugeSettings {
   GaugeKind kind = GaugeKind::height;
-  Vec3 center =
-      Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; velocity: there
-  Vec3 normal = Vec3::UnitZ();  ///< pressure: out of the solid; normalised
-  Real radius = 0;  ///< m, of the disc around the centre over which the mean is taken; velocity: of the ball
+  Vec3 center = Vec3::Zero();  ///< m; height: the foot of the column; pressure: on a wall or an obstacle; others: there
+  /// Normalised. Pressure: out of the solid; flow: the way that counts as positive; run-up: level, the way up the
+  /// beach.
+  Vec3 normal = Vec3::UnitZ();
+  /// m, of the disc around the centre over which the mean is taken; velocity: of the ball; run-up: half the width of
+  /// the strip.
+  Real radius = 0;
+  Real size[2] = {0, 0};  ///< m, of the rectangle of a flow: the level edge, and across that
 
   bool operator==(const GaugeSettings&) const = default;
 };
@@ -190,7 +204,8 @@ struct OutputSettings {
   std::string directory;  ///< relative to the working directory; empty: make_solver() writes no file
   std::optional<FrameSettings> vtu, vtkhdf;
   std::optional<CheckpointSettings> checkpoint;
-  std::optional<Schedule> series;  ///< of series.csv, obstacles.csv and gauges.csv
+  std::optional<Schedule> series;  ///< of series.csv and obstacles.csv
+  std::optional<Schedule> gauges;  ///< of gauges.csv; that of the series where it is absent
 
   bool operator==(const OutputSettings&) const = default;
 };
@@ -211,11 +226,12 @@ struct Settings {
   std::optional<Vec3> gravity;  ///< m/s²
   DensitySettings density;
   WallSettings walls;
-  std::vector<ObstacleSettings> obstacles;
+  std::vector<ObstacleSettings> obstacles;  ///< the paddles of wavemakers (paddle_of()) among them
   std::vector<FountainSettings> fountains;
   std::vector<InletSettings> inlets;
   std::vector<DrainSettings> drains;
-  std::vector<GaugeSettings> gauges;  ///< those of pressure need an obstacle
+  std::vector<DampingSettings> dampings;
+  std::vector<GaugeSettings> gauges;  ///< those of pressure on a solid and of run-up need an obstacle
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   VorticityForm vorticity_form = VorticityForm::report;

@@ -86,7 +86,8 @@ struct SolverExtras {
   std::optional<std::array<LocalId, 3>> first_cell{};
   std::optional<FlowState> flow{};  ///< of the solver before, for a restart, as the next two
   ForceSums force_sums{};
-  Real supplied_energy = 0;  ///< J
+  Real supplied_energy = 0;         ///< J
+  std::vector<Real> paddle_ways{};  ///< of the frame before, for a restart with paddles that absorb
 };
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be

@@ -33,6 +33,21 @@ void lay_in_plane(DrainSettings& drain, const FluidSettings& fluid) {
   drain.max.y() = fluid.spacing / 2;
 }
 
+void lay_in_plane(DampingSettings& zone, const FluidSettings& fluid) {
+  if (fluid.dimensions != 2) return;
+  zone.min.y() = -fluid.spacing / 2;
+  zone.max.y() = fluid.spacing / 2;
+}
+
+// The rectangle of a flow is a slot, as an inlet is.
+void lay_in_plane(GaugeSettings& gauge, const FluidSettings& fluid) {
+  if (fluid.dimensions != 2) return;
+  gauge.center.y() = 0;
+  if (gauge.kind != GaugeKind::flow) return;
+  const bool upright = std::abs(gauge.normal.x()) <= 1e-9 * gauge.normal.norm();
+  gauge.size[upright ? 1 : 0] = fluid.spacing;
+}
+
 void lay_in_plane(Settings& settings) {
   if (settings.fluid.dimensions != 2) return;
   const Real spacing = settings.fluid.spacing;
@@ -42,7 +57,8 @@ void lay_in_plane(Settings& settings) {
   for (FountainSettings& fountain : settings.fountains) fountain.center[1] = 0;
   for (InletSettings& inlet : settings.inlets) lay_in_plane(inlet, settings.fluid);
   for (DrainSettings& drain : settings.drains) lay_in_plane(drain, settings.fluid);
-  for (GaugeSettings& gauge : settings.gauges) gauge.center.y() = 0;
+  for (DampingSettings& zone : settings.dampings) lay_in_plane(zone, settings.fluid);
+  for (GaugeSettings& gauge : settings.gauges) lay_in_plane(gauge, settings.fluid);
 }
 
 std::string why_not_along_plane(const Vec3& vector) {

@@ -18,6 +18,8 @@ void lay_in_plane(Settings& settings);
 void lay_in_plane(ObstacleSettings& obstacle, const FluidSettings& fluid);
 void lay_in_plane(InletSettings& inlet, const FluidSettings& fluid);
 void lay_in_plane(DrainSettings& drain, const FluidSettings& fluid);
+void lay_in_plane(DampingSettings& zone, const FluidSettings& fluid);
+void lay_in_plane(GaugeSettings& gauge, const FluidSettings& fluid);
 
 /// Why these cannot be in a scene of two dimensions, with a remedy; empty where they can.
 std::string why_not_in_plane(const ObstacleSettings& obstacle);

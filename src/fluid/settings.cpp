@@ -1,6 +1,7 @@
 #include "trevi/settings.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fluid/constraint/density.hpp"
 #include "fluid/forcings/music_kind.hpp"
@@ -37,6 +38,22 @@ Real stable_cfl(const Settings& settings) {
   return falls ? 2 : 0.2;
 }
 
+// The way to the nearest wall of those across which the zone does not go from end to end of the box.
+std::optional<Vec3> end_of_zone(const DampingSettings& zone, const Settings& settings) {
+  const Vec3 below = zone.min - settings.domain.min, above = settings.domain.max - zone.max;
+  const Real reach = settings.fluid.kernel_radius;
+  Real nearest = INFINITY;
+  std::optional<Vec3> end;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    if (settings.periodic[static_cast<std::size_t>(axis)] || std::max(below[axis], above[axis]) < reach) continue;
+    if (below[axis] < nearest) end = -Vec3::Unit(axis);
+    nearest = std::min(nearest, below[axis]);
+    if (above[axis] < nearest) end = Vec3::Unit(axis);
+    nearest = std::min(nearest, above[axis]);
+  }
+  return end;
+}
+
 }  // namespace
 
 DensityModel density_model(const Settings& settings) {
@@ -67,6 +84,9 @@ Settings resolved(Settings settings) {
   };
   std::for_each(settings.fountains.begin(), settings.fountains.end(), resolve_music);
   std::for_each(settings.inlets.begin(), settings.inlets.end(), resolve_music);
+  for (DampingSettings& zone : settings.dampings) {
+    if (const auto end = end_of_zone(zone, settings)) zone.direction.set_default(*end);
+  }
   if (!settings.density.relaxation.given()) settings.density.relaxation = stable_relaxation(settings);
   return settings;
 }

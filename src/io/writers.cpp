@@ -34,6 +34,10 @@ std::shared_ptr<const ObstacleSurfaces> obstacle_surfaces(const Settings& settin
 
 void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& options,
                 std::vector<std::unique_ptr<Observer>>& writers) {
+  const std::optional<Schedule> gauges = settings.output.gauges ? settings.output.gauges : settings.output.series;
+  if (!settings.gauges.empty() && gauges)
+    writers.push_back(
+        std::make_unique<GaugeSeries>(comm, TableOptions{options.directory, *gauges, options.restart_step}, settings));
   if (!settings.output.series) return;
   const int fountains = static_cast<int>(settings.fountains.size() + settings.inlets.size());
   const bool flow = !settings.inlets.empty() || !settings.drains.empty();
@@ -43,7 +47,6 @@ void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& op
   const TableOptions table{options.directory, *settings.output.series, options.restart_step};
   if (!settings.obstacles.empty())
     writers.push_back(std::make_unique<ObstacleSeries>(comm, table, settings.obstacles.size()));
-  if (!settings.gauges.empty()) writers.push_back(std::make_unique<GaugeSeries>(comm, table, settings));
 }
 
 // Holds the lock of the folder as long as it lives.

@@ -96,6 +96,8 @@ class ProjectionGrid {
   }
   /// Tells that p is in plane k, which is where the other planes are counted from.
   void set_plane(LocalId k, const Vec3& p) { before_ = cell_of(p, 0) - k; }
+  /// The number of a plane of the box as this rank counts its own, from 1; wrong without particles.
+  LocalId own_plane(LocalId plane) const { return plane - before_; }
   /// Where cell (k, r, c) is. Its corner is counted from that of the box, or, along periodic axes, where positions and
   /// this difference are exact, from itself.
   CellPlace place_of(LocalId k, LocalId r, LocalId c) const {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "projection/cell_shifts.hpp"
+#include "projection/probe_pressures.hpp"
 #include "projection/record_forces.hpp"
 
 namespace trevi {
@@ -41,6 +42,7 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
   pressure_.solve(surface_, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
+  if (probes_ != nullptr) probe_pressures(surface_, pressure_, g_dt2, *probes_);
   grid_to_particles_.prepare(halo, {g_dt2, time});
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
     grid_to_particles_.find_damping(damping, k, r);

@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 
+#include "boundary/pressure_probes.hpp"
 #include "fluid/constraint/density.hpp"
 #include "parallel/log.hpp"
 #include "projection/grid_to_particles.hpp"
@@ -27,6 +28,9 @@ class Projection {
   };
   /// `obstacles` may be null.
   Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles = nullptr);
+
+  /// Shows its pressure from now on.
+  void show_to(PressureProbes* probes) { probes_ = probes; }
 
   /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s, and as the scalar how far
   /// the grid acts on each of them, from 0 to 1.
@@ -66,6 +70,7 @@ class Projection {
   GridToParticles grid_to_particles_;
   ShiftFilter shift_filter_;
   Obstacles* obstacles_;
+  PressureProbes* probes_ = nullptr;
 };
 
 }  // namespace trevi

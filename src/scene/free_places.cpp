@@ -7,8 +7,11 @@ namespace trevi {
 FreePlaces::FreePlaces(const Scene& scene, Real time) {
   constexpr Real rounding = 1e-6;  // a lattice that fits just beside a solid stays whole
   gap_ = (0.5 - rounding) * scene.fluid.spacing;
+  const auto is_known = [time](const ObstacleSettings& obstacle) {  // where a paddle that absorbs is, the water says
+    return time == 0 || !obstacle.wavemaker || !obstacle.wavemaker->absorb;
+  };
   for (const ObstacleSettings& obstacle : scene.obstacles)
-    solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time)});
+    if (is_known(obstacle)) solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time)});
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {

@@ -150,6 +150,15 @@ std::optional<FrameSettings> read_frames(Section frames, bool has_colour) {
   return frames.present() ? std::optional(settings) : std::nullopt;
 }
 
+// A row for every step unless the table says otherwise.
+std::optional<Schedule> read_rows(Section rows) {
+  if (!rows.present()) return std::nullopt;
+  Schedule schedule = read_schedule(rows);
+  if (!rows.given("every") && !rows.given("every_steps")) schedule.every_steps = 1;
+  rows.reject_unknown();
+  return schedule;
+}
+
 void read_output(Section output, Scene& scene, bool has_colour) {
   OutputSettings& settings = scene.output;
   output.text({"directory", "the folder for all outputs, relative to the working directory"}, settings.directory);
@@ -160,13 +169,8 @@ void read_output(Section output, Scene& scene, bool has_colour) {
     checkpoint.integer({"keep", "the number of checkpoints to keep"}, settings.checkpoint->keep, 1);
     checkpoint.reject_unknown();
   }
-  if (Section series = output.child("series"); series.present()) {
-    Schedule schedule = read_schedule(series);
-    // A row for every step unless the table says otherwise.
-    if (!series.given("every") && !series.given("every_steps")) schedule.every_steps = 1;
-    settings.series = schedule;
-    series.reject_unknown();
-  }
+  settings.series = read_rows(output.child("series"));
+  settings.gauges = read_rows(output.child("gauges"));
   output.reject_unknown();
 }
 
@@ -230,9 +234,9 @@ std::string scene_reference() {
       "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
       "obstacle = [{type = 'basin'}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh', motion = "
       "{}}]\n"
-      "gauge = [{type = 'pressure'}]\n"
+      "gauge = [{type = 'pressure'}]\nwavemaker = [{}]\ndamping = [{}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
-      "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";
+      "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[output.gauges]\n[random]\n[run]\n";
   Findings findings("reference");
   Scene scene;
   read_tables(read_document("reference", every_table, {}, findings), findings, scene);

@@ -16,6 +16,7 @@
 #include "scene/scene_particles.hpp"
 #include "scene/scene_periodic.hpp"
 #include "scene/scene_plane.hpp"
+#include "scene/scene_waves.hpp"
 
 namespace trevi {
 namespace {
@@ -42,6 +43,9 @@ class PhysicsReader {
     read_viscosity(viscosity);
     resolve(viscosity);
     for (Section& obstacle : root_.children("obstacle")) read_obstacle(obstacle, scene_);
+    for (Section& maker : root_.children("wavemaker"))
+      read_wavemaker(maker, scene_, {box_known(), fluid_.fine("spacing")});
+    for (Section& zone : root_.children("damping")) read_damping(zone, scene_, box_known());
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
     for (Section& drain : root_.children("drain")) read_drain(drain, scene_);

@@ -8,11 +8,13 @@
 #include "boundary/geometry/closed_mesh.hpp"
 #include "boundary/geometry/periods.hpp"
 #include "boundary/periodic_domain.hpp"
+#include "boundary/waves/check_wavemaker.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/in_two_dimensions.hpp"
 #include "parallel/collective.hpp"
 #include "solver/check_flow.hpp"
 #include "solver/demand.hpp"
+#include "solver/density_solver.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
@@ -37,7 +39,10 @@ void check_plane(const Settings& all) {
     for (const Vec3& along : {one.velocity, swing.amplitude}) demand_no(why_not_along_plane(along), name + "velocity");
     for (const Vec3& about : {one.rotate, one.angular_velocity, swing.rotation})
       demand_no(why_not_about_y(about), name + "rotate");
+    if (one.wavemaker) demand_no(why_not_along_plane(one.wavemaker->direction), name + "wavemaker.direction");
   }
+  for (const auto& one : all.dampings)
+    demand_no(one.direction.given() ? why_not_along_plane(one.direction) : "", "a damping's direction");
   for (const auto& one : all.fountains) demand_no(why_not_along_plane(one.direction), "a fountain's direction");
   for (const auto& one : all.inlets) demand_no(why_not_along_plane(one.direction), "an inlet's direction");
   for (const auto& one : all.drains)
@@ -150,20 +155,57 @@ void check_obstacle(const ObstacleSettings& one, const std::string& name) {
     demand(one.knots.empty() && one.velocity.isZero() && one.angular_velocity.isZero(),
            name + "oscillation is in place of knots and velocities");
   }
+  demand(!one.wavemaker || (one.knots.empty() && !one.oscillation && one.velocity.isZero() &&
+                            one.angular_velocity.isZero() && one.rotate.isZero()),
+         name + "wavemaker is in place of all other motion");
   for (std::size_t k = 0; k < one.knots.size(); ++k) {
     demand(std::isfinite(one.knots[k].time) && one.knots[k].center.allFinite(), name + "knots must be finite");
     demand(k == 0 || one.knots[k].time > one.knots[k - 1].time, name + "knots must be in the order of their times");
   }
 }
 
+void check_waves(const Settings& all) {
+  for (std::size_t k = 0; k < all.obstacles.size(); ++k) {
+    if (!all.obstacles[k].wavemaker) continue;
+    const std::string name = fmt::format("obstacles[{}].wavemaker.", k);
+    const auto wrong = what_is_wrong(*all.obstacles[k].wavemaker, all.domain);
+    demand(!wrong, wrong ? name + wrong->key + " " + wrong->why : "");
+    demand(all.obstacles[k].wavemaker->gravity == -all.gravity.value_or(Vec3::Zero()).z(),
+           name + "gravity must be that of the settings");
+  }
+  for (std::size_t k = 0; k < all.dampings.size(); ++k) {
+    const DampingSettings& zone = all.dampings[k];
+    const std::string name = fmt::format("dampings[{}].", k);
+    demand(zone.min.allFinite() && zone.max.allFinite() && (zone.max - zone.min).minCoeff() > 0,
+           name + "max must be greater than min on every axis");
+    demand(is_amount(zone.rate), name + "rate must not be negative");
+    demand(zone.direction.given(), name + "direction is missing, and the zone is at no single wall");
+    const Vec3 d = zone.direction.value().cwiseAbs();
+    demand(d == Vec3::UnitX() || d == Vec3::UnitY(), name + "direction must be along x or y, of length 1");
+  }
+}
+
+bool stands(const Settings& all) {
+  return std::any_of(all.obstacles.begin(), all.obstacles.end(), [](const auto& one) { return !one.moves(); });
+}
+
 void check_gauges(const Settings& all) {
   for (std::size_t k = 0; k < all.gauges.size(); ++k) {
     const GaugeSettings& gauge = all.gauges[k];
     const std::string name = fmt::format("gauges[{}].", k);
-    demand(is_positive(gauge.radius), name + "radius must be positive");
+    demand(gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::pressure_in_water || is_positive(gauge.radius),
+           name + "radius must be positive");
     demand(gauge.center.allFinite(), name + "center must be finite");
-    demand(gauge.kind != GaugeKind::pressure || (gauge.normal.allFinite() && gauge.normal.norm() > 0),
-           name + "normal must have a length");
+    const bool has_normal =
+        gauge.kind == GaugeKind::pressure || gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::run_up;
+    demand(!has_normal || is_direction(gauge.normal), name + "normal must have a length");
+    demand(gauge.kind != GaugeKind::flow || (is_positive(gauge.size[0]) && is_positive(gauge.size[1])),
+           name + "size must be positive");
+    demand(gauge.kind != GaugeKind::run_up || gauge.normal.z() == 0, name + "normal must be level");
+    demand(gauge.kind != GaugeKind::run_up || stands(all), "a gauge of run-up needs an obstacle that stands");
+    demand(gauge.kind != GaugeKind::pressure_in_water ||
+               (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
+           "a gauge of pressure in the water needs density.coarse_grid and gravity along -z");
     demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
   }
 }
@@ -250,6 +292,7 @@ Settings checked_and_resolved(const Settings& settings) {
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
   check_periodic(all);
   check_gauges(all);
+  check_waves(all);
   check_viscosity(all);
   check_flow(all);
   check_output(all);

@@ -105,7 +105,9 @@ template <class T>
 class ProjectionFirst : public DensitySolver<T> {
  public:
   ProjectionFirst(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> fine)
-      : projection_(make_projection(context)), fine_(std::move(fine)) {}
+      : projection_(make_projection(context)), fine_(std::move(fine)) {
+    projection_.show_to(context.probes);
+  }
 
   SolveResult solve(DensityProblem<T>& problem) override {
     problem.project(projection_);
@@ -125,7 +127,9 @@ template <class T>
 class Projected : public DensitySolver<T> {
  public:
   Projected(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> sweeps)
-      : projection_(make_projection(context)), sweeps_(std::move(sweeps)) {}
+      : projection_(make_projection(context)), sweeps_(std::move(sweeps)) {
+    projection_.show_to(context.probes);
+  }
 
   SolveResult solve(DensityProblem<T>& problem) override {
     problem.project(projection_);

@@ -39,7 +39,8 @@ struct DensitySolverContext {
   const DensityModel& model;
   Real spacing;
   Vec3 gravity;                    ///< m/s²
-  Obstacles* obstacles = nullptr;  ///< null where there are none
+  Obstacles* obstacles = nullptr;     ///< null where there are none
+  PressureProbes* probes = nullptr;   ///< may be null; a projection shows its pressure to them
 };
 
 /// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.

@@ -14,6 +14,7 @@
 #include "fluid/filters/no_slip.hpp"
 #include "fluid/filters/vorticity_confinement.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
+#include "fluid/forcings/damping.hpp"
 #include "fluid/forcings/floor_friction.hpp"
 #include "fluid/forcings/gravity.hpp"
 #include "io/writers.hpp"
@@ -39,6 +40,7 @@ std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
     forcings.push_back(std::make_unique<FloorFriction>(settings.walls.floor_friction, settings.domain.min.z(),
                                                        settings.fluid.kernel_radius));
   }
+  for (const DampingSettings& zone : settings.dampings) forcings.push_back(std::make_unique<Damping>(zone));
   std::move(more.begin(), more.end(), std::back_inserter(forcings));
   return forcings;
 }
@@ -77,6 +79,11 @@ std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls&
   return obstacles;
 }
 
+std::unique_ptr<PressureProbes> make_probes(const Settings& settings) {
+  auto probes = std::make_unique<PressureProbes>(settings);
+  return probes->count() > 0 ? std::move(probes) : nullptr;
+}
+
 std::optional<PeriodicDomain> make_periodic(const Settings& settings, const Vec3& first) {
   if (settings.periodic == std::array<bool, 3>{}) return std::nullopt;
   return PeriodicDomain(settings.domain, settings.periodic, first);
@@ -90,12 +97,18 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const PointLattice lattice = lattice_of(settings.fluid);
   const Walls walls(box_of_walls(settings), settings.walls, 1e-6 * model.h);
   const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
+  if (ActiveAbsorption::is_wanted(settings)) {
+    parts.absorption = std::make_unique<ActiveAbsorption>(settings, std::move(parts.paddle_ways));
+    parts.absorption->place(*obstacles);
+    obstacles->move(parts.clock.time(), parts.clock.time());
+  }
   parts.boundary =
       make_boundary({walls, obstacles, make_periodic(settings, parts.box.min), settings.fluid.dimensions == 2});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
-  parts.density_solver = make_density_solver<T>(
-      settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get()});
+  parts.probes = make_probes(settings);
+  parts.density_solver = make_density_solver<T>(settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing,
+                                                                   gravity, obstacles.get(), parts.probes.get()});
   parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,
@@ -157,6 +170,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;
+  parts.paddle_ways = std::move(extras.paddle_ways);
   parts.water_mass = water_mass(settings.fluid);
   parts.gravity = settings.gravity.value_or(Vec3::Zero());
   parts.requests = std::move(extras.requests);

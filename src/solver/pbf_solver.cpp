@@ -24,7 +24,8 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
-                 parts_.first_cell, parts_.crush_limit},
+                 parts_.first_cell, parts_.crush_limit, parts_.probes.get(),
+                 parts_.absorption.get()},
                 std::move(parts_.observers), *parts_.diagnostics,
                 {*parts_.comm, parts_.water_mass, parts_.gravity, parts_.supplied_energy}) {
   reporter_.set_force_sums(std::move(parts_.force_sums));
@@ -90,6 +91,7 @@ template <class T>
 void PbfSolver<T>::substep(const StepInfo& info) {
   exchange_water(info);  //     what drains take and inlets bring
   apply_forcings(info);  //  2
+  if (parts_.absorption) parts_.absorption->move(*parts_.comm, parts_.particles, info, *parts_.boundary->obstacles());
   parts_.boundary->move(info.time, info.time + info.dt);
   predict_positions(info.dt);                //  3
   migrate_particles(&Particles::predicted);  //     ownership follows p*
@@ -111,6 +113,7 @@ template <class T>
 void PbfSolver<T>::prepare_step() {
   const Clock& clock = parts_.clock;
   parts_.boundary->begin_step();
+  if (parts_.probes) parts_.probes->clear();
   for (const auto& forcing : parts_.forcings) {
     guard_.attempt(clock.step + 1, "a forcing", [&] { forcing->prepare({clock.step, 0, clock.time(), clock.dt}); });
   }

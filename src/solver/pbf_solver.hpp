@@ -11,6 +11,7 @@
 #include "boundary/boundary.hpp"
 #include "domain/balance.hpp"
 #include "fluid/filters/velocity_filter.hpp"
+#include "solver/active_absorption.hpp"
 #include "solver/guard.hpp"
 #include "solver/inflow_outflow.hpp"
 #include "solver/reporter.hpp"
@@ -42,6 +43,8 @@ struct SolverParts {
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Boundary> boundary;
+  std::unique_ptr<ActiveAbsorption> absorption;  ///< null without paddles that absorb
+  std::unique_ptr<PressureProbes> probes;        ///< null without gauges of pressure in the water
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<InflowOutflow> flow;             ///< may be null
@@ -51,9 +54,10 @@ struct SolverParts {
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
-  ForceSums force_sums;      ///< of the solver before, as the next
-  Real supplied_energy = 0;  ///< J
-  Real water_mass = 0;       ///< of a particle, kg
+  ForceSums force_sums;           ///< of the solver before, as the next
+  Real supplied_energy = 0;       ///< J
+  std::vector<Real> paddle_ways;  ///< of the solver before, m
+  Real water_mass = 0;            ///< of a particle, kg
   Vec3 gravity = Vec3::Zero();
   Real crush_limit = 0;
   Clock clock;

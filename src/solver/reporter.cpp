@@ -17,6 +17,15 @@ Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr
     : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics), supplied_(supplied) {}
 
 template <class T>
+void Reporter<T>::begin_step() {
+  iterations_before_step_ = counters_.iterations;
+  ways_.clear();
+  const Obstacles* const obstacles = state_.problem.obstacles();
+  for (std::size_t k = 0; obstacles != nullptr && k < obstacles->count(); ++k)
+    ways_.push_back(obstacles->body(k).way());
+}
+
+template <class T>
 void Reporter<T>::ask_observers(std::int64_t step) {
   Clock clock = state_.clock;
   clock.step = step;
@@ -27,6 +36,7 @@ void Reporter<T>::ask_observers(std::int64_t step) {
     asked_.diagnostics = asked_.diagnostics || (due && observer->wants_diagnostics());
     asked_.density = asked_.density || (due && observer->wants_density());
     asked_.forces = asked_.forces || (due && observer->wants_forces());
+    asked_.pressures = asked_.pressures || (due && observer->wants_pressures());
   }
   fountain_states_ = fountain_states(clock.time());
 }
@@ -59,10 +69,11 @@ void Reporter<T>::observe() {
     state_.problem.compute_density();
     seen.density = state_.problem.density();
   }
-  if (asked_.forces) {
-    means_ = take_mean_forces();
+  if (asked_.forces || asked_.pressures) {
+    take_means();
     seen.forces = means_.forces;
     seen.pressures = means_.pressures;
+    seen.probes = probed_;
   }
   Diagnostics row;
   if (asked_.diagnostics) {
@@ -110,14 +121,15 @@ Frame Reporter<T>::frame() {
           {},
           state_.first_cell,
           state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
-          supplied_.joules()};
+          supplied_.joules(),
+          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->ways()) : std::span<const Real>()};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.
 template <class T>
 void Reporter<T>::add_forces() {
   const Obstacles* const obstacles = state_.problem.obstacles();
-  const auto wants = [](const auto& observer) { return observer->wants_forces(); };
+  const auto wants = [](const auto& observer) { return observer->wants_forces() || observer->wants_pressures(); };
   if (obstacles == nullptr || std::none_of(observers_.begin(), observers_.end(), wants)) return;
   const Clock& clock = state_.clock;
   const Real per = obstacles->water_mass() * clock.substeps / (clock.dt * clock.dt);
@@ -132,6 +144,7 @@ void Reporter<T>::add_forces() {
   }
   for (std::size_t k = 0; k < pressed.size(); ++k) sums_.pressures[k] += per_pressure * pressed[k];
   ++sums_.steps;
+  ++sums_.pressure_steps;
   if (obstacles->moves()) add_work(impulses, per);
 }
 
@@ -143,7 +156,7 @@ void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) 
   for (std::size_t k = 0; k < obstacles.count(); ++k) {
     const Body& body = obstacles.body(k);
     if (!body.moves()) continue;
-    const Pose from = body.motion().at(begin), to = body.motion().at(end);
+    const Pose from = body.motion().at(begin, ways_[k]), to = body.motion().at(end, body.way());
     const Eigen::AngleAxisd rotation(to.turn * from.turn.transpose());
     supplied_.add(per * (impulses[k].shift.dot(to.center - from.center) +
                          impulses[k].moment.dot(rotation.angle() * rotation.axis())));
@@ -167,17 +180,35 @@ void Reporter<T>::add_supply() {
   if (std::exchange(is_supplied_, false)) supplied_.end_step();
 }
 
+// Forces and pressures are each of the steps since somebody asked for them.
 template <class T>
-ForceSums Reporter<T>::take_mean_forces() {
+void Reporter<T>::take_means() {
   const Obstacles* const obstacles = state_.problem.obstacles();
-  require(obstacles != nullptr, "forces without obstacles");
-  sums_.forces.resize(obstacles->count() + 1);
+  require(obstacles != nullptr || !asked_.forces, "forces without obstacles");
+  means_ = {};
+  if (asked_.forces) {
+    sums_.forces.resize(obstacles->count() + 1);
+    means_.forces = std::exchange(sums_.forces, {});
+    const auto steps = static_cast<Real>(std::max<std::int64_t>(std::exchange(sums_.steps, 0), 1));
+    for (BodyForce& one : means_.forces) one = {one.force / steps, one.torque / steps};
+  }
+  if (!asked_.pressures) return;
+  probed_ = probe_pressures();
+  if (obstacles == nullptr) return;
   sums_.pressures.resize(state_.problem.gauges());
-  ForceSums means = std::exchange(sums_, {});
-  const auto steps = static_cast<Real>(std::max<std::int64_t>(means.steps, 1));
-  for (BodyForce& one : means.forces) one = {one.force / steps, one.torque / steps};
-  for (Real& one : means.pressures) one /= steps;
-  return means;
+  means_.pressures = std::exchange(sums_.pressures, {});
+  const auto steps = static_cast<Real>(std::max<std::int64_t>(std::exchange(sums_.pressure_steps, 0), 1));
+  for (Real& one : means_.pressures) one /= steps;
+}
+
+// phi is a pressure over the density, times the time of the substep squared.
+template <class T>
+std::vector<Real> Reporter<T>::probe_pressures() const {
+  if (state_.probes == nullptr) return {};
+  const Real dt = state_.clock.dt / state_.clock.substeps;
+  std::vector<Real> pressures = state_.probes->means(state_.comm);
+  for (Real& one : pressures) one *= state_.problem.model().rest_density / (dt * dt);
+  return pressures;
 }
 
 template <class T>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "parallel/stopwatch.hpp"
+#include "solver/active_absorption.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/diagnostics.hpp"
 #include "solver/supplied_energy.hpp"
@@ -26,7 +27,9 @@ struct ReportedState {
   const std::vector<std::unique_ptr<Forcing>>& forcings;
   const FlowState* flow;  ///< null without inlets and drains
   std::array<LocalId, 3> first_cell;
-  Real crush_limit;  ///< DensitySettings::crush_limit
+  Real crush_limit;                              ///< DensitySettings::crush_limit
+  const PressureProbes* probes = nullptr;        ///< null without gauges of pressure in the water
+  const ActiveAbsorption* absorption = nullptr;  ///< null without paddles that absorb
 };
 
 template <class T>
@@ -35,7 +38,7 @@ class Reporter {
   Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr<Observer>> observers,
            const DiagnosticsSum& diagnostics, const SuppliedEnergy& supplied);
 
-  void begin_step() { iterations_before_step_ = counters_.iterations; }
+  void begin_step();
   /// Which observers are due after that step, and what they want of it. Throws what they, and forcings that are asked
   /// for their state, throw: to be called before all ranks agree on failures. Once before observe().
   void ask_observers(std::int64_t step);
@@ -69,13 +72,14 @@ class Reporter {
  private:
   void attempt(const std::function<void()>& work);
   Frame frame();
-  ForceSums take_mean_forces();
+  void take_means();
+  std::vector<Real> probe_pressures() const;
   bool watches_energy() const;
   void add_work(const std::vector<TotalImpulse>& impulses, Real per);
 
   struct Asked {
     std::vector<bool> due;  // of each observer
-    bool diagnostics = false, density = false, forces = false;
+    bool diagnostics = false, density = false, forces = false, pressures = false;
   };
 
   ReportedState<T> state_;
@@ -90,6 +94,8 @@ class Reporter {
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
   ForceSums sums_, means_;
+  std::vector<Real> ways_;  // of obstacles (Body::way()) at the start of the step
+  std::vector<Real> probed_;
   Event diagnostics_event_{"Diagnostics"};
 };
 

@@ -30,7 +30,8 @@ TIMES = ("imbalance", "wall_seconds")
 ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
 SCENE = """gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
-         {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]}]
+         {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]},
+ {type = "flow", center = [0.8, 0.4, 0.2], size = [1, 1], normal = [1, 0, 0]}, {type = "run_up", center = [0, 0.4, 0], normal = [1, 0, 0]}]
 """ + tank("1.6, 0.8, 2.4", ("0, 0, 0", "1.6, 0.8, 0.4"), ("0.4, 0.2, 0.8", "0.8, 0.6, 1.2")) + """
 [[fountain]]
 center = [1.2, 0.4]
@@ -59,8 +60,7 @@ fields = ["velocity", "density", "id", "rank", "rgb"]
 every_steps = 2
 keep = 9
 """ + ("" if "VTK" in WITHOUT else "[output.vtu]\nevery_steps = 2\n")
-# What the formulas of the page are about, as in SCENE.
-TERMS = {"spacing": 0.1, "speed": 10.0}
+TERMS = {"spacing": 0.1, "speed": 10.0}  # what the formulas of the page are about, as in SCENE
 
 Table = namedtuple("Table", "heading columns rows")
 

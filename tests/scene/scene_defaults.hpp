@@ -87,7 +87,8 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
                                                               "output.checkpoint.keep=2",
-                                                              "output.series.every_steps=1"};
+                                                              "output.series.every_steps=1",
+                                                              "output.gauges.every_steps=1"};
 
 inline const std::string every_table =
     "[gravity]\n[tensile]\n[vorticity]\n[viscosity]\n[[fountain]]\ncenter = [1, 0.5]\nmusic = '-'\n[[inlet]]\ncenter = "
@@ -95,7 +96,7 @@ inline const std::string every_table =
     "[[drain]]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n"
     "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nheight = 0.2\n"
     "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\n[output.vtu]\n"
-    "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n";
+    "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n[output.gauges]\n";
 
 /// Of what `density.preset = "report"` changes.
 inline const std::vector<std::string> defaults_of_the_report = {"density.method='jacobi'",

@@ -220,17 +220,51 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nradius = 100\n[output.series]",
                  "15: [[gauge]] radius", "is more than the box is long"},
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nnormal = [0, 0, 1]\n[output.series]",
-                 "15: [[gauge]] normal", "known"},
+                 "15: [[gauge]] normal", "leave it out"},
         BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]", "12: gauge", "add [output.series]"},
         BadScene{appended, "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\nnormal = [1, 0, 0]\n[output.series]",
                  "12: gauge", "needs an [[obstacle]]"},
         BadScene{appended,
-                 std::string(good_ball) + "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\n[output.series]",
-                 "16: [[gauge]] normal", "missing"},
+                 "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\n[output.series]\n[density]\n"
+                 "coarse_grid = false",
+                 "12: gauge", "needs the projection"},
+        BadScene{appended, "[[gauge]]\ntype = 'flow'\ncenter = [1, 0.5, 0.5]\nnormal = [1, 0, 0]\n[output.series]",
+                 "12: [[gauge]] size", "missing"},
+        BadScene{appended, "[[gauge]]\ntype = 'flow'\ncenter = [1, 0.5, 0.5]\nsize = [1, 1]\n[output.series]",
+                 "12: [[gauge]] normal", "missing"},
+        BadScene{appended, "[[gauge]]\ntype = 'run_up'\ncenter = [1, 0.5, 0]\nnormal = [1, 0, 0]\n[output.series]",
+                 "12: gauge", "needs an [[obstacle]] that stands"},
+        BadScene{appended, "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\nto = [1.5, 0.5, 0]\n[output.series]",
+                 "12: [[gauge]] count", "go together"},
         BadScene{appended,
                  std::string(good_ball) +
                      "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\nnormal = [0, 0, 0]\n[output.series]",
                  "19: [[gauge]] normal", "must not be zero"}));
+
+// Line 12 is the first of what is appended.
+INSTANTIATE_TEST_SUITE_P(
+    Waves, BadSceneTest,
+    testing::Values(
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 0.1", "13: [[wavemaker]] period",
+                 "missing"},
+        BadScene{appended, "[[wavemaker]]\ntype = 'piston'\nheight = 0.1\nperiod = 1\nposition = 1",
+                 "12: [[wavemaker]] wave", "needs gravity"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 5\nperiod = 1\nposition = 1",
+                 "15: [[wavemaker]] height", "waves break"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 0.01\nperiod = 1\nposition = 9",
+                 "17: [[wavemaker]] position", "out of the box"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nwave = 'solitary'\nheight = 0.1",
+                 "15: [[wavemaker]] wave", "is by a piston"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\ndirection = [1, 1, 0]",
+                 "17: [[wavemaker]] direction", "along x or y"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\nseed = 2",
+                 "17: [[wavemaker]] seed", "is for wave = \"irregular\""},
+        BadScene{appended, "[[damping]]\nmin = [1, 0, 0]\nmax = [0, 1, 1]\nrate = 1", "14: [[damping]] max",
+                 "greater than min"},
+        BadScene{appended, "[[damping]]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nrate = -1", "15: [[damping]] rate",
+                 "must not be negative"},
+        BadScene{appended, "[[damping]]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nrate = 1\ndirection = [0, 0, 1]",
+                 "16: [[damping]] direction", "along x or y"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Fountain, BadSceneTest,

@@ -91,6 +91,43 @@ TEST(LibraryInput, SettingsThatCannotBeAreRefused) {
        [](Settings& s) {
          s.gauges.push_back({GaugeKind::pressure, {0, 0.4, 0.2}, {1, 0, 0}, 0.2});
        }},
+      {"gauges[0].size",
+       [](Settings& s) {
+         s.gauges.push_back({GaugeKind::flow, {0.4, 0.4, 0.2}, {1, 0, 0}, 0});
+       }},
+      {"an obstacle that stands",
+       [](Settings& s) {
+         s.gauges.push_back({GaugeKind::run_up, {0.4, 0.4, 0.2}, {1, 0, 0}, 0.2});
+       }},
+      {"needs density.coarse_grid",
+       [](Settings& s) {
+         s.density.coarse_grid = false;
+         s.gauges.push_back({GaugeKind::pressure_in_water, {0.4, 0.4, 0.2}});
+       }},
+      {"dampings[0].direction",
+       [](Settings& s) {
+         s.dampings.push_back({s.domain.min, s.domain.max, 1, {}});
+       }},
+      {"dampings[0].rate",
+       [](Settings& s) {
+         s.dampings.push_back({s.domain.min, s.domain.max, nan, Vec3(Vec3::UnitX())});
+       }},
+      {"obstacles[0].wavemaker.period",
+       [](Settings& s) {
+         WavemakerSettings maker;
+         maker.height = 0.01;
+         maker.depth = 0.2;
+         s.obstacles = {paddle_of(maker, s.domain)};
+       }},
+      {"obstacles[0].wavemaker.position",
+       [](Settings& s) {
+         WavemakerSettings maker;
+         maker.height = 0.01;
+         maker.depth = 0.2;
+         maker.period = 1;
+         maker.position = -1;
+         s.obstacles = {paddle_of(maker, s.domain)};
+       }},
   };
   for (const BadSettings& bad : all) {
     Settings settings = tank();

@@ -9,6 +9,7 @@
 #include "app/preflight/advice.hpp"
 #include "app/preflight/envelope.hpp"
 #include "app/preflight/run_cost.hpp"
+#include "app/preflight/wave_text.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/forcings/inlet.hpp"
 #include "parallel/reductions.hpp"
@@ -197,7 +198,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, water_mass(scene.fluid));
   fmt::print("space       {:.4g} m³ of water, {:.4g} m³ open\n",
              particles * water_mass(scene.fluid) / scene.fluid.rest_density, open_volume(scene));
-  fmt::print("{}{}", obstacle_text(scene, particles), inlet_text(scene));
+  fmt::print("{}{}{}", obstacle_text(scene, particles), wave_text(scene), inlet_text(scene));
   fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
              session.size(), slab_table(scene, grid, weights, slabs));
   if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
@@ -207,6 +208,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   std::vector<std::string> warnings = start_warnings(scene);
   for (std::string& warning : volume_warnings(scene, particles)) warnings.push_back(std::move(warning));
   for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
+  for (std::string& warning : wave_warnings(scene)) warnings.push_back(std::move(warning));
   for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
   for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
 }

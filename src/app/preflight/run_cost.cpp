@@ -46,6 +46,9 @@ Scene sample_of(const Scene& scene) {
   sample.fountains.clear();
   sample.inlets.clear();
   sample.drains.clear();
+  sample.dampings.clear();
+  sample.gauges.clear();
+  std::erase_if(sample.obstacles, [](const ObstacleSettings& obstacle) { return obstacle.wavemaker.has_value(); });
   sample.output = {};
   return sample;
 }

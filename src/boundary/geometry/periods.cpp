@@ -29,6 +29,7 @@ bool is_along(Vec3 direction, int axis) {
 // Whether it is a straight one along an axis, the same wherever it is cut; a cylinder may turn about it.
 bool is_straight(const ObstacleSettings& obstacle, int axis) {
   if (!obstacle.rotate.isZero()) return false;
+  if (obstacle.wavemaker) return obstacle.wavemaker->direction[axis] == 0;
   if (obstacle.shape == ShapeKind::box) return !obstacle.moves();
   return obstacle.shape == ShapeKind::cylinder && is_along(obstacle.axis, axis) &&
          is_along(obstacle.angular_velocity, axis);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "boundary/waves/paddle_motion.hpp"
+
 namespace trevi {
 
 namespace {
@@ -75,10 +77,12 @@ BodyMotion::BodyMotion(const ObstacleSettings& obstacle)
       start_(start_of(obstacle)),
       knots_(obstacle.knots),
       oscillation_(obstacle.oscillation) {
+  if (obstacle.wavemaker) paddle_ = std::make_shared<const PaddleMotion>(*obstacle.wavemaker);
   if (turns_per_second_ > 0) spin_axis_ = obstacle.angular_velocity / obstacle.angular_velocity.norm();
 }
 
-Pose BodyMotion::at(Real time) const {
+Pose BodyMotion::at(Real time, Real more) const {
+  if (paddle_) return paddle_->at({center_, start_}, time, more);
   if (oscillation_) {
     const auto& [amplitude, rotation, period, ramp] = *oscillation_;
     const Real u = ramp > 0 ? std::clamp(time / ramp, 0.0, 1.0) : 1;
@@ -109,7 +113,7 @@ Vec3 BodyMotion::center_at(Real time) const {
          span * t * u * (u * slope_at(k) - t * slope_at(k + 1));
 }
 
-// Of the cubics by samples; they bend too little between these to matter for the choice of substeps.
+// Of the cubics and of paddles by samples; they bend too little between these to matter for the choice of substeps.
 Real BodyMotion::fastest(Real begin, Real end, Real radius) const {
   if (oscillation_) {  // a bound that holds at all times
     const auto& [amplitude, rotation, period, ramp] = *oscillation_;
@@ -117,12 +121,15 @@ Real BodyMotion::fastest(Real begin, Real end, Real radius) const {
     return rate * (amplitude.norm() + rotation.norm() * std::numbers::pi / 180 * radius);
   }
   const Real spin = 2 * std::numbers::pi * turns_per_second_ * radius;
-  if (knots_.empty()) return velocity_.norm() + spin;
+  if (knots_.empty() && !paddle_) return velocity_.norm() + spin;
+  const auto place = [this](Real time) {  // of a paddle at the surface of the water
+    return paddle_ ? Vec3(paddle_->displacement(time) * Vec3::UnitX()) : center_at(time);
+  };
   constexpr int samples = 8;
   Real most = 0;
-  Vec3 last = center_at(begin);
+  Vec3 last = place(begin);
   for (int k = 1; k <= samples; ++k) {
-    const Vec3 next = center_at(begin + (end - begin) * k / samples);
+    const Vec3 next = place(begin + (end - begin) * k / samples);
     most = std::max(most, (next - last).norm() * samples / (end - begin));
     last = next;
   }

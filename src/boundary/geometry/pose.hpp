@@ -2,9 +2,13 @@
 // version of the C library, which sine and cosine of the library would not give. Not collective.
 #pragma once
 
+#include <memory>
+
 #include "trevi/obstacle.hpp"
 
 namespace trevi {
+
+class PaddleMotion;
 
 using Rotation = Eigen::Matrix3d;
 
@@ -28,7 +32,8 @@ Rotation turn_about(const Vec3& axis, Real turns);
 class BodyMotion {
  public:
   explicit BodyMotion(const ObstacleSettings& obstacle);
-  Pose at(Real time) const;
+  /// `more`: how far a paddle is from where it would be by its own motion, m.
+  Pose at(Real time, Real more = 0) const;
   /// The largest speed that a point of the obstacle within `radius` of its centre has in between, m/s.
   Real fastest(Real begin, Real end, Real radius) const;
 
@@ -41,6 +46,7 @@ class BodyMotion {
   Rotation start_;
   std::vector<ObstacleKnot> knots_;
   std::optional<Oscillation> oscillation_;
+  std::shared_ptr<const PaddleMotion> paddle_;  // null without a wavemaker
 };
 
 }  // namespace trevi

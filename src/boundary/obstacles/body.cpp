@@ -41,8 +41,8 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
 }
 
 void Body::move(Real begin, Real end) {
-  before_ = motion_.at(begin);
-  now_ = motion_.at(end);
+  before_ = motion_.at(begin, way_before_);
+  now_ = motion_.at(end, way_now_);
   const Box bounds = shape_->bounds();
   const Vec3 half = (bounds.max - bounds.min) / 2, middle = now_.into_world((bounds.max + bounds.min) / 2);
   const Vec3 extent = (now_.turn.cwiseAbs() * half).array() + density_reach * h_;

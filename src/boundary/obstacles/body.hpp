@@ -44,6 +44,9 @@ class Body {
 
   /// From `begin` to `end`, s.
   void move(Real begin, Real end);
+  /// How far a paddle is from where it would be by its own motion at the ends of the next move, m.
+  void add_way(Real begin, Real end) { way_before_ = begin, way_now_ = end; }
+  Real way() const { return way_now_; }
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
@@ -112,7 +115,8 @@ class Body {
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
   Pose before_, now_;
-  Box near_box_, beside_;  // beside_: the first places that are not in near_box_
+  Real way_before_ = 0, way_now_ = 0;  // of a paddle that absorbs, m
+  Box near_box_, beside_;              // beside_: the first places that are not in near_box_
   std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh
 };

@@ -22,6 +22,8 @@ class Obstacles {
   /// Without `law` obstacles have no density, as walls without one have none.
   Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law);
 
+  /// See Body::add_way().
+  void add_way(std::size_t k, Real begin, Real end) { bodies_[k]->add_way(begin, end); }
   /// Takes all obstacles to where they are from `begin` to `end`.
   void move(Real begin, Real end);
 

@@ -86,31 +86,35 @@ std::array<LocalId, 3> read_first_cell(const std::string& path, const Hdf5Reader
   return cell;
 }
 
-// Steps, numbers of bodies and gauges; then forces and torques, then pressures.
+// Steps, numbers of bodies and gauges, and the steps of gauges where they are others; then forces and torques, then
+// pressures.
 void write_force_sums(MPI_Comm comm, Hdf5Writer& file, const ForceSums* sums) {
-  if (sums == nullptr || sums->steps == 0) return;
+  if (sums == nullptr || (sums->steps == 0 && sums->pressure_steps == 0)) return;
   std::vector<Real> rows;
   for (const BodyForce& one : sums->forces) {
     rows.insert(rows.end(), one.force.begin(), one.force.end());
     rows.insert(rows.end(), one.torque.begin(), one.torque.end());
   }
   rows.insert(rows.end(), sums->pressures.begin(), sums->pressures.end());
-  write_on_root(comm, file, "/force_steps",
-                std::vector<std::int64_t>{sums->steps, std::ssize(sums->forces), std::ssize(sums->pressures)});
+  std::vector<std::int64_t> counts{sums->steps, std::ssize(sums->forces), std::ssize(sums->pressures)};
+  if (sums->pressure_steps != sums->steps) counts.push_back(sums->pressure_steps);
+  write_on_root(comm, file, "/force_steps", counts);
   write_on_root(comm, file, "/force_sums", rows);
 }
 
 ForceSums read_force_sums(const std::string& path, const Hdf5Reader& file) {
   if (!file.has("/force_steps")) return {};
-  const auto counts = file.read<std::int64_t>("/force_steps", {0, 3, 3});
+  const std::int64_t length = file.rows<std::int64_t>("/force_steps") == 4 ? 4 : 3;
+  auto counts = file.read<std::int64_t>("/force_steps", {0, length, length});
+  if (length == 3) counts.push_back(counts[0]);
   const std::int64_t total = file.rows<Real>("/force_sums"), bodies = counts[1], gauges = counts[2];
   const auto rows = file.read<Real>("/force_sums", {0, total, total});
   const bool finite = std::all_of(rows.begin(), rows.end(), [](Real x) { return std::isfinite(x); });
-  if (counts[0] < 1 || bodies < 1 || bodies > total || gauges < 0 || gauges > total || 6 * bodies + gauges != total ||
-      !finite)
+  if (std::min(counts[0], counts[3]) < 0 || std::max(counts[0], counts[3]) < 1 || bodies < 0 || bodies > total ||
+      gauges < 0 || gauges > total || 6 * bodies + gauges != total || !finite)
     throw DamagedFile(path + ": /force_steps, /force_sums: cannot be forces since a row; use another checkpoint");
   ForceSums sums{counts[0], std::vector<BodyForce>(static_cast<std::size_t>(bodies)),
-                 std::vector<Real>(rows.end() - gauges, rows.end())};
+                 std::vector<Real>(rows.end() - gauges, rows.end()), counts[3]};
   for (std::size_t k = 0; k < sums.forces.size(); ++k) {
     const Real* const row = &rows[6 * k];
     sums.forces[k] = {Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5])};
@@ -144,6 +148,8 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   write_force_sums(comm, file, frame.force_sums);
   if (frame.supplied_energy != 0)
     write_on_root(comm, file, "/supplied_energy", std::vector<Real>{frame.supplied_energy});
+  if (!frame.paddle_ways.empty())
+    write_on_root(comm, file, "/paddle_ways", std::vector<Real>(frame.paddle_ways.begin(), frame.paddle_ways.end()));
   if (frame.first_cell != std::array<LocalId, 3>{}) {
     write_on_root(comm, file, "/first_cell",
                   std::vector<std::int64_t>(frame.first_cell.begin(), frame.first_cell.end()));
@@ -233,6 +239,8 @@ void check_header(const std::string& path, const CheckpointState& state) {
   if (state.step < 0) refuse("step", state.step);
   if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
   if (state.substeps < 1) refuse("substeps", state.substeps);
+  for (const Real way : state.paddle_ways)
+    if (!std::isfinite(way)) refuse("paddle_ways", way);
   if (!std::isfinite(state.supplied_energy)) refuse("supplied_energy", state.supplied_energy);
   const auto& text = state.info.scene_text;
   const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -262,6 +270,10 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.first_cell = read_first_cell(path, file);
   state.force_sums = read_force_sums(path, file);
   if (file.has("/supplied_energy")) state.supplied_energy = file.read<Real>("/supplied_energy", {0, 1, 1})[0];
+  if (file.has("/paddle_ways")) {
+    const std::int64_t paddles = file.rows<Real>("/paddle_ways");
+    state.paddle_ways = file.read<Real>("/paddle_ways", {0, paddles, paddles});
+  }
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
   state.rows = read_checked_rows(source);

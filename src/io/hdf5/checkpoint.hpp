@@ -41,7 +41,8 @@ struct CheckpointState {
   std::optional<FlowState> flow;  ///< with inlets or drains only
   std::array<LocalId, 3> first_cell{};
   ForceSums force_sums;
-  Real supplied_energy = 0;  ///< J
+  Real supplied_energy = 0;       ///< J
+  std::vector<Real> paddle_ways;  ///< m, of paddles that absorb
 };
 
 /// InputError on all ranks alike when the file is missing, foreign or larger than the memory; DamagedFile when it is

@@ -15,11 +15,14 @@ namespace trevi {
 
 namespace {
 
-bool is_pressure(const GaugeSettings& gauge) { return gauge.kind == GaugeKind::pressure; }
+bool is_pressure(const GaugeSettings& gauge) {
+  return gauge.kind == GaugeKind::pressure || gauge.kind == GaugeKind::pressure_in_water;
+}
 
 // Sums are integers, so that they do not depend on the order of the particles.
 Real unit_of_height(Real spacing) { return std::ldexp(spacing, -32); }
-constexpr Real unit_of_velocity = 0x1p-30;  // of 1 m/s, and of a weight
+Real unit_of_flow(Real spacing) { return std::ldexp(spacing * spacing, -36); }  // m³/s
+constexpr Real unit_of_velocity = 0x1p-30;                                      // of 1 m/s, and of a weight
 
 // Of a gauge of velocity: the number of particles; the ten sums of w x_a x_b, a <= b, with x = (1, offset in radii);
 // the twelve of w x_a v_b.
@@ -72,40 +75,61 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
     open_.push_back(gauge.kind == GaugeKind::height
                         ? open_fraction_of_gauge(gauge, lattice_of(settings.fluid), settings.domain, {})
                         : 1);
+    run_ups_.emplace_back(gauge, settings);
+    flows_.emplace_back(gauge, spacing_);
   }
 }
 
-// Height: each particle is a cube of one spacing, cut at the foot of the gauge. A wire that is wetted measures the
-// same: air in the water does not count.
+// Each particle is a cube of one spacing, cut at the foot of the gauge. A wire that is wetted measures the same: air in
+// the water does not count.
+void GaugeReadings::add_height(std::size_t g, const Vec3& p, std::int64_t& sum) const {
+  const Real half = spacing_ / 2, reach = gauges_[g].radius + half;
+  const Vec3 from = p - gauges_[g].center;
+  if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
+  const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
+  const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};
+  const Real weight =
+      in_layer_ ? gauge_weight_in_layer_of(cube, gauges_[g].radius) : gauge_weight_of(cube, gauges_[g].radius);
+  sum += std::llround(above * spacing_ * weight / open_[g] / unit_of_height(spacing_));
+}
+
+void GaugeReadings::add(std::size_t g, const Particles& particles, Range part, std::vector<std::int64_t>& sums) const {
+  if (is_pressure(gauges_[g]) || gauges_[g].kind == GaugeKind::run_up) return;
+  std::int64_t& first = sums[first_[g]];
+  for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+    const Vec3 &p = particles.position[i], &v = particles.velocity[i];
+    switch (gauges_[g].kind) {
+      case GaugeKind::height:
+        add_height(g, p, first);
+        break;
+      case GaugeKind::velocity:
+        add_velocity(gauges_[g], p, v, &first);
+        break;
+      case GaugeKind::flow:
+        first += std::llround(flows_[g].flow(p, v) / unit_of_flow(spacing_));
+        break;
+      default:
+        break;
+    }
+  }
+}
+
 std::vector<std::int64_t> GaugeReadings::sums(const Particles& particles) {
-  const Real unit = unit_of_height(spacing_), half = spacing_ / 2;
   sums_.for_each([&](auto& sums) { sums.assign(first_.back(), 0); });
-  const auto add_height = [&](std::size_t g, const Vec3& p, std::int64_t& sum) {
-    const Vec3 from = p - gauges_[g].center;
-    const Real reach = gauges_[g].radius + half;
-    if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
-    const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
-    const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};
-    const Real weight =
-        in_layer_ ? gauge_weight_in_layer_of(cube, gauges_[g].radius) : gauge_weight_of(cube, gauges_[g].radius);
-    sum += std::llround(above * spacing_ * weight / open_[g] / unit);
-  };
   constexpr LocalId part_size = 4096;
   for_each_part({0, static_cast<LocalId>(particles.size())}, part_size, [&](Range part) {
-    std::vector<std::int64_t>& sums = sums_.mine();
-    for (std::size_t g = 0; g < gauges_.size(); ++g) {
-      if (is_pressure(gauges_[g])) continue;
-      for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
-        const Vec3& p = particles.position[i];
-        if (gauges_[g].kind == GaugeKind::height) {
-          add_height(g, p, sums[first_[g]]);
-        } else {
-          add_velocity(gauges_[g], p, particles.velocity[i], &sums[first_[g]]);
-        }
-      }
-    }
+    for (std::size_t g = 0; g < gauges_.size(); ++g) add(g, particles, part, sums_.mine());
   });
   return sum_over_threads_and_ranks(comm_, sums_);
+}
+
+// The largest of all particles of all ranks; nan without any.
+Real GaugeReadings::run_up(std::size_t g, const Particles& particles) const {
+  Real highest = -INFINITY;
+  for (const Vec3& p : particles.position)
+    if (run_ups_[g].height(p) > highest && run_ups_[g].touches(p)) highest = run_ups_[g].height(p);
+  highest = max_over_ranks(comm_, highest);
+  return std::isfinite(highest) ? highest : NAN;
 }
 
 std::vector<std::string> GaugeReadings::columns() const {
@@ -116,7 +140,14 @@ std::vector<std::string> GaugeReadings::columns() const {
         columns.push_back(fmt::format("height_{}", k));
         break;
       case GaugeKind::pressure:
+      case GaugeKind::pressure_in_water:
         columns.push_back(fmt::format("pressure_{}", k));
+        break;
+      case GaugeKind::flow:
+        columns.push_back(fmt::format("flow_{}", k));
+        break;
+      case GaugeKind::run_up:
+        columns.push_back(fmt::format("run_up_{}", k));
         break;
       case GaugeKind::velocity:
         for (const char* axis : {"u", "v", "w"}) columns.push_back(fmt::format("{}_{}", axis, k));
@@ -128,15 +159,23 @@ std::vector<std::string> GaugeReadings::columns() const {
 
 std::vector<Real> GaugeReadings::read(const Frame& frame) {
   const std::vector<std::int64_t> all = sums(frame.particles);
-  auto pressure = frame.pressures.begin();
+  auto pressure = frame.pressures.begin(), probe = frame.probes.begin();
   std::vector<Real> values;
   for (std::size_t k = 0; k < gauges_.size(); ++k) {
-    if (is_pressure(gauges_[k])) {
+    const auto sum = static_cast<Real>(all[first_[k]]);
+    const GaugeKind kind = gauges_[k].kind;
+    if (kind == GaugeKind::height) values.push_back(sum * unit_of_height(spacing_));
+    if (kind == GaugeKind::flow) values.push_back(sum * unit_of_flow(spacing_));
+    if (kind == GaugeKind::run_up) values.push_back(run_up(k, frame.particles));
+    if (kind == GaugeKind::pressure) {
       require(pressure != frame.pressures.end(), "gauges: no pressures in this frame");
       values.push_back(*pressure++);
-    } else if (gauges_[k].kind == GaugeKind::height) {
-      values.push_back(static_cast<Real>(all[first_[k]]) * unit_of_height(spacing_));
-    } else {
+    }
+    if (kind == GaugeKind::pressure_in_water) {
+      require(probe != frame.probes.end(), "gauges: no pressures in this frame");
+      values.push_back(*probe++);
+    }
+    if (kind == GaugeKind::velocity) {
       const Vec3 velocity = velocity_from(&all[first_[k]], in_layer_);
       values.insert(values.end(), velocity.begin(), velocity.end());
     }

@@ -1,11 +1,13 @@
-// What the gauges of a scene show: heights and velocities from the particles, pressures as the frame has them. Sums are
-// integers, so that no order of the particles, and no number of ranks or threads, is seen in them. Collective: read().
+// What the gauges of a scene show: heights, velocities, flows and run-ups from the particles, pressures as the frame
+// has them. Sums are integers, so that no order of the particles, and no number of ranks or threads, is seen in them.
+// Collective: read().
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "base/threads.hpp"
+#include "io/tables/flow_and_run_up.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 #include "trevi/settings.hpp"
@@ -17,14 +19,17 @@ class GaugeReadings {
   /// The gauges of these settings.
   GaugeReadings(MPI_Comm comm, const Settings& settings);
 
-  /// Names as in postprocess/README.md, and their values: m, Pa and m/s.
+  /// Names as in postprocess/README.md, and their values: m, Pa, m/s and m³/s.
   std::vector<std::string> columns() const;
   std::vector<Real> read(const Frame& frame);
-  /// Whether there are gauges of pressure, which need a frame with forces.
-  bool wants_forces() const { return pressures_; }
+  /// Whether there are gauges of pressure, which need a frame with pressures.
+  bool wants_pressures() const { return pressures_; }
 
  private:
   std::vector<std::int64_t> sums(const Particles& particles);
+  void add(std::size_t g, const Particles& particles, Range part, std::vector<std::int64_t>& sums) const;
+  Real run_up(std::size_t g, const Particles& particles) const;
+  void add_height(std::size_t g, const Vec3& p, std::int64_t& sum) const;
 
   MPI_Comm comm_;
   std::vector<GaugeSettings> gauges_;
@@ -32,6 +37,8 @@ class GaugeReadings {
   Real spacing_;                    // m, the edge of a particle's cube
   bool in_layer_;                   // two dimensions
   bool pressures_;
+  std::vector<RunUp> run_ups_;
+  std::vector<RectangleFlow> flows_;
   std::vector<Real> open_;  // of gauges of height: the fraction of the disc that is in the box
   PerThread<std::vector<std::int64_t>> sums_;
 };

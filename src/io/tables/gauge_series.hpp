@@ -11,7 +11,7 @@ class GaugeSeries : public TableSeries {
  public:
   /// The gauges of these settings.
   GaugeSeries(MPI_Comm comm, const TableOptions& options, const Settings& settings);
-  bool wants_forces() const override { return readings_.wants_forces(); }
+  bool wants_pressures() const override { return readings_.wants_pressures(); }
   void observe(const Frame& frame) override;
 
  private:

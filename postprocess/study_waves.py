@@ -1,0 +1,187 @@
+#!/usr/bin/python3
+"""Waves by paddles in a thin tank: how high they are, what they lose on their way, and what the zone at the end sends back.
+
+  postprocess/study_waves.py postprocess/results/waves.csv
+
+Regular waves: the first harmonic of each of a row of gauges over whole periods once the waves are there is split by least
+squares into one wave that goes and decays, and one that comes back. Irregular waves: H_m0 and the peak of the spectrum of one
+gauge. Solitary wave: its speed between two gauges, and its height. One row for each quantity, beside what theory says.
+"""
+
+import math
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from study import GRAVITY, columns_of, launch, parser_of, two_at_a_time, write_table
+
+SPACING = 0.05  # m
+LAYERS = 15
+LENGTH = 60  # spacings a wavelength
+WIDE = 6  # spacings, across
+DEPTH = LAYERS * SPACING
+SCENE = """
+[domain]
+min = [0, 0, 0]
+max = [{end}, {wide}, {high}]
+periodic = ["y"]
+[fluid]
+spacing = {spacing}
+[[particles]]
+min = [0, 0, 0]
+max = [{end}, {wide}, {depth}]
+[time]
+dt = {dt}
+end = {seconds}
+[gravity]
+[[wavemaker]]
+{waves}
+height = {height}
+position = {front}
+[[damping]]
+min = [{zone}, 0, 0]
+max = [{end}, {wide}, {high}]
+rate = {rate}
+[output.gauges]
+every = 0.0333333333333333
+"""
+GAUGE = '[[gauge]]\ntype = "height"\ncenter = [{}, {}, 0]\n'
+# Height in spacings, a step in s.
+CASES = {
+    "piston": {"paddle": "piston", "height": 3, "dt": 1 / 60},
+    "piston, half the step": {"paddle": "piston", "height": 3, "dt": 1 / 120},
+    "piston, high": {"paddle": "piston", "height": 4, "dt": 1 / 60},
+    "flap": {"paddle": "flap", "height": 3, "dt": 1 / 60},
+    "solitary": {"paddle": "piston", "height": 0.3 * LAYERS, "dt": 1 / 60},
+    "jonswap": {"paddle": "piston", "height": 4, "dt": 1 / 60},
+}
+
+
+def tank(case, waves, **more):
+    """The scene of a tank with a paddle 0.5 m from its end; `length` up to the zone, m."""
+    front = 1.0 if "solitary" in waves else 0.5
+    zone = front + more["length"]
+    end = round((zone + more["absorbing"]) / (2 * SPACING)) * 2 * SPACING
+    text = SCENE.format(end=end, wide=WIDE * SPACING, high=2 * DEPTH, spacing=SPACING, depth=DEPTH, dt=case["dt"],
+                        seconds=more["seconds"], waves=waves, height=case["height"] * SPACING, front=front,
+                        zone=end - more["absorbing"], rate=more.get("rate", 5))
+    return text + "".join(GAUGE.format(front + x, WIDE * SPACING / 2) for x in more["places"])
+
+
+def run(text, folder, name, trevi):
+    scene, output = folder / f"{name}.toml", folder / name
+    scene.write_text(text, encoding="utf-8")
+    code, message = launch(trevi, scene, output, [], 7200)
+    if code != 0:
+        raise SystemExit(f"study_waves.py: {name}: {message}")
+    columns = {key: np.array(values) for key, values in columns_of(output / "gauges.csv").items()}
+    heights = [columns[f"height_{k}"] for k in range(sum(key.startswith("height_") for key in columns))]
+    return columns["time"], np.array(heights)
+
+
+def first_harmonic(time, height, period, cycles):
+    """a of a cos(wt) + b sin(wt) as a - ib, over the last cycles."""
+    late = time > time[-1] - cycles * period
+    t, h = time[late], height[late]
+    waves = [f(2 * math.pi * n * t / period) for n in (1, 2, 3) for f in (np.cos, np.sin)]
+    a, b = np.linalg.lstsq(np.stack([np.ones_like(t), *waves], axis=1), h, rcond=None)[0][1:3]
+    return complex(a, -b)
+
+
+def split(places, harmonics):
+    """Wavelength and decay a wavelength of the wave that goes, its amplitude at 0, and that of the one that comes back over that
+    of the one that goes at the last place. Places are in wavelengths of theory."""
+    best = (np.inf, )
+    for length in np.linspace(0.94, 1.06, 121):
+        for decay in np.linspace(-0.02, 0.08, 101):
+            along = (2j * math.pi / length + decay) * places
+            both = np.stack([np.exp(-along), np.exp(along)], axis=1)
+            parts, *_ = np.linalg.lstsq(both, harmonics, rcond=None)
+            off = np.linalg.norm(both @ parts - harmonics)
+            if off < best[0]:
+                back = abs(parts[1]) * math.exp(2 * decay * places[-1]) / abs(parts[0])
+                best = off, length, decay, abs(parts[0]), back
+    return best[1:]
+
+
+def regular(case, folder, name, trevi):
+    length = LENGTH * SPACING
+    k = 2 * math.pi / length
+    period = 2 * math.pi / math.sqrt(GRAVITY * k * math.tanh(k * DEPTH))
+    places = np.arange(0.5, 5.51, 0.25)
+    text = tank(case, f'type = "{case["paddle"]}"\nperiod = {period}', length=6 * length, absorbing=2 * length,
+                seconds=25 * period, places=places * length)
+    time, heights = run(text, folder, name, trevi)
+    harmonics = np.array([first_harmonic(time, height, period, 11) for height in heights])
+    long, decay, amplitude, back = split(places, harmonics)
+    over = 2 * amplitude / (case["height"] * SPACING)
+    yield "wavelength over that of theory", 1, long
+    for n in (0, 2, 5):
+        yield f"height over that of theory, {n} wavelengths from the paddle", 1, over * math.exp(-decay * n)
+    yield "height lost per wavelength", 0, 1 - math.exp(-decay)
+    yield "reflection from the zone", 0, back
+
+
+def solitary(case, folder, name, trevi):
+    height, places = case["height"] * SPACING, np.array([10, 15, 20, 25, 30]) * DEPTH
+    celerity = math.sqrt(GRAVITY * (DEPTH + height))
+    text = tank(case, 'type = "piston"\nwave = "solitary"', length=places[-1] + 4 * DEPTH, absorbing=6 * DEPTH,
+                seconds=places[-1] / celerity + 6, places=places)
+    time, heights = run(text, folder, name, trevi)
+    arrivals, crests = [], []
+    for level in heights:
+        top = np.argmax(level)
+        near = slice(max(top - 5, 0), top + 6)  # a parabola through the crest
+        a, b, c = np.polyfit(time[near] - time[top], level[near], 2)
+        arrivals.append(time[top] - b / (2 * a))
+        crests.append(c - b * b / (4 * a) - DEPTH)
+    yield "celerity over that of theory", 1, np.polyfit(arrivals, places, 1)[0] / math.sqrt(GRAVITY * (DEPTH + np.mean(crests)))
+    yield "height over that of theory, 10 depths from the paddle", 1, crests[0] / height
+    yield "height lost in 20 depths", 0, 1 - crests[-1] / crests[0]
+
+
+def irregular(case, folder, name, trevi):
+    length = LENGTH * SPACING
+    k = 2 * math.pi / length
+    period = 2 * math.pi / math.sqrt(GRAVITY * k * math.tanh(k * DEPTH))
+    text = tank(case, f'type = "piston"\nwave = "irregular"\nperiod = {period}', length=2 * length, absorbing=2 * length,
+                seconds=72 * period, places=[length], rate=6)
+    time, heights = run(text, folder, name, trevi)
+    late = time > 8 * period
+    level = heights[0][late] - heights[0][late].mean()
+    step = time[1] - time[0]
+    frequency, density = np.fft.rfftfreq(len(level), step), np.abs(np.fft.rfft(level)) ** 2
+    band = (frequency > 0.4 / period) & (frequency < 3 / period)
+    share = density[band].sum() / density[1:].sum()
+    yield "H_m0 over what was asked for, from 0.4 to 3 of the peak's frequency", 1, \
+        4 * level.std() * math.sqrt(share) / (case["height"] * SPACING)
+    wide = np.convolve(density, np.ones(9) / 9, "same")[band] ** 4
+    # Delft: a mean weighted by the fourth power of the smoothed density.
+    yield "peak's frequency over what was asked for", 1, (frequency[band] * wide).sum() / wide.sum() * period
+
+
+def main():
+    parser = parser_of(__doc__, "CSV")
+    parser.add_argument("--only", default="", help="cases with this in their names")
+    options = parser.parse_args()
+    kinds = {"solitary": solitary, "jonswap": irregular}
+
+    def rows_of(name):
+        case = CASES[name]
+        quantities = kinds.get(name, regular)(case, folder, name.replace(", ", "_").replace(" ", "_"), options.trevi)
+        return [{"case": name, "height_spacings": case["height"], "step_s": round(case["dt"], 5), "quantity": quantity,
+                 "theory": theory, "measured": round(float(measured), 4)} for quantity, theory, measured in quantities]
+
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        for some in two_at_a_time(rows_of, [name for name in CASES if options.only in name]):
+            for row in some:
+                print(*row.values(), sep=", ", flush=True)
+            rows += some
+    write_table(options.output, rows)
+
+
+if __name__ == "__main__":
+    main()

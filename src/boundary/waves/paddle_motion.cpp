@@ -1,0 +1,118 @@
+#include "boundary/waves/paddle_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "boundary/waves/elementary.hpp"
+
+namespace trevi {
+
+namespace {
+
+Real smooth_step(Real u) {
+  u = std::clamp(u, 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+}  // namespace
+
+PaddleMotion::PaddleMotion(const WavemakerSettings& wavemaker) : wavemaker_(wavemaker) {
+  if (wavemaker.wave == WaveKind::solitary) return;
+  components_ = paddle_components(wavemaker);
+  for (const PaddleComponent& part : components_) {
+    const Real k = wave_number(2 * std::numbers::pi * part.frequency, wavemaker.depth, wavemaker.gravity);
+    levels_.push_back(part.amplitude * biesel_transfer(wavemaker.kind, k * wavemaker.depth));
+  }
+}
+
+Real PaddleMotion::level(Real time) const {
+  Real sum = 0;
+  for (std::size_t n = 0; n < components_.size(); ++n)
+    sum += levels_[n] * sine_cosine_of_turns(components_[n].frequency * time + components_[n].phase).cosine;
+  return wavemaker_.ramp > 0 ? smooth_step(time / wavemaker_.ramp) * sum : sum;
+}
+
+Real PaddleMotion::displacement(Real time) const {
+  if (wavemaker_.wave == WaveKind::solitary) return solitary(time);
+  Real sum = 0;
+  for (const PaddleComponent& part : components_)
+    sum += part.amplitude * sine_cosine_of_turns(part.frequency * time + part.phase).sine;
+  return wavemaker_.ramp > 0 ? smooth_step(time / wavemaker_.ramp) * sum : sum;
+}
+
+// Goring's equation: the paddle goes with the water of the wave that passes it, kappa (c t − xi) being what the wave is
+// behind. It starts where tanh is −0.999, and the rest of the stroke is scaled up so that there is no jump. The middle
+// of the stroke is its rest. Newton's method converges from the last two digits on by itself.
+Real PaddleMotion::solitary(Real time) const {
+  const Real height = wavemaker_.height, depth = wavemaker_.depth;
+  const auto [kappa, celerity] = solitary_wave(height, depth, wavemaker_.gravity);
+  const Real duration = solitary_duration(height, depth, wavemaker_.gravity);
+  const Real stroke = solitary_stroke(height, depth);
+  if (time <= 0) return -stroke / 2;
+  if (time >= duration) return stroke / 2;
+  const Real amplitude = height / (kappa * depth), way = celerity * (time - duration / 2);
+  Real x = 0;
+  constexpr int enough = 40;
+  for (int n = 0; n < enough; ++n) {
+    const Real t = elementary::tanh(kappa * (way - x));
+    x -= (x - amplitude * t) / (1 + amplitude * kappa * (1 - t * t));
+  }
+  Real last = amplitude;  // what x is at the end, found in the same way
+  for (int n = 0; n < enough; ++n) {
+    const Real t = elementary::tanh(kappa * (celerity * duration / 2 - last));
+    last -= (last - amplitude * t) / (1 + amplitude * kappa * (1 - t * t));
+  }
+  return x * (stroke / 2) / last;
+}
+
+Pose PaddleMotion::pose(const Pose& rest, Real displacement) const {
+  if (wavemaker_.kind == PaddleKind::piston) return {rest.center + displacement * wavemaker_.direction, rest.turn};
+  const Real length = std::sqrt(displacement * displacement + wavemaker_.depth * wavemaker_.depth);
+  const Real sine = displacement / length, cosine = wavemaker_.depth / length;
+  const Vec3& along = wavemaker_.direction;
+  const Vec3 across(-along.y(), along.x(), 0);  // z goes to `along` by a rotation about it
+  Rotation turn;
+  turn.col(0) = across;
+  turn.col(1) = cosine * along - sine * Vec3::UnitZ();
+  turn.col(2) = sine * along + cosine * Vec3::UnitZ();
+  Rotation straight;
+  straight.col(0) = across;
+  straight.col(1) = along;
+  straight.col(2) = Vec3::UnitZ();
+  const Rotation by = turn * straight.transpose();
+  Vec3 hinge = wavemaker_.position * along.cwiseAbs();
+  hinge.z() = wavemaker_.floor;
+  return {hinge + by * (rest.center - hinge), by * rest.turn};
+}
+
+Real paddle_reach(const WavemakerSettings& wavemaker) {
+  if (wavemaker.wave == WaveKind::solitary) return solitary_stroke(wavemaker.height, wavemaker.depth) / 2;
+  Real sum = 0, squares = 0;
+  for (const PaddleComponent& part : paddle_components(wavemaker)) {
+    sum += std::abs(part.amplitude);
+    squares += part.amplitude * part.amplitude / 2;
+  }
+  constexpr Real rare = 4;  // standard deviations
+  return wavemaker.wave == WaveKind::irregular ? std::min(sum, rare * std::sqrt(squares)) : sum;
+}
+
+ObstacleSettings paddle_of(const WavemakerSettings& wavemaker, const Box& domain) {
+  const Vec3 extent = domain.max - domain.min;
+  const Eigen::Index axis = wavemaker.direction.x() != 0 ? 0 : 1;
+  const bool up = wavemaker.direction[axis] > 0;
+  // A flap that leans by 45 degrees still reaches the lid of the box, and has nothing behind it.
+  Box box{domain.min - extent, domain.max + extent};
+  const Real behind = (up ? domain.min[axis] : domain.max[axis]) - (up ? 1 : -1) * (extent[axis] + extent.z());
+  box.min[axis] = std::min(behind, wavemaker.position);
+  box.max[axis] = std::max(behind, wavemaker.position);
+  ObstacleSettings paddle;
+  paddle.shape = ShapeKind::box;
+  paddle.center = (box.min + box.max) / 2;
+  paddle.size = box.max - box.min;
+  paddle.wavemaker = wavemaker;
+  paddle.restitution = 0;
+  return paddle;
+}
+
+}  // namespace trevi

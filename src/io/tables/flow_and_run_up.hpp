@@ -1,0 +1,49 @@
+// Two gauges of the water: the flow through a rectangle, and how high water runs up an obstacle. Not collective.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// What flows through a rectangle, to the side of its normal. Each particle is a cube of one spacing along the edges of
+/// the rectangle; what of it is in the slab two spacings thick around the rectangle flows with its velocity. A lattice
+/// that moves as a whole flows by speed times area to rounding, wherever the rectangle stands, if its edges are along
+/// those of the lattice.
+class RectangleFlow {
+ public:
+  RectangleFlow(const GaugeSettings& gauge, Real spacing);
+  /// What a particle adds, m³/s.
+  Real flow(const Vec3& p, const Vec3& v) const;
+
+ private:
+  Vec3 center_, normal_, level_, across_;
+  Real half_[2];  // m, of the edges
+  Real spacing_;
+};
+
+/// How high the water is on obstacles that stand, in a strip from a place up the beach: the top of the highest particle
+/// whose centre is no further from a surface than a spacing. Spray in the air does not count.
+class RunUp {
+ public:
+  RunUp(const GaugeSettings& gauge, const Settings& settings);
+  /// Whether the particle counts.
+  bool touches(const Vec3& p) const;
+  /// Above the centre of the gauge, m.
+  Real height(const Vec3& p) const { return p.z() + spacing_ / 2 - gauge_.center.z(); }
+
+ private:
+  struct Solid {
+    std::shared_ptr<const Shape> shape;
+    Pose pose;
+  };
+  GaugeSettings gauge_;
+  Real spacing_;
+  std::vector<Solid> solids_;
+};
+
+}  // namespace trevi

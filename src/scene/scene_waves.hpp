@@ -1,0 +1,15 @@
+// The tables [[wavemaker]] and [[damping]] of a scene.
+#pragma once
+
+#include "scene/scene_reader.hpp"
+#include "trevi/scene.hpp"
+
+namespace trevi {
+
+/// Adds the paddle to the obstacles. Box, fluid, water, gravity and the other obstacles have been read.
+void read_wavemaker(Section& wavemaker, Scene& scene, const KnownGood& known);
+
+/// The box has been read.
+void read_damping(Section& damping, Scene& scene, bool box_known);
+
+}  // namespace trevi

@@ -1,0 +1,75 @@
+#include "solver/active_absorption.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "boundary/waves/elementary.hpp"
+#include "parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr Real return_periods = 8;  // in which a way falls to 1/e
+
+bool absorbs(const ObstacleSettings& obstacle) { return obstacle.wavemaker && obstacle.wavemaker->absorb; }
+
+}  // namespace
+
+bool ActiveAbsorption::is_wanted(const Settings& settings) {
+  return std::any_of(settings.obstacles.begin(), settings.obstacles.end(), absorbs);
+}
+
+ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> ways)
+    : ways_(std::move(ways)), spacing_(settings.fluid.spacing), strip_(4 * settings.fluid.spacing) {
+  for (std::size_t k = 0; k < settings.obstacles.size(); ++k) {
+    if (!absorbs(settings.obstacles[k])) continue;
+    const WavemakerSettings& maker = *settings.obstacles[k].wavemaker;
+    const Eigen::Index axis = maker.direction.x() != 0 ? 0 : 1;
+    const Real omega = 2 * std::numbers::pi / maker.period, low = settings.domain.min[axis];
+    const Real kd = wave_number(omega, maker.depth, maker.gravity) * maker.depth, reach = paddle_reach(maker);
+    const Real room = std::min(maker.position - low, settings.domain.max[axis] - maker.position) - reach;
+    paddles_.push_back({k, maker, PaddleMotion(maker), omega / biesel_transfer(maker.kind, kd),
+                        (settings.domain.max - settings.domain.min)[1 - axis], std::max(0.0, room)});
+  }
+  ways_.resize(paddles_.size(), 0);
+}
+
+void ActiveAbsorption::place(Obstacles& obstacles) const {
+  for (std::size_t n = 0; n < paddles_.size(); ++n) obstacles.add_way(paddles_[n].obstacle, ways_[n], ways_[n]);
+}
+
+// m above the still water, in the mean over the strip. Particles are cubes, as for gauges of height.
+Real ActiveAbsorption::level_before(MPI_Comm comm, const Paddle& paddle, Real face, const Particles& particles) {
+  constexpr Real unit = 0x1p-30;  // of a particle
+  constexpr LocalId part_size = 8192;
+  const Eigen::Index axis = paddle.maker.direction.x() != 0 ? 0 : 1;
+  const Real sign = paddle.maker.direction[axis];
+  sums_.for_each([](auto& sums) { sums.assign(1, 0); });
+  for_each_part({0, static_cast<LocalId>(particles.size())}, part_size, [&](Range part) {
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      const Real ahead = sign * (particles.position[static_cast<std::size_t>(i)][axis] - face) / spacing_;
+      const Real low = std::max(ahead - 0.5, 0.0), high = std::min(ahead + 0.5, strip_ / spacing_);
+      if (high > low) sums_.mine()[0] += std::llround((high - low) / unit);
+    }
+  });
+  const Real cubes = static_cast<Real>(sum_over_threads_and_ranks(comm, sums_).front()) * unit;
+  return cubes * spacing_ * spacing_ * spacing_ / (strip_ * paddle.wide) - paddle.maker.depth;
+}
+
+void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const StepInfo& info, Obstacles& obstacles) {
+  for (std::size_t n = 0; n < paddles_.size(); ++n) {
+    const Paddle& paddle = paddles_[n];
+    const Eigen::Index axis = paddle.maker.direction.x() != 0 ? 0 : 1;
+    const Real own = paddle.motion.displacement(info.time), before = ways_[n];
+    const Real face = paddle.maker.position + paddle.maker.direction[axis] * (own + before);
+    const Real back = level_before(comm, paddle, face, particles) - paddle.motion.level(info.time);
+    const Real kept = elementary::exp(-info.dt / (return_periods * paddle.maker.period));
+    const Real way = (before - info.dt * paddle.gain * back) * kept;
+    ways_[n] = std::clamp(way, -paddle.farthest, paddle.farthest);
+    obstacles.add_way(paddle.obstacle, before, ways_[n]);
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,182 @@
+// Waves in a small tank: they have the height of theory, nothing leaks at the paddle, bits do not know the ranks, a
+// restart is exact, and a paddle absorbs what comes back to it.
+#include <cmath>
+#include <numbers>
+
+#include "boundary/geometry/pose.hpp"
+#include "io/tables/gauge_readings.hpp"
+#include "support/cloud.hpp"
+#include "support/output_fixture.hpp"
+#include "trevi/scene.hpp"
+#include "trevi/solver.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr Real two_pi = 2 * std::numbers::pi;
+
+// 30 spacings a wavelength on 7 layers, a wavelength to the zone.
+std::string tank(const std::string& keys, const std::string& more = "") {
+  return R"(
+[domain]
+min = [0, 0, 0]
+max = [7.2, 0.4, 1.4]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [7.2, 0.4, 0.7]
+[time]
+dt = 0.0166666666666666667
+end = 30
+[gravity]
+[[damping]]
+min = [4.2, 0, 0]
+max = [7.2, 0.4, 1.4]
+rate = 6
+[output.gauges]
+[[wavemaker]]
+)" + keys +
+         "\n" + more;
+}
+
+const std::string piston = "type = 'piston'\nheight = 0.25\nperiod = 1.46\nposition = 0.4";
+
+class WaveTank : public Output {};
+
+// Linear theory: the first harmonic where no wave comes back, half a wavelength before the zone. What 30 spacings a
+// wavelength do to a wave, and a second from the last few periods, leave it within an eighth.
+TEST_F(WaveTank, APistonMakesWavesOfTheHeight) {
+  const Scene scene =
+      parse_scene("test.toml", tank(piston, "[[gauge]]\ntype = 'height'\ncenter = [2.4, 0.2, 0]\n"), {});
+  auto solver = make_solver(world, scene, initial_particles(world, scene), {});
+  GaugeReadings readings(world, scene);
+  solver->start();
+  const Real omega = two_pi / 1.46;
+  Real sine = 0, cosine = 0;
+  const int first = 613, count = 438;  // five periods
+  for (int n = 0; n < first + count; ++n) {
+    solver->step();
+    if (n < first) continue;
+    const Real h = readings.read({solver->clock(), solver->particles(), {}, nullptr, {}}).front();
+    sine += 2 * h * std::sin(omega * solver->clock().time()) / count;
+    cosine += 2 * h * std::cos(omega * solver->clock().time()) / count;
+  }
+  if (rank_of(world) == 0) std::printf("H over that of theory: %.3f\n", 2 * std::hypot(sine, cosine) / 0.25);
+  EXPECT_NEAR(2 * std::hypot(sine, cosine) / 0.25, 1, 0.125);
+}
+
+// The water that a paddle moves is on the other side of it: nothing leaks, and bits do not know the ranks.
+TEST_F(WaveTank, SameBitsOnAnyRanksAndNothingLeaks) {
+  for (const std::string& keys :
+       {piston,
+        std::string("type = 'flap'\nwave = 'irregular'\nheight = 0.2\nperiod = 1.5\nposition = 0.5\nramp = 0.2"),
+        std::string("type = 'piston'\nwave = 'solitary'\nheight = 0.2\ndirection = [-1, 0, 0]"),
+        piston + "\nabsorb = true\nramp = 0"}) {
+    const Scene scene = parse_scene("test.toml", tank(keys), {});
+    const auto run = [&](MPI_Comm comm) {
+      auto solver = make_solver(comm, scene, initial_particles(comm, scene), {});
+      solver->start();
+      for (int n = 0; n < 40; ++n) solver->step();
+      return solver;
+    };
+    const auto alone = run(MPI_COMM_SELF), all = run(world);
+    expect_same_bits(gathered(world, all->particles()), gathered(MPI_COMM_SELF, alone->particles()));
+    const WavemakerSettings& maker = *scene.obstacles.front().wavemaker;
+    const BodyMotion motion(scene.obstacles.front());
+    const Pose pose = motion.at(all->clock().time());
+    if (maker.absorb) continue;  // the face is where the water has led it
+    const Vec3 half = scene.obstacles.front().size / 2;
+    for (const Vec3& p : all->particles().position) {
+      const Real ahead = pose.into_body(p).dot(maker.direction) - half[maker.direction.x() != 0 ? 0 : 1];
+      EXPECT_GT(ahead, -1e-6);
+    }
+  }
+}
+
+// Where the paddles that absorb are at the end of a step.
+struct Ways : Observer {
+  std::vector<Real>& ways;
+  explicit Ways(std::vector<Real>& w) : ways(w) {}
+  bool due(const Clock&) const override { return true; }
+  void observe(const Frame& frame) override { ways.assign(frame.paddle_ways.begin(), frame.paddle_ways.end()); }
+};
+
+// A run that goes on from step 20 has the bits of one that did not stop, and takes a paddle that absorbs from where it
+// was.
+TEST_F(WaveTank, ARestartIsExact) {
+  for (const bool absorb : {false, true}) {
+    Scene scene = parse_scene("test.toml", tank(piston), {});
+    scene.obstacles.front().wavemaker->absorb = absorb;
+    std::vector<Real> ways;
+    SolverExtras first, second;
+    first.observers.push_back(std::make_unique<Ways>(ways));
+    auto whole = make_solver(world, scene, initial_particles(world, scene), std::move(first));
+    whole->start();
+    for (int n = 0; n < 20; ++n) whole->step();
+    EXPECT_EQ(ways.size(), absorb ? 1u : 0u);
+    if (absorb) {
+      EXPECT_NE(ways[0], 0);
+    }
+    second.step = 20;
+    second.substeps = whole->clock().substeps;
+    second.paddle_ways = ways;
+    auto rest = make_solver(world, scene, whole->particles(), std::move(second));
+    for (int n = 0; n < 20; ++n) {
+      whole->step();
+      rest->step();
+    }
+    expect_same_bits(gathered(world, rest->particles()), gathered(world, whole->particles()));
+  }
+}
+
+// The first mode of a tank of half a wavelength: what the paddle takes in does not come back, so that a tenth is left
+// after four periods; a wall keeps more than half.
+TEST_F(WaveTank, APaddleAbsorbsWhatComesBack) {
+  const std::string text = R"scene(
+[domain]
+min = [0, 0, 0]
+max = [2.0, 0.4, 1.4]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [2.0, 0.4, 1.0]
+surface = "0.7 + 0.1*cos(pi*(x - 0.5)/1.5)"
+[time]
+dt = 0.0166666666666666667
+end = 30
+[gravity]
+[output.gauges]
+[[gauge]]
+type = "height"
+center = [1.9, 0.2, 0]
+[[wavemaker]]
+type = "piston"
+height = 1e-6
+period = 1.46
+depth = 0.7
+position = 0.5
+)scene";
+  const auto swing = [&](bool absorb) {
+    Scene scene = parse_scene("test.toml", text, {});
+    scene.obstacles.front().wavemaker->absorb = absorb;
+    auto solver = make_solver(world, scene, initial_particles(world, scene), {});
+    GaugeReadings readings(world, scene);
+    solver->start();
+    Real low = 9, high = 0;
+    for (int n = 0; n < 5 * 88; ++n) {
+      solver->step();
+      if (n < 4 * 88) continue;
+      const Real h = readings.read({solver->clock(), solver->particles(), {}, nullptr, {}}).front();
+      low = std::min(low, h), high = std::max(high, h);
+    }
+    return (high - low) / 2;
+  };
+  const Real left = swing(true), kept = swing(false);
+  if (rank_of(world) == 0) std::printf("left of 0.1 m: %.4f with absorption, %.4f without\n", left, kept);
+  EXPECT_LT(left, 0.25 * kept);
+}
+
+}  // namespace
+}  // namespace trevi::test
