@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 
 from known_motion import Motion, scene_of
-from study import GRAVITY, mean
+from study import GRAVITY
 
 
 def plate(rate, spacing=0.05, wide=0.2, speed=3.0, fall=0.65, seconds=1.2, length=1.4):
     """A plane jet, six spacings across, goes down at `speed` from an opening `fall` above the plate, an obstacle; the water
     ends beyond `length` both ways."""
-    width, top = 6 * spacing, 2 * spacing
+    width, top = round(6 * spacing, 12), 2 * spacing
     box = (f'[[obstacle]]\ntype = "box"\ncenter = [0, {width / 2!r}, {top - 0.3!r}]\n'
            f"size = [{2 * length + 2!r}, {width + 1!r}, 0.6]\n")
     inlet = (f'[[inlet]]\ntype = "rectangle"\ncenter = [0, {width / 2!r}, {top + fall!r}]\nsize = [{wide!r}, {width!r}]\n'
@@ -40,6 +40,6 @@ def plate_figures(spacing, wide, speed, fall, top, run, last=0.4, high=0.5):
     below = (height < high).sum() / len(late) * 1000 * spacing**3 * GRAVITY
     arriving = 1000 * speed * wide * width * math.sqrt(speed**2 + 2 * GRAVITY * (fall - high))
     time = np.array(run.obstacles["time"])
-    force = -mean(np.array(run.obstacles["force_z_0"])[time > run.times[-1] - last])
+    force = -np.array(run.obstacles["force_z_0"])[time > run.times[-1] - last].mean()
     return {"speed_ratio": np.abs(velocity[sheet, 0]).mean() / ideal,
             "across": np.abs(velocity[sheet, 1]).mean() / ideal, "force_ratio": force / (below + arriving)}
