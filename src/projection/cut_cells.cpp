@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "parallel/reductions.hpp"
 
@@ -104,6 +105,8 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
 // Of the solid that is nearest to the middle of each face.
 void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.assign(grid.cells(), {0, 0, 0});
+  PerThread<std::vector<BodyFace>> faces;
+  const RigidBodies* const floating = obstacles_.floating();
   for_each_row_near(grid, [&](LocalId k, LocalId r, const Candidates& near) {
     for (LocalId c = 0; c < grid.columns(); ++c) {
       const std::size_t at = grid.index(k, r, c);
@@ -111,13 +114,20 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
         if (cells_[at].face[a] == 1) continue;
         const Vec3 p =
             place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
-        const Body& body = obstacles_.body(nearest_at(p, near.of_row).body);
+        const std::size_t nearest = nearest_at(p, near.of_row).body;
+        if (floating != nullptr && floating->holds(nearest)) faces.mine().push_back({at, a, nearest, p});
+        const Body& body = obstacles_.body(nearest);
         const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
         moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
       }
     }
   });
   grid.repeat(moved_);
+  if (floating == nullptr) return;
+  body_faces_.clear();
+  faces.for_each([&](const auto& some) { body_faces_.insert(body_faces_.end(), some.begin(), some.end()); });
+  std::sort(body_faces_.begin(), body_faces_.end(),
+            [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
 }
 
 void CutCells::find_columns(const ProjectionGrid& grid) {

@@ -36,6 +36,20 @@ class CutCells {
   bool moves() const { return !moved_.empty(); }
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
+  /// Bodies have other twists than when the cells were measured: visit(a, at, change of the displacement of the solid
+  /// times the closed part) for all faces that one of them closes in part, in the order of their cells.
+  template <class Visit>
+  void move_faces(const Visit& visit) {
+    for (const BodyFace& face : body_faces_) {
+      const Body& body = obstacles_.body(face.body);
+      const Vec3 way = face.p - body.before().into_world(body.now().into_body(face.p));
+      float& moved = moved_[face.at][face.a];
+      const auto now = static_cast<float>(way[axis_[face.a]]);
+      const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
+      moved = now;
+      if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);
+    }
+  }
   /// Whether a solid closes anything of a row's cells or of their faces.
   bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
   /// Whether a solid cuts a cell of the row, or of one of those around it.
@@ -122,6 +136,11 @@ class CutCells {
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
+  struct BodyFace {
+    std::size_t at, a, body;
+    Vec3 p;
+  };
+  std::vector<BodyFace> body_faces_;  // of bodies that move freely
   std::vector<char> cuts_row_;  // of the owned planes
 };
 

@@ -42,21 +42,27 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
 
 // The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
 // pressure is that at the surface's height.
-void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
+Vec3 RecordForces::push_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& solids = *surface_.cuts();
   const std::size_t at = grid.index(k, r, c);
-  if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
-  const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
   Vec3 shift = Vec3::Zero();
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return shift;
+  const Real phi = pressure_.phi_so_far(at) + g_dt2_ * solids.surface_above_middle(at);
   for (std::size_t a = 0; a < 3; ++a) {
     const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
     const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
     shift[static_cast<Eigen::Index>(grid.axis(a))] =
         -phi * rise * particles / grid.size()[static_cast<Eigen::Index>(a)];
   }
+  return shift;
+}
+
+void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
+  const CutCells& solids = *surface_.cuts();
+  const std::size_t nearest = solids.nearest(surface_.grid().index(k, r, c));
+  const Vec3 shift = push_of_cell(k, r, c);
   if (shift.isZero()) return;
-  const std::size_t nearest = solids.nearest(at);
   obstacles_.record_projection(nearest, shift, solids.middle(k, r, c));
   obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
 }

@@ -19,6 +19,8 @@ class RecordForces {
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
   void of_gauges(const Box& box) const;
+  /// What the pressure of a cell that a solid cuts gives to the water, as a sum of shifts, m.
+  Vec3 push_of_cell(LocalId k, LocalId r, LocalId c) const;
 
  private:
   void of_cell(LocalId k, LocalId r, LocalId c) const;

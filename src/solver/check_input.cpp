@@ -10,6 +10,7 @@
 #include "boundary/periodic_domain.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "parallel/collective.hpp"
+#include "solver/check_bodies.hpp"
 #include "solver/check_flow.hpp"
 #include "solver/demand.hpp"
 #include "trevi/error.hpp"
@@ -139,7 +140,7 @@ void check_gauges(const Settings& all) {
     demand(gauge.center.allFinite(), name + "center must be finite");
     demand(gauge.kind != GaugeKind::pressure || (gauge.normal.allFinite() && gauge.normal.norm() > 0),
            name + "normal must have a length");
-    demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
+    demand(gauge.kind != GaugeKind::pressure || has_solids(all), "a gauge of pressure needs an obstacle or a body");
   }
 }
 
@@ -210,12 +211,19 @@ Settings checked_and_resolved(const Settings& settings) {
   check_density(all.density);
   for (std::size_t k = 0; k < all.obstacles.size(); ++k)
     check_obstacle(all.obstacles[k], fmt::format("obstacles[{}].", k));
+  for (std::size_t k = 0; k < all.bodies.size(); ++k)
+    check_obstacle(all.bodies[k], fmt::format("bodies[{}].", k));
+  for (std::size_t k = 0; k < all.bodies.size(); ++k) {
+    demand(all.periodic == std::array<bool, 3>{}, "bodies cannot be in a box with periodic axes");
+    const std::string wrong = why_no_body(all, k);
+    demand(wrong.empty(), fmt::format("bodies[{}] {}", k, wrong));
+  }
   for (std::size_t k = 1; k < all.obstacles.size(); ++k) {
     for (std::size_t j = 0; j < k; ++j)
       demand(!is_same_solid(all.obstacles[k], all.obstacles[j]),
              fmt::format("obstacles[{}] is the same as obstacles[{}], and would count twice", k, j));
   }
-  demand(all.density.method != Method::anderson || all.obstacles.empty(),
+  demand(all.density.method != Method::anderson || !has_solids(all),
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
   check_periodic(all);
   check_gauges(all);

@@ -68,9 +68,11 @@ std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
                              settings.fluid.spacing, settings.fluid.kernel_radius);
 }
 
-std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {
-  if (settings.obstacles.empty()) return nullptr;
+std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time,
+                                          const std::vector<BodyState>& bodies) {
+  if (!has_solids(settings)) return nullptr;
   auto obstacles = std::make_shared<Obstacles>(settings, walls, make_wall_density(settings));
+  if (!bodies.empty()) obstacles->floating()->set_states(bodies);
   obstacles->move(time, time);
   return obstacles;
 }
@@ -86,7 +88,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const Vec3 gravity = settings.gravity.value_or(Vec3::Zero());
   const Real spacing = settings.fluid.spacing;
   const Walls walls(box_of_walls(settings.domain, settings.periodic), settings.walls, 1e-6 * model.h);
-  const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
+  const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time(), parts.bodies);
   parts.boundary = make_boundary({walls, obstacles, make_periodic(settings, parts.box.min)});
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
@@ -133,7 +135,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.particles = std::move(given.particles);
   parts.particles.has_hue = max_over_ranks(comm, parts.particles.has_hue ? 1.0 : 0.0) > 0;
   if (wants_hue(settings) && !parts.particles.has_hue) add_hue(comm, parts.particles);
-  if (settings.obstacles.empty() && !given.flow.inlets_and_drains)  // which stand where they are in the box
+  if (!has_solids(settings) && !given.flow.inlets_and_drains)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
   parts.box = PeriodicDomain::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
   if (!settings.domain.contains(parts.box.min) || (parts.box.min.array() >= settings.domain.max.array()).any())
@@ -149,6 +151,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;
+  parts.bodies = std::move(extras.bodies);
   parts.water_mass = water_mass(settings.fluid);
   parts.gravity = settings.gravity.value_or(Vec3::Zero());
   parts.requests = std::move(extras.requests);

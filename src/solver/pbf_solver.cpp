@@ -91,7 +91,9 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   exchange_water(info);  //     what drains take and inlets bring
   apply_forcings(info);  //  2
   parts_.boundary->move(info.time, info.time + info.dt);
+  parts_.boundary->settle_bodies(*parts_.comm, parts_.particles, info.dt);
   predict_positions(info.dt);                //  3
+  parts_.boundary->give_to_bodies(*parts_.comm);
   migrate_particles(&Particles::predicted);  //     ownership follows p*
   find_neighbours(Velocities::discard);      //  5 to 7: order, ghosts, lists, all unchanged until 22
   reporter_.note_search(info.substep);
@@ -100,6 +102,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   reporter_.note_solution(result);
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
   apply_velocity_filters(info.dt);                                            // 22
+  parts_.boundary->finish_bodies(*parts_.comm);
   guard_.note_compression(problem_.density(), problem_.model().rest_density);
   vote_on_failures();  //     all ranks throw, or none
   reporter_.note_compression(guard_.compression(), info.step + 1);

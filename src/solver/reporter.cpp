@@ -17,6 +17,18 @@ Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr
     : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics), supplied_(supplied) {}
 
 template <class T>
+RigidBodies* Reporter<T>::bodies() const {
+  Obstacles* const solids = state_.problem.obstacles();
+  return solids != nullptr ? solids->floating() : nullptr;
+}
+
+template <class T>
+void Reporter<T>::begin_step() {
+  iterations_before_step_ = counters_.iterations;
+  if (const RigidBodies* const floating = bodies()) bodies_had_ = floating->energy();
+}
+
+template <class T>
 void Reporter<T>::ask_observers(std::int64_t step) {
   Clock clock = state_.clock;
   clock.step = step;
@@ -100,6 +112,7 @@ void Reporter<T>::attempt(const std::function<void()>& work) {
 
 template <class T>
 Frame Reporter<T>::frame() {
+  if (const RigidBodies* const floating = bodies()) body_states_ = floating->states();
   return {state_.clock,
           state_.particles,
           {},
@@ -110,7 +123,8 @@ Frame Reporter<T>::frame() {
           {},
           state_.first_cell,
           state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
-          supplied_.joules()};
+          supplied_.joules(),
+          body_states_};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.
@@ -140,7 +154,8 @@ template <class T>
 void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) {
   const Obstacles& obstacles = *state_.problem.obstacles();
   const Real end = state_.clock.time(), begin = end - state_.clock.dt;
-  for (std::size_t k = 0; k < obstacles.count(); ++k) {
+  const RigidBodies* const floating = obstacles.floating();
+  for (std::size_t k = 0; k < (floating != nullptr ? floating->first() : obstacles.count()); ++k) {
     const Body& body = obstacles.body(k);
     if (!body.moves()) continue;
     const Pose from = body.motion().at(begin), to = body.motion().at(end);
@@ -165,6 +180,8 @@ void Reporter<T>::measure_supply(const std::function<void()>& work) {
 template <class T>
 void Reporter<T>::add_supply() {
   if (std::exchange(is_supplied_, false)) supplied_.end_step();
+  if (RigidBodies* const floating = bodies())
+    supplied_.add(bodies_had_ - floating->energy() + floating->take_driven_work());
 }
 
 template <class T>

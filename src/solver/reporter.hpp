@@ -35,7 +35,7 @@ class Reporter {
   Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr<Observer>> observers,
            const DiagnosticsSum& diagnostics, const SuppliedEnergy& supplied);
 
-  void begin_step() { iterations_before_step_ = counters_.iterations; }
+  void begin_step();
   /// Which observers are due after that step, and what they want of it. Throws what they, and forcings that are asked
   /// for their state, throw: to be called before all ranks agree on failures. Once before observe().
   void ask_observers(std::int64_t step);
@@ -48,7 +48,7 @@ class Reporter {
   void set_force_sums(ForceSums sums) { sums_ = std::move(sums); }
   /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
   void measure_supply(const std::function<void()>& work);
-  /// What the step has been supplied with is added to what was before.
+  /// What the step has been supplied with is added to what was before: what bodies have less of, too.
   void add_supply();
   /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.
   void note_compression(Real mean, std::int64_t step);
@@ -72,6 +72,7 @@ class Reporter {
   ForceSums take_mean_forces();
   bool watches_energy() const;
   void add_work(const std::vector<TotalImpulse>& impulses, Real per);
+  RigidBodies* bodies() const;
 
   struct Asked {
     std::vector<bool> due;  // of each observer
@@ -90,6 +91,8 @@ class Reporter {
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
   ForceSums sums_, means_;
+  std::vector<BodyState> body_states_;  // as those of fountains
+  Real bodies_had_ = 0;                 // J, at the start of the step
   Event diagnostics_event_{"Diagnostics"};
 };
 

@@ -20,10 +20,10 @@ Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds
 
 }  // namespace
 
-Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
+Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats)
     : shape_(make_shape(obstacle)),
       motion_(obstacle),
-      moves_(obstacle.moves()),
+      moves_(floats || obstacle.moves()),
       vessel_(obstacle.inside),
       whole_(rules.walls.reflection == Reflection::report),
       h_(rules.h),
@@ -40,9 +40,9 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
   if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
 }
 
-void Body::move(Real begin, Real end) {
-  before_ = motion_.at(begin);
-  now_ = motion_.at(end);
+void Body::place(const Pose& before, const Pose& now) {
+  before_ = before;
+  now_ = now;
   const Box bounds = shape_->bounds();
   const Vec3 half = (bounds.max - bounds.min) / 2, middle = now_.into_world((bounds.max + bounds.min) / 2);
   const Vec3 extent = (now_.turn.cwiseAbs() * half).array() + density_reach * h_;

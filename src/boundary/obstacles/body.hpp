@@ -40,10 +40,13 @@ struct Segment {
 
 class Body {
  public:
-  Body(const ObstacleSettings& obstacle, const BodyRules& rules);
+  /// `floats`: it is one that others place().
+  Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats = false);
 
   /// From `begin` to `end`, s.
-  void move(Real begin, Real end);
+  void move(Real begin, Real end) { place(motion_.at(begin), motion_.at(end)); }
+  /// Where it is at the start of the substep and at its end.
+  void place(const Pose& before, const Pose& now);
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
@@ -52,6 +55,7 @@ class Body {
   const BodyMotion& motion() const { return motion_; }
   Real radius() const { return radius_; }  ///< of the ball around the centre that holds the surface, m
   bool moves() const { return moves_; }
+  Real restitution() const { return restitution_; }
 
   /// Whether p may have a contribution to its density or a collision within reach, by the bounds alone.
   bool may_reach(const Vec3& p) const { return vessel_ || near_box_.contains(p); }

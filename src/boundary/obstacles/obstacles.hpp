@@ -12,6 +12,7 @@
 #include "boundary/gauges.hpp"
 #include "boundary/impulse_ledger.hpp"
 #include "boundary/obstacles/body.hpp"
+#include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "boundary/wall_density.hpp"
 #include "boundary/walls.hpp"
 
@@ -22,8 +23,17 @@ class Obstacles {
   /// Without `law` obstacles have no density, as walls without one have none.
   Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law);
 
-  /// Takes all obstacles to where they are from `begin` to `end`.
+  /// Takes all obstacles to where they are from `begin` to `end`, and bodies to where they are expected.
   void move(Real begin, Real end);
+  /// The bodies among them that move freely; null where there are none.
+  RigidBodies* floating() { return floating_.get(); }
+  const RigidBodies* floating() const { return floating_.get(); }
+  /// How fast the bodies are among the particles that are about to bounce off them. Collective where there are any.
+  void settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const Vec3> v, Real dt);
+  /// The bodies are given what the ledger has so far in the substep, before the projection; and at its end all of it,
+  /// which is then kept for total(). Collective.
+  void give_to_bodies(MPI_Comm comm);
+  void finish_bodies(MPI_Comm comm);
 
   /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
   /// none.
@@ -85,8 +95,10 @@ class Obstacles {
   /// What moves the water beside the pressure on surfaces: its transfer between particles and cells does not balance to
   /// the last digit.
   std::size_t rest_account() const { return bodies_.size() + 1; }
-  /// What obstacles and box gave to the water since the ledger was cleared, in the order of the accounts. The rest is
-  /// shared among them by what each gave, so that the sum is that of the water. Collective.
+  /// Forgets what was recorded before.
+  void begin_step();
+  /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The rest is shared
+  /// among them by what each gave, so that the sum is that of the water. Collective.
   std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
@@ -108,10 +120,19 @@ class Obstacles {
   struct Leg;
   // From p, at the obstacles' places before or now.
   Leg leg_from(const Vec3& p, bool before);
+  // Of the ledger, with the rest shared.
+  std::vector<TotalImpulse> recorded(MPI_Comm comm);
+  const Vec3& arm_center(std::size_t k) const {
+    return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->now().center;
+  }
+  bool is_near_floating(const Vec3& from, const Vec3& to) const;
   Vec3 predict_among(const Vec3& p, const Vec3& v, Real dt);
   Vec3 among(const Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;
+  std::unique_ptr<RigidBodies> floating_;
+  std::vector<TotalImpulse> finished_;  // of the substeps of the step, with bodies
+  bool sounding_ = false;               // settle() asks what bounces
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   ImpulseLedger ledger_;

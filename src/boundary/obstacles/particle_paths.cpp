@@ -129,6 +129,8 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
       left *= 1 - contact.part;
       leg.go(contact.part);
       const Vec3 normal = body.normal(segment.from), away = body.reflected(relative, normal);
+      if (sounding_ && floating_->holds(contact.body))
+        floating_->meet(contact.body, leg.here(), body.now().turn * normal, velocity, 1 + body.restitution());
       leg.contact_offset(contact.body, normal);
       target = body.now().into_world(segment.from.in_body + away * left);
       velocity = (target - leg.here()) / std::max(left, 1e-300);
