@@ -40,8 +40,10 @@ struct BodyState {
   Vec3 angular_momentum = Vec3::Zero();          ///< kg m²/s, about the centre of mass
   Vec3 velocity = Vec3::Zero();                  ///< m/s, of the centre of mass
   Vec3 angular_velocity = Vec3::Zero();          ///< rad/s
+  std::array<Real, 6> last_twist{};              ///< m/s and rad/s, in the last substep
   std::array<Real, 6> last_force{};              ///< N and N m, of the pressure in the last substep
-  std::array<Real, 36> added_mass{};             ///< what is known of the water's own response; kg, kg m, kg m²
+  /// What is known of the water's own response, in the frame of the shape; kg, kg m, kg m².
+  std::array<Real, 36> added_mass{};
   bool operator==(const BodyState&) const = default;
 };
 

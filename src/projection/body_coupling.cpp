@@ -14,8 +14,9 @@ std::vector<Six> BodyCoupling::pressed(const FreeSurface& surface, const RecordF
     for (LocalId c = 0; c < grid.columns(k, r); ++c) {
       const std::size_t nearest = cuts_.nearest(grid.index(k, r, c));
       if (!bodies.holds(nearest)) continue;
-      const Impulse push{record.push_of_cell(k, r, c), cuts_.middle(k, r, c) - bodies.center(nearest)};
-      if (!push.shift.isZero()) pushes_.add(nearest - bodies.first(), {&push, 1});
+      RecordForces::Pushes pushes = record.pushes_of_cell(k, r, c);
+      for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].arm -= bodies.center(nearest);
+      pushes_.add(nearest - bodies.first(), {pushes.all.data(), pushes.count});
     }
   });
   const std::vector<TotalImpulse> all = pushes_.total(comm_);

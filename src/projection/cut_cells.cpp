@@ -25,6 +25,16 @@ Vec3 CutCells::place(const Vec3& in_cells) const {
 
 Vec3 CutCells::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
 
+Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const {
+  Vec3 corner(cell[0], cell[1], cell[2]);
+  const Real open = face(a, at);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Real middle = open < 1 ? (0.5 - open * cells_[at].middle[a][i]) / (1 - open) : 0.5;
+    corner[static_cast<Eigen::Index>((a + 1 + i) % 3)] += open > 0 ? std::clamp(middle, 0.0, 1.0) : 0.5;
+  }
+  return place(corner);
+}
+
 Vec3 CutCells::in_box(const Vec3& p) const {
   const Vec3 gap = Vec3::Constant(size_.maxCoeff() / (2 * samples));
   return p.cwiseMax(box_.min + gap).cwiseMin(box_.max - gap);
@@ -112,11 +122,14 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
         if (cells_[at].face[a] == 1) continue;
-        const Vec3 p =
+        Vec3 p =
             place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
         const std::size_t nearest = nearest_at(p, near.of_row).body;
-        if (floating != nullptr && floating->holds(nearest)) faces.mine().push_back({at, a, nearest, p});
         const Body& body = obstacles_.body(nearest);
+        const bool floats = floating != nullptr && floating->holds(nearest);
+        // The flux of a rotation is exact there, and a ball that turns moves no water.
+        if (floats) p = middle_of_closed(a, {k, r, c}, at);
+        if (floats) faces.mine().push_back({at, a, nearest, p});
         const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
         moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
       }

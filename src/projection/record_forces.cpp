@@ -42,29 +42,57 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
 
 // The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
 // pressure is that at the surface's height.
-Vec3 RecordForces::push_of_cell(LocalId k, LocalId r, LocalId c) const {
+void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& solids = *surface_.cuts();
   const std::size_t at = grid.index(k, r, c);
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
+  const std::size_t nearest = solids.nearest(at);
+  if (obstacles_.floating() != nullptr && obstacles_.floating()->holds(nearest)) return of_body(k, r, c, nearest);
+  const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
   Vec3 shift = Vec3::Zero();
-  if (!surface_.is_wet(at) || surface_.is_solid(at)) return shift;
-  const Real phi = pressure_.phi_so_far(at) + g_dt2_ * solids.surface_above_middle(at);
   for (std::size_t a = 0; a < 3; ++a) {
     const Real rise = solids.face(a, at + grid.step(a)) - solids.face(a, at);
     const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
     shift[static_cast<Eigen::Index>(grid.axis(a))] =
         -phi * rise * particles / grid.size()[static_cast<Eigen::Index>(a)];
   }
-  return shift;
-}
-
-void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
-  const CutCells& solids = *surface_.cuts();
-  const std::size_t nearest = solids.nearest(surface_.grid().index(k, r, c));
-  const Vec3 shift = push_of_cell(k, r, c);
   if (shift.isZero()) return;
   obstacles_.record_projection(nearest, shift, solids.middle(k, r, c));
   obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
+}
+
+RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const CutCells& solids = *surface_.cuts();
+  const std::size_t at = grid.index(k, r, c);
+  Pushes pushes;
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return pushes;
+  const Real phi = pressure_.phi_so_far(at) + g_dt2_ * solids.surface_above_middle(at);
+  const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real push = phi * particles / grid.size()[static_cast<Eigen::Index>(a)];
+    for (const bool upper : {false, true}) {
+      const std::size_t face = upper ? at + grid.step(a) : at;
+      const Real closed = 1 - solids.face(a, face);
+      if (closed == 0) continue;
+      std::array<LocalId, 3> cell{k, r, c};
+      if (upper) ++cell[a];
+      pushes.all[pushes.count++] = {(upper ? push : -push) * closed * Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a))),
+                                    solids.middle_of_closed(a, cell, face)};
+    }
+  }
+  return pushes;
+}
+
+void RecordForces::of_body(LocalId k, LocalId r, LocalId c, std::size_t body) const {
+  const Pushes pushes = pushes_of_cell(k, r, c);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t n = 0; n < pushes.count; ++n) {
+    obstacles_.record_projection(body, pushes.all[n].shift, pushes.all[n].arm);
+    sum += pushes.all[n].shift;
+  }
+  if (!sum.isZero()) obstacles_.record_projection(obstacles_.rest_account(), -sum, Vec3::Zero());
 }
 
 // In the cell before the face, half a cell off it.

@@ -24,7 +24,7 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
       h_(settings.fluid.kernel_radius),
       contacts_(settings, all) {
   for (const BodySettings& body : settings.bodies)
-    bodies_.emplace_back(body, settings.gravity.value_or(Vec3::Zero()), settings.fluid.rest_density);
+    bodies_.emplace_back(body, all[first_ + bodies_.size()]->shape(), settings.gravity.value_or(Vec3::Zero()), settings.fluid.rest_density);
   given_.resize(bodies_.size());
   expected_.resize(bodies_.size());
   met_.for_each([&](auto& sums) { sums.assign(numbers * bodies_.size(), 0); });

@@ -7,6 +7,7 @@
 
 #include "boundary/geometry/mass_properties.hpp"
 #include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
 #include "boundary/rigid_bodies/six.hpp"
 #include "trevi/body.hpp"
 
@@ -15,7 +16,7 @@ namespace trevi {
 class RigidBody {
  public:
   /// `gravity`, m/s², and the density of the water, kg/m³.
-  RigidBody(const BodySettings& settings, const Vec3& gravity, Real water);
+  RigidBody(const BodySettings& settings, const Shape& shape, const Vec3& gravity, Real water);
 
   const BodyState& state() const { return state_; }
   void set_state(const BodyState& state) { state_ = state; }
@@ -39,7 +40,7 @@ class RigidBody {
   /// Of the body in the middle of the substep.
   const Mass6& inertia() const { return inertia_; }
   /// With what the water adds to it, as far as it is known.
-  Mass6 felt_inertia() const { return is_wet_ ? plus(inertia_, state_.added_mass) : inertia_; }
+  Mass6 felt_inertia() const { return is_wet_ ? plus(inertia_, added_) : inertia_; }
   /// Momentum after what acts from outside and after what the body was given in this substep.
   const Six& momentum() const { return momentum_; }
   /// Impulses that are known, N s and N m s about the centre of mass at the start of the substep.
@@ -76,7 +77,8 @@ class RigidBody {
   Mass6 inertia_{};
   std::array<Real, 4> end_orientation_{1, 0, 0, 0};
   bool is_wet_ = false;  // there is pressure
-  bool answered_ = false;
+  Mass6 added_{};  // in the world
+  int answers_ = 0;
   Six asked_{}, answer_{};  // the last twist and the pressure that it got
 };
 

@@ -48,6 +48,24 @@ inline void add_square(Mass6& a, const Six& x, Real factor) {
   }
 }
 
+/// Of the same body in a frame that is turned.
+inline Mass6 turned(const Mass6& a, const Eigen::Matrix3d& turn) {
+  Mass6 half{}, all{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j < 6; ++j) {
+      for (std::size_t k = 0; k < 3; ++k)
+        half[6 * i + j] += turn(static_cast<Eigen::Index>(i % 3), static_cast<Eigen::Index>(k)) * a[6 * (i / 3 * 3 + k) + j];
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j < 6; ++j) {
+      for (std::size_t k = 0; k < 3; ++k)
+        all[6 * i + j] += half[6 * i + j / 3 * 3 + k] * turn(static_cast<Eigen::Index>(j % 3), static_cast<Eigen::Index>(k));
+    }
+  }
+  return all;
+}
+
 /// x with a x = b among the free numbers, and 0 for the others, by Cholesky's factors of the positive definite a.
 inline Six solved(const Mass6& a, const Six& b, const std::array<bool, 6>& free) {
   Mass6 l{};

@@ -127,10 +127,10 @@ void for_each_number(State& body, const Visit& visit) {
     for (auto& number : several) visit(number);
   };
   all(body.position), all(body.orientation), all(body.momentum), all(body.angular_momentum), all(body.velocity);
-  all(body.angular_velocity), all(body.last_force), all(body.added_mass);
+  all(body.angular_velocity), all(body.last_twist), all(body.last_force), all(body.added_mass);
 }
 
-constexpr std::int64_t numbers_of_body = 3 + 4 + 3 + 3 + 3 + 3 + 6 + 36;
+constexpr std::int64_t numbers_of_body = 3 + 4 + 3 + 3 + 3 + 3 + 6 + 6 + 36;
 
 void write_bodies(MPI_Comm comm, Hdf5Writer& file, std::span<const BodyState> bodies) {
   if (bodies.empty()) return;
