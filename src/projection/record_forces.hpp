@@ -23,7 +23,7 @@ class RecordForces {
   /// What the pressure of a cell that a body cuts gives to the water at each of its faces, m, with places for arms: the
   /// middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell.
   struct Pushes {
-    std::array<Impulse, 6> all;
+    std::array<Impulse, 7> all;
     std::size_t count = 0;
   };
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
