@@ -143,6 +143,48 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
             [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
 }
 
+Real CutCells::area(std::size_t at) const {
+  Real sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real rise = face(a, at + step_[a]) - face(a, at);
+    sum += rise * rise;
+  }
+  return std::sqrt(sum);
+}
+
+// In integers: no order is seen.
+void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
+  const RigidBodies& bodies = *obstacles_.floating();
+  step_ = {grid.step(0), grid.step(1), grid.step(2)};
+  excess_.assign(obstacles_.count(), 0);
+  PerThread<std::vector<GlobalId>> sums;
+  sums.for_each([&](auto& of) { of.assign(2 * bodies.count(), 0); });
+  constexpr Real fine = 1U << 30U;
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    if (!cuts_row(k, r)) return;
+    for (LocalId c = 0; c < grid.columns(); ++c) {
+      const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
+      if (open(at) == 1 || !bodies.holds(nearest)) continue;
+      GlobalId* const sum = &sums.mine()[2 * (nearest - bodies.first())];
+      sum[0] += std::llrint((1 - open(at)) * fine);
+      sum[1] += std::llrint(area(at) * fine);
+    }
+  });
+  const std::vector<GlobalId> all = sum_over_threads_and_ranks(comm, sums);
+  const Real cell = size_.prod(), ceiling = box_.min.z() + grid.columns() * size_[2];
+  for (std::size_t k = 0; k < bodies.count(); ++k) {
+    const Body& body = obstacles_.body(bodies.first() + k);
+    const Box bounds = body.shape().bounds();
+    const Vec3 middle = body.now().into_world((bounds.max + bounds.min) / 2);
+    const Vec3 half = body.now().turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
+    const bool all_seen = box_.contains(middle - half) && box_.contains(middle + half) &&
+                          middle.z() + half.z() <= ceiling && all[2 * k + 1] > 0;
+    if (all_seen)
+      excess_[bodies.first() + k] = (static_cast<Real>(all[2 * k]) / fine - bodies.body(k).volume() / cell) /
+                                    (static_cast<Real>(all[2 * k + 1]) / fine);
+  }
+}
+
 void CutCells::find_columns(const ProjectionGrid& grid) {
   ProjectionGrid whole = grid;
   whole.resize(planes_, grid.count(2));
@@ -189,6 +231,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     measure_cells(grid, cells_);
     measure_motion(grid);
     find_cut_rows(grid);
+    if (obstacles_.floating() != nullptr) measure_excess(comm, grid);
     return;
   }
   if (!stays) {

@@ -66,6 +66,9 @@ class CutCells {
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
+  /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of what
+  /// is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's own.
+  Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest] * area(at); }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// Of the box, the number of the first plane that this rank owns.
@@ -122,6 +125,9 @@ class CutCells {
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   LocalId plane_of(const ProjectionGrid& grid, LocalId k) const;
   void measure_motion(const ProjectionGrid& grid);
+  void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
+  // Of the surface in a cell, in faces.
+  Real area(std::size_t at) const;
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
@@ -142,6 +148,8 @@ class CutCells {
     std::size_t at, a, body;
     Vec3 p;
   };
+  std::array<std::size_t, 3> step_{};
+  std::vector<Real> excess_;          // of each solid, cells for each face of its surface
   std::vector<BodyFace> body_faces_;  // of bodies that move freely
   std::vector<char> cuts_row_;  // of the owned planes
 };

@@ -88,7 +88,7 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
       sum += closed;
     }
   }
-  if (sum > 0) pushes.all[pushes.count++] = {-g_dt2_ * particles * (1 - solids.open(at)) * Vec3::UnitZ(), arms / sum};
+  if (sum > 0) pushes.all[pushes.count++] = {-g_dt2_ * particles * solids.solid(at) * Vec3::UnitZ(), arms / sum};
   return pushes;
 }
 

@@ -73,7 +73,9 @@ std::string why_in_another(const Settings& settings, std::size_t k) {
     if (other == settings.obstacles.size() + k) continue;
     const auto there = make_shape(all[other]);
     const Pose at = BodyMotion(all[other]).at(0);
-    for (const Vec3& point : mesh.points) {
+    std::vector<Vec3> points = mesh.points;
+    if (shape->distance(Vec3::Zero()) < 0) points.push_back(Vec3::Zero());  // of a twin all others are on the surface
+    for (const Vec3& point : points) {
       const Vec3 p = pose.into_world(point);
       if (there->distance(at.into_body(p)) >= -depth) continue;
       const bool is_body = other >= settings.obstacles.size();

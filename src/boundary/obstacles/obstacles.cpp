@@ -162,6 +162,11 @@ void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const V
   recording_ = recorded;
 }
 
+bool Obstacles::is_touched(MPI_Comm comm) {
+  const std::vector<TotalImpulse> all = ledger_.total(comm);
+  return std::any_of(all.begin(), all.end() - 1, [](const TotalImpulse& one) { return !one.shift.isZero(); });
+}
+
 void Obstacles::give_to_bodies(MPI_Comm comm) {
   if (!floating_) return;
   floating_->give(recorded(comm));

@@ -42,6 +42,13 @@ class Obstacles {
   bool is_near(const Vec3& p) const {
     return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
   }
+  /// The same of those that do not float.
+  bool is_near_fixed(const Vec3& p) const {
+    const auto end = bodies_.begin() + static_cast<std::ptrdiff_t>(floating_ ? floating_->first() : bodies_.size());
+    return law_ && std::any_of(bodies_.begin(), end, [&](const auto& body) { return body->is_near(p); });
+  }
+  /// Whether the water has given anything to a solid in this substep. Collective.
+  bool is_touched(MPI_Comm comm);
   /// The contribution of box and obstacles together at p; `box` is that of the box alone. The solids of obstacles do
   /// not overlap, so their contributions add up; walls and obstacles are independent of each other, as in an edge of
   /// the box.

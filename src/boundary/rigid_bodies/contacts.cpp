@@ -10,7 +10,8 @@ namespace trevi {
 namespace {
 
 constexpr std::size_t most_points = 24;  // of a pair of solids
-constexpr int rounds = 40;
+constexpr int rounds = 200;
+constexpr Real settled = 1e-9;  // of all impulses, when a round changes no more
 constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
 constexpr Real push_out = 0.25;  // of an overlap, in a substep
 
@@ -207,7 +208,9 @@ void Contacts::solve(std::vector<RigidBody>& bodies) {
         driven_work_ += step * contact.surface[along];
       }
     }
-    if (most == 0) break;
+    Real all = 0;
+    for (const Contact& contact : contacts_) all += contact.impulse[0];
+    if (most <= settled * all) break;
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     if (given[k] == Six{}) continue;

@@ -85,6 +85,7 @@ RigidBody::RigidBody(const BodySettings& settings, const Shape& solid, const Vec
   const MassProperties shape = mass_properties(settings);
   const Real density = settings.mass ? *settings.mass / shape.volume : settings.density.value_or(water);
   mass_ = density * shape.volume;
+  volume_ = shape.volume;
   center_ = shape.center;
   moment_ = density * shape.inertia;
   const Pose start = BodyMotion(settings).at(0);

@@ -21,6 +21,7 @@ class RigidBody {
   const BodyState& state() const { return state_; }
   void set_state(const BodyState& state) { state_ = state; }
   Real mass() const { return mass_; }
+  Real volume() const { return volume_; }
   const std::array<bool, 6>& free() const { return free_; }
   /// Where the frame of the shape is; at the start of a substep, and at its end by the present twist.
   Pose pose() const { return pose_of(state_.position, state_.orientation); }
@@ -62,7 +63,7 @@ class RigidBody {
   struct Line;
   Line line() const;
 
-  Real mass_;
+  Real mass_, volume_;
   Vec3 center_;      // of mass, in the frame of the shape
   Rotation moment_;  // of inertia, in the frame of the shape, about it
   std::array<bool, 6> free_;
