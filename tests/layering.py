@@ -21,7 +21,7 @@ MODULES = ["base", "parallel", "particles", "domain", "kernels", "boundary", "fl
 PUBLIC = {  # header of the library: its module
     "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",
-    "settings": "particles", "obstacle": "particles", "forcing": "particles", "observer": "particles", "solver": "solver", "scene": "scene",
+    "settings": "particles", "obstacle": "particles", "body": "particles", "forcing": "particles", "observer": "particles", "solver": "solver", "scene": "scene",
 }
 FOLDERS = {"jobs", "inputs", "postprocess", "python", "tests", "src", "include"}
 MAX_LINES = 400

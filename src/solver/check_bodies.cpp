@@ -54,11 +54,11 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
       !is_amount(mooring.damping) || !is_amount(mooring.length.value_or(0)))
     return "has a mooring with a place that is not finite, or a negative stiffness, damping or length";
   const Real mass = body.mass ? *body.mass : *body.density * mass_properties(body).volume;
-  const Real most_stiff = mass / (settings.dt * settings.dt), most_damped = mass / settings.dt;
-  if (mooring.stiffness > most_stiff || mooring.damping > most_damped)
+  const Real max_stiffness = mass / (settings.dt * settings.dt), max_damping = mass / settings.dt;
+  if (mooring.stiffness > max_stiffness || mooring.damping > max_damping)
     return fmt::format("has a mooring too stiff for its mass of {:.3g} kg and steps of {:.3g} s; lower stiffness to "
                        "{:.3g} N/m, damping to {:.3g} N s/m, or dt",
-                       mass, settings.dt, most_stiff, most_damped);
+                       mass, settings.dt, max_stiffness, max_damping);
   return "";
 }
 

@@ -57,6 +57,13 @@ type = "sphere"
 center = [1.3, 0.4, 1.4]
 radius = 0.1
 velocity = [0.01, 0, 0]
+[[body]]
+type = "torus"
+center = [0.8, 0.4, 0.5]
+radius = 0.2
+tube = 0.1
+density = 400
+mooring = { anchor = [0.8, 0.4, 0.1], stiffness = 10 }
 [output.series]
 """
 FILTERS = "[tensile]\n[vorticity]\n[viscosity]\n"
@@ -321,7 +328,7 @@ class Files(Page):
         self.assertEqual([name for name, in self.rows(file, "column")], re.sub(r"_\d(?=,|$)", "_K", header).split(","))
 
     def test_columns(self):
-        for file in ("series.csv", "obstacles.csv", "gauges.csv"):
+        for file in ("series.csv", "obstacles.csv", "bodies.csv", "gauges.csv"):
             self.check_columns(file)
 
     def test_run_json(self):

@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-constexpr std::size_t most_points = 24;  // of a pair of solids
+constexpr std::size_t nearest_points = 8, spread_points = 8;  // of a pair of solids
 constexpr int rounds = 200;
 constexpr Real settled = 1e-9;  // of all impulses, when a round changes no more
 constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
@@ -133,13 +133,29 @@ void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, s
   add(bodies, k, solid < first_ ? nobody : solid - first_, near, {std::min(e, e_other), std::max(mu, mu_other)});
 }
 
-// The nearest of them, and what the bodies have to do there.
+// The nearest of them, and of the others those that are furthest from each other: a face on a floor stands on all of its
+// corners.
+void Contacts::keep_few(std::vector<Near>& near) {
+  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.gap < b.gap; });
+  std::vector<Real> apart(near.size(), 1e300);
+  for (std::size_t n = 0; n < std::min(near.size(), nearest_points + spread_points); ++n) {
+    if (n >= nearest_points) {
+      const auto next = std::max_element(apart.begin() + static_cast<std::ptrdiff_t>(n), apart.end()) - apart.begin();
+      std::swap(near[n], near[static_cast<std::size_t>(next)]);
+      std::swap(apart[n], apart[static_cast<std::size_t>(next)]);
+    }
+    for (std::size_t m = n + 1; m < near.size(); ++m)
+      apart[m] = std::min(apart[m], (near[m].p - near[n].p).squaredNorm());
+  }
+  near.resize(std::min(near.size(), nearest_points + spread_points));
+}
+
+// What the bodies have to do there.
 void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
                    const std::pair<Real, Real>& restitution_and_friction) {
-  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.gap < b.gap; });
-  near.resize(std::min(near.size(), most_points));
+  keep_few(near);
   for (const Near& one : near) {
-    Contact contact{k, other, {}, {}, {}, 0, restitution_and_friction.second, {}};
+    Contact contact{k, other, {}, {}, {}, 0, restitution_and_friction.second, {}, {}, {}, {}};
     const Vec3 tangent = tangent_of(one.normal);
     const std::array<Vec3, 3> directions{one.normal, tangent, one.normal.cross(tangent)};
     Real approach = 0;
@@ -162,38 +178,40 @@ void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::siz
 }
 
 // What it takes to have the relative velocity `wanted` along a direction of the contact; within what a contact can give.
-Real Contacts::step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists) const {
+Real Contacts::step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists) {
   const std::size_t k = contact.body, other = contact.other;
-  const Six& g = contact.arm[along];
-  const Six answer = solved(felt_[k], g, free_[k]);
-  Six answer_other{};
-  Real mobility = dot(g, answer), velocity = dot(g, twists[k]) - contact.surface[along];
-  if (other != nobody) {
-    answer_other = solved(felt_[other], contact.against[along], free_[other]);
-    mobility += dot(contact.against[along], answer_other);
-    velocity -= dot(contact.against[along], twists[other]);
-  }
-  if (mobility <= 0) return 0;
-  Real total = contact.impulse[along] + (wanted - velocity) / mobility;
+  Real velocity = dot(contact.arm[along], twists[k]) - contact.surface[along];
+  if (other != nobody) velocity -= dot(contact.against[along], twists[other]);
+  if (contact.mobility[along] <= 0) return 0;
+  Real total = contact.impulse[along] + (wanted - velocity) / contact.mobility[along];
   const Real most = contact.friction * contact.impulse[0];
   total = along == 0 ? std::max(total, 0.0) : std::clamp(total, -most, most);
   const Real step = total - contact.impulse[along];
   contact.impulse[along] = total;
-  twists[k] = plus(twists[k], answer, step);
-  if (other != nobody) twists[other] = plus(twists[other], answer_other, -step);
+  twists[k] = plus(twists[k], contact.answer[along], step);
+  if (other != nobody) twists[other] = plus(twists[other], contact.answer_other[along], -step);
   return step;
+}
+
+void Contacts::find_answers(const std::vector<RigidBody>& bodies) {
+  for (Contact& contact : contacts_) {
+    const RigidBody& body = bodies[contact.body];
+    for (std::size_t i = 0; i < 3; ++i) {
+      contact.answer[i] = solved(body.felt_inertia(), contact.arm[i], body.free());
+      contact.mobility[i] = dot(contact.arm[i], contact.answer[i]);
+      if (contact.other == nobody) continue;
+      const RigidBody& other = bodies[contact.other];
+      contact.answer_other[i] = solved(other.felt_inertia(), contact.against[i], other.free());
+      contact.mobility[i] += dot(contact.against[i], contact.answer_other[i]);
+    }
+  }
 }
 
 void Contacts::solve(std::vector<RigidBody>& bodies) {
   if (contacts_.empty()) return;
-  felt_.clear();
-  free_.clear();
+  find_answers(bodies);
   std::vector<Six> twists, given(bodies.size());
-  for (const RigidBody& body : bodies) {
-    felt_.push_back(body.felt_inertia());
-    free_.push_back(body.free());
-    twists.push_back(body.twist());
-  }
+  for (const RigidBody& body : bodies) twists.push_back(body.twist());
   for (int round = 0; round < rounds; ++round) {
     Real most = 0;
     for (Contact& contact : contacts_) {

@@ -35,6 +35,8 @@ class Contacts {
     Real least;                     // speed apart along the normal, m/s
     Real friction;
     std::array<Real, 3> impulse;    // so far, N s
+    std::array<Six, 3> answer, answer_other;  // of the twists to an impulse of 1 N s
+    std::array<Real, 3> mobility;             // of the velocity there, 1/kg
   };
   struct Near {
     Real gap;
@@ -46,7 +48,9 @@ class Contacts {
   void add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
            const std::pair<Real, Real>& restitution_and_friction);
   const Pose& pose_of(std::size_t solid) const { return poses_[solid]; }
-  Real step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists) const;
+  static void keep_few(std::vector<Near>& near);
+  void find_answers(const std::vector<RigidBody>& bodies);
+  static Real step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists);
 
   const std::vector<std::unique_ptr<Body>>* all_;
   std::size_t first_;
@@ -57,8 +61,6 @@ class Contacts {
   std::vector<std::vector<Vec3>> points_;  // of each body, in its frame
   std::vector<Pose> poses_, ends_;         // of all solids in the substep
   std::vector<Contact> contacts_;
-  std::vector<Mass6> felt_;  // inertias while solve() works
-  std::vector<std::array<bool, 6>> free_;
   Real driven_work_ = 0;
 };
 

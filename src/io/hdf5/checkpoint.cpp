@@ -15,6 +15,7 @@
 #include "base/hash.hpp"
 #include "base/threads.hpp"
 #include "io/frames/fields.hpp"
+#include "io/hdf5/body_rows.hpp"
 #include "io/hdf5/hdf5_writer.hpp"
 #include "io/hdf5/id_order.hpp"
 #include "io/run_directory/files.hpp"
@@ -120,38 +121,6 @@ ForceSums read_force_sums(const std::string& path, const Hdf5Reader& file) {
   return sums;
 }
 
-// The numbers of a body's state in the order of its members.
-template <class State, class Visit>
-void for_each_number(State& body, const Visit& visit) {
-  const auto all = [&](auto& several) {
-    for (auto& number : several) visit(number);
-  };
-  all(body.position), all(body.orientation), all(body.momentum), all(body.angular_momentum), all(body.velocity);
-  all(body.angular_velocity), all(body.last_twist), all(body.last_force), all(body.added_mass);
-}
-
-constexpr std::int64_t numbers_of_body = 3 + 4 + 3 + 3 + 3 + 3 + 6 + 6 + 36;
-
-void write_bodies(MPI_Comm comm, Hdf5Writer& file, std::span<const BodyState> bodies) {
-  if (bodies.empty()) return;
-  std::vector<Real> rows;
-  for (const BodyState& body : bodies) for_each_number(body, [&](Real number) { rows.push_back(number); });
-  write_on_root(comm, file, "/bodies", rows);
-}
-
-std::vector<BodyState> read_bodies(const std::string& path, const Hdf5Reader& file) {
-  if (!file.has("/bodies")) return {};
-  const std::int64_t total = file.rows<Real>("/bodies");
-  const auto rows = file.read<Real>("/bodies", {0, total, total});
-  if (total % numbers_of_body != 0 ||
-      !std::all_of(rows.begin(), rows.end(), [](Real number) { return std::isfinite(number); }))
-    throw DamagedFile(path + ": /bodies: cannot be the state of bodies; use another checkpoint");
-  std::vector<BodyState> bodies(static_cast<std::size_t>(total / numbers_of_body));
-  auto next = rows.begin();
-  for (BodyState& body : bodies) for_each_number(body, [&](Real& number) { number = *next++; });
-  return bodies;
-}
-
 void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, const Frame& frame) {
   file.attribute("format", format_version);
   file.attribute("step", frame.clock.step);
@@ -176,7 +145,7 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   if (!info.obstacle_files.empty()) write_on_root(comm, file, "/obstacle_files", info.obstacle_files);
   write_flow(comm, file, frame.flow);
   write_force_sums(comm, file, frame.force_sums);
-  write_bodies(comm, file, frame.bodies);
+  if (!frame.bodies.empty()) write_on_root(comm, file, "/bodies", numbers_of(frame.bodies));
   if (frame.supplied_energy != 0)
     write_on_root(comm, file, "/supplied_energy", std::vector<Real>{frame.supplied_energy});
   if (frame.first_cell != std::array<LocalId, 3>{}) {
@@ -304,7 +273,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.flow = read_flow(path, file);
   state.first_cell = read_first_cell(path, file);
   state.force_sums = read_force_sums(path, file);
-  state.bodies = read_bodies(path, file);
+  if (file.has("/bodies")) state.bodies = bodies_of(path, file);
   if (file.has("/supplied_energy")) state.supplied_energy = file.read<Real>("/supplied_energy", {0, 1, 1})[0];
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
