@@ -143,7 +143,7 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
 
 bool Obstacles::is_near_floating(const Vec3& from, const Vec3& to) const {
   for (std::size_t k = floating_->first(); k < bodies_.size(); ++k)
-    if (!bodies_[k]->is_passed_by(from, to)) return true;
+    if (!bodies_[k]->is_out_of_way(from, to)) return true;
   return false;
 }
 

@@ -84,7 +84,7 @@ class Obstacles {
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
     const Vec3 straight = p + v * dt;
     bool in_the_open = walls_.inside(straight);
-    for (const auto& body : bodies_) in_the_open = in_the_open && !body->moves() && body->is_passed_by(p, straight);
+    for (const auto& body : bodies_) in_the_open = in_the_open && body->is_out_of_way(p, straight);
     return in_the_open ? straight : predict_among(p, v, dt);
   }
   /// Shift by the density solve, at the obstacles' places now: along what it meets.

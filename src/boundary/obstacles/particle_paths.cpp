@@ -74,7 +74,7 @@ Vec3 Obstacles::predict_among(const Vec3& p, const Vec3& v, Real dt) {
   const bool bounces = !walls_.inside(straight);
   bool met = false;
   for (const auto& body : bodies_) {
-    if (!bounces && !body->moves() && body->is_passed_by(p, straight)) continue;
+    if (!bounces && body->is_out_of_way(p, straight)) continue;
     const Vec3 from = body->before().into_body(p), to = body->now().into_body(straight);
     met =
         met || (bounces ? body->may_meet(from, (straight - p).norm() + (to - from).norm()) : body->may_meet(from, to));
