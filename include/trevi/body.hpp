@@ -34,14 +34,14 @@ struct BodySettings : ObstacleSettings {
 
 /// What a solver knows of a body between two steps; the same on all ranks. A restart needs all of it.
 struct BodyState {
-  Vec3 position = Vec3::Zero();                  ///< of the centre of mass, m
-  std::array<Real, 4> orientation{1, 0, 0, 0};   ///< unit quaternion w, x, y, z from the frame of the shape to the world
-  Vec3 momentum = Vec3::Zero();                  ///< kg m/s
-  Vec3 angular_momentum = Vec3::Zero();          ///< kg m²/s, about the centre of mass
-  Vec3 velocity = Vec3::Zero();                  ///< m/s, of the centre of mass
-  Vec3 angular_velocity = Vec3::Zero();          ///< rad/s
-  std::array<Real, 6> last_twist{};              ///< m/s and rad/s, in the last substep
-  std::array<Real, 6> last_force{};              ///< N and N m, of the pressure in the last substep
+  Vec3 position = Vec3::Zero();                 ///< of the centre of mass, m
+  std::array<Real, 4> orientation{1, 0, 0, 0};  ///< unit quaternion w, x, y, z from the frame of the shape to the world
+  Vec3 momentum = Vec3::Zero();                 ///< kg m/s
+  Vec3 angular_momentum = Vec3::Zero();         ///< kg m²/s, about the centre of mass
+  Vec3 velocity = Vec3::Zero();                 ///< m/s, of the centre of mass
+  Vec3 angular_velocity = Vec3::Zero();         ///< rad/s
+  std::array<Real, 6> last_twist{};             ///< m/s and rad/s, in the last substep
+  std::array<Real, 6> last_force{};             ///< N and N m, of the pressure in the last substep
   /// What is known of the water's own response, in the frame of the shape; kg, kg m, kg m².
   std::array<Real, 36> added_mass{};
   bool operator==(const BodyState&) const = default;

@@ -46,8 +46,7 @@ void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& op
   if (!settings.obstacles.empty())
     writers.push_back(std::make_unique<ObstacleSeries>(comm, table, settings.obstacles.size()));
   if (!settings.bodies.empty())
-    writers.push_back(
-        std::make_unique<BodySeries>(comm, table, settings.bodies.size(), settings.obstacles.size()));
+    writers.push_back(std::make_unique<BodySeries>(comm, table, settings.bodies.size(), settings.obstacles.size()));
   if (!settings.gauges.empty()) writers.push_back(std::make_unique<GaugeSeries>(comm, table, settings));
 }
 

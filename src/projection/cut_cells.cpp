@@ -122,8 +122,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
         if (cells_[at].face[a] == 1) continue;
-        Vec3 p =
-            place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
+        Vec3 p = place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
         const std::size_t nearest = nearest_at(p, near.of_row).body;
         const Body& body = obstacles_.body(nearest);
         const bool floats = floating != nullptr && floating->holds(nearest);

@@ -66,8 +66,9 @@ class CutCells {
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
-  /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of what
-  /// is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's own.
+  /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of
+  /// what is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's
+  /// own.
   Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest] * area(at); }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
@@ -151,7 +152,7 @@ class CutCells {
   std::array<std::size_t, 3> step_{};
   std::vector<Real> excess_;          // of each solid, cells for each face of its surface
   std::vector<BodyFace> body_faces_;  // of bodies that move freely
-  std::vector<char> cuts_row_;  // of the owned planes
+  std::vector<char> cuts_row_;        // of the owned planes
 };
 
 }  // namespace trevi

@@ -36,8 +36,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
 
 void Projection::solve(Halo& halo, const Pressure::Step& step) {
   if (!coupling_) return pressure_.solve(surface_, halo, step);
-  coupling_->solve(pressure_, surface_, halo, step,
-                   {surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2});
+  coupling_->solve(pressure_, surface_, halo, step, {surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2});
 }
 
 template <class T>

@@ -62,8 +62,8 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
 }
 
-// By Gauss's theorem on the solid part of the cell, with a pressure that is hydrostatic about the cell's middle: exact for
-// water at rest however the body lies.
+// By Gauss's theorem on the solid part of the cell, with a pressure that is hydrostatic about the cell's middle: exact
+// for water at rest however the body lies.
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& solids = *surface_.cuts();
@@ -82,7 +82,8 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
       std::array<LocalId, 3> cell{k, r, c};
       if (upper) ++cell[a];
       const Vec3 arm = solids.middle_of_closed(a, cell, face);
-      const Real push = (phi + g_dt2_ * (arm.z() - middle)) * particles / grid.size()[static_cast<Eigen::Index>(a)] * closed;
+      const Real push =
+          (phi + g_dt2_ * (arm.z() - middle)) * particles / grid.size()[static_cast<Eigen::Index>(a)] * closed;
       pushes.all[pushes.count++] = {(upper ? push : -push) * Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a))), arm};
       arms += closed * arm;
       sum += closed;

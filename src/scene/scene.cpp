@@ -232,7 +232,8 @@ std::string scene_reference() {
       "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
       "obstacle = [{type = 'basin'}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh', motion = "
       "{}}]\n"
-      "body = [{type = 'basin', mooring = {}}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh'}]\n"
+      "body = [{type = 'basin', mooring = {}}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = "
+      "'mesh'}]\n"
       "gauge = [{type = 'pressure'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[random]\n[run]\n";

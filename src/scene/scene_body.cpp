@@ -31,8 +31,8 @@ void read_free(Section& section, BodySettings& body) {
 void check_start(Section& section, const BodySettings& body) {
   for (std::size_t i = 0; i < 6; ++i) {
     const char* key = i < 3 ? "velocity" : "angular_velocity";
-    const Real start = i < 3 ? body.velocity[static_cast<Eigen::Index>(i)]
-                             : body.angular_velocity[static_cast<Eigen::Index>(i - 3)];
+    const Real start =
+        i < 3 ? body.velocity[static_cast<Eigen::Index>(i)] : body.angular_velocity[static_cast<Eigen::Index>(i - 3)];
     section.check(key, body.free[i] || start == 0,
                   std::string("is along an axis that free does not name; add \"") + names[i] + "\" to free, or put 0");
   }
@@ -43,14 +43,16 @@ void read_mooring(Section section, BodySettings& body) {
   Mooring mooring;
   section.numbers({"anchor", "the fixed end [x, y, z] in metres", true}, mooring.anchor);
   Vec3 point = Vec3::Zero();
-  if (section.numbers({"point", "where it is fixed to the body at the start, [x, y, z] in metres; default its centre "
-                                "of mass"},
+  if (section.numbers({"point",
+                       "where it is fixed to the body at the start, [x, y, z] in metres; default its centre "
+                       "of mass"},
                       point))
     mooring.point = point;
   section.number({"stiffness", "the stiffness in N/m", true}, mooring.stiffness, at_least(0));
   section.number({"damping", "the damping along it in N s/m"}, mooring.damping, at_least(0));
   Real length = 0;
-  if (section.number({"length", "its length without a force in metres; default that at the start"}, length, at_least(0)))
+  if (section.number({"length", "its length without a force in metres; default that at the start"}, length,
+                     at_least(0)))
     mooring.length = length;
   section.flag({"slack", "whether it is a line, which pulls when it is longer and never pushes"}, mooring.slack);
   section.reject_unknown();
@@ -61,8 +63,7 @@ void read_mass(Section& section, BodySettings& body) {
   Real value = 0;
   if (section.number({"density", "the density in kg/m³; this or mass"}, value, above(0))) body.density = value;
   if (section.number({"mass", "the mass in kg; this or density"}, value, above(0))) body.mass = value;
-  section.check("density", !section.given("density") || !section.given("mass"),
-                "mass is given, too; keep one of them");
+  section.check("density", !section.given("density") || !section.given("mass"), "mass is given, too; keep one of them");
   section.check("density", section.given("density") || section.given("mass"),
                 "missing; give the density (kg/m³) or the mass (kg)");
 }

@@ -49,7 +49,8 @@ void read_gauge(Section& section, Scene& scene, bool box_known) {
 void check_gauges(Section& root, const Scene& scene) {
   const bool any = std::any_of(scene.gauges.begin(), scene.gauges.end(), is_pressure);
   root.check("gauge", !any || root.given("obstacle") || root.given("body"),
-             "type = \"pressure\" needs an [[obstacle]] or a [[body]]: without one nobody counts what walls take of the water");
+             "type = \"pressure\" needs an [[obstacle]] or a [[body]]: without one nobody counts what walls take of "
+             "the water");
   root.check("gauge", scene.gauges.empty() || scene.output.series.has_value(),
              "gauges.csv has a row with each of series.csv; add [output.series]");
 }

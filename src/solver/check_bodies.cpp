@@ -56,9 +56,10 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   const Real mass = body.mass ? *body.mass : *body.density * mass_properties(body).volume;
   const Real max_stiffness = mass / (settings.dt * settings.dt), max_damping = mass / settings.dt;
   if (mooring.stiffness > max_stiffness || mooring.damping > max_damping)
-    return fmt::format("has a mooring too stiff for its mass of {:.3g} kg and steps of {:.3g} s; lower stiffness to "
-                       "{:.3g} N/m, damping to {:.3g} N s/m, or dt",
-                       mass, settings.dt, max_stiffness, max_damping);
+    return fmt::format(
+        "has a mooring too stiff for its mass of {:.3g} kg and steps of {:.3g} s; lower stiffness to "
+        "{:.3g} N/m, damping to {:.3g} N s/m, or dt",
+        mass, settings.dt, max_stiffness, max_damping);
   return "";
 }
 

@@ -211,8 +211,7 @@ Settings checked_and_resolved(const Settings& settings) {
   check_density(all.density);
   for (std::size_t k = 0; k < all.obstacles.size(); ++k)
     check_obstacle(all.obstacles[k], fmt::format("obstacles[{}].", k));
-  for (std::size_t k = 0; k < all.bodies.size(); ++k)
-    check_obstacle(all.bodies[k], fmt::format("bodies[{}].", k));
+  for (std::size_t k = 0; k < all.bodies.size(); ++k) check_obstacle(all.bodies[k], fmt::format("bodies[{}].", k));
   for (std::size_t k = 0; k < all.bodies.size(); ++k) {
     demand(all.periodic == std::array<bool, 3>{}, "bodies cannot be in a box with periodic axes");
     const std::string wrong = why_no_body(all, k);

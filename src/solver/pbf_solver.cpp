@@ -92,7 +92,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   apply_forcings(info);  //  2
   parts_.boundary->move(info.time, info.time + info.dt);
   parts_.boundary->settle_bodies(*parts_.comm, parts_.particles, info.dt);
-  predict_positions(info.dt);                //  3
+  predict_positions(info.dt);  //  3
   parts_.boundary->give_to_bodies(*parts_.comm);
   migrate_particles(&Particles::predicted);  //     ownership follows p*
   find_neighbours(Velocities::discard);      //  5 to 7: order, ghosts, lists, all unchanged until 22

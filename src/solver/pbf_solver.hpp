@@ -51,7 +51,7 @@ struct SolverParts {
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
-  ForceSums force_sums;      ///< of the solver before, as the next two
+  ForceSums force_sums;  ///< of the solver before, as the next two
   std::vector<BodyState> bodies;
   Real supplied_energy = 0;  ///< J
   Real water_mass = 0;       ///< of a particle, kg

@@ -22,8 +22,8 @@ MassProperties counted(const ObstacleSettings& solid, int across) {
   MassProperties sum;
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (int k = 0; k < across * across * across; ++k) {
-    const Vec3 p = box.min + size.cwiseProduct(Vec3(k % across + 0.5, k / across % across + 0.5,
-                                                    k / across / across + 0.5));
+    const Vec3 p =
+        box.min + size.cwiseProduct(Vec3(k % across + 0.5, k / across % across + 0.5, k / across / across + 0.5));
     if (shape->distance(p) > 0) continue;
     sum.volume += size.prod();
     sum.center += size.prod() * p;
@@ -204,8 +204,7 @@ TEST(Bodies, SameBitsOnAnyRanksAndThreads) {
     use_threads(threads);
     BodyRun together(world, pool + two_bodies);
     together.steps(30);
-    expect_same_bits(gathered(world, together.solver->particles()),
-                     gathered(MPI_COMM_SELF, alone.solver->particles()));
+    expect_same_bits(gathered(world, together.solver->particles()), gathered(MPI_COMM_SELF, alone.solver->particles()));
     EXPECT_EQ(together.bodies(), alone.bodies());
   }
   use_threads(before);
@@ -331,8 +330,9 @@ end = 1
 )";
 
 TEST(Contacts, ABallBouncesAsHighAsItsRestitutionSays) {
-  BodyRun run(world, dry + "[walls]\nrestitution = 0.8\n[[body]]\ntype = \"sphere\"\ncenter = [1.2, 1.2, 1.2]\n"
-                           "radius = 0.2\ndensity = 500\n");
+  BodyRun run(world, dry +
+                         "[walls]\nrestitution = 0.8\n[[body]]\ntype = \"sphere\"\ncenter = [1.2, 1.2, 1.2]\n"
+                         "radius = 0.2\ndensity = 500\n");
   Real lowest = 2, highest = 0;
   for (int k = 0; k < 60; ++k) {
     run.steps(1);
@@ -348,9 +348,10 @@ TEST(Contacts, ABallBouncesAsHighAsItsRestitutionSays) {
 TEST(Contacts, AStackRests) {
   std::string text = dry + "[walls]\nrestitution = 0\n";
   for (int k = 0; k < 3; ++k)
-    text += fmt::format("[[body]]\ntype = \"box\"\ncenter = [1.2, 1.2, {}]\nsize = [0.4, 0.4, 0.3]\ndensity = 500\n"
-                        "friction = 0.5\n",
-                        0.2 + 0.4 * k);
+    text += fmt::format(
+        "[[body]]\ntype = \"box\"\ncenter = [1.2, 1.2, {}]\nsize = [0.4, 0.4, 0.3]\ndensity = 500\n"
+        "friction = 0.5\n",
+        0.2 + 0.4 * k);
   BodyRun run(world, text);
   for (int k = 0; k < 120; ++k) {
     run.steps(1);
@@ -366,10 +367,11 @@ TEST(Contacts, AStackRests) {
 // On a floor that is tilted, as seen by gravity, friction holds a box below its angle and not above.
 TEST(Contacts, FrictionHoldsABoxOnASlope) {
   for (const Real slope : {0.3, 0.5}) {
-    BodyRun run(world, dry + fmt::format("acceleration = [{}, 0, -9]\n[walls]\nrestitution = 0\n[[body]]\ntype = \"box\"\n"
-                                         "center = [0.8, 1.2, 0.15]\nsize = [0.6, 0.6, 0.3]\ndensity = 500\n"
-                                         "friction = 0.4\n",
-                                         9 * slope));
+    BodyRun run(world,
+                dry + fmt::format("acceleration = [{}, 0, -9]\n[walls]\nrestitution = 0\n[[body]]\ntype = \"box\"\n"
+                                  "center = [0.8, 1.2, 0.15]\nsize = [0.6, 0.6, 0.3]\ndensity = 500\n"
+                                  "friction = 0.4\n",
+                                  9 * slope));
     run.steps(30);
     const Real t = 0.5, slid = slope > 0.4 ? 9 * (slope - 0.4) * t * t / 2 : 0;
     EXPECT_NEAR(run.bodies()[0].position.x() - 0.8, slid, 0.02) << slope;
@@ -387,7 +389,9 @@ TEST(BodyInput, IsRefusedWithItsPlace) {
   expect_mentions(refusal(sphere + "density = 1\nfree = []\n"), {"free", "is empty"});
   expect_mentions(refusal(sphere + "density = 1\nfree = [\"z\"]\nvelocity = [1, 0, 0]\n"), {"velocity", "add \"x\""});
   expect_mentions(refusal(sphere + "density = 1\ninside = true\n"), {"inside", "basin"});
-  const auto of_solver = [](const auto& keys) { return input_error_of([&] { BodyRun(world, pool + "[[body]]\n" + keys); }); };
+  const auto of_solver = [](const auto& keys) {
+    return input_error_of([&] { BodyRun(world, pool + "[[body]]\n" + keys); });
+  };
   expect_mentions(of_solver("type = \"sphere\"\ncenter = [0.1, 0.6, 0.5]\nradius = 0.2\ndensity = 1\n"),
                   {"bodies[0]", "out of the box"});
   expect_mentions(of_solver(sphere + "density = 1\n[body.mooring]\nanchor = [0, 0, 0]\nstiffness = 1e9\n"),

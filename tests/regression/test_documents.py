@@ -186,8 +186,7 @@ class Page(ProgramTest):
             return [{key: value for key, value in row.items() if key not in TIMES} for row in csv.DictReader(file)]
 
     def run_well(self, ranks, *arguments, folder=None):
-        if folder:
-            folder.mkdir()
+        folder and folder.mkdir()
         result = self.run_trevi(ranks, *arguments, "--progress", "none", folder=folder)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result

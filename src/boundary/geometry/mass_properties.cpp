@@ -17,8 +17,8 @@ MassProperties about_origin(Real volume, const Vec3& moments) {
 MassProperties of_box(const Vec3& size) {
   const Vec3 square = size.cwiseProduct(size);
   const Real volume = size.x() * size.y() * size.z();
-  return about_origin(volume, volume / 12 *
-                                  Vec3(square.y() + square.z(), square.x() + square.z(), square.x() + square.y()));
+  return about_origin(volume,
+                      volume / 12 * Vec3(square.y() + square.z(), square.x() + square.z(), square.x() + square.y()));
 }
 
 MassProperties of_cylinder(Real radius, Real height) {
@@ -51,11 +51,10 @@ MassProperties of_torus(Real radius, Real tube) {
   return about_origin(volume, {across, across, volume * (radius * radius + 3 * tube * tube / 4)});
 }
 
-Matrix3 parallel_axes(const Vec3& arm) {
-  return arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose();
-}
+Matrix3 parallel_axes(const Vec3& arm) { return arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose(); }
 
-// What is left of a solid around the origin of which the middle is `below` it when the space around the origin is taken.
+// What is left of a solid around the origin of which the middle is `below` it when the space around the origin is
+// taken.
 MassProperties without(const MassProperties& hull, Real below, const MassProperties& space) {
   MassProperties rest;
   rest.volume = hull.volume - space.volume;

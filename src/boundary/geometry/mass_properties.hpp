@@ -8,9 +8,9 @@
 namespace trevi {
 
 struct MassProperties {
-  Real volume = 0;                                        ///< m³
-  Vec3 center = Vec3::Zero();                             ///< m
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();      ///< m⁵, about the centre
+  Real volume = 0;                                    ///< m³
+  Vec3 center = Vec3::Zero();                         ///< m
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< m⁵, about the centre
 };
 
 /// Of the solid of an obstacle that is not a vessel; a mesh has been read, and faces outwards.

@@ -65,8 +65,8 @@ class Body {
     const auto high = from.cwiseMin(to).array() > near_box_.max.array();
     return !vessel_ && (low.any() || high.any());
   }
-  /// Whether a straight path in the world cannot meet it: one that stands, or one that floats, which turns by little in a
-  /// substep, wherever it is in between.
+  /// Whether a straight path in the world cannot meet it: one that stands, or one that floats, which turns by little in
+  /// a substep, wherever it is in between.
   bool is_out_of_way(const Vec3& from, const Vec3& to) const {
     if (!floats_) return !moves_ && is_passed_by(from, to);
     const auto low = from.cwiseMax(to).array() < swept_box_.min.array();
@@ -121,7 +121,7 @@ class Body {
       wall_extension_;  // seam_: of the walls, where solids go on as inside it
   Box inner_;           // the box without it
   Pose before_, now_;
-  Box swept_box_;  // near_box_ at the start of the substep and at its end
+  Box swept_box_;          // near_box_ at the start of the substep and at its end
   Box near_box_, beside_;  // beside_: the first places that are not in near_box_
   std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh

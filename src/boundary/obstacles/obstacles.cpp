@@ -122,7 +122,8 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
   const TotalImpulse rest = all.back();
   all.pop_back();
-  // It is of all the water, and its moment would turn bodies that are light: they have of it only what nobody else takes.
+  // It is of all the water, and its moment would turn bodies that are light: they have of it only what nobody else
+  // takes.
   Real sum = 0, of_fixed = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     sum += all[k].shift.norm();

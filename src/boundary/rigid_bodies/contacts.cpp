@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t nearest_points = 8, spread_points = 8;  // of a pair of solids
 constexpr int rounds = 200;
-constexpr Real settled = 1e-9;  // of all impulses, when a round changes no more
+constexpr Real settled = 1e-9;   // of all impulses, when a round changes no more
 constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
 constexpr Real push_out = 0.25;  // of an overlap, in a substep
 
@@ -106,7 +106,8 @@ void Contacts::find_walls(const std::vector<RigidBody>& bodies, std::size_t k) {
         const Vec3 p = pose.into_world(point);
         if (gap_of(p) < margin) near.push_back({gap_of(p), p, -side * Vec3::Unit(a), Vec3::Zero()});
       }
-      add(bodies, k, nobody, near, {std::min(surface_[first_ + k].first, wall_restitution_), surface_[first_ + k].second});
+      add(bodies, k, nobody, near,
+          {std::min(surface_[first_ + k].first, wall_restitution_), surface_[first_ + k].second});
     }
   }
 }
@@ -119,7 +120,8 @@ void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, s
   if (solid >= first_) reach += reach_of(bodies[solid - first_], other.radius(), dt_);
   if (other.moves() && solid < first_) reach += other.motion().fastest(0, dt_, other.radius()) * dt_;
   const Real margin = 2 * reach + slack * spacing_;
-  if (other.shape().distance_within(there.into_body(pose.center), own.radius() + margin) >= own.radius() + margin) return;
+  if (other.shape().distance_within(there.into_body(pose.center), own.radius() + margin) >= own.radius() + margin)
+    return;
   std::vector<Near> near;
   for (const Vec3& point : points_[k]) {
     const Vec3 p = pose.into_world(point), in_other = there.into_body(p);
@@ -133,8 +135,8 @@ void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, s
   add(bodies, k, solid < first_ ? nobody : solid - first_, near, {std::min(e, e_other), std::max(mu, mu_other)});
 }
 
-// The nearest of them, and of the others those that are furthest from each other: a face on a floor stands on all of its
-// corners.
+// The nearest of them, and of the others those that are furthest from each other: a face on a floor stands on all of
+// its corners.
 void Contacts::keep_few(std::vector<Near>& near) {
   std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.gap < b.gap; });
   std::vector<Real> apart(near.size(), 1e300);
@@ -168,8 +170,8 @@ void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::siz
     const Six before = six_of(bodies[k].state().velocity, bodies[k].state().angular_velocity);
     approach = contact.surface[0] - dot(contact.arm[0], before);
     if (other != nobody)
-      approach += dot(contact.against[0],
-                      six_of(bodies[other].state().velocity, bodies[other].state().angular_velocity));
+      approach +=
+          dot(contact.against[0], six_of(bodies[other].state().velocity, bodies[other].state().angular_velocity));
     contact.least = one.gap > 0 ? -one.gap / dt_ : -push_out * one.gap / dt_;
     const bool bounces = approach > 4 * gravity_ * dt_ && approach * dt_ > one.gap;
     if (bounces) contact.least = std::max(contact.least, restitution_and_friction.first * approach);
@@ -177,7 +179,8 @@ void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::siz
   }
 }
 
-// What it takes to have the relative velocity `wanted` along a direction of the contact; within what a contact can give.
+// What it takes to have the relative velocity `wanted` along a direction of the contact; within what a contact can
+// give.
 Real Contacts::step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists) {
   const std::size_t k = contact.body, other = contact.other;
   Real velocity = dot(contact.arm[along], twists[k]) - contact.surface[along];
@@ -221,8 +224,7 @@ void Contacts::solve(std::vector<RigidBody>& bodies) {
         if (step == 0) continue;
         most = std::max(most, std::abs(step));
         given[contact.body] = plus(given[contact.body], contact.arm[along], step);
-        if (contact.other != nobody)
-          given[contact.other] = plus(given[contact.other], contact.against[along], -step);
+        if (contact.other != nobody) given[contact.other] = plus(given[contact.other], contact.against[along], -step);
         driven_work_ += step * contact.surface[along];
       }
     }
@@ -238,9 +240,8 @@ void Contacts::solve(std::vector<RigidBody>& bodies) {
 }
 
 bool Contacts::touches(std::size_t body) const {
-  return std::any_of(contacts_.begin(), contacts_.end(), [&](const Contact& one) {
-    return (one.body == body || one.other == body) && one.impulse[0] > 0;
-  });
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [&](const Contact& one) { return (one.body == body || one.other == body) && one.impulse[0] > 0; });
 }
 
 }  // namespace trevi

@@ -1,8 +1,8 @@
-// Contacts of rigid bodies with each other, with obstacles and with the box: points of a body's surface that may come to
-// the surface of another solid in the substep. They are known before they touch, so that nothing passes through
-// anything, and a body comes to rest on another one without a jump. Impulses with Coulomb's friction by Gauss and Seidel
-// in the order of the contacts (Catto, Iterative dynamics with temporal coherence, 2005), against the inertia that a
-// body has with the water around it. The same bits on any rank. Not collective.
+// Contacts of rigid bodies with each other, with obstacles and with the box: points of a body's surface that may come
+// to the surface of another solid in the substep. They are known before they touch, so that nothing passes through
+// anything, and a body comes to rest on another one without a jump. Impulses with Coulomb's friction by Gauss and
+// Seidel in the order of the contacts (Catto, Iterative dynamics with temporal coherence, 2005), against the inertia
+// that a body has with the water around it. The same bits on any rank. Not collective.
 #pragma once
 
 #include <memory>
@@ -29,12 +29,12 @@ class Contacts {
 
  private:
   struct Contact {
-    std::size_t body, other;        // of all bodies; nobody: the rest of the world
+    std::size_t body, other;          // of all bodies; nobody: the rest of the world
     std::array<Six, 3> arm, against;  // along the normal and two tangents; of the other body
-    std::array<Real, 3> surface;    // velocities of what is not a body, m/s
-    Real least;                     // speed apart along the normal, m/s
+    std::array<Real, 3> surface;      // velocities of what is not a body, m/s
+    Real least;                       // speed apart along the normal, m/s
     Real friction;
-    std::array<Real, 3> impulse;    // so far, N s
+    std::array<Real, 3> impulse;              // so far, N s
     std::array<Six, 3> answer, answer_other;  // of the twists to an impulse of 1 N s
     std::array<Real, 3> mobility;             // of the velocity there, 1/kg
   };
@@ -56,7 +56,7 @@ class Contacts {
   std::size_t first_;
   Box box_;
   Real spacing_, gravity_, dt_ = 0;
-  std::vector<std::pair<Real, Real>> surface_;   // restitution and friction of each solid
+  std::vector<std::pair<Real, Real>> surface_;  // restitution and friction of each solid
   Real wall_restitution_;
   std::vector<std::vector<Vec3>> points_;  // of each body, in its frame
   std::vector<Pose> poses_, ends_;         // of all solids in the substep

@@ -24,7 +24,8 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
       h_(settings.fluid.kernel_radius),
       contacts_(settings, all) {
   for (const BodySettings& body : settings.bodies)
-    bodies_.emplace_back(body, all[first_ + bodies_.size()]->shape(), settings.gravity.value_or(Vec3::Zero()), settings.fluid.rest_density);
+    bodies_.emplace_back(body, all[first_ + bodies_.size()]->shape(), settings.gravity.value_or(Vec3::Zero()),
+                         settings.fluid.rest_density);
   given_.resize(bodies_.size());
   expected_.resize(bodies_.size());
   met_.for_each([&](auto& sums) { sums.assign(numbers * bodies_.size(), 0); });
@@ -102,8 +103,7 @@ bool RigidBodies::settle(MPI_Comm comm) {
     for (std::size_t i = 0; i < 6; ++i) pushed[i] = next(water_mass_ * h_ / dt_ * length(i));
     Mass6 met{};
     for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j <= i; ++j)
-        met[6 * i + j] = met[6 * j + i] = next(water_mass_ * length(i) * length(j));
+      for (std::size_t j = 0; j <= i; ++j) met[6 * i + j] = met[6 * j + i] = next(water_mass_ * length(i) * length(j));
     }
     const Six lacking = plus(pushed, times(met, expected_[k]), -1);
     RigidBody& body = bodies_[k];

@@ -1,13 +1,13 @@
-// The rigid bodies of a scene among its obstacles: what the water sees of them is a moving obstacle, and what moves them
-// are the impulses of the ledger, on all ranks the same integers and the same arithmetic.
+// The rigid bodies of a scene among its obstacles: what the water sees of them is a moving obstacle, and what moves
+// them are the impulses of the ledger, on all ranks the same integers and the same arithmetic.
 //
 // A substep: begin() takes the bodies where they would go with the pressure of the last one. settle() finds how fast
 // they are when the particles that are about to bounce have done so: for a body lighter than these, its own velocity is
 // decided by them. respond() answers to the pressure, between the cycles of the projection: with the added mass A that
 // the answers so far have shown, (M + A) du = p + F − M u has its fixed point where the body has just the momentum that
 // it was given, and converges for any mass when the estimate of A is more than half of it (Causin, Gerbeau & Nobile,
-// Comput. Methods Appl. Mech. Engrg. 194, 2005, on why explicit staggering cannot). finish() hands over exactly what the
-// ledger says. Collective: settle().
+// Comput. Methods Appl. Mech. Engrg. 194, 2005, on why explicit staggering cannot). finish() hands over exactly what
+// the ledger says. Collective: settle().
 #pragma once
 
 #include <memory>

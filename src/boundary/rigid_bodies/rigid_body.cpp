@@ -18,10 +18,9 @@ Quaternion normalised(const Quaternion& q) {
 
 // Turned about the axes of the world by what the vector says: an axis times the tangent of half the angle.
 Quaternion turned(const Quaternion& q, const Vec3& t) {
-  return normalised({q[0] - t.x() * q[1] - t.y() * q[2] - t.z() * q[3],
-                     q[1] + t.x() * q[0] + t.y() * q[3] - t.z() * q[2],
-                     q[2] + t.y() * q[0] + t.z() * q[1] - t.x() * q[3],
-                     q[3] + t.z() * q[0] + t.x() * q[2] - t.y() * q[1]});
+  return normalised(
+      {q[0] - t.x() * q[1] - t.y() * q[2] - t.z() * q[3], q[1] + t.x() * q[0] + t.y() * q[3] - t.z() * q[2],
+       q[2] + t.y() * q[0] + t.z() * q[1] - t.x() * q[3], q[3] + t.z() * q[0] + t.x() * q[2] - t.y() * q[1]});
 }
 
 Mass6 mass_matrix(Real mass, const Rotation& inertia) {
@@ -34,8 +33,8 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
   return all;
 }
 
-// The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of the
-// water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has.
+// The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
+// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has.
 Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
   Mass6 sum{};
   Real whole = 0;
@@ -151,8 +150,7 @@ Real RigidBody::energy() const {
 }
 
 Real RigidBody::fastest(Real radius, Real dt) const {
-  return state_.velocity.norm() + gravity_.norm() * dt +
-         state_.angular_velocity.norm() * (radius + center_.norm());
+  return state_.velocity.norm() + gravity_.norm() * dt + state_.angular_velocity.norm() * (radius + center_.norm());
 }
 
 void RigidBody::begin(Real dt) {
@@ -173,7 +171,8 @@ void RigidBody::begin(Real dt) {
   inertia_ = mass_matrix(mass_, inertia_at(middle));
   set_twist(velocities(expected, middle));
   if (!is_wet_) return;
-  // Water goes on with it, and what the pressure had too much of the body in the last substep is not seen by a light one.
+  // Water goes on with it, and what the pressure had too much of the body in the last substep is not seen by a light
+  // one.
   set_twist(state_.last_twist);
   set_twist(plus(twist_, solved(felt_inertia(), missing(plus({}, state_.last_force, dt)), free_)));
 }
@@ -183,8 +182,8 @@ void RigidBody::set_twist(const Six& twist) {
   end_orientation_ = turned(state_.orientation, about_of(twist_) * (dt_ / 2));
 }
 
-// The formula of Broyden, Fletcher, Goldfarb and Shanno keeps the matrix positive; Powell's damping keeps it so where the
-// answer grows with the twist. An estimate is good enough when it is half of what it stands for.
+// The formula of Broyden, Fletcher, Goldfarb and Shanno keeps the matrix positive; Powell's damping keeps it so where
+// the answer grows with the twist. An estimate is good enough when it is half of what it stands for.
 void RigidBody::hear(const Six& pressure) {
   if (answers_ == 1) {  // later ones still have a part of what came before
     const Six step = plus(twist_, asked_, -1), known = times(added_, step);
@@ -212,7 +211,8 @@ void RigidBody::finish(bool touched) {
     if (!free_[i]) momentum_[i] = 0;
   const Vec3 fall = touched || mooring_ ? Vec3(Vec3::Zero()) : Vec3(gravity_ * (dt_ * dt_ / 2));
   for (int a = 0; a < 3; ++a)
-    state_.position[a] += dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
+    state_.position[a] +=
+        dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
   state_.added_mass = turned(added_, rotation_of(state_.orientation).transpose());
   state_.last_twist = twist_;
   state_.orientation = end_orientation_;

@@ -1,8 +1,9 @@
 // One rigid body: its mass, its state, and its motion in a substep, which the water is asked for (rigid_bodies.hpp).
 // The state holds momenta, so that what no torque acts on keeps its angular momentum to rounding; the orientation
-// follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In the
-// air the path is the parabola itself; in the water gravity acts as it does on particles, at the start of a substep, as
-// the two would otherwise not balance. Arithmetic alone: the same bits on any rank and processor. Not collective.
+// follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In
+// the air the path is the parabola itself; in the water gravity acts as it does on particles, at the start of a
+// substep, as the two would otherwise not balance. Arithmetic alone: the same bits on any rank and processor. Not
+// collective.
 #pragma once
 
 #include "boundary/geometry/mass_properties.hpp"
@@ -78,7 +79,7 @@ class RigidBody {
   Mass6 inertia_{};
   std::array<Real, 4> end_orientation_{1, 0, 0, 0};
   bool is_wet_ = false;  // there is pressure
-  Mass6 added_{};  // in the world
+  Mass6 added_{};        // in the world
   int answers_ = 0;
   Six asked_{}, answer_{};  // the last twist and the pressure that it got
 };

@@ -1,5 +1,5 @@
-// Six numbers for the motion of a rigid body: those of a translation along x, y, z, then those of a rotation about x, y,
-// z; and symmetric 6 x 6 matrices of masses. Sums are in a written order: the same bits on any processor.
+// Six numbers for the motion of a rigid body: those of a translation along x, y, z, then those of a rotation about x,
+// y, z; and symmetric 6 x 6 matrices of masses. Sums are in a written order: the same bits on any processor.
 #pragma once
 
 #include <array>
@@ -54,13 +54,15 @@ inline Mass6 turned(const Mass6& a, const Eigen::Matrix3d& turn) {
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j < 6; ++j) {
       for (std::size_t k = 0; k < 3; ++k)
-        half[6 * i + j] += turn(static_cast<Eigen::Index>(i % 3), static_cast<Eigen::Index>(k)) * a[6 * (i / 3 * 3 + k) + j];
+        half[6 * i + j] +=
+            turn(static_cast<Eigen::Index>(i % 3), static_cast<Eigen::Index>(k)) * a[6 * (i / 3 * 3 + k) + j];
     }
   }
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j < 6; ++j) {
       for (std::size_t k = 0; k < 3; ++k)
-        all[6 * i + j] += half[6 * i + j / 3 * 3 + k] * turn(static_cast<Eigen::Index>(j % 3), static_cast<Eigen::Index>(k));
+        all[6 * i + j] +=
+            half[6 * i + j / 3 * 3 + k] * turn(static_cast<Eigen::Index>(j % 3), static_cast<Eigen::Index>(k));
     }
   }
   return all;

@@ -25,9 +25,7 @@ class ObstacleSurfaces {
   bool any_moves() const { return count(true) > 0; }
   ObstacleSurface standing() const { return placed(false, 0); }
   /// Bodies are where their states are; without any, as at the start.
-  ObstacleSurface moving(Real time, std::span<const BodyState> bodies = {}) const {
-    return placed(true, time, bodies);
-  }
+  ObstacleSurface moving(Real time, std::span<const BodyState> bodies = {}) const { return placed(true, time, bodies); }
 
  private:
   struct One {

@@ -25,8 +25,7 @@ ObstacleSeries::ObstacleSeries(MPI_Comm comm, const TableOptions& options, std::
 void ObstacleSeries::observe(const Frame& frame) {
   require(!frame.forces.empty(), "obstacles.csv: no forces in this frame");
   std::string row;
-  for (std::size_t k = 0; k < obstacles_; ++k)
-    row += numbers(frame.forces[k].force) + numbers(frame.forces[k].torque);
+  for (std::size_t k = 0; k < obstacles_; ++k) row += numbers(frame.forces[k].force) + numbers(frame.forces[k].torque);
   write(frame.clock, row + numbers(frame.forces.back().force));
 }
 
