@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "boundary/geometry/pose.hpp"
-#include "support/cloud.hpp"
 #include "io/tables/gauge_readings.hpp"
+#include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
@@ -115,7 +115,9 @@ TEST_F(WaveTank, ARestartIsExact) {
     whole->start();
     for (int n = 0; n < 20; ++n) whole->step();
     EXPECT_EQ(ways.size(), absorb ? 1u : 0u);
-    if (absorb) EXPECT_NE(ways[0], 0);
+    if (absorb) {
+      EXPECT_NE(ways[0], 0);
+    }
     second.step = 20;
     second.substeps = whole->clock().substeps;
     second.paddle_ways = ways;

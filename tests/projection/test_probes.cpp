@@ -5,8 +5,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "support/cloud.hpp"
 #include "io/tables/gauge_series.hpp"
+#include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
