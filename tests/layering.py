@@ -22,7 +22,7 @@ MODULES = ["base", "parallel", "particles", "domain", "kernels", "boundary", "fl
 PUBLIC = {  # header of the library: its module
     "types": "base", "box": "base", "clock": "base", "colour": "base", "error": "base",
     "session": "parallel", "requests": "parallel", "particles": "particles",
-    "settings": "particles", "wavemaker": "particles", "obstacle": "particles", "forcing": "particles", "observer": "particles", "solver": "solver", "scene": "scene",
+    "settings": "particles", "wavemaker": "particles", "obstacle": "particles", "body": "particles", "forcing": "particles", "observer": "particles", "solver": "solver", "scene": "scene",
 }
 FOLDERS = {"jobs", "inputs", "postprocess", "python", "tests", "src", "include"}
 TEST_FOLDERS = {"support", "regression", "embed", "extending", "benchmarks"}  # besides those of the modules

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "trevi/body.hpp"
 #include "trevi/clock.hpp"
 #include "trevi/forcing.hpp"
 #include "trevi/particles.hpp"
@@ -44,13 +45,13 @@ struct FlowState {
 /// What the water did to an obstacle, or to the box, in the mean over the steps since an observer last heard of it.
 struct BodyForce {
   Vec3 force = Vec3::Zero();   ///< N
-  Vec3 torque = Vec3::Zero();  ///< N m, about the centre of the obstacle
+  Vec3 torque = Vec3::Zero();  ///< N m, about the centre of the obstacle, the centre of mass of a body
 };
 
 /// The forces of the steps since an observer last heard of them, added up; what a restart needs to go on with the mean.
 struct ForceSums {
   std::int64_t steps = 0;           ///< of the forces
-  std::vector<BodyForce> forces;    ///< on each obstacle, then on the box
+  std::vector<BodyForce> forces;    ///< on each obstacle, each body, then on the box
   std::vector<Real> pressures;      ///< of each gauge of pressure on a solid
   std::int64_t pressure_steps = 0;  ///< of these
 };
@@ -63,18 +64,21 @@ struct Frame {
   const Diagnostics* diagnostics;            ///< null unless an observer wanted it
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
-  std::span<const BodyForce> forces{};       ///< on each obstacle, then on the box; empty unless an observer wanted it
+  /// On each obstacle, each body, then on the box; empty unless an observer wanted it.
+  std::span<const BodyForce> forces{};
   /// Pa, of each gauge of pressure on a solid in the mean over the steps since an observer last heard of them; empty
   /// unless an observer wanted it.
   std::span<const Real> pressures{};
   std::array<LocalId, 3> first_cell{};    ///< Solver::first_cell()
-  const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles
+  const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles and bodies
   /// J, given to the water since the start by forcings that are not gravity or friction, by what inlets bring and
-  /// drains take, and by obstacles that move (of these with an observer that wants forces only). Measured from the
+  /// drains take, by bodies (what they have less of), and by obstacles that move (of these with an observer that wants
+  /// forces only). Measured from the
   /// first step on if an observer wants diagnostics; 0 otherwise.
   Real supplied_energy = 0;
   std::span<const Real> paddle_ways{};  ///< m, ActiveAbsorption::ways(); empty without paddles that absorb
   std::span<const Real> probes{};       ///< Pa, of each gauge of pressure in the water in this step; with pressures
+  std::span<const BodyState> bodies{};  ///< in the order of the scene
 };
 
 class Observer {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "trevi/body.hpp"
 #include "trevi/box.hpp"
 #include "trevi/clock.hpp"
 #include "trevi/colour.hpp"
@@ -227,11 +228,12 @@ struct Settings {
   DensitySettings density;
   WallSettings walls;
   std::vector<ObstacleSettings> obstacles;  ///< the paddles of wavemakers (paddle_of()) among them
+  std::vector<BodySettings> bodies;         ///< that move freely
   std::vector<FountainSettings> fountains;
   std::vector<InletSettings> inlets;
   std::vector<DrainSettings> drains;
   std::vector<DampingSettings> dampings;
-  std::vector<GaugeSettings> gauges;  ///< those of pressure on a solid and of run-up need an obstacle
+  std::vector<GaugeSettings> gauges;  ///< those of pressure on a solid and of run-up need an obstacle or a body
   std::optional<TensileSettings> tensile;
   std::optional<Real> vorticity;  ///< epsilon of vorticity confinement
   VorticityForm vorticity_form = VorticityForm::report;
@@ -246,6 +248,15 @@ struct Settings {
 
   bool operator==(const Settings&) const = default;
 };
+
+/// Whether anything solid is in the box, or around it: obstacles or bodies.
+inline bool has_solids(const Settings& settings) { return !settings.obstacles.empty() || !settings.bodies.empty(); }
+/// The obstacles, then the bodies as they are at the start: their numbers among solids.
+inline std::vector<ObstacleSettings> solids_of(const Settings& settings) {
+  std::vector<ObstacleSettings> all = settings.obstacles;
+  all.insert(all.end(), settings.bodies.begin(), settings.bodies.end());
+  return all;
+}
 
 /// The same settings with a value for every Derived one. Not collective; the same bits on any rank.
 Settings resolved(Settings settings);

@@ -70,6 +70,8 @@ class Solver {
   virtual std::vector<FountainState> fountains() const = 0;
   /// Of the box along x, y, z: from which cell on cells are counted where it is periodic; 0 elsewhere.
   virtual std::array<LocalId, 3> first_cell() const = 0;
+  /// Where the bodies are and how they move, in the order of the settings; the same on all ranks.
+  virtual std::vector<BodyState> bodies() const = 0;
   /// What inlets and drains have done so far; null without any.
   virtual const FlowState* flow() const = 0;
 };
@@ -84,10 +86,11 @@ struct SolverExtras {
   /// Of the solver before, for a restart; by default that of the particle with the least id. Of no effect where there
   /// are obstacles, inlets or drains: it is 0 there.
   std::optional<std::array<LocalId, 3>> first_cell{};
-  std::optional<FlowState> flow{};  ///< of the solver before, for a restart, as the next two
+  std::optional<FlowState> flow{};  ///< of the solver before, for a restart, as the next four
   ForceSums force_sums{};
   Real supplied_energy = 0;         ///< J
   std::vector<Real> paddle_ways{};  ///< of the frame before, for a restart with paddles that absorb
+  std::vector<BodyState> bodies{};  ///< empty: as the settings have them
 };
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be

@@ -65,7 +65,7 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   const Real g = gravity.norm();
   auto energy = std::make_shared<EnergyRise>(water_mass(scene.fluid), g, scene.fluid.kernel_radius);
   const Vec3 extent = scene.domain.max - scene.domain.min;
-  if (scene.obstacles.empty() && !is_supplied(scene) && is_downward(gravity))
+  if (!has_solids(scene) && !is_supplied(scene) && is_downward(gravity))
     energy->set_tank(extent.x() * extent.y(), scene.fluid.spacing);
   return energy;
 }
@@ -82,6 +82,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     extras.force_sums = options.restart->force_sums;
     extras.supplied_energy = options.restart->supplied_energy;
     extras.paddle_ways = options.restart->paddle_ways;
+    extras.bodies = options.restart->bodies;
   }
   extras.requests = options.requests;
   FlowParts flow = make_scene_flow(comm, scene, std::move(extras.flow));

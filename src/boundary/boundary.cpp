@@ -22,10 +22,12 @@ class ObstacleBoundary : public Boundary {
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return obstacles_->collide(p, shift); }
   Box open_box(std::span<const Vec3> p) const override { return obstacles_->open_box(p); }
-  void begin_step() override {
-    obstacles_->ledger().clear();
-    obstacles_->gauges().clear();
+  void begin_step() override { obstacles_->begin_step(); }
+  void settle_bodies(MPI_Comm comm, const Particles& particles, Real dt) override {
+    obstacles_->settle(comm, particles.position, particles.velocity, dt);
   }
+  void give_to_bodies(MPI_Comm comm) override { obstacles_->give_to_bodies(comm); }
+  void finish_bodies(MPI_Comm comm) override { obstacles_->finish_bodies(comm); }
   void move(Real begin, Real end) override { obstacles_->move(begin, end); }
   Real fastest(Real begin, Real end) const override { return obstacles_->fastest(begin, end); }
   Obstacles* obstacles() const override { return obstacles_.get(); }

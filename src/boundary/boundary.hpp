@@ -32,6 +32,11 @@ class Boundary {
 
   /// What moves by itself is taken to where it is from `begin` to `end`; with a new step its records are cleared.
   virtual void begin_step() {}
+  /// Bodies that move freely: between move() and predict(), before the projection, and at the end of a substep.
+  /// Collective where there are any.
+  virtual void settle_bodies(MPI_Comm, const Particles&, Real /*dt*/) {}
+  virtual void give_to_bodies(MPI_Comm) {}
+  virtual void finish_bodies(MPI_Comm) {}
   virtual void move(Real /*begin*/, Real /*end*/) {}
   /// The highest speed of what moves by itself, m/s.
   virtual Real fastest(Real /*begin*/, Real /*end*/) const { return 0; }

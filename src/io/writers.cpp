@@ -6,6 +6,7 @@
 #include "io/frames/vtu.hpp"
 #include "io/run_directory/output_directory.hpp"
 #include "io/run_directory/output_lock.hpp"
+#include "io/tables/body_series.hpp"
 #include "io/tables/gauge_series.hpp"
 #include "io/tables/obstacle_series.hpp"
 #include "io/tables/series.hpp"
@@ -28,8 +29,9 @@ CheckpointOptions checkpoint_options(const OutputSettings& output, const WriterO
 }
 
 std::shared_ptr<const ObstacleSurfaces> obstacle_surfaces(const Settings& settings) {
-  if (settings.obstacles.empty()) return nullptr;
-  return std::make_shared<const ObstacleSurfaces>(settings.obstacles, settings.fluid.spacing / 50);
+  if (!has_solids(settings)) return nullptr;
+  return std::make_shared<const ObstacleSurfaces>(solids_of(settings), settings.fluid.spacing / 50,
+                                                  settings.bodies.size());
 }
 
 void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& options,
@@ -47,6 +49,8 @@ void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& op
   const TableOptions table{options.directory, *settings.output.series, options.restart_step};
   if (!settings.obstacles.empty())
     writers.push_back(std::make_unique<ObstacleSeries>(comm, table, settings.obstacles.size()));
+  if (!settings.bodies.empty())
+    writers.push_back(std::make_unique<BodySeries>(comm, table, settings.bodies.size(), settings.obstacles.size()));
 }
 
 // Holds the lock of the folder as long as it lives.
@@ -103,6 +107,7 @@ ColourScale colour_scale(const Settings& settings, GlobalId particles) {
 
 bool is_supplied(const Settings& settings) {
   return !settings.fountains.empty() || !settings.inlets.empty() || !settings.drains.empty() ||
+         !settings.bodies.empty() ||
          std::any_of(settings.obstacles.begin(), settings.obstacles.end(), [](const auto& one) { return one.moves(); });
 }
 

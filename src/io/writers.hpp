@@ -34,7 +34,8 @@ std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, co
 
 ColourScale colour_scale(const Settings& settings, GlobalId particles);
 
-/// Whether something else than gravity gives the water energy: a fountain, an inlet, a drain, an obstacle that moves.
+/// Whether something else than gravity gives the water energy: a fountain, an inlet, a drain, an obstacle or a body
+/// that moves.
 bool is_supplied(const Settings& settings);
 
 }  // namespace trevi

@@ -154,7 +154,9 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
   for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, bodies, cell);
   // Surfaces a little outside of the cell count where a face of it is closed.
-  if (std::abs(far.distance) < 0.75 * size_.norm()) cell.surface = static_cast<float>(surface_at(corner, bodies));
+  const bool floats = obstacles_.floating() != nullptr && obstacles_.floating()->holds(far.body);
+  if (!floats && std::abs(far.distance) < 0.75 * size_.norm())
+    cell.surface = static_cast<float>(surface_at(corner, bodies));
   if (std::abs(far.distance) > size_.norm() / 2) {
     cell.open = far.distance > 0 ? 1 : 0;
     return cell;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "parallel/reductions.hpp"
 
@@ -23,6 +24,16 @@ Vec3 CutCells::place(const Vec3& in_cells) const {
 }
 
 Vec3 CutCells::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
+
+Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const {
+  Vec3 corner(cell[0], cell[1], cell[2]);
+  const Real open = face(a, at);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Real middle = open < 1 ? (0.5 - open * cells_[at].middle[a][i]) / (1 - open) : 0.5;
+    corner[static_cast<Eigen::Index>((a + 1 + i) % 3)] += open > 0 ? std::clamp(middle, 0.0, 1.0) : 0.5;
+  }
+  return place(corner);
+}
 
 Vec3 CutCells::in_box(const Vec3& p) const {
   const Vec3 gap = Vec3::Constant(size_.maxCoeff() / (2 * samples));
@@ -104,20 +115,73 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
 // Of the solid that is nearest to the middle of each face.
 void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.assign(grid.cells(), {0, 0, 0});
+  PerThread<std::vector<BodyFace>> faces;
+  const RigidBodies* const floating = obstacles_.floating();
   for_each_row_near(grid, [&](LocalId k, LocalId r, const Candidates& near) {
     for (LocalId c = 0; c < grid.columns(); ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
         if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) continue;  // nothing moves across a layer
-        const Vec3 p =
-            place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
-        const Body& body = obstacles_.body(nearest_at(p, near.of_row).body);
+        Vec3 p = place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
+        const std::size_t nearest = nearest_at(p, near.of_row).body;
+        const Body& body = obstacles_.body(nearest);
+        const bool floats = floating != nullptr && floating->holds(nearest);
+        // The flux of a rotation is exact there, and a ball that turns moves no water.
+        if (floats) p = middle_of_closed(a, {k, r, c}, at);
+        if (floats) faces.mine().push_back({at, a, nearest, p});
         const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
         moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
       }
     }
   });
   grid.repeat(moved_);
+  if (floating == nullptr) return;
+  body_faces_.clear();
+  faces.for_each([&](const auto& some) { body_faces_.insert(body_faces_.end(), some.begin(), some.end()); });
+  std::sort(body_faces_.begin(), body_faces_.end(),
+            [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
+}
+
+Real CutCells::area(std::size_t at) const {
+  Real sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real rise = face(a, at + step_[a]) - face(a, at);
+    sum += rise * rise;
+  }
+  return std::sqrt(sum);
+}
+
+// In integers: no order is seen.
+void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
+  const RigidBodies& bodies = *obstacles_.floating();
+  step_ = {grid.step(0), grid.step(1), grid.step(2)};
+  excess_.assign(obstacles_.count(), 0);
+  PerThread<std::vector<GlobalId>> sums;
+  sums.for_each([&](auto& of) { of.assign(2 * bodies.count(), 0); });
+  constexpr Real fine = 1U << 30U;
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    if (!cuts_row(k, r)) return;
+    for (LocalId c = 0; c < grid.columns(); ++c) {
+      const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
+      if (open(at) == 1 || !bodies.holds(nearest)) continue;
+      GlobalId* const sum = &sums.mine()[2 * (nearest - bodies.first())];
+      sum[0] += std::llrint((1 - open(at)) * fine);
+      sum[1] += std::llrint(area(at) * fine);
+    }
+  });
+  const std::vector<GlobalId> all = sum_over_threads_and_ranks(comm, sums);
+  const Real cell = size_.prod(), ceiling = box_.min.z() + grid.columns() * size_[2];
+  for (std::size_t k = 0; k < bodies.count(); ++k) {
+    const Body& body = obstacles_.body(bodies.first() + k);
+    const Box bounds = body.shape().bounds();
+    const Vec3 middle = body.now().into_world((bounds.max + bounds.min) / 2);
+    const Vec3 half = body.now().turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
+    const bool all_seen = box_.contains(middle - half) && box_.contains(middle + half) &&
+                          middle.z() + half.z() <= ceiling && all[2 * k + 1] > 0;
+    if (all_seen)
+      excess_[bodies.first() + k] = (static_cast<Real>(all[2 * k]) / fine - bodies.body(k).volume() / cell) /
+                                    (static_cast<Real>(all[2 * k + 1]) / fine);
+  }
 }
 
 void CutCells::find_columns(const ProjectionGrid& grid) {
@@ -166,6 +230,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     measure_cells(grid, cells_);
     measure_motion(grid);
     find_cut_rows(grid);
+    if (obstacles_.floating() != nullptr) measure_excess(comm, grid);
     return;
   }
   if (!stays) {

@@ -33,9 +33,25 @@ class CutCells {
       middle[static_cast<std::size_t>(axis_[(a + 1 + i) % 3])] = cells_[at].middle[a][i];
     return middle;
   }
+  /// The middle of the closed part of face (a, at) of cell (k, r, c), m.
+  Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const;
   bool moves() const { return !moved_.empty(); }
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
+  /// Bodies have other twists than when the cells were measured: visit(a, at, change of the displacement of the solid
+  /// times the closed part) for all faces that one of them closes in part, in the order of their cells.
+  template <class Visit>
+  void move_faces(const Visit& visit) {
+    for (const BodyFace& face : body_faces_) {
+      const Body& body = obstacles_.body(face.body);
+      const Vec3 way = face.p - body.before().into_world(body.now().into_body(face.p));
+      float& moved = moved_[face.at][face.a];
+      const auto now = static_cast<float>(way[axis_[face.a]]);
+      const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
+      moved = now;
+      if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);
+    }
+  }
   /// Whether a solid closes anything of a row's cells or of their faces.
   bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
   /// Whether a solid cuts a cell of the row, or of one of those around it.
@@ -50,6 +66,10 @@ class CutCells {
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
+  /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of
+  /// what is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's
+  /// own.
+  Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest] * area(at); }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// Of the box, the number of the first plane that this rank owns.
@@ -106,6 +126,9 @@ class CutCells {
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   LocalId plane_of(const ProjectionGrid& grid, LocalId k) const;
   void measure_motion(const ProjectionGrid& grid);
+  void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
+  // Of the surface in a cell, in faces.
+  Real area(std::size_t at) const;
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
@@ -122,7 +145,14 @@ class CutCells {
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
-  std::vector<char> cuts_row_;  // of the owned planes
+  struct BodyFace {
+    std::size_t at, a, body;
+    Vec3 p;
+  };
+  std::array<std::size_t, 3> step_{};
+  std::vector<Real> excess_;          // of each solid, cells for each face of its surface
+  std::vector<BodyFace> body_faces_;  // of bodies that move freely
+  std::vector<char> cuts_row_;        // of the owned planes
 };
 
 }  // namespace trevi

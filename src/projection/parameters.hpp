@@ -50,6 +50,8 @@ constexpr Real small_cell = 0.5;
 constexpr int cycles = 3;
 /// The same of water that has no surface, which has no such start.
 constexpr int closed_cycles = 6;
+/// How often bodies that move freely answer to the pressure, and the cycles after each answer.
+constexpr int body_answers = 2, cycles_per_answer = 1;
 /// Time in which a cell returns to its volume, sqrt(h/g); without gravity the distance its water travels, cells.
 constexpr Real return_time = 6;
 /// A cell that a solid cuts returns that much as fast as others: what it holds is noisier, and water in a box turned

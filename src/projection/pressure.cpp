@@ -7,6 +7,11 @@ namespace trevi {
 using namespace projection;
 
 void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
+  begin(surface, halo, step);
+  finish(surface);
+}
+
+void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
@@ -22,8 +27,21 @@ void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
   multigrid_.solve(halo, closed_ ? closed_cycles : cycles);
+}
+
+void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
+  const Real source = change / surface.grid().size()[static_cast<Eigen::Index>(a)];
+  const std::size_t step = surface.grid().step(a);
+  if (at < step) return;  // in the lowest ghost plane
+  const std::size_t below = at - step;
+  if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= source;
+  if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
+}
+
+void Pressure::finish(const FreeSurface& surface) {
+  const ProjectionGrid& grid = surface.grid();
   if (closed_) set_origin(surface);
-  for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
+  for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
   });

@@ -35,6 +35,12 @@ class Pressure {
     int depth;
   };
   void solve(const FreeSurface& surface, Halo& halo, const Step& step);
+  /// solve() in parts: the equation and its first cycles; more cycles; and what of the pressure is left.
+  void begin(const FreeSurface& surface, Halo& halo, const Step& step);
+  void improve(Halo& halo, int more) { multigrid_.solve(halo, more); }
+  void finish(const FreeSurface& surface);
+  /// In between: the solid goes further through the closed part of face (a, at) by `change` of the whole face, m.
+  void move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change);
 
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
@@ -47,6 +53,8 @@ class Pressure {
 
   /// phi of a cell, m².
   Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+  /// What finish() would make of it, where water has a surface.
+  Real phi_so_far(std::size_t at) const { return closed_ ? phi(at) : std::min(phi(at), 0.0); }
 
   std::size_t bytes() const { return multigrid_.bytes(); }
 

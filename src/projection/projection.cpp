@@ -30,7 +30,15 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
       pressure_(comm, grid_.repeats()),
       grid_to_particles_(surface_, model.spacing, model.h),
       shift_filter_(surface_, {particles_to_grid_.free_moments(), grid_to_particles_.free_fits()}),
-      obstacles_(obstacles) {}
+      obstacles_(obstacles),
+      coupling_(obstacles != nullptr && obstacles->floating() != nullptr
+                    ? std::make_unique<BodyCoupling>(comm, *cuts_, *obstacles, model.h)
+                    : nullptr) {}
+
+void Projection::solve(Halo& halo, const Pressure::Step& step) {
+  if (!coupling_) return pressure_.solve(surface_, halo, step);
+  coupling_->solve(pressure_, surface_, halo, step, {surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2});
+}
 
 template <class T>
 void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion,
@@ -41,7 +49,7 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   count_planes(order, motion.p);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
-  pressure_.solve(surface_, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
+  solve(halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
   if (probes_ != nullptr) probe_pressures(surface_, pressure_, g_dt2, *probes_);
   grid_to_particles_.prepare(halo, {g_dt2, time});
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {

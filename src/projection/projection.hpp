@@ -15,6 +15,7 @@
 #include "boundary/pressure_probes.hpp"
 #include "fluid/constraint/density.hpp"
 #include "parallel/log.hpp"
+#include "projection/body_coupling.hpp"
 #include "projection/grid_to_particles.hpp"
 #include "projection/shift_filter.hpp"
 
@@ -50,6 +51,7 @@ class Projection {
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
   void count_planes(const CellOrder& order, std::span<const Vec3> p);
+  void solve(Halo& halo, const Pressure::Step& step);
   void clear_row(LocalId k, LocalId r, LocalId columns);
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
   template <class Use>
@@ -71,6 +73,7 @@ class Projection {
   ShiftFilter shift_filter_;
   Obstacles* obstacles_;
   PressureProbes* probes_ = nullptr;
+  std::unique_ptr<BodyCoupling> coupling_;  // null where no body moves freely
 };
 
 }  // namespace trevi

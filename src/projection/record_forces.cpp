@@ -48,6 +48,8 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const CutCells& solids = *surface_.cuts();
   const std::size_t at = grid.index(k, r, c);
   if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
+  const std::size_t nearest = solids.nearest(at);
+  if (obstacles_.floating() != nullptr && obstacles_.floating()->holds(nearest)) return of_body(k, r, c, nearest);
   const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
   Vec3 shift = Vec3::Zero();
   for (std::size_t a = 0; a < 3; ++a) {
@@ -58,9 +60,49 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
         -phi * rise * particles / grid.size()[static_cast<Eigen::Index>(a)];
   }
   if (shift.isZero()) return;
-  const std::size_t nearest = solids.nearest(at);
   obstacles_.record_projection(nearest, shift, solids.middle(k, r, c));
   obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
+}
+
+// By Gauss's theorem on the solid part of the cell, with a pressure that is hydrostatic about the cell's middle: exact
+// for water at rest however the body lies.
+RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const CutCells& solids = *surface_.cuts();
+  const std::size_t at = grid.index(k, r, c);
+  Pushes pushes;
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return pushes;
+  const Real phi = pressure_.phi_so_far(at), middle = solids.middle(k, r, c).z();
+  const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
+  Vec3 arms = Vec3::Zero();
+  Real sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const bool upper : {false, true}) {
+      const std::size_t face = upper ? at + grid.step(a) : at;
+      const Real closed = 1 - solids.face(a, face);
+      if (closed == 0) continue;
+      std::array<LocalId, 3> cell{k, r, c};
+      if (upper) ++cell[a];
+      const Vec3 arm = solids.middle_of_closed(a, cell, face);
+      const Real push =
+          (phi + g_dt2_ * (arm.z() - middle)) * particles / grid.size()[static_cast<Eigen::Index>(a)] * closed;
+      pushes.all[pushes.count++] = {(upper ? push : -push) * Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a))), arm};
+      arms += closed * arm;
+      sum += closed;
+    }
+  }
+  if (sum > 0) pushes.all[pushes.count++] = {-g_dt2_ * particles * solids.solid(at) * Vec3::UnitZ(), arms / sum};
+  return pushes;
+}
+
+void RecordForces::of_body(LocalId k, LocalId r, LocalId c, std::size_t body) const {
+  const Pushes pushes = pushes_of_cell(k, r, c);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t n = 0; n < pushes.count; ++n) {
+    obstacles_.record_projection(body, pushes.all[n].shift, pushes.all[n].arm);
+    sum += pushes.all[n].shift;
+  }
+  if (!sum.isZero()) obstacles_.record_projection(obstacles_.rest_account(), -sum, Vec3::Zero());
 }
 
 // In the cell before the face, half a cell off it.

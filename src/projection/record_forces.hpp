@@ -2,6 +2,7 @@
 // obstacles. Not collective; on any thread for rows.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "projection/pressure.hpp"
@@ -19,9 +20,17 @@ class RecordForces {
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
   void of_gauges(const Box& box) const;
+  /// What the pressure of a cell that a body cuts gives to the water at each of its faces, m, with places for arms: the
+  /// middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell.
+  struct Pushes {
+    std::array<Impulse, 7> all;
+    std::size_t count = 0;
+  };
+  Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
 
  private:
   void of_cell(LocalId k, LocalId r, LocalId c) const;
+  void of_body(LocalId k, LocalId r, LocalId c, std::size_t body) const;
   void of_walls(LocalId k, LocalId r, LocalId c) const;
   Real phi_at(LocalId k, LocalId r, Real height) const;
 

@@ -12,6 +12,8 @@ FreePlaces::FreePlaces(const Scene& scene, Real time) {
   };
   for (const ObstacleSettings& obstacle : scene.obstacles)
     if (is_known(obstacle)) solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time)});
+  if (time > 0) return;  // where bodies are then is not known
+  for (const BodySettings& body : scene.bodies) solids_.push_back({make_shape(body), BodyMotion(body).at(0)});
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {

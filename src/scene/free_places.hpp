@@ -14,11 +14,11 @@ namespace trevi {
 
 class FreePlaces {
  public:
-  /// Meshes have been read. The obstacles are where they are at that time, s.
+  /// Meshes have been read. The obstacles are where they are at that time, s; bodies count at the start alone.
   explicit FreePlaces(const Scene& scene, Real time = 0);
   bool all() const { return solids_.empty(); }
   bool is_free(const Vec3& p) const;
-  /// Whether p is in an obstacle, and deeper than so many m; its number, or −1.
+  /// Whether p is in a solid, and deeper than so many m; its number, bodies after obstacles, or −1.
   int solid_at(const Vec3& p, Real depth = 0) const;
 
  private:

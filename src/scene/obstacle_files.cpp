@@ -125,12 +125,18 @@ void read_obstacle_files(MPI_Comm comm, Scene& scene) {
       obstacle.knots = told_at(scene, table, "motion", [&] { return read_knots(comm, obstacle.motion); });
     told_at(scene, table, "", [&] { check_size(scene, obstacle); });
   }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    BodySettings& body = scene.bodies[k];
+    const SceneTable table("body", k);
+    if (body.shape == ShapeKind::mesh) body.mesh = told_at(scene, table, "path", [&] { return read_mesh(comm, body); });
+    told_at(scene, table, "", [&] { check_size(scene, body); });
+  }
   check_twins(scene);
 }
 
 std::vector<std::int64_t> obstacle_checksums(const Scene& scene) {
   std::vector<std::int64_t> sums;
-  for (const ObstacleSettings& obstacle : scene.obstacles) {
+  for (const ObstacleSettings& obstacle : solids_of(scene)) {
     std::uint64_t mesh = 0;
     if (obstacle.mesh)
       mesh = mix(static_cast<std::uint64_t>(checksum_of(obstacle.mesh->points))) ^

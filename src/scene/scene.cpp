@@ -12,6 +12,7 @@
 #include "base/threads.hpp"
 #include "io/frames/fields.hpp"
 #include "scene/obstacle_files.hpp"
+#include "scene/scene_body.hpp"
 #include "scene/scene_gauge.hpp"
 #include "scene/scene_inlet.hpp"
 #include "scene/scene_overrides.hpp"
@@ -219,6 +220,7 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
   Scene scene = parse_scene(path, read_file_everywhere(comm, path), overrides);
   read_obstacle_files(comm, scene);
   check_no_images(scene);
+  check_body_places(scene);
   if (!scene.inlets.empty() || !scene.gauges.empty()) {
     const FreePlaces places(scene);
     check_openings(scene, places);
@@ -235,6 +237,8 @@ std::string scene_reference() {
       "obstacle = [{type = 'basin'}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh', motion = "
       "{}}]\n"
       "gauge = [{type = 'pressure'}]\nwavemaker = [{}]\ndamping = [{}]\n"
+      "body = [{type = 'basin', mooring = {}}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = "
+      "'mesh'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
       "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[output.gauges]\n[random]\n[run]\n";
   Findings findings("reference");

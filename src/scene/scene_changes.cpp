@@ -143,6 +143,11 @@ std::vector<NamedFile> obstacle_files(const Scene& scene) {
     files.push_back({scene.obstacles[k].path, {table + "path", table + "scale"}});
     files.push_back({scene.obstacles[k].motion, {table + "motion"}});
   }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const std::string table = fmt::format("body.{}.", k);
+    files.push_back({scene.bodies[k].path, {table + "path", table + "scale"}});
+    files.push_back({"", {}});
+  }
   return files;
 }
 
@@ -157,6 +162,7 @@ class Comparison {
                  const std::vector<std::int64_t>& now) {
     for (std::size_t k = 0; k < std::min({files.size(), then.size(), now.size()}); ++k) {
       const std::vector<std::string>& keys = files[k].keys;
+      if (keys.empty()) continue;
       const bool same_keys = std::all_of(keys.begin(), keys.end(), [&](const auto& key) { return is_as_before(key); });
       if (then[k] == now[k] || !same_keys) continue;
       refused.push_back(

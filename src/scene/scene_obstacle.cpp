@@ -121,13 +121,7 @@ void read_oscillation(Section section, ObstacleSettings& obstacle) {
 }
 
 void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
-  section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, obstacle.velocity);
-  section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
-                "must be at most 10000 m/s on each axis; check the units");
-  section.numbers({"angular_velocity", "the angular velocity [x, y, z] about the centre in rad/s"},
-                  obstacle.angular_velocity);
-  section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
-                "must be at most 10000 rad/s about each axis; check the units");
+  read_velocities(section, obstacle);
   const Key motion{"motion",
                    "times and places, [[time, x, y, z], ...] in s and m with times increasing, or the name of a CSV "
                    "file of them relative to the scene's folder, or a table { type = \"sine\", ... }"};
@@ -149,8 +143,17 @@ void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacl
 
 }  // namespace
 
-void read_obstacle(Section& section, Scene& scene) {
-  ObstacleSettings obstacle;
+void read_velocities(Section& section, ObstacleSettings& obstacle) {
+  section.numbers({"velocity", "the velocity [x, y, z] in m/s"}, obstacle.velocity);
+  section.check("velocity", obstacle.velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
+                "must be at most 10000 m/s on each axis; check the units");
+  section.numbers({"angular_velocity", "the angular velocity [x, y, z] about the centre in rad/s"},
+                  obstacle.angular_velocity);
+  section.check("angular_velocity", obstacle.angular_velocity.cwiseAbs().maxCoeff() <= fastest_obstacle,
+                "must be at most 10000 rad/s about each axis; check the units");
+}
+
+bool read_solid(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
   using enum ShapeKind;
   section.choice<ShapeKind>({"type", "the shape", true}, obstacle.shape,
                             {{"sphere", sphere},
@@ -160,10 +163,13 @@ void read_obstacle(Section& section, Scene& scene) {
                              {"torus", torus},
                              {"basin", basin},
                              {"mesh", mesh}});
-  if (!section.fine("type")) return;  // which of the other keys belong here is not known
+  if (!section.fine("type")) return false;  // which of the other keys belong here is not known
   read_lengths(section, scene.fluid, obstacle);
   read_place(section, scene, obstacle);
-  read_motion(section, scene, obstacle);
+  return true;
+}
+
+void read_surface(Section& section, const Scene& scene, ObstacleSettings& obstacle) {
   Real restitution = scene.walls.restitution;
   section.number({"restitution", "the fraction of speed kept in a bounce; default that of [walls]"}, restitution,
                  {.low = 0, .high = 1});
@@ -171,6 +177,13 @@ void read_obstacle(Section& section, Scene& scene) {
   check_in_plane(section, scene, obstacle);
   lay_in_plane(obstacle, scene.fluid);
   section.number({"friction", "Coulomb's coefficient of friction in a bounce"}, obstacle.friction, at_least(0));
+}
+
+void read_obstacle(Section& section, Scene& scene) {
+  ObstacleSettings obstacle;
+  if (!read_solid(section, scene, obstacle)) return;
+  read_motion(section, scene, obstacle);
+  read_surface(section, scene, obstacle);
   section.reject_unknown();
   scene.obstacles.push_back(obstacle);
   SceneTable::add(scene, "obstacle", section.line());

@@ -8,6 +8,7 @@
 
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "kernels/kernels.hpp"
+#include "scene/scene_body.hpp"
 #include "scene/scene_fountain.hpp"
 #include "scene/scene_gauge.hpp"
 #include "scene/scene_inlet.hpp"
@@ -46,11 +47,13 @@ class PhysicsReader {
     for (Section& maker : root_.children("wavemaker"))
       read_wavemaker(maker, scene_, {box_known(), fluid_.fine("spacing")});
     for (Section& zone : root_.children("damping")) read_damping(zone, scene_, box_known());
+    for (Section& body : root_.children("body")) read_body(body, scene_);
+    check_bodies(root_, scene_);
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
     for (Section& drain : root_.children("drain")) read_drain(drain, scene_);
     check_flow(root_, scene_);
-    density.check("method", scene_.density.method != Method::anderson || scene_.obstacles.empty(),
+    density.check("method", scene_.density.method != Method::anderson || !has_solids(scene_),
                   "anderson mixes positions with no regard to obstacles; take \"chebyshev\" or \"jacobi\"");
     for (Section& gauge : root_.children("gauge")) read_gauge(gauge, scene_, box_known());
     domain_.reject_unknown();

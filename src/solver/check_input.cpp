@@ -12,6 +12,7 @@
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/in_two_dimensions.hpp"
 #include "parallel/collective.hpp"
+#include "solver/check_bodies.hpp"
 #include "solver/check_flow.hpp"
 #include "solver/demand.hpp"
 #include "solver/density_solver.hpp"
@@ -206,7 +207,7 @@ void check_gauges(const Settings& all) {
     demand(gauge.kind != GaugeKind::pressure_in_water ||
                (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
            "a gauge of pressure in the water needs density.coarse_grid and gravity along -z");
-    demand(gauge.kind != GaugeKind::pressure || !all.obstacles.empty(), "a gauge of pressure needs an obstacle");
+    demand(gauge.kind != GaugeKind::pressure || has_solids(all), "a gauge of pressure needs an obstacle or a body");
   }
 }
 
@@ -283,12 +284,18 @@ Settings checked_and_resolved(const Settings& settings) {
   check_density(all.density);
   for (std::size_t k = 0; k < all.obstacles.size(); ++k)
     check_obstacle(all.obstacles[k], fmt::format("obstacles[{}].", k));
+  for (std::size_t k = 0; k < all.bodies.size(); ++k) check_obstacle(all.bodies[k], fmt::format("bodies[{}].", k));
+  for (std::size_t k = 0; k < all.bodies.size(); ++k) {
+    demand(all.periodic == std::array<bool, 3>{}, "bodies cannot be in a box with periodic axes");
+    const std::string wrong = why_no_body(all, k);
+    demand(wrong.empty(), fmt::format("bodies[{}] {}", k, wrong));
+  }
   for (std::size_t k = 1; k < all.obstacles.size(); ++k) {
     for (std::size_t j = 0; j < k; ++j)
       demand(!is_same_solid(all.obstacles[k], all.obstacles[j]),
              fmt::format("obstacles[{}] is the same as obstacles[{}], and would count twice", k, j));
   }
-  demand(all.density.method != Method::anderson || all.obstacles.empty(),
+  demand(all.density.method != Method::anderson || !has_solids(all),
          "density.method anderson knows no obstacles; use chebyshev or jacobi");
   check_periodic(all);
   check_gauges(all);

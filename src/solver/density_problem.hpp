@@ -79,7 +79,7 @@ class DensityProblem {
   /// Of the substep, s.
   Real dt() const { return dt_; }
   /// Null where there are none.
-  const Obstacles* obstacles() const { return boundary_.obstacles(); }
+  Obstacles* obstacles() const { return boundary_.obstacles(); }
   /// What obstacles and the box took of the water in this step; only where there are obstacles. Collective.
   std::vector<TotalImpulse> taken() const { return boundary_.obstacles()->total(comm_); }
   /// What pressed on the gauges of pressure in this step, m² (PressureGauges); as taken().

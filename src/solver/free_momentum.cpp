@@ -35,6 +35,12 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
   }
 }
 
+// A body that moves freely has what the transfer leaves over, once it is touched.
+template <class T>
+bool FreeMomentum<T>::is_near_solid(const Vec3& p) const {
+  return obstacles_->floating() != nullptr ? obstacles_->is_near_fixed(p) : obstacles_->is_near(p);
+}
+
 template <class T>
 template <class Velocity>
 typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& problem, const Velocity& velocity) const {
@@ -47,7 +53,7 @@ typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& probl
       const Vec3 &p = particles.predicted[i], v = velocity(i);
       sums.count += 1;
       const bool free = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
-      sums.near_walls += free && (obstacles_ == nullptr || !obstacles_->is_near(p)) ? 0 : 1;
+      sums.near_walls += free && (obstacles_ == nullptr || !is_near_solid(p)) ? 0 : 1;
       sums.p += p;
       sums.v += v;
       sums.spin += p.cross(v);
@@ -67,6 +73,7 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   const SolveResult result = solver_->solve(problem);
   const Sums after = sums_of(problem, [&](std::size_t i) { return particles.velocity[i]; });
   if (before.near_walls + after.near_walls > 0 || before.count == 0) return result;
+  if (obstacles_ != nullptr && obstacles_->floating() != nullptr && obstacles_->is_touched(comm_)) return result;
   const Vec3 drift = (after.v - before.v) / after.count, centre = after.p / after.count;
   Vec3 turn = Vec3::Zero();
   const Eigen::Matrix3d spread = after.pp - after.count * centre * centre.transpose();

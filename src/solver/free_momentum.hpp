@@ -39,10 +39,12 @@ class FreeMomentum : public DensitySolver<T> {
   template <class Velocity>
   Sums sums_of(DensityProblem<T>& problem, const Velocity& velocity) const;
 
+  bool is_near_solid(const Vec3& p) const;
+
   MPI_Comm comm_;
   Box interior_;  // m, where no wall acts
   bool turns_;    // whether there is an angular momentum to keep
-  const Obstacles* obstacles_;
+  Obstacles* obstacles_;
   std::unique_ptr<DensitySolver<T>> solver_;
 };
 

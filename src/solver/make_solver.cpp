@@ -72,9 +72,11 @@ std::optional<AnalyticWallDensity> make_wall_density(const Settings& settings) {
                              positions_only ? WallSlope::of_positions : WallSlope::of_velocities);
 }
 
-std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time) {
-  if (settings.obstacles.empty()) return nullptr;
+std::shared_ptr<Obstacles> make_obstacles(const Settings& settings, const Walls& walls, Real time,
+                                          const std::vector<BodyState>& bodies) {
+  if (!has_solids(settings)) return nullptr;
   auto obstacles = std::make_shared<Obstacles>(settings, walls, make_wall_density(settings));
+  if (!bodies.empty()) obstacles->floating()->set_states(bodies);
   obstacles->move(time, time);
   return obstacles;
 }
@@ -96,7 +98,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const Real spacing = settings.fluid.spacing;
   const PointLattice lattice = lattice_of(settings.fluid);
   const Walls walls(box_of_walls(settings), settings.walls, 1e-6 * model.h);
-  const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time());
+  const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time(), parts.bodies);
   if (ActiveAbsorption::is_wanted(settings)) {
     parts.absorption = std::make_unique<ActiveAbsorption>(settings, std::move(parts.paddle_ways));
     parts.absorption->place(*obstacles);
@@ -156,7 +158,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.particles = std::move(given.particles);
   parts.particles.has_hue = max_over_ranks(comm, parts.particles.has_hue ? 1.0 : 0.0) > 0;
   if (wants_hue(settings) && !parts.particles.has_hue) add_hue(comm, parts.particles);
-  if (settings.obstacles.empty() && !given.flow.inlets_and_drains)  // which stand where they are in the box
+  if (!has_solids(settings) && !given.flow.inlets_and_drains)  // which stand where they are in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
   parts.box = PeriodicDomain::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
   if (!settings.domain.contains(parts.box.min) || (parts.box.min.array() >= settings.domain.max.array()).any())
@@ -171,6 +173,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;
   parts.paddle_ways = std::move(extras.paddle_ways);
+  parts.bodies = std::move(extras.bodies);
   parts.water_mass = water_mass(settings.fluid);
   parts.gravity = settings.gravity.value_or(Vec3::Zero());
   parts.requests = std::move(extras.requests);

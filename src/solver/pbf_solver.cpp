@@ -93,7 +93,9 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   apply_forcings(info);  //  2
   if (parts_.absorption) parts_.absorption->move(*parts_.comm, parts_.particles, info, *parts_.boundary->obstacles());
   parts_.boundary->move(info.time, info.time + info.dt);
-  predict_positions(info.dt);                //  3
+  parts_.boundary->settle_bodies(*parts_.comm, parts_.particles, info.dt);
+  predict_positions(info.dt);  //  3
+  parts_.boundary->give_to_bodies(*parts_.comm);
   migrate_particles(&Particles::predicted);  //     ownership follows p*
   find_neighbours(Velocities::discard);      //  5 to 7: order, ghosts, lists, all unchanged until 22
   reporter_.note_search(info.substep);
@@ -102,6 +104,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   reporter_.note_solution(result);
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
   apply_velocity_filters(info.dt);                                            // 22
+  parts_.boundary->finish_bodies(*parts_.comm);
   guard_.note_compression(problem_.density(), problem_.model().rest_density);
   agree_on_failures();  //     all ranks throw, or none
   reporter_.note_compression(guard_.compression(), info.step + 1);

@@ -54,7 +54,8 @@ struct SolverParts {
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
-  ForceSums force_sums;           ///< of the solver before, as the next
+  ForceSums force_sums;           ///< of the solver before, as the next two
+  std::vector<BodyState> bodies;
   Real supplied_energy = 0;       ///< J
   std::vector<Real> paddle_ways;  ///< of the solver before, m
   Real water_mass = 0;            ///< of a particle, kg
@@ -82,6 +83,10 @@ class PbfSolver : public Solver {
   Counters counters() const override;
   std::vector<FountainState> fountains() const override { return reporter_.fountain_states(clock().time()); }
   std::array<LocalId, 3> first_cell() const override { return parts_.first_cell; }
+  std::vector<BodyState> bodies() const override {
+    const Obstacles* const solids = parts_.boundary->obstacles();
+    return solids != nullptr && solids->floating() != nullptr ? solids->floating()->states() : std::vector<BodyState>{};
+  }
   const FlowState* flow() const override { return parts_.flow ? &parts_.flow->state() : nullptr; }
 
  private:

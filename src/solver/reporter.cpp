@@ -17,8 +17,15 @@ Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr
     : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics), supplied_(supplied) {}
 
 template <class T>
+RigidBodies* Reporter<T>::bodies() const {
+  Obstacles* const solids = state_.problem.obstacles();
+  return solids != nullptr ? solids->floating() : nullptr;
+}
+
+template <class T>
 void Reporter<T>::begin_step() {
   iterations_before_step_ = counters_.iterations;
+  if (const RigidBodies* const floating = bodies()) bodies_had_ = floating->energy();
   ways_.clear();
   const Obstacles* const obstacles = state_.problem.obstacles();
   for (std::size_t k = 0; obstacles != nullptr && k < obstacles->count(); ++k)
@@ -111,6 +118,7 @@ void Reporter<T>::attempt(const std::function<void()>& work) {
 
 template <class T>
 Frame Reporter<T>::frame() {
+  if (const RigidBodies* const floating = bodies()) body_states_ = floating->states();
   return {state_.clock,
           state_.particles,
           {},
@@ -122,7 +130,9 @@ Frame Reporter<T>::frame() {
           state_.first_cell,
           state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
           supplied_.joules(),
-          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->ways()) : std::span<const Real>()};
+          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->ways()) : std::span<const Real>(),
+          {},
+          body_states_};
 }
 
 // A displacement d in a substep is a change of momentum by m d/dt.
@@ -153,7 +163,8 @@ template <class T>
 void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) {
   const Obstacles& obstacles = *state_.problem.obstacles();
   const Real end = state_.clock.time(), begin = end - state_.clock.dt;
-  for (std::size_t k = 0; k < obstacles.count(); ++k) {
+  const RigidBodies* const floating = obstacles.floating();
+  for (std::size_t k = 0; k < (floating != nullptr ? floating->first() : obstacles.count()); ++k) {
     const Body& body = obstacles.body(k);
     if (!body.moves()) continue;
     const Pose from = body.motion().at(begin, ways_[k]), to = body.motion().at(end, body.way());
@@ -178,6 +189,8 @@ void Reporter<T>::measure_supply(const std::function<void()>& work) {
 template <class T>
 void Reporter<T>::add_supply() {
   if (std::exchange(is_supplied_, false)) supplied_.end_step();
+  if (RigidBodies* const floating = bodies())
+    supplied_.add(bodies_had_ - floating->energy() + floating->take_driven_work());
 }
 
 // Forces and pressures are each of the steps since somebody asked for them.

@@ -51,7 +51,7 @@ class Reporter {
   void set_force_sums(ForceSums sums) { sums_ = std::move(sums); }
   /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
   void measure_supply(const std::function<void()>& work);
-  /// What the step has been supplied with is added to what was before.
+  /// What the step has been supplied with is added to what was before: what bodies have less of, too.
   void add_supply();
   /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.
   void note_compression(Real mean, std::int64_t step);
@@ -76,6 +76,7 @@ class Reporter {
   std::vector<Real> probe_pressures() const;
   bool watches_energy() const;
   void add_work(const std::vector<TotalImpulse>& impulses, Real per);
+  RigidBodies* bodies() const;
 
   struct Asked {
     std::vector<bool> due;  // of each observer
@@ -96,6 +97,8 @@ class Reporter {
   ForceSums sums_, means_;
   std::vector<Real> ways_;  // of obstacles (Body::way()) at the start of the step
   std::vector<Real> probed_;
+  std::vector<BodyState> body_states_;  // as those of fountains
+  Real bodies_had_ = 0;                 // J, at the start of the step
   Event diagnostics_event_{"Diagnostics"};
 };
 

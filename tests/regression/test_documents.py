@@ -29,7 +29,8 @@ TIMES = ("imbalance", "wall_seconds")
 # Files that a run removes before it ends, and those that only a viewer and a removed folder bring about.
 ONLY_ON_THE_WAY = {"run.lock", "stop", "*.tmp", "view.key", "DIR.rescued/"}
 
-SCENE = """gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
+SCENE = """body = [{type = "torus", center = [0.8, 0.4, 0.5], radius = 0.2, tube = 0.1, density = 400}]
+gauge = [{type = "height", center = [0.8, 0.4, 0]}, {type = "height", center = [0.4, 0.4, 0]},
          {type = "pressure", center = [0.3, 0.4, 0.2], normal = [1, 0, 0]}, {type = "velocity", center = [0.8, 0.4, 0.2]},
  {type = "flow", center = [0.8, 0.4, 0.2], size = [1, 1], normal = [1, 0, 0]}, {type = "run_up", center = [0, 0.4, 0], normal = [1, 0, 0]}]
 """ + tank("1.6, 0.8, 2.4", ("0, 0, 0", "1.6, 0.8, 0.4"), ("0.4, 0.2, 0.8", "0.8, 0.6, 1.2")) + """
@@ -171,8 +172,7 @@ class Page(ProgramTest):
             return [{key: value for key, value in row.items() if key not in TIMES} for row in csv.DictReader(file)]
 
     def run_well(self, ranks, *arguments, folder=None):
-        if folder:
-            folder.mkdir()
+        folder and folder.mkdir()
         result = self.run_trevi(ranks, *arguments, "--progress", "none", folder=folder)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result
@@ -307,8 +307,8 @@ class Files(Page):
         self.assertEqual([name for name, in self.rows(file, "column")], re.sub(r"_\d(?=,|$)", "_K", header).split(","))
 
     def test_columns(self):
-        for file in ("series.csv", "obstacles.csv", "gauges.csv"):
-            self.check_columns(file)
+        for name in ("series", "obstacles", "bodies", "gauges"):
+            self.check_columns(name + ".csv")
 
     def test_run_json(self):
         report = json.loads((self.output / "run.json").read_text())

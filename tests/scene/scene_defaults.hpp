@@ -83,6 +83,13 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "obstacle.0.angular_velocity=[0, 0, 0]",
                                                               "obstacle.0.restitution=0.5",
                                                               "obstacle.0.friction=0",
+                                                              "body.0.axis=[0, 0, 1]",
+                                                              "body.0.rotate=[0, 0, 0]",
+                                                              "body.0.inside=false",
+                                                              "body.0.velocity=[0, 0, 0]",
+                                                              "body.0.angular_velocity=[0, 0, 0]",
+                                                              "body.0.restitution=0.5",
+                                                              "body.0.friction=0",
                                                               "gauge.0.radius=0.2",
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
@@ -95,6 +102,7 @@ inline const std::string every_table =
     "[1, 0.5, 0.5]\nradius = 0.1\nspeed = 10\nmusic = '-'\n"
     "[[drain]]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n"
     "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nheight = 0.2\n"
+    "[[body]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.8]\nradius = 0.1\nheight = 0.2\ndensity = 500\n"
     "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\n[output.vtu]\n"
     "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n[output.gauges]\n";
 

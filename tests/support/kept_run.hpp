@@ -35,7 +35,7 @@ struct KeptRun {
 
   KeptRun(MPI_Comm comm, Scene of) : scene(std::move(of)) {
     SolverExtras extras;
-    extras.observers.push_back(std::make_unique<Keeper>(rows, forces, !scene.obstacles.empty()));
+    extras.observers.push_back(std::make_unique<Keeper>(rows, forces, has_solids(scene)));
     solver = make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
     solver->start();
   }

@@ -146,7 +146,7 @@ Box place_of(const ObstacleSettings& obstacle) {
 
 Real open_volume(const Scene& scene) {
   const Vec3 extent = scene.domain.max - scene.domain.min;
-  if (scene.obstacles.empty()) return extent.prod();
+  if (!has_solids(scene)) return extent.prod();
   constexpr int samples = 64;  // along each axis
   const FreePlaces places(scene);
   std::int64_t open = 0;
@@ -218,7 +218,7 @@ std::vector<std::string> scene_advice(const Scene& scene) {
     top = std::max(top, scene.particles[k].max.z());
   }
   look_at_overlaps(scene, advice);
-  if (!scene.inlets.empty() || !scene.obstacles.empty()) return advice;  // where the water goes, nobody knows
+  if (!scene.inlets.empty() || has_solids(scene)) return advice;  // where the water goes, nobody knows
   for (std::size_t k = 0; k < scene.fountains.size(); ++k) look_at_fountain(scene, k, top, advice);
   return advice;
 }

@@ -10,6 +10,7 @@
 #include "app/preflight/envelope.hpp"
 #include "app/preflight/run_cost.hpp"
 #include "app/preflight/wave_text.hpp"
+#include "boundary/geometry/mass_properties.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/forcings/inlet.hpp"
 #include "parallel/reductions.hpp"
@@ -157,6 +158,15 @@ std::string obstacle_text(const Scene& scene, double particles) {
                         : obstacle.shape == ShapeKind::basin ? ", open at the top"
                                                              : "",
                         scene.domain.contains(min) && scene.domain.contains(max) ? "" : ", reaches out of the box");
+  }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const BodySettings& body = scene.bodies[k];
+    const auto& [min, max] = place_of(body);
+    const Real volume = mass_properties(body).volume, mass = body.mass ? *body.mass : *body.density * volume;
+    text += fmt::format(
+        "body {:<6} from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m, {:.4g} kg, {:.3g} of its volume of "
+        "water\n",
+        k, min.x(), min.y(), min.z(), max.x(), max.y(), max.z(), mass, mass / (volume * scene.fluid.rest_density));
   }
   return text;
 }

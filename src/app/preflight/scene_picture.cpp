@@ -188,8 +188,8 @@ void write_scene_picture(const Session& session, const Scene& scene, const std::
   const WetCells cells(session.comm(), scene);
   on_root(session.comm(), [&] {
     Canvas canvas(scene.domain, width, height);
-    if (!scene.obstacles.empty()) {
-      const ObstacleSurfaces surfaces(scene.obstacles, scene.fluid.spacing / 50);
+    if (has_solids(scene)) {
+      const ObstacleSurfaces surfaces(solids_of(scene), scene.fluid.spacing / 50, scene.bodies.size());
       canvas.draw(surfaces.standing().mesh, stone);
       canvas.draw(surfaces.moving(0).mesh, stone);
     }

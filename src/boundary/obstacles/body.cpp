@@ -20,10 +20,11 @@ Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds
 
 }  // namespace
 
-Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
+Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats)
     : shape_(make_shape(obstacle)),
       motion_(obstacle),
-      moves_(obstacle.moves()),
+      floats_(floats),
+      moves_(floats || obstacle.moves()),
       vessel_(obstacle.inside),
       whole_(rules.walls.reflection == Reflection::report),
       h_(rules.h),
@@ -40,13 +41,16 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules)
   if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
 }
 
-void Body::move(Real begin, Real end) {
-  before_ = motion_.at(begin, way_before_);
-  now_ = motion_.at(end, way_now_);
+void Body::place(const Pose& before, const Pose& now) {
+  before_ = before;
+  now_ = now;
   const Box bounds = shape_->bounds();
   const Vec3 half = (bounds.max - bounds.min) / 2, middle = now_.into_world((bounds.max + bounds.min) / 2);
   const Vec3 extent = (now_.turn.cwiseAbs() * half).array() + density_reach * h_;
   near_box_ = {middle - extent, middle + extent};
+  const Vec3 was = before_.into_world((bounds.max + bounds.min) / 2);
+  const Vec3 had = (before_.turn.cwiseAbs() * half).array() + density_reach * h_;
+  swept_box_ = {near_box_.min.cwiseMin(was - had), near_box_.max.cwiseMax(was + had)};
   for (Eigen::Index a = 0; a < 3; ++a) {
     beside_.min[a] = std::nextafter(near_box_.min[a], -INFINITY);
     beside_.max[a] = std::nextafter(near_box_.max[a], INFINITY);

@@ -40,10 +40,13 @@ struct Segment {
 
 class Body {
  public:
-  Body(const ObstacleSettings& obstacle, const BodyRules& rules);
+  /// `floats`: it is one that others place().
+  Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats = false);
 
   /// From `begin` to `end`, s.
-  void move(Real begin, Real end);
+  void move(Real begin, Real end) { place(motion_.at(begin, way_before_), motion_.at(end, way_now_)); }
+  /// Where it is at the start of the substep and at its end.
+  void place(const Pose& before, const Pose& now);
   /// How far a paddle is from where it would be by its own motion at the ends of the next move, m.
   void add_way(Real begin, Real end) { way_before_ = begin, way_now_ = end; }
   Real way() const { return way_now_; }
@@ -55,6 +58,7 @@ class Body {
   const BodyMotion& motion() const { return motion_; }
   Real radius() const { return radius_; }  ///< of the ball around the centre that holds the surface, m
   bool moves() const { return moves_; }
+  Real restitution() const { return restitution_; }
 
   /// Whether p may have a contribution to its density or a collision within reach, by the bounds alone.
   bool may_reach(const Vec3& p) const { return vessel_ || near_box_.contains(p); }
@@ -63,6 +67,14 @@ class Body {
     const auto low = from.cwiseMax(to).array() < near_box_.min.array();
     const auto high = from.cwiseMin(to).array() > near_box_.max.array();
     return !vessel_ && (low.any() || high.any());
+  }
+  /// Whether a straight path in the world cannot meet it: one that stands, or one that floats, which turns by little in
+  /// a substep, wherever it is in between.
+  bool is_out_of_way(const Vec3& from, const Vec3& to) const {
+    if (!floats_) return !moves_ && is_passed_by(from, to);
+    const auto low = from.cwiseMax(to).array() < swept_box_.min.array();
+    const auto high = from.cwiseMin(to).array() > swept_box_.max.array();
+    return low.any() || high.any();
   }
   /// Takes from `open` what it may reach, and all beyond, where `water` is on one side of that; else false.
   bool leave_open(const Box& water, Box& open) const;
@@ -110,12 +122,13 @@ class Body {
 
   std::unique_ptr<Shape> shape_;
   BodyMotion motion_;
-  bool moves_, vessel_, whole_;
+  bool floats_, moves_, vessel_, whole_;
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
   Pose before_, now_;
   Real way_before_ = 0, way_now_ = 0;  // of a paddle that absorbs, m
+  Box swept_box_;                      // near_box_ at the start of the substep and at its end
   Box near_box_, beside_;              // beside_: the first places that are not in near_box_
   std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/kernels.hpp"
 
@@ -26,7 +27,7 @@ Box box_of_solids(const Settings& settings, const Box& open) {
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
     : walls_(walls),
       law_(std::move(law)),
-      ledger_(settings.obstacles.size() + 2, settings.fluid.kernel_radius),
+      ledger_(settings.obstacles.size() + settings.bodies.size() + 2, settings.fluid.kernel_radius),
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing) {
@@ -34,6 +35,8 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
                         kernels_of(settings.fluid).density, settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));
+  for (const BodySettings& body : settings.bodies) bodies_.push_back(std::make_unique<Body>(body, rules, true));
+  if (!settings.bodies.empty()) floating_ = std::make_unique<RigidBodies>(settings, bodies_);
   gauges_.emplace(settings, [&](const Vec3& p) {
     return std::any_of(bodies_.begin(), bodies_.end(),
                        [&](const auto& body) { return body->shape().distance(body->now().into_body(p)) < 0; });
@@ -41,8 +44,10 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
 }
 
 void Obstacles::move(Real begin, Real end) {
-  for (const auto& body : bodies_)
-    if (body->moves()) body->move(begin, end);
+  const std::size_t driven = floating_ ? floating_->first() : bodies_.size();
+  for (std::size_t k = 0; k < driven; ++k)
+    if (bodies_[k]->moves()) bodies_[k]->move(begin, end);
+  if (floating_) floating_->begin(end - begin);
 }
 
 bool Obstacles::moves() const {
@@ -51,8 +56,10 @@ bool Obstacles::moves() const {
 
 Real Obstacles::fastest(Real begin, Real end) const {
   Real most = 0;
-  for (const auto& body : bodies_) most = std::max(most, body->motion().fastest(begin, end, body->radius()));
-  return most;
+  const std::size_t driven = floating_ ? floating_->first() : bodies_.size();
+  for (std::size_t k = 0; k < driven; ++k)
+    most = std::max(most, bodies_[k]->motion().fastest(begin, end, bodies_[k]->radius()));
+  return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
 // Where they are is told by a few of them.
@@ -114,20 +121,83 @@ void Obstacles::record_gradient(const BoundaryDensity& box, const Vec3& p, Real 
   if (box.density != 0) record(box_account(), factor * (1 - solid) * box.gradient, p);
 }
 
+void Obstacles::begin_step() {
+  ledger_.clear();
+  gauges_->clear();
+  finished_.clear();
+}
+
 std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
+  if (!floating_) return recorded(comm);
+  finished_.resize(bodies_.size() + 1);
+  return finished_;
+}
+
+std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
   const TotalImpulse rest = all.back();
   all.pop_back();
-  Real sum = 0;
-  for (const TotalImpulse& one : all) sum += one.shift.norm();
+  // It is of all the water, and its moment would turn bodies that are light: they have of it only what nobody else
+  // takes.
+  Real sum = 0, of_fixed = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    sum += all[k].shift.norm();
+    if (!floating_ || !floating_->holds(k)) of_fixed += all[k].shift.norm();
+  }
+  const bool by_fixed = floating_ && of_fixed > 0;
+  if (by_fixed) sum = of_fixed;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const bool is_box = k == box_account();
+    if (by_fixed && floating_->holds(k)) continue;
     const Real part = sum > 0 ? all[k].shift.norm() / sum : is_box ? 1 : 0;
-    const Vec3 center = is_box ? Vec3(Vec3::Zero()) : bodies_[k]->now().center;
+    const Vec3 center = is_box ? Vec3(Vec3::Zero()) : arm_center(k);
     all[k].shift += part * rest.shift;
     all[k].moment += part * (rest.moment - center.cross(rest.shift));
   }
   return all;
+}
+
+bool Obstacles::is_near_floating(const Vec3& from, const Vec3& to) const {
+  for (std::size_t k = floating_->first(); k < bodies_.size(); ++k)
+    if (!bodies_[k]->is_out_of_way(from, to)) return true;
+  return false;
+}
+
+// Twice, as what they meet depends a little on how fast they are.
+void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const Vec3> v, Real dt) {
+  if (!floating_) return;
+  const bool recorded = std::exchange(recording_, false);
+  sounding_ = true;
+  for (int round = 0; round < 2; ++round) {
+    for_each_index({0, static_cast<LocalId>(p.size())}, [&](std::size_t i) {
+      if (is_near_floating(p[i], p[i] + v[i] * dt)) predict_among(p[i], v[i], dt);
+    });
+    if (!floating_->settle(comm)) break;
+  }
+  sounding_ = false;
+  recording_ = recorded;
+}
+
+bool Obstacles::is_touched(MPI_Comm comm) {
+  const std::vector<TotalImpulse> all = ledger_.total(comm);
+  return std::any_of(all.begin(), all.end() - 1, [](const TotalImpulse& one) { return !one.shift.isZero(); });
+}
+
+void Obstacles::give_to_bodies(MPI_Comm comm) {
+  if (!floating_) return;
+  floating_->give(recorded(comm));
+}
+
+void Obstacles::finish_bodies(MPI_Comm comm) {
+  if (!floating_) return;
+  const std::vector<TotalImpulse> all = recorded(comm);
+  floating_->finish(all);
+  finished_.resize(all.size());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    finished_[k].shift += all[k].shift;
+    finished_[k].moment += all[k].moment;
+  }
+  ledger_.clear();
 }
 
 void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {
@@ -137,7 +207,7 @@ void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {
 }
 
 void Obstacles::record_projection(std::size_t account, const Vec3& shift, const Vec3& p) {
-  const Impulse push{shift, account < bodies_.size() ? Vec3(p - bodies_[account]->now().center) : p};
+  const Impulse push{shift, account < bodies_.size() ? Vec3(p - arm_center(account)) : p};
   ledger_.add(account, {&push, 1});
 }
 

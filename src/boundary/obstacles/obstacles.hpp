@@ -12,6 +12,7 @@
 #include "boundary/gauges.hpp"
 #include "boundary/impulse_ledger.hpp"
 #include "boundary/obstacles/body.hpp"
+#include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "boundary/wall_density.hpp"
 #include "boundary/walls.hpp"
 
@@ -24,8 +25,17 @@ class Obstacles {
 
   /// See Body::add_way().
   void add_way(std::size_t k, Real begin, Real end) { bodies_[k]->add_way(begin, end); }
-  /// Takes all obstacles to where they are from `begin` to `end`.
+  /// Takes all obstacles to where they are from `begin` to `end`, and bodies to where they are expected.
   void move(Real begin, Real end);
+  /// The bodies among them that move freely; null where there are none.
+  RigidBodies* floating() { return floating_.get(); }
+  const RigidBodies* floating() const { return floating_.get(); }
+  /// How fast the bodies are among the particles that are about to bounce off them. Collective where there are any.
+  void settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const Vec3> v, Real dt);
+  /// The bodies are given what the ledger has so far in the substep, before the projection; and at its end all of it,
+  /// which is then kept for total(). Collective.
+  void give_to_bodies(MPI_Comm comm);
+  void finish_bodies(MPI_Comm comm);
 
   /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
   /// none.
@@ -34,6 +44,13 @@ class Obstacles {
   bool is_near(const Vec3& p) const {
     return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
   }
+  /// The same of those that do not float.
+  bool is_near_fixed(const Vec3& p) const {
+    const auto end = bodies_.begin() + static_cast<std::ptrdiff_t>(floating_ ? floating_->first() : bodies_.size());
+    return law_ && std::any_of(bodies_.begin(), end, [&](const auto& body) { return body->is_near(p); });
+  }
+  /// Whether the water has given anything to a solid in this substep. Collective.
+  bool is_touched(MPI_Comm comm);
   /// The contribution of box and obstacles together at p; `box` is that of the box alone. The solids of obstacles do
   /// not overlap, so their contributions add up; walls and obstacles are independent of each other, as in an edge of
   /// the box.
@@ -69,7 +86,7 @@ class Obstacles {
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
     const Vec3 straight = p + v * dt;
     bool in_the_open = walls_.inside(straight);
-    for (const auto& body : bodies_) in_the_open = in_the_open && !body->moves() && body->is_passed_by(p, straight);
+    for (const auto& body : bodies_) in_the_open = in_the_open && body->is_out_of_way(p, straight);
     return in_the_open ? straight : predict_among(p, v, dt);
   }
   /// Shift by the density solve, at the obstacles' places now: along what it meets.
@@ -87,8 +104,10 @@ class Obstacles {
   /// What moves the water beside the pressure on surfaces: its transfer between particles and cells does not balance to
   /// the last digit.
   std::size_t rest_account() const { return bodies_.size() + 1; }
-  /// What obstacles and box gave to the water since the ledger was cleared, in the order of the accounts. The rest is
-  /// shared among them by what each gave, so that the sum is that of the water. Collective.
+  /// Forgets what was recorded before.
+  void begin_step();
+  /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The rest is shared
+  /// among them by what each gave, so that the sum is that of the water. Collective.
   std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
@@ -110,10 +129,19 @@ class Obstacles {
   struct Leg;
   // From p, at the obstacles' places before or now.
   Leg leg_from(const Vec3& p, bool before);
+  // Of the ledger, with the rest shared.
+  std::vector<TotalImpulse> recorded(MPI_Comm comm);
+  const Vec3& arm_center(std::size_t k) const {
+    return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->now().center;
+  }
+  bool is_near_floating(const Vec3& from, const Vec3& to) const;
   Vec3 predict_among(const Vec3& p, const Vec3& v, Real dt);
   Vec3 among(const Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;
+  std::unique_ptr<RigidBodies> floating_;
+  std::vector<TotalImpulse> finished_;  // of the substeps of the step, with bodies
+  bool sounding_ = false;               // settle() asks what bounces
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   ImpulseLedger ledger_;

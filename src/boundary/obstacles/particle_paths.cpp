@@ -25,6 +25,8 @@ struct Obstacles::Leg {
   std::vector<Segment>& segments;
   std::size_t last_met = nobody;  // what body it met last, and the normal there, in the frame of the body
   Vec3 last_normal = Vec3::Zero();
+  Vec3 met_at = Vec3::Zero(),
+       met_normal = Vec3::Zero();  // of that contact: the place in the world, the normal as before
 
   const Vec3& here() const { return segments.front().from.in_world; }
   Contact first_contact() const {
@@ -72,10 +74,10 @@ struct Obstacles::Leg {
     shift(on_wall - here());
     return here() + velocity * left;
   }
-  /// The same at a body, in the frame in which it stands still. Inside a curved wall the bounces would go on for ever, on
-  /// shorter and shorter chords, and the rest of the path would be lost. From the second contact with it on, the wall
-  /// therefore pushes along the normal of the first one, as far as the end of the path needs: what goes along the wall is
-  /// kept, and so is the angular momentum about its axis.
+  /// The same at a body, in the frame in which it stands still. Inside a curved wall the bounces would go on for ever,
+  /// on shorter and shorter chords, and the rest of the path would be lost. From the second contact with it on, the
+  /// wall therefore pushes along the normal of the first one, as far as the end of the path needs: what goes along the
+  /// wall is kept, and so is the angular momentum about its axis.
   Vec3 bounce_at_body(const Contact& contact, Real& left, Vec3& velocity) {
     const Body& body = *bodies[contact.body];
     const Segment& segment = segments[contact.body];
@@ -85,9 +87,10 @@ struct Obstacles::Leg {
     const Vec3 normal = body.normal(segment.from);
     const bool curved = contact.body == last_met && normal.dot(last_normal) > same_direction;
     const auto push = curved ? body.shift_inside(segment.to, last_normal, relative.norm() * left) : std::nullopt;
+    met_at = here(), met_normal = normal;
     contact_offset(contact.body, normal);
-    const Vec3 end = push ? Vec3(segment.to.in_body + *push)
-                          : Vec3(segment.from.in_body + body.reflected(relative, normal) * left);
+    const Vec3 end =
+        push ? Vec3(segment.to.in_body + *push) : Vec3(segment.from.in_body + body.reflected(relative, normal) * left);
     if (!push) last_normal = normal;
     last_met = contact.body;
     const Vec3 target = body.now().into_world(end);
@@ -110,7 +113,7 @@ Vec3 Obstacles::predict_among(const Vec3& p, const Vec3& v, Real dt) {
   const bool bounces = !walls_.inside(straight);
   bool met = false;
   for (const auto& body : bodies_) {
-    if (!bounces && !body->moves() && body->is_passed_by(p, straight)) continue;
+    if (!bounces && body->is_out_of_way(p, straight)) continue;
     const Vec3 from = body->before().into_body(p), to = body->now().into_body(straight);
     met =
         met || (bounces ? body->may_meet(from, (straight - p).norm() + (to - from).norm()) : body->may_meet(from, to));
@@ -150,7 +153,11 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
       target = leg.bounce_at_wall(wall, left, velocity);
     } else {
       account = contact.body;
+      const Vec3 arriving = velocity;
       target = leg.bounce_at_body(contact, left, velocity);
+      const Body& body = *bodies_[contact.body];
+      if (sounding_ && floating_->holds(contact.body))
+        floating_->meet(contact.body, leg.met_at, body.now().turn * leg.met_normal, arriving, 1 + body.restitution());
     }
     leg.aim(target);
     record(account, target - last, leg.here());
@@ -158,7 +165,8 @@ Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
   // Stays where it met something last, and goes with an obstacle.
   const std::size_t met = leg.last_met;
   const bool by_walls = met == nobody;
-  const Vec3 stop = walls_.clamp(by_walls ? leg.here() : bodies_[met]->now().into_world(leg.segments[met].from.in_body));
+  const Vec3 stop =
+      walls_.clamp(by_walls ? leg.here() : bodies_[met]->now().into_world(leg.segments[met].from.in_body));
   record(by_walls ? box_account() : met, stop - target, stop);
   return stop;
 }

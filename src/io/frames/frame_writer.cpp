@@ -44,7 +44,7 @@ void FrameWriter::observe(const Frame& frame) {
   write(frame, options_.directory + "/" + name);
   on_root(comm_, [&] {
     std::vector<std::string> others;
-    if (obstacles_) others = obstacles_->write(frame.clock);
+    if (obstacles_) others = obstacles_->write(frame.clock, frame.bodies);
     for (std::string& other : others) other = files_.folder + other;
     list_->add(frame.clock, name, others);
   });

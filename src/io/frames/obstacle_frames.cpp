@@ -72,12 +72,12 @@ ObstacleFrames::ObstacleFrames(std::shared_ptr<const ObstacleSurfaces> surfaces,
   if (own_list && surfaces_->any_moves()) list_.emplace(folder_ + obstacle_list, restart_step);
 }
 
-std::vector<std::string> ObstacleFrames::write(const Clock& clock) {
+std::vector<std::string> ObstacleFrames::write(const Clock& clock, std::span<const BodyState> bodies) {
   std::vector<std::string> names;
   if (surfaces_->any_stays()) names.emplace_back(still_obstacles);
   if (!surfaces_->any_moves()) return names;
   names.push_back(name_of_step(obstacle_frames, clock.step));
-  replace_file(folder_ + names.back(), vtp_text(surfaces_->moving(clock.time())));
+  replace_file(folder_ + names.back(), vtp_text(surfaces_->moving(clock.time(), bodies)));
   if (list_) list_->add(clock, names.back());
   return names;
 }

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ class ObstacleFrames {
                  std::optional<std::int64_t> restart_step);
 
   /// Writes what moves; the names of all that belongs to the frame, in the folder.
-  std::vector<std::string> write(const Clock& clock);
+  std::vector<std::string> write(const Clock& clock, std::span<const BodyState> bodies);
 
  private:
   std::shared_ptr<const ObstacleSurfaces> surfaces_;

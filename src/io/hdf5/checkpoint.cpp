@@ -13,6 +13,7 @@
 #include "base/hash.hpp"
 #include "base/threads.hpp"
 #include "io/frames/fields.hpp"
+#include "io/hdf5/body_rows.hpp"
 #include "io/hdf5/hdf5_writer.hpp"
 #include "io/hdf5/id_order.hpp"
 #include "io/run_directory/files.hpp"
@@ -146,6 +147,7 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   if (!info.obstacle_files.empty()) write_on_root(comm, file, "/obstacle_files", info.obstacle_files);
   write_flow(comm, file, frame.flow);
   write_force_sums(comm, file, frame.force_sums);
+  if (!frame.bodies.empty()) write_on_root(comm, file, "/bodies", numbers_of(frame.bodies));
   if (frame.supplied_energy != 0)
     write_on_root(comm, file, "/supplied_energy", std::vector<Real>{frame.supplied_energy});
   if (!frame.paddle_ways.empty())
@@ -269,6 +271,7 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.flow = read_flow(path, file);
   state.first_cell = read_first_cell(path, file);
   state.force_sums = read_force_sums(path, file);
+  if (file.has("/bodies")) state.bodies = bodies_of(path, file);
   if (file.has("/supplied_energy")) state.supplied_energy = file.read<Real>("/supplied_energy", {0, 1, 1})[0];
   if (file.has("/paddle_ways")) {
     const std::int64_t paddles = file.rows<Real>("/paddle_ways");

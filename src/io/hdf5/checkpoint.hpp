@@ -1,7 +1,7 @@
 // Checkpoints: DIR/checkpoint_<step>.h5 holds all that a restart needs, rows sorted by id, the same on any rank count.
 // /particles/ id and the saved fields of fields.hpp (position, velocity, perhaps hue), /checksums/ of the same names
 // (one for each 1024 rows), /scene (text), /music, /obstacle_files, /flow and /streams (of inlets and drains),
-// /first_cell (of periodic boxes, where it is not 0), and at
+// /bodies (a row of numbers each), /first_cell (of periodic boxes, where it is not 0), and at
 // the root format, step, time, dt, substeps, seed, program_version, scene_overrides, fountain_note, fountain_speed.
 // Random numbers and fountains are functions of (seed, id, step), so these are their state. Written under a temporary
 // name, synced, renamed; only then are older ones removed, down to `keep`. Collective: all but the struct definitions.
@@ -43,6 +43,7 @@ struct CheckpointState {
   ForceSums force_sums;
   Real supplied_energy = 0;       ///< J
   std::vector<Real> paddle_ways;  ///< m, of paddles that absorb
+  std::vector<BodyState> bodies;
 };
 
 /// InputError on all ranks alike when the file is missing, foreign or larger than the memory; DamagedFile when it is

@@ -61,7 +61,7 @@ void CheckpointWriter::write(const Frame& frame) {
   const ScopedEvent timed(event_);
   // A restart relies on the rows of these up to its checkpoint, so they are on the disk before it is.
   on_root(comm_, [&] {
-    for (const char* table : {"/series.csv", "/obstacles.csv", "/gauges.csv"})
+    for (const char* table : {"/series.csv", "/obstacles.csv", "/bodies.csv", "/gauges.csv"})
       sync_if_there(options_.directory + table);
   });
   write_checkpoint(comm_, path_of(frame.clock.step), options_.info, frame);

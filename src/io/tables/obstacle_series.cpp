@@ -20,13 +20,12 @@ std::string numbers(const Vec3& v) { return fmt::format(",{},{},{}", v.x(), v.y(
 }  // namespace
 
 ObstacleSeries::ObstacleSeries(MPI_Comm comm, const TableOptions& options, std::size_t obstacles)
-    : TableSeries(comm, options, "obstacles.csv", columns_for(obstacles)) {}
+    : TableSeries(comm, options, "obstacles.csv", columns_for(obstacles)), obstacles_(obstacles) {}
 
 void ObstacleSeries::observe(const Frame& frame) {
   require(!frame.forces.empty(), "obstacles.csv: no forces in this frame");
   std::string row;
-  for (std::size_t k = 0; k + 1 < frame.forces.size(); ++k)
-    row += numbers(frame.forces[k].force) + numbers(frame.forces[k].torque);
+  for (std::size_t k = 0; k < obstacles_; ++k) row += numbers(frame.forces[k].force) + numbers(frame.forces[k].torque);
   write(frame.clock, row + numbers(frame.forces.back().force));
 }
 

@@ -11,6 +11,9 @@ class ObstacleSeries : public TableSeries {
   ObstacleSeries(MPI_Comm comm, const TableOptions& options, std::size_t obstacles);
   bool wants_forces() const override { return true; }
   void observe(const Frame& frame) override;
+
+ private:
+  std::size_t obstacles_;
 };
 
 }  // namespace trevi

@@ -1,0 +1,247 @@
+#include "boundary/rigid_bodies/contacts.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace trevi {
+
+namespace {
+
+constexpr std::size_t nearest_points = 8, spread_points = 8;  // of a pair of solids
+constexpr int rounds = 200;
+constexpr Real settled = 1e-9;   // of all impulses, when a round changes no more
+constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
+constexpr Real push_out = 0.25;  // of an overlap, in a substep
+
+// Of a surface, no further apart than `step`.
+std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step) {
+  std::vector<Vec3> points;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.points[static_cast<std::size_t>(i)], &b = mesh.points[static_cast<std::size_t>(j)],
+               &c = mesh.points[static_cast<std::size_t>(k)];
+    const Real longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
+    const int n = std::max(1, static_cast<int>(std::ceil(longest / step)));
+    for (int u = 0; u <= n; ++u) {
+      for (int v = 0; u + v <= n; ++v) points.push_back(a + (b - a) * (Real(u) / n) + (c - a) * (Real(v) / n));
+    }
+  }
+  const auto key = [](const Vec3& p) { return std::make_tuple(p.x(), p.y(), p.z()); };
+  std::sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) { return key(p) < key(q); });
+  points.erase(std::unique(points.begin(), points.end(),
+                           [&](const Vec3& p, const Vec3& q) { return (p - q).squaredNorm() < 1e-12 * step * step; }),
+               points.end());
+  return points;
+}
+
+Vec3 tangent_of(const Vec3& normal) {
+  Eigen::Index least = 0;
+  normal.cwiseAbs().minCoeff(&least);
+  const Vec3 across = normal.cross(Vec3(Vec3::Unit(least)));
+  return across / across.norm();
+}
+
+}  // namespace
+
+Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all)
+    : all_(&all),
+      first_(settings.obstacles.size()),
+      box_(settings.domain),
+      spacing_(settings.fluid.spacing),
+      gravity_(settings.gravity.value_or(Vec3::Zero()).norm()),
+      wall_restitution_(settings.walls.restitution) {
+  const auto note = [&](const ObstacleSettings& one) {
+    surface_.emplace_back(one.restitution.value_or(settings.walls.restitution), one.friction);
+  };
+  for (const ObstacleSettings& one : settings.obstacles) note(one);
+  constexpr Real parts = 24;  // of a large body
+  for (const BodySettings& one : settings.bodies) {
+    note(one);
+    const Shape& shape = all[first_ + points_.size()]->shape();
+    const Real size = (shape.bounds().max - shape.bounds().min).maxCoeff();
+    points_.push_back(points_of(shape.surface(spacing_ / 50), std::max(spacing_, size / parts)));
+  }
+}
+
+void Contacts::find(const std::vector<RigidBody>& bodies, Real dt) {
+  dt_ = dt;
+  contacts_.clear();
+  poses_.clear();
+  ends_.clear();
+  for (std::size_t k = 0; k < first_; ++k) {
+    poses_.push_back((*all_)[k]->before());
+    ends_.push_back((*all_)[k]->now());
+  }
+  for (const RigidBody& body : bodies) {
+    poses_.push_back(body.pose());
+    ends_.push_back(body.end_pose());
+  }
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    find_walls(bodies, k);
+    for (std::size_t other = 0; other < first_ + bodies.size(); ++other)
+      if (other != first_ + k) find_solid(bodies, k, other);
+  }
+}
+
+namespace {
+
+// How far anything of it may come in a substep.
+Real reach_of(const RigidBody& body, Real radius, Real dt) {
+  return (along_of(body.twist()).norm() + about_of(body.twist()).norm() * radius) * dt;
+}
+
+}  // namespace
+
+void Contacts::find_walls(const std::vector<RigidBody>& bodies, std::size_t k) {
+  const Real radius = (*all_)[first_ + k]->radius();
+  const Real margin = 2 * reach_of(bodies[k], radius, dt_) + slack * spacing_;
+  const Pose& pose = poses_[first_ + k];
+  for (int a = 0; a < 3; ++a) {
+    for (const int side : {-1, 1}) {
+      const auto gap_of = [&](const Vec3& p) { return side < 0 ? p[a] - box_.min[a] : box_.max[a] - p[a]; };
+      if (gap_of(pose.center) - radius > margin) continue;
+      std::vector<Near> near;
+      for (const Vec3& point : points_[k]) {
+        const Vec3 p = pose.into_world(point);
+        if (gap_of(p) < margin) near.push_back({gap_of(p), p, -side * Vec3::Unit(a), Vec3::Zero()});
+      }
+      add(bodies, k, nobody, near,
+          {std::min(surface_[first_ + k].first, wall_restitution_), surface_[first_ + k].second});
+    }
+  }
+}
+
+// Points of body k near another solid.
+void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid) {
+  const Body &own = *(*all_)[first_ + k], &other = *(*all_)[solid];
+  const Pose &pose = poses_[first_ + k], &there = poses_[solid];
+  Real reach = reach_of(bodies[k], own.radius(), dt_);
+  if (solid >= first_) reach += reach_of(bodies[solid - first_], other.radius(), dt_);
+  if (other.moves() && solid < first_) reach += other.motion().fastest(0, dt_, other.radius()) * dt_;
+  const Real margin = 2 * reach + slack * spacing_;
+  if (other.shape().distance_within(there.into_body(pose.center), own.radius() + margin) >= own.radius() + margin)
+    return;
+  std::vector<Near> near;
+  for (const Vec3& point : points_[k]) {
+    const Vec3 p = pose.into_world(point), in_other = there.into_body(p);
+    const Real gap = other.shape().distance_within(in_other, margin);
+    if (gap >= margin) continue;
+    const Vec3 surface = solid < first_ ? Vec3((ends_[solid].into_world(in_other) - p) / dt_) : Vec3::Zero();
+    near.push_back({gap, p, there.turn * other.shape().normal(in_other), surface});
+  }
+  const auto& [e, mu] = surface_[first_ + k];
+  const auto& [e_other, mu_other] = surface_[solid];
+  add(bodies, k, solid < first_ ? nobody : solid - first_, near, {std::min(e, e_other), std::max(mu, mu_other)});
+}
+
+// The nearest of them, and of the others those that are furthest from each other: a face on a floor stands on all of
+// its corners.
+void Contacts::keep_few(std::vector<Near>& near) {
+  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.gap < b.gap; });
+  std::vector<Real> apart(near.size(), 1e300);
+  for (std::size_t n = 0; n < std::min(near.size(), nearest_points + spread_points); ++n) {
+    if (n >= nearest_points) {
+      const auto next = std::max_element(apart.begin() + static_cast<std::ptrdiff_t>(n), apart.end()) - apart.begin();
+      std::swap(near[n], near[static_cast<std::size_t>(next)]);
+      std::swap(apart[n], apart[static_cast<std::size_t>(next)]);
+    }
+    for (std::size_t m = n + 1; m < near.size(); ++m)
+      apart[m] = std::min(apart[m], (near[m].p - near[n].p).squaredNorm());
+  }
+  near.resize(std::min(near.size(), nearest_points + spread_points));
+}
+
+// What the bodies have to do there.
+void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
+                   const std::pair<Real, Real>& restitution_and_friction) {
+  keep_few(near);
+  for (const Near& one : near) {
+    Contact contact{k, other, {}, {}, {}, 0, restitution_and_friction.second, {}, {}, {}, {}};
+    const Vec3 tangent = tangent_of(one.normal);
+    const std::array<Vec3, 3> directions{one.normal, tangent, one.normal.cross(tangent)};
+    Real approach = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3& d = directions[i];
+      contact.arm[i] = six_of(d, (one.p - bodies[k].state().position).cross(d));
+      contact.surface[i] = one.surface.dot(d);
+      if (other != nobody) contact.against[i] = six_of(d, (one.p - bodies[other].state().position).cross(d));
+    }
+    const Six before = six_of(bodies[k].state().velocity, bodies[k].state().angular_velocity);
+    approach = contact.surface[0] - dot(contact.arm[0], before);
+    if (other != nobody)
+      approach +=
+          dot(contact.against[0], six_of(bodies[other].state().velocity, bodies[other].state().angular_velocity));
+    contact.least = one.gap > 0 ? -one.gap / dt_ : -push_out * one.gap / dt_;
+    const bool bounces = approach > 4 * gravity_ * dt_ && approach * dt_ > one.gap;
+    if (bounces) contact.least = std::max(contact.least, restitution_and_friction.first * approach);
+    contacts_.push_back(contact);
+  }
+}
+
+// What it takes to have the relative velocity `wanted` along a direction of the contact; within what a contact can
+// give.
+Real Contacts::step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists) {
+  const std::size_t k = contact.body, other = contact.other;
+  Real velocity = dot(contact.arm[along], twists[k]) - contact.surface[along];
+  if (other != nobody) velocity -= dot(contact.against[along], twists[other]);
+  if (contact.mobility[along] <= 0) return 0;
+  Real total = contact.impulse[along] + (wanted - velocity) / contact.mobility[along];
+  const Real most = contact.friction * contact.impulse[0];
+  total = along == 0 ? std::max(total, 0.0) : std::clamp(total, -most, most);
+  const Real step = total - contact.impulse[along];
+  contact.impulse[along] = total;
+  twists[k] = plus(twists[k], contact.answer[along], step);
+  if (other != nobody) twists[other] = plus(twists[other], contact.answer_other[along], -step);
+  return step;
+}
+
+void Contacts::find_answers(const std::vector<RigidBody>& bodies) {
+  for (Contact& contact : contacts_) {
+    const RigidBody& body = bodies[contact.body];
+    for (std::size_t i = 0; i < 3; ++i) {
+      contact.answer[i] = solved(body.felt_inertia(), contact.arm[i], body.free());
+      contact.mobility[i] = dot(contact.arm[i], contact.answer[i]);
+      if (contact.other == nobody) continue;
+      const RigidBody& other = bodies[contact.other];
+      contact.answer_other[i] = solved(other.felt_inertia(), contact.against[i], other.free());
+      contact.mobility[i] += dot(contact.against[i], contact.answer_other[i]);
+    }
+  }
+}
+
+void Contacts::solve(std::vector<RigidBody>& bodies) {
+  if (contacts_.empty()) return;
+  find_answers(bodies);
+  std::vector<Six> twists, given(bodies.size());
+  for (const RigidBody& body : bodies) twists.push_back(body.twist());
+  for (int round = 0; round < rounds; ++round) {
+    Real most = 0;
+    for (Contact& contact : contacts_) {
+      for (std::size_t along = 0; along < 3; ++along) {
+        if (along > 0 && contact.friction == 0) continue;
+        const Real step = step_of(contact, along, along == 0 ? contact.least : 0, twists);
+        if (step == 0) continue;
+        most = std::max(most, std::abs(step));
+        given[contact.body] = plus(given[contact.body], contact.arm[along], step);
+        if (contact.other != nobody) given[contact.other] = plus(given[contact.other], contact.against[along], -step);
+        driven_work_ += step * contact.surface[along];
+      }
+    }
+    Real all = 0;
+    for (const Contact& contact : contacts_) all += contact.impulse[0];
+    if (most <= settled * all) break;
+  }
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (given[k] == Six{}) continue;
+    bodies[k].give(given[k]);
+    bodies[k].set_twist(twists[k]);
+  }
+}
+
+bool Contacts::touches(std::size_t body) const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [&](const Contact& one) { return (one.body == body || one.other == body) && one.impulse[0] > 0; });
+}
+
+}  // namespace trevi

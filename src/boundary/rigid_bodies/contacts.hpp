@@ -1,0 +1,67 @@
+// Contacts of rigid bodies with each other, with obstacles and with the box: points of a body's surface that may come
+// to the surface of another solid in the substep. They are known before they touch, so that nothing passes through
+// anything, and a body comes to rest on another one without a jump. Impulses with Coulomb's friction by Gauss and
+// Seidel in the order of the contacts (Catto, Iterative dynamics with temporal coherence, 2005), against the inertia
+// that a body has with the water around it. The same bits on any rank. Not collective.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "boundary/obstacles/body.hpp"
+#include "boundary/rigid_bodies/rigid_body.hpp"
+
+namespace trevi {
+
+class Contacts {
+ public:
+  /// `all`: obstacles, then the bodies.
+  Contacts(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all);
+
+  /// Of bodies that begin a substep.
+  void find(const std::vector<RigidBody>& bodies, Real dt);
+  /// Changes the bodies' twists as far as contacts must, and gives them the impulses.
+  void solve(std::vector<RigidBody>& bodies);
+  bool touches(std::size_t body) const;
+  /// Of obstacles that move by themselves, J since the last call.
+  Real take_driven_work() { return std::exchange(driven_work_, 0); }
+
+ private:
+  struct Contact {
+    std::size_t body, other;          // of all bodies; nobody: the rest of the world
+    std::array<Six, 3> arm, against;  // along the normal and two tangents; of the other body
+    std::array<Real, 3> surface;      // velocities of what is not a body, m/s
+    Real least;                       // speed apart along the normal, m/s
+    Real friction;
+    std::array<Real, 3> impulse;              // so far, N s
+    std::array<Six, 3> answer, answer_other;  // of the twists to an impulse of 1 N s
+    std::array<Real, 3> mobility;             // of the velocity there, 1/kg
+  };
+  struct Near {
+    Real gap;
+    Vec3 p, normal, surface;
+  };
+  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  void find_walls(const std::vector<RigidBody>& bodies, std::size_t k);
+  void find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid);
+  void add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
+           const std::pair<Real, Real>& restitution_and_friction);
+  const Pose& pose_of(std::size_t solid) const { return poses_[solid]; }
+  static void keep_few(std::vector<Near>& near);
+  void find_answers(const std::vector<RigidBody>& bodies);
+  static Real step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists);
+
+  const std::vector<std::unique_ptr<Body>>* all_;
+  std::size_t first_;
+  Box box_;
+  Real spacing_, gravity_, dt_ = 0;
+  std::vector<std::pair<Real, Real>> surface_;  // restitution and friction of each solid
+  Real wall_restitution_;
+  std::vector<std::vector<Vec3>> points_;  // of each body, in its frame
+  std::vector<Pose> poses_, ends_;         // of all solids in the substep
+  std::vector<Contact> contacts_;
+  Real driven_work_ = 0;
+};
+
+}  // namespace trevi

@@ -1,0 +1,150 @@
+#include "boundary/rigid_bodies/rigid_bodies.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+// Sums of what bodies meet are integers in these units: of speeds times dt, m, of the ledger's; of squares of normals
+// and of arms over h.
+constexpr int fine = 30;
+
+}  // namespace
+
+RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all)
+    : all_(&all),
+      first_(settings.obstacles.size()),
+      water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
+                  settings.fluid.spacing),
+      h_(settings.fluid.kernel_radius),
+      contacts_(settings, all) {
+  for (const BodySettings& body : settings.bodies)
+    bodies_.emplace_back(body, all[first_ + bodies_.size()]->shape(), settings.gravity.value_or(Vec3::Zero()),
+                         settings.fluid.rest_density);
+  given_.resize(bodies_.size());
+  expected_.resize(bodies_.size());
+  met_.for_each([&](auto& sums) { sums.assign(numbers * bodies_.size(), 0); });
+  begin(0);
+}
+
+void RigidBodies::set_states(const std::vector<BodyState>& states) {
+  for (std::size_t k = 0; k < std::min(bodies_.size(), states.size()); ++k) bodies_[k].set_state(states[k]);
+  begin(0);
+}
+
+std::vector<BodyState> RigidBodies::states() const {
+  std::vector<BodyState> states;
+  for (const RigidBody& body : bodies_) states.push_back(body.state());
+  return states;
+}
+
+Real RigidBodies::energy() const {
+  Real sum = 0;
+  for (const RigidBody& body : bodies_) sum += body.energy();
+  return sum;
+}
+
+Real RigidBodies::take_driven_work() { return contacts_.take_driven_work(); }
+
+Real RigidBodies::fastest(Real dt) const {
+  Real most = 0;
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    most = std::max(most, bodies_[k].fastest((*all_)[first_ + k]->radius(), dt));
+  return most;
+}
+
+void RigidBodies::place() {
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    (*all_)[first_ + k]->place(bodies_[k].pose(), dt_ > 0 ? bodies_[k].end_pose() : bodies_[k].pose());
+}
+
+void RigidBodies::begin(Real dt) {
+  dt_ = dt;
+  for (RigidBody& body : bodies_) {
+    if (dt > 0) body.begin(dt);
+  }
+  std::fill(given_.begin(), given_.end(), Six{});
+  if (dt > 0) {
+    contacts_.find(bodies_, dt);
+    contacts_.solve(bodies_);
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) expected_[k] = bodies_[k].twist();
+  place();
+}
+
+void RigidBodies::meet(std::size_t obstacle, const Vec3& p, const Vec3& normal, const Vec3& v, Real given) {
+  const Vec3 arm = (p - bodies_[obstacle - first_].state().position) / h_;
+  const Six g = six_of(normal, arm.cross(normal));
+  const Real speed = normal.dot(v) * dt_ / h_;
+  std::int64_t* sum = met_.mine().data() + numbers * (obstacle - first_);
+  const auto add = [&](Real x) { *sum++ += std::llrint(std::ldexp(std::clamp(x, -0x1p20, 0x1p20), fine)); };
+  for (std::size_t i = 0; i < 6; ++i) add(given * speed * g[i]);
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) add(given * g[i] * g[j]);
+  }
+}
+
+bool RigidBodies::settle(MPI_Comm comm) {
+  const std::vector<std::int64_t> all = sum_over_threads_and_ranks(comm, met_);
+  met_.for_each([](auto& sums) { std::fill(sums.begin(), sums.end(), 0); });
+  bool changed = false;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const std::int64_t* sum = &all[numbers * k];
+    if (std::all_of(sum, sum + numbers, [](std::int64_t n) { return n == 0; })) continue;
+    changed = true;
+    const auto next = [&](Real unit) { return std::ldexp(static_cast<Real>(*sum++), -fine) * unit; };
+    const auto length = [&](std::size_t i) { return i < 3 ? 1 : h_; };
+    Six pushed{};
+    for (std::size_t i = 0; i < 6; ++i) pushed[i] = next(water_mass_ * h_ / dt_ * length(i));
+    Mass6 met{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) met[6 * i + j] = met[6 * j + i] = next(water_mass_ * length(i) * length(j));
+    }
+    const Six lacking = plus(pushed, times(met, expected_[k]), -1);
+    RigidBody& body = bodies_[k];
+    body.set_twist(plus(expected_[k], solved(plus(body.felt_inertia(), met), lacking, body.free())));
+  }
+  if (changed) place();
+  return changed;
+}
+
+Six RigidBodies::impulse_of(const TotalImpulse& given) const {
+  return plus({}, six_of(given.shift, given.moment), -water_mass_ / dt_);
+}
+
+void RigidBodies::give(std::span<const TotalImpulse> all) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    given_[k] = impulse_of(all[first_ + k]);
+    bodies_[k].give(given_[k]);
+  }
+}
+
+void RigidBodies::respond(std::span<const Six> pressure) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    RigidBody& body = bodies_[k];
+    body.hear(pressure[k]);
+    const Six lacking = body.missing(pressure[k]);
+    body.set_twist(plus(body.twist(), solved(body.felt_inertia(), lacking, body.free())));
+  }
+  contacts_.solve(bodies_);
+  place();
+}
+
+void RigidBodies::hear(std::span<const Six> pressure) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) bodies_[k].hear(pressure[k]);
+}
+
+void RigidBodies::finish(std::span<const TotalImpulse> all) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Six total = impulse_of(all[first_ + k]);
+    bodies_[k].give(plus(total, given_[k], -1));
+    bodies_[k].finish(dot(total, total) > 0 || contacts_.touches(k));
+  }
+}
+
+}  // namespace trevi

@@ -1,0 +1,79 @@
+// The rigid bodies of a scene among its obstacles: what the water sees of them is a moving obstacle, and what moves
+// them are the impulses of the ledger, on all ranks the same integers and the same arithmetic.
+//
+// A substep: begin() takes the bodies where they would go with the pressure of the last one. settle() finds how fast
+// they are when the particles that are about to bounce have done so: for a body lighter than these, its own velocity is
+// decided by them. respond() answers to the pressure, between the cycles of the projection: with the added mass A that
+// the answers so far have shown, (M + A) du = p + F − M u has its fixed point where the body has just the momentum that
+// it was given, and converges for any mass when the estimate of A is more than half of it (Causin, Gerbeau & Nobile,
+// Comput. Methods Appl. Mech. Engrg. 194, 2005, on why explicit staggering cannot). finish() hands over exactly what
+// the ledger says. Collective: settle().
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/threads.hpp"
+#include "boundary/impulse_ledger.hpp"
+#include "boundary/obstacles/body.hpp"
+#include "boundary/rigid_bodies/contacts.hpp"
+#include "boundary/rigid_bodies/rigid_body.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+class RigidBodies {
+ public:
+  /// `all`: obstacles, then the bodies; they outlive this.
+  RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all);
+
+  std::size_t count() const { return bodies_.size(); }
+  /// The number of the first among obstacles.
+  std::size_t first() const { return first_; }
+  bool holds(std::size_t obstacle) const { return obstacle >= first_ && obstacle < first_ + bodies_.size(); }
+  /// About where the ledger has moments of a body: its centre of mass at the start of the substep.
+  const Vec3& center(std::size_t obstacle) const { return bodies_[obstacle - first_].state().position; }
+  const RigidBody& body(std::size_t k) const { return bodies_[k]; }
+
+  void set_states(const std::vector<BodyState>& states);
+  std::vector<BodyState> states() const;
+  Real energy() const;
+  /// What obstacles that move by themselves have done to the bodies, J since the last call.
+  Real take_driven_work();
+  Real fastest(Real dt) const;
+
+  void begin(Real dt);
+  /// A particle of the velocity v that meets obstacle k with this normal at p; `given`: what of its approach becomes
+  /// impulse, 1 + the restitution. On any thread.
+  void meet(std::size_t obstacle, const Vec3& p, const Vec3& normal, const Vec3& v, Real given);
+  /// Whether what they met changes the bodies' motion; they are placed anew then.
+  bool settle(MPI_Comm comm);
+  /// What the ledger has had of all obstacles in this substep so far.
+  void give(std::span<const TotalImpulse> all);
+  /// The pressure's impulses, N s, of the bodies in their order. They move accordingly.
+  void respond(std::span<const Six> pressure);
+  /// The last of them, to which nobody moves any more.
+  void hear(std::span<const Six> pressure);
+  /// Of all that the ledger has of the substep.
+  void finish(std::span<const TotalImpulse> all);
+
+  /// N s and N m s, of what an account of the ledger has of the substep.
+  Six impulse_of(const TotalImpulse& given) const;
+
+ private:
+  void place();
+
+  const std::vector<std::unique_ptr<Body>>* all_;
+  std::size_t first_;
+  Real water_mass_;  // of a particle, kg
+  Real h_, dt_ = 0;
+  std::vector<RigidBody> bodies_;
+  std::vector<Six> given_;     // by the ledger before the projection
+  std::vector<Six> expected_;  // twists without the particles that bounce
+  Contacts contacts_;
+  static constexpr std::size_t numbers = 27;  // of what a body meets: 6 sums, and 21 of a symmetric matrix
+  PerThread<std::vector<std::int64_t>> met_;
+};
+
+}  // namespace trevi

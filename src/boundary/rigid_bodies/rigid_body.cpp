@@ -1,0 +1,231 @@
+#include "boundary/rigid_bodies/rigid_body.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace trevi {
+
+namespace {
+
+using Quaternion = std::array<Real, 4>;
+
+Quaternion normalised(const Quaternion& q) {
+  const Real length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
+}
+
+// Turned about the axes of the world by what the vector says: an axis times the tangent of half the angle.
+Quaternion turned(const Quaternion& q, const Vec3& t) {
+  return normalised(
+      {q[0] - t.x() * q[1] - t.y() * q[2] - t.z() * q[3], q[1] + t.x() * q[0] + t.y() * q[3] - t.z() * q[2],
+       q[2] + t.y() * q[0] + t.z() * q[1] - t.x() * q[3], q[3] + t.z() * q[0] + t.x() * q[2] - t.y() * q[1]});
+}
+
+Mass6 mass_matrix(Real mass, const Rotation& inertia) {
+  Mass6 all{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    all[7 * i] = mass;
+    for (std::size_t j = 0; j < 3; ++j)
+      all[6 * (i + 3) + j + 3] = inertia(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  }
+  return all;
+}
+
+// The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
+// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has.
+Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
+  Mass6 sum{};
+  Real whole = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.points[static_cast<std::size_t>(i)], &b = mesh.points[static_cast<std::size_t>(j)],
+               &c = mesh.points[static_cast<std::size_t>(k)];
+    const Vec3 twice = (b - a).cross(c - a);
+    const Real area = twice.norm() / 2;
+    if (!(area > 0)) continue;
+    const Vec3 normal = twice / (2 * area);
+    add_square(sum, six_of(normal, ((a + b + c) / 3 - center).cross(normal)), area);
+    whole += area;
+  }
+  const Real thickness = std::sqrt(whole / (16 * std::numbers::pi));
+  for (Real& one : sum) one *= water * thickness;
+  return sum;
+}
+
+}  // namespace
+
+Rotation rotation_of(const Quaternion& q) {
+  const auto [w, x, y, z] = q;
+  Rotation turn;
+  turn << 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),  //
+      2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),      //
+      2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
+  return turn;
+}
+
+// By the largest of the four (Shepperd, J. Guidance Control 1, 1978).
+Quaternion quaternion_of(const Rotation& t) {
+  const std::array<Real, 4> squares{1 + t(0, 0) + t(1, 1) + t(2, 2), 1 + t(0, 0) - t(1, 1) - t(2, 2),
+                                    1 - t(0, 0) + t(1, 1) - t(2, 2), 1 - t(0, 0) - t(1, 1) + t(2, 2)};
+  const auto k = std::max_element(squares.begin(), squares.end()) - squares.begin();
+  const Real twice = std::sqrt(squares[static_cast<std::size_t>(k)]), part = 0.5 / twice;
+  Quaternion q{};
+  if (k == 0) q = {twice / 2, (t(2, 1) - t(1, 2)) * part, (t(0, 2) - t(2, 0)) * part, (t(1, 0) - t(0, 1)) * part};
+  if (k == 1) q = {(t(2, 1) - t(1, 2)) * part, twice / 2, (t(0, 1) + t(1, 0)) * part, (t(0, 2) + t(2, 0)) * part};
+  if (k == 2) q = {(t(0, 2) - t(2, 0)) * part, (t(0, 1) + t(1, 0)) * part, twice / 2, (t(1, 2) + t(2, 1)) * part};
+  if (k == 3) q = {(t(1, 0) - t(0, 1)) * part, (t(0, 2) + t(2, 0)) * part, (t(1, 2) + t(2, 1)) * part, twice / 2};
+  if (q[0] < 0) q = {-q[0], -q[1], -q[2], -q[3]};
+  return normalised(q);
+}
+
+RigidBody::RigidBody(const BodySettings& settings, const Shape& solid, const Vec3& gravity, Real water)
+    : free_(settings.free), gravity_(gravity), mooring_(settings.mooring) {
+  const MassProperties shape = mass_properties(settings);
+  const Real density = settings.mass ? *settings.mass / shape.volume : settings.density.value_or(water);
+  mass_ = density * shape.volume;
+  volume_ = shape.volume;
+  center_ = shape.center;
+  moment_ = density * shape.inertia;
+  const Pose start = BodyMotion(settings).at(0);
+  state_.position = start.into_world(center_);
+  state_.orientation = quaternion_of(start.turn);
+  const Rotation turn = rotation_of(state_.orientation), inertia = inertia_at(turn);
+  state_.velocity = settings.velocity;
+  state_.angular_velocity = settings.angular_velocity;
+  state_.momentum = mass_ * settings.velocity;
+  state_.angular_momentum = inertia * settings.angular_velocity;
+  state_.last_twist = six_of(state_.velocity, state_.angular_velocity);
+  const Real size = (solid.bounds().max - solid.bounds().min).maxCoeff();
+  state_.added_mass = first_added_mass(solid.surface(size / 200), center_, water);
+  if (!mooring_) return;
+  hook_ = turn.transpose() * (mooring_->point.value_or(state_.position) - state_.position);
+  rest_length_ = mooring_->length.value_or((state_.position + turn * hook_ - mooring_->anchor).norm());
+}
+
+Pose RigidBody::pose_of(const Vec3& position, const Quaternion& orientation) const {
+  const Rotation turn = rotation_of(orientation);
+  return {position - turn * center_, turn};
+}
+
+// ---- the mooring
+
+struct RigidBody::Line {
+  Vec3 arm, direction;  // from the centre of mass to the hook; from there to the anchor
+  Real stretch;         // m
+};
+
+RigidBody::Line RigidBody::line() const {
+  const Vec3 arm = rotation_of(state_.orientation) * hook_, to = mooring_->anchor - state_.position - arm;
+  const Real length = to.norm();
+  return {arm, length > 0 ? Vec3(to / length) : Vec3::Zero(), length - rest_length_};
+}
+
+Six RigidBody::mooring_force() const {
+  const Line here = line();
+  if (mooring_->slack && here.stretch <= 0) return {};
+  const Vec3 velocity = state_.velocity + state_.angular_velocity.cross(here.arm);
+  Real pull = mooring_->stiffness * here.stretch - mooring_->damping * velocity.dot(here.direction);
+  if (mooring_->slack) pull = std::max(pull, 0.0);
+  const Vec3 force = pull * here.direction;
+  return six_of(force, here.arm.cross(force));
+}
+
+Real RigidBody::mooring_energy() const {
+  if (!mooring_) return 0;
+  const Real stretch = line().stretch;
+  return mooring_->slack && stretch < 0 ? 0 : mooring_->stiffness * stretch * stretch / 2;
+}
+
+// ---- the substep
+
+Six RigidBody::velocities(const Six& momentum, const Rotation& turn) const {
+  return solved(mass_matrix(mass_, inertia_at(turn)), momentum, free_);
+}
+
+Real RigidBody::energy() const {
+  const Six momentum = six_of(state_.momentum, state_.angular_momentum);
+  return dot(momentum, velocities(momentum, rotation_of(state_.orientation))) / 2 -
+         mass_ * gravity_.dot(state_.position) + mooring_energy();
+}
+
+Real RigidBody::fastest(Real radius, Real dt) const {
+  return state_.velocity.norm() + gravity_.norm() * dt + state_.angular_velocity.norm() * (radius + center_.norm());
+}
+
+void RigidBody::begin(Real dt) {
+  dt_ = dt;
+  answers_ = 0;
+  is_wet_ = state_.last_force != Six{};
+  added_ = turned(state_.added_mass, rotation_of(state_.orientation));
+  momentum_ = six_of(state_.momentum + dt * mass_ * gravity_, state_.angular_momentum);
+  if (mooring_) momentum_ = plus(momentum_, mooring_force(), dt);
+  const Six expected = plus(momentum_, state_.last_force, dt);
+  // The twist is that of the orientation midway, which it leads to itself.
+  constexpr int rounds = 6;
+  Rotation middle = rotation_of(state_.orientation);
+  for (int k = 0; k < rounds; ++k) {
+    twist_ = velocities(expected, middle);
+    middle = rotation_of(turned(state_.orientation, about_of(twist_) * (dt / 4)));
+  }
+  inertia_ = mass_matrix(mass_, inertia_at(middle));
+  set_twist(velocities(expected, middle));
+  if (!is_wet_) return;
+  // Water goes on with it, and what the pressure had too much of the body in the last substep is not seen by a light
+  // one.
+  set_twist(state_.last_twist);
+  set_twist(plus(twist_, solved(felt_inertia(), missing(plus({}, state_.last_force, dt)), free_)));
+}
+
+void RigidBody::set_twist(const Six& twist) {
+  twist_ = twist;
+  end_orientation_ = turned(state_.orientation, about_of(twist_) * (dt_ / 2));
+}
+
+// The formula of Broyden, Fletcher, Goldfarb and Shanno keeps the matrix positive; Powell's damping keeps it so where
+// the answer grows with the twist. An estimate is good enough when it is half of what it stands for.
+void RigidBody::hear(const Six& pressure) {
+  if (answers_ == 1) {  // later ones still have a part of what came before
+    const Six step = plus(twist_, asked_, -1), known = times(added_, step);
+    Six resistance = plus(answer_, pressure, -1);
+    const Real expected = dot(step, known), found = dot(step, resistance);
+    const Real kinetic = dot(step, times(inertia_, step));
+    constexpr Real least = 0.2;
+    if (expected > 1e-12 * kinetic && kinetic > 0) {
+      if (found < least * expected) {
+        const Real part = (1 - least) * expected / (expected - found);
+        for (std::size_t i = 0; i < 6; ++i) resistance[i] = part * resistance[i] + (1 - part) * known[i];
+      }
+      add_square(added_, known, -1 / expected);
+      add_square(added_, resistance, 1 / dot(step, resistance));
+    }
+  }
+  is_wet_ = pressure != Six{};
+  ++answers_;
+  asked_ = twist_;
+  answer_ = pressure;
+}
+
+void RigidBody::finish(bool touched) {
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!free_[i]) momentum_[i] = 0;
+  const Vec3 fall = touched || mooring_ ? Vec3(Vec3::Zero()) : Vec3(gravity_ * (dt_ * dt_ / 2));
+  for (int a = 0; a < 3; ++a)
+    state_.position[a] +=
+        dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
+  state_.added_mass = turned(added_, rotation_of(state_.orientation).transpose());
+  state_.last_twist = twist_;
+  state_.orientation = end_orientation_;
+  state_.momentum = along_of(momentum_);
+  state_.angular_momentum = about_of(momentum_);
+  const Six now = velocities(momentum_, rotation_of(state_.orientation));
+  state_.velocity = along_of(now);
+  state_.angular_velocity = about_of(now);
+  if (answers_ > 0) {
+    for (std::size_t i = 0; i < 6; ++i) state_.last_force[i] = answer_[i] / dt_;
+  } else {
+    state_.last_force = {};
+  }
+}
+
+}  // namespace trevi

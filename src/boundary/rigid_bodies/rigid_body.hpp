@@ -1,0 +1,91 @@
+// One rigid body: its mass, its state, and its motion in a substep, which the water is asked for (rigid_bodies.hpp).
+// The state holds momenta, so that what no torque acts on keeps its angular momentum to rounding; the orientation
+// follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In
+// the air the path is the parabola itself; in the water gravity acts as it does on particles, at the start of a
+// substep, as the two would otherwise not balance. Arithmetic alone: the same bits on any rank and processor. Not
+// collective.
+#pragma once
+
+#include "boundary/geometry/mass_properties.hpp"
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
+#include "boundary/rigid_bodies/six.hpp"
+#include "trevi/body.hpp"
+
+namespace trevi {
+
+class RigidBody {
+ public:
+  /// `gravity`, m/s², and the density of the water, kg/m³.
+  RigidBody(const BodySettings& settings, const Shape& shape, const Vec3& gravity, Real water);
+
+  const BodyState& state() const { return state_; }
+  void set_state(const BodyState& state) { state_ = state; }
+  Real mass() const { return mass_; }
+  Real volume() const { return volume_; }
+  const std::array<bool, 6>& free() const { return free_; }
+  /// Where the frame of the shape is; at the start of a substep, and at its end by the present twist.
+  Pose pose() const { return pose_of(state_.position, state_.orientation); }
+  Pose end_pose() const { return pose_of(end_position(), end_orientation_); }
+  Vec3 end_position() const { return state_.position + dt_ * along_of(twist_); }
+  /// Kinetic, potential and of the mooring, J.
+  Real energy() const;
+  /// The largest speed of a point within that distance of the centre of the shape, m/s, in a step of dt.
+  Real fastest(Real radius, Real dt) const;
+
+  /// Begins a substep: gravity and mooring act, and the twist is that with the pressure of the last one.
+  void begin(Real dt);
+  Real dt() const { return dt_; }
+  /// Velocities in the substep: of the centre of mass and about it.
+  const Six& twist() const { return twist_; }
+  void set_twist(const Six& twist);
+  /// Of the body in the middle of the substep.
+  const Mass6& inertia() const { return inertia_; }
+  /// With what the water adds to it, as far as it is known.
+  Mass6 felt_inertia() const { return is_wet_ ? plus(inertia_, added_) : inertia_; }
+  /// Momentum after what acts from outside and after what the body was given in this substep.
+  const Six& momentum() const { return momentum_; }
+  /// Impulses that are known, N s and N m s about the centre of mass at the start of the substep.
+  void give(const Six& impulse) { momentum_ = plus(momentum_, impulse); }
+  /// What the twist lacks when the pressure gives that impulse.
+  Six missing(const Six& pressure) const { return plus(plus(momentum_, pressure), times(inertia_, twist_), -1); }
+  /// The pressure's answer to the present twist. What changed since the last one tells of the added mass.
+  void hear(const Six& pressure);
+  bool is_moored() const { return mooring_.has_value(); }
+  /// Ends the substep: momentum() has all that was given. `touched`: by anything but gravity.
+  void finish(bool touched);
+
+ private:
+  Pose pose_of(const Vec3& position, const std::array<Real, 4>& orientation) const;
+  Rotation inertia_at(const Rotation& turn) const { return turn * moment_ * turn.transpose(); }
+  Six velocities(const Six& momentum, const Rotation& turn) const;
+  Six mooring_force() const;
+  Real mooring_energy() const;
+  struct Line;
+  Line line() const;
+
+  Real mass_, volume_;
+  Vec3 center_;      // of mass, in the frame of the shape
+  Rotation moment_;  // of inertia, in the frame of the shape, about it
+  std::array<bool, 6> free_;
+  Vec3 gravity_;
+  std::optional<Mooring> mooring_;
+  Vec3 hook_ = Vec3::Zero();  // of the mooring, in the frame of the shape, from the centre of mass
+  Real rest_length_ = 0;
+  BodyState state_;
+
+  Real dt_ = 0;
+  Six twist_{}, momentum_{};
+  Mass6 inertia_{};
+  std::array<Real, 4> end_orientation_{1, 0, 0, 0};
+  bool is_wet_ = false;  // there is pressure
+  Mass6 added_{};        // in the world
+  int answers_ = 0;
+  Six asked_{}, answer_{};  // the last twist and the pressure that it got
+};
+
+/// Quaternions w, x, y, z.
+Rotation rotation_of(const std::array<Real, 4>& q);
+std::array<Real, 4> quaternion_of(const Rotation& turn);
+
+}  // namespace trevi

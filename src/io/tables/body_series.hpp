@@ -1,0 +1,20 @@
+// bodies.csv: where the bodies that move freely are, how they move, and what the water did to them, a row for each due
+// step; columns as in postprocess/README.md. Collective.
+#pragma once
+
+#include "io/tables/table_series.hpp"
+
+namespace trevi {
+
+class BodySeries : public TableSeries {
+ public:
+  /// `first`: the number of forces before those on bodies.
+  BodySeries(MPI_Comm comm, const TableOptions& options, std::size_t bodies, std::size_t first);
+  bool wants_forces() const override { return true; }
+  void observe(const Frame& frame) override;
+
+ private:
+  std::size_t first_;
+};
+
+}  // namespace trevi

@@ -1,0 +1,41 @@
+#include "projection/body_coupling.hpp"
+
+#include "projection/parameters.hpp"
+
+namespace trevi {
+
+// The rows of each thread, in integers: no order is seen.
+std::vector<Six> BodyCoupling::pressed(const FreeSurface& surface, const RecordForces& record) {
+  const ProjectionGrid& grid = surface.grid();
+  const RigidBodies& bodies = *obstacles_.floating();
+  pushes_.clear();
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    if (!cuts_.cuts_row(k, r)) return;
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+      const std::size_t nearest = cuts_.nearest(grid.index(k, r, c));
+      if (!bodies.holds(nearest)) continue;
+      RecordForces::Pushes pushes = record.pushes_of_cell(k, r, c);
+      for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].arm -= bodies.center(nearest);
+      pushes_.add(nearest - bodies.first(), {pushes.all.data(), pushes.count});
+    }
+  });
+  const std::vector<TotalImpulse> all = pushes_.total(comm_);
+  std::vector<Six> impulses;
+  for (std::size_t k = 0; k < all.size(); ++k) impulses.push_back(bodies.impulse_of(all[k]));
+  return impulses;
+}
+
+void BodyCoupling::solve(Pressure& pressure, const FreeSurface& surface, Halo& halo, const Pressure::Step& step,
+                         const RecordForces& record) {
+  RigidBodies& bodies = *obstacles_.floating();
+  pressure.begin(surface, halo, step);
+  for (int answer = 0; answer < projection::body_answers; ++answer) {
+    bodies.respond(pressed(surface, record));
+    cuts_.move_faces([&](std::size_t a, std::size_t at, Real change) { pressure.move_face(surface, a, at, change); });
+    pressure.improve(halo, projection::cycles_per_answer);
+  }
+  bodies.hear(pressed(surface, record));
+  pressure.finish(surface);
+}
+
+}  // namespace trevi

@@ -1,0 +1,105 @@
+#include "solver/check_bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "boundary/geometry/mass_properties.hpp"
+#include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/shape.hpp"
+
+namespace trevi {
+
+namespace {
+
+Box place_of(const ObstacleSettings& solid) {
+  const Box bounds = bounds_of(solid);
+  const Pose pose = BodyMotion(solid).at(0);
+  const Vec3 middle = pose.into_world((bounds.max + bounds.min) / 2);
+  const Vec3 half = pose.turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
+  return {middle - half, middle + half};
+}
+
+std::string why_no_mass(const BodySettings& body) {
+  if (body.density.has_value() == body.mass.has_value()) return "needs a density or a mass, and only one of them";
+  const Real given = body.density ? *body.density : *body.mass;
+  if (!(given > 0) || !std::isfinite(given)) return "has a density or a mass that is not positive; give one that is";
+  return "";
+}
+
+std::string why_no_start(const Settings& settings, const BodySettings& body) {
+  const Box place = place_of(body);
+  constexpr Real rounding = 1e-9;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    if (!body.free[a] && body.velocity[b] != 0) return "has a velocity along an axis along which it is not free";
+    if (!body.free[a + 3] && body.angular_velocity[b] != 0)
+      return "has an angular velocity about an axis about which it is not free";
+    if (body.free[a] && (place.min[b] < settings.domain.min[b] - rounding * settings.fluid.spacing ||
+                         place.max[b] > settings.domain.max[b] + rounding * settings.fluid.spacing))
+      return fmt::format(
+          "reaches from {0} = {1:.6g} to {2:.6g} m, out of the box from {3:.6g} to {4:.6g} m; move it inside, or leave "
+          "\"{0}\" out of free",
+          "xyz"[a], place.min[b], place.max[b], settings.domain.min[b], settings.domain.max[b]);
+  }
+  return "";
+}
+
+// A spring is followed by steps of the force at their start, which is stable up to twice the inverse of its frequency.
+std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
+  if (!body.mooring) return "";
+  const Mooring& mooring = *body.mooring;
+  const auto is_amount = [](Real x) { return x >= 0 && std::isfinite(x); };
+  if (!mooring.anchor.allFinite() || (mooring.point && !mooring.point->allFinite()) || !is_amount(mooring.stiffness) ||
+      !is_amount(mooring.damping) || !is_amount(mooring.length.value_or(0)))
+    return "has a mooring with a place that is not finite, or a negative stiffness, damping or length";
+  const Real mass = body.mass ? *body.mass : *body.density * mass_properties(body).volume;
+  const Real max_stiffness = mass / (settings.dt * settings.dt), max_damping = mass / settings.dt;
+  if (mooring.stiffness > max_stiffness || mooring.damping > max_damping)
+    return fmt::format(
+        "has a mooring too stiff for its mass of {:.3g} kg and steps of {:.3g} s; lower stiffness to "
+        "{:.3g} N/m, damping to {:.3g} N s/m, or dt",
+        mass, settings.dt, max_stiffness, max_damping);
+  return "";
+}
+
+std::string why_in_another(const Settings& settings, std::size_t k) {
+  const ObstacleSettings& one = settings.bodies[k];
+  const auto shape = make_shape(one);
+  const Pose pose = BodyMotion(one).at(0);
+  const Real depth = 0.05 * settings.fluid.spacing;
+  const TriangleMesh mesh = shape->surface(settings.fluid.spacing / 50);
+  const std::vector<ObstacleSettings> all = solids_of(settings);
+  for (std::size_t other = 0; other < all.size(); ++other) {
+    if (other == settings.obstacles.size() + k) continue;
+    const auto there = make_shape(all[other]);
+    const Pose at = BodyMotion(all[other]).at(0);
+    std::vector<Vec3> points = mesh.points;
+    if (shape->distance(Vec3::Zero()) < 0) points.push_back(Vec3::Zero());  // of a twin all others are on the surface
+    for (const Vec3& point : points) {
+      const Vec3 p = pose.into_world(point);
+      if (there->distance(at.into_body(p)) >= -depth) continue;
+      const bool is_body = other >= settings.obstacles.size();
+      return fmt::format("reaches into {} {} at ({:.4g}, {:.4g}, {:.4g}) m; move one of them",
+                         is_body ? "body" : "obstacle", is_body ? other - settings.obstacles.size() : other, p.x(),
+                         p.y(), p.z());
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string why_no_body(const Settings& settings, std::size_t k) {
+  const BodySettings& body = settings.bodies[k];
+  if (settings.fluid.dimensions == 2) return "is for three dimensions; leave it out, or take [domain] dimensions = 3";
+  if (body.inside) return "is a vessel, which cannot move freely; take a basin";
+  if (!body.motion.empty() || !body.knots.empty() || body.oscillation) return "has a motion of its own";
+  if (body.free == std::array<bool, 6>{}) return "is free to do nothing; make an obstacle of it";
+  if (std::string wrong = why_no_mass(body); !wrong.empty()) return wrong;
+  if (std::string wrong = why_no_start(settings, body); !wrong.empty()) return wrong;
+  if (std::string wrong = why_no_mooring(settings, body); !wrong.empty()) return wrong;
+  return why_in_another(settings, k);
+}
+
+}  // namespace trevi

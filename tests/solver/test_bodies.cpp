@@ -1,0 +1,400 @@
+// Rigid bodies that move freely: their masses, their flight, and how they and the water move each other.
+#include <cmath>
+#include <numbers>
+
+#include "boundary/geometry/mass_properties.hpp"
+#include "boundary/rigid_bodies/rigid_body.hpp"
+#include "fluid/constraint/density.hpp"
+#include "support/cloud.hpp"
+#include "support/kept_run.hpp"
+#include "support/output_fixture.hpp"
+
+namespace trevi::test {
+namespace {
+
+// ---- masses
+// By the midpoints of a lattice.
+MassProperties counted(const ObstacleSettings& solid, int across) {
+  const auto shape = make_shape(solid);
+  const Box box = shape->bounds();
+  const Vec3 size = (box.max - box.min) / across;
+  MassProperties sum;
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < across * across * across; ++k) {
+    const Vec3 p =
+        box.min + size.cwiseProduct(Vec3(k % across + 0.5, k / across % across + 0.5, k / across / across + 0.5));
+    if (shape->distance(p) > 0) continue;
+    sum.volume += size.prod();
+    sum.center += size.prod() * p;
+    second += size.prod() * p * p.transpose();
+  }
+  sum.center /= sum.volume;
+  const Eigen::Matrix3d about = second - sum.volume * sum.center * sum.center.transpose();
+  sum.inertia = about.trace() * Eigen::Matrix3d::Identity() - about;
+  return sum;
+}
+
+std::vector<ObstacleSettings> all_shapes() {
+  std::vector<ObstacleSettings> all(7);
+  using enum ShapeKind;
+  const ShapeKind kinds[] = {sphere, box, cylinder, capsule, torus, basin, basin};
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k].shape = kinds[k];
+    all[k].radius = 0.4;
+    all[k].tube = 0.15;
+    all[k].height = 1.1;
+    all[k].wall = 0.2;
+    if (k == 1 || k == 6) all[k].size = {0.6, 1.0, 0.3};
+  }
+  return all;
+}
+
+TEST(Masses, AreThoseOfALattice) {
+  for (const ObstacleSettings& solid : all_shapes()) {
+    const MassProperties exact = mass_properties(solid), found = counted(solid, 100);
+    const Real size = std::cbrt(exact.volume);
+    EXPECT_NEAR(found.volume / exact.volume, 1, 0.01);
+    EXPECT_LT((found.center - exact.center).norm(), 0.01 * size);
+    EXPECT_LT((found.inertia - exact.inertia).norm(), 0.02 * exact.inertia.norm());
+  }
+}
+
+// A mesh of triangles is exact wherever its origin is.
+TEST(Masses, OfABoxOfTrianglesAreItsOwn) {
+  ObstacleSettings solid;
+  solid.shape = ShapeKind::box;
+  solid.size = {0.6, 1.0, 0.3};
+  const MassProperties exact = mass_properties(solid);
+  auto mesh = std::make_shared<TriangleMesh>(make_shape(solid)->surface(0.01));
+  const Vec3 shift(3, -2, 5);
+  for (Vec3& p : mesh->points) p += shift;
+  solid.shape = ShapeKind::mesh;
+  solid.mesh = mesh;
+  const MassProperties found = mass_properties(solid);
+  EXPECT_NEAR(found.volume, exact.volume, 1e-13);
+  EXPECT_LT((found.center - shift).norm(), 1e-13);
+  EXPECT_LT((found.inertia - exact.inertia).norm(), 1e-12);
+}
+
+BodySettings brick() {
+  BodySettings body;
+  body.shape = ShapeKind::box;
+  body.size = {0.6, 1.0, 0.3};
+  body.density = 700;
+  body.center = {1, 2, 3};
+  body.rotate = {10, 20, 30};
+  return body;
+}
+
+TEST(Flight, IsAParabolaWithTheAngularMomentumOfTheStart) {
+  BodySettings settings = brick();
+  settings.velocity = {1, -2, 3};
+  settings.rotate.setZero();
+  settings.angular_velocity = {5, 0.5, 0.5};  // about its middle axis, where it tumbles
+  const Vec3 g(0, 0, -9.8);
+  RigidBody body(settings, *make_shape(settings), g, 1000);
+  const BodyState start = body.state();
+  const Real energy = body.energy(), dt = 0.005;
+  Real lowest = 5;
+  for (int k = 0; k < 600; ++k) {
+    body.begin(dt * (1 + k % 2));
+    body.finish(false);
+    lowest = std::min(lowest, (rotation_of(body.state().orientation).transpose() * body.state().angular_velocity).x());
+  }
+  const Real t = 900 * dt;
+  EXPECT_LT((body.state().position - (start.position + t * start.velocity + t * t / 2 * g)).norm(), 1e-10);
+  EXPECT_LT((body.state().angular_momentum - start.angular_momentum).norm(), 1e-12 * start.angular_momentum.norm());
+  EXPECT_NEAR(body.energy() / energy, 1, 1e-4);
+  EXPECT_LT(lowest, -2) << "it turns over";
+}
+
+// A ball turns by its angular velocity, to second order.
+TEST(Flight, TurnsAsFastAsItSays) {
+  BodySettings settings;
+  settings.radius = 0.5;
+  settings.density = 100;
+  settings.angular_velocity = {0, 0, 2};
+  std::array<Real, 2> off{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    RigidBody body(settings, *make_shape(settings), Vec3::Zero(), 1000);
+    const int steps = k == 0 ? 100 : 200;
+    for (int n = 0; n < steps; ++n) {
+      body.begin(1.0 / steps);
+      body.finish(false);
+    }
+    off[k] = std::abs(2 * std::atan2(body.state().orientation[3], body.state().orientation[0]) - 2);
+  }
+  EXPECT_LT(off[0], 1e-3);
+  EXPECT_NEAR(off[0] / off[1], 4, 0.1);
+}
+
+TEST(Flight, ALockedAxisDoesNotMove) {
+  BodySettings settings = brick();
+  settings.free = {false, false, true, false, true, false};
+  settings.angular_velocity = {0, 2, 0};
+  RigidBody body(settings, *make_shape(settings), {1, 0, -9.8}, 1000);
+  const BodyState start = body.state();
+  for (int k = 0; k < 100; ++k) {
+    body.begin(0.01);
+    body.finish(false);
+  }
+  EXPECT_EQ(body.state().position.head<2>(), start.position.head<2>());
+  EXPECT_NEAR(body.state().position.z(), start.position.z() - 4.9, 1e-10);
+  EXPECT_EQ(body.state().angular_velocity.x(), 0);
+  EXPECT_NEAR(body.state().angular_velocity.y(), 2, 1e-12);
+}
+
+// ---- in the water
+const std::string pool = R"(
+[domain]
+min = [0, 0, 0]
+max = [1.6, 1.2, 2.0]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [1.6, 1.2, 1.0]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+)";
+
+const std::string light_ball = R"(
+[[body]]
+type = "sphere"
+center = [0.75, 0.6, 0.5]
+radius = 0.3
+density = 50
+)";
+
+const std::string two_bodies = light_ball + R"(
+[[body]]
+type = "box"
+center = [1.2, 0.6, 1.4]
+size = [0.4, 0.5, 0.3]
+rotate = [10, 20, 0]
+density = 400
+velocity = [-0.5, 0, -1]
+friction = 0.3
+)";
+
+struct BodyRun : KeptRun {
+  BodyRun(MPI_Comm comm, const std::string& text) : KeptRun(comm, parse_scene("test.toml", text, {})) {}
+  std::vector<BodyState> bodies() const { return solver->bodies(); }
+  /// Of water and bodies, J.
+  Real energy() const {
+    Real sum = rows.back().kinetic_energy + rows.back().potential_energy;
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+      RigidBody body(scene.bodies[k], *make_shape(scene.bodies[k]), *scene.gravity, 1000);
+      body.set_state(bodies()[k]);
+      sum += body.energy();
+    }
+    return sum;
+  }
+};
+
+TEST(Bodies, SameBitsOnAnyRanksAndThreads) {
+  BodyRun alone(MPI_COMM_SELF, pool + two_bodies);
+  alone.steps(30);
+  const int before = thread_count();
+  for (const int threads : {1, 2}) {
+    use_threads(threads);
+    BodyRun together(world, pool + two_bodies);
+    together.steps(30);
+    expect_same_bits(gathered(world, together.solver->particles()), gathered(MPI_COMM_SELF, alone.solver->particles()));
+    EXPECT_EQ(together.bodies(), alone.bodies());
+  }
+  use_threads(before);
+}
+
+TEST(Bodies, ARestartGoesOnWithTheSameBits) {
+  BodyRun through(MPI_COMM_SELF, pool + two_bodies);
+  through.steps(15);
+  const Cloud half = gathered(MPI_COMM_SELF, through.solver->particles());
+  SolverExtras extras;
+  extras.step = through.solver->clock().step;
+  extras.substeps = through.solver->clock().substeps;
+  extras.bodies = through.bodies();
+  const auto on = solver_of(world, through.scene, half, std::move(extras));
+  through.steps(15);
+  for (int k = 0; k < 15; ++k) on->step();
+  expect_same_bits(gathered(world, on->particles()), gathered(MPI_COMM_SELF, through.solver->particles()));
+  EXPECT_EQ(on->bodies(), through.bodies());
+}
+
+// What water and bodies together gain is their weight less what the box took.
+TEST(Bodies, MomentumBalances) {
+  BodyRun run(world, pool + two_bodies);
+  Real mass = static_cast<Real>(run.rows.front().particles) * water_mass(run.scene.fluid), through = 0;
+  const auto momentum = [&] {
+    Vec3 sum = run.rows.back().momentum;
+    for (const BodyState& body : run.bodies()) sum += body.momentum;
+    return sum;
+  };
+  for (const BodySettings& body : run.scene.bodies) mass += *body.density * mass_properties(body).volume;
+  Vec3 expected = momentum();
+  for (int k = 0; k < 28; ++k) {  // until the box meets a wall, having met the ball
+    run.steps(1);
+    const std::vector<BodyForce>& forces = run.forces.back();
+    expected += run.scene.dt * (mass * *run.scene.gravity - forces.back().force);
+    for (const BodyForce& one : forces) through += run.scene.dt * one.force.norm();
+    EXPECT_LT((momentum() - expected).norm(), 1e-6 * through) << k;
+  }
+}
+
+// Without gravity.
+TEST(Bodies, ABlobAndABallKeepTheirMomentum) {
+  BodyRun run(world, R"(
+[domain]
+min = [0, 0, 0]
+max = [3, 2, 2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0.6, 0.6, 0.6]
+max = [1.2, 1.4, 1.4]
+velocity = [1, 0, 0]
+[time]
+dt = 0.01
+end = 1
+[[body]]
+type = "sphere"
+center = [1.6, 1.05, 1]
+radius = 0.3
+density = 300
+)");
+  const auto momentum = [&] { return Vec3(run.rows.back().momentum + run.bodies()[0].momentum); };
+  const Vec3 start = momentum();
+  run.steps(60);
+  EXPECT_GT(run.bodies()[0].velocity.x(), 0.3) << "it was hit";
+  EXPECT_LT((momentum() - start).norm(), 1e-6 * start.norm());
+}
+
+TEST(Bodies, ALightBallRisesAndJumps) {
+  BodyRun run(world, pool + light_ball);
+  const Real start = run.energy();
+  Real highest = 0, fastest = 0;
+  for (int k = 0; k < 90; ++k) {
+    run.steps(1);
+    highest = std::max(highest, run.bodies()[0].position.z());
+    fastest = std::max({fastest, run.bodies()[0].velocity.norm(), run.rows.back().speed_max});
+    EXPECT_LT(run.energy(), start) << k;
+  }
+  EXPECT_GT(highest, 1.35) << "it comes out of the water, 1.1 m with it";
+  EXPECT_LT(fastest, 4.5);
+}
+
+TEST(Bodies, OfTheWatersDensityStaysWhereItIs) {
+  BodyRun run(world, pool + "[[body]]\ntype = \"sphere\"\ncenter = [0.75, 0.6, 0.5]\nradius = 0.3\ndensity = 1000\n");
+  const Vec3 start = run.bodies()[0].position;
+  run.steps(300);
+  EXPECT_LT((run.bodies()[0].position - start).norm(), 0.1);
+}
+
+// By Archimedes: a box of the density rho floats rho/rho0 of its height deep, in water that it has lifted.
+TEST(Bodies, FloatAsDeepAsTheyAreHeavy) {
+  for (const Real part : {0.25, 0.5, 0.75}) {
+    BodyRun run(world, pool + fmt::format("[[body]]\ntype = \"box\"\ncenter = [0.8, 0.6, {}]\nsize = [0.6, 0.6, 0.6]\n"
+                                          "density = {}\nfree = [\"z\"]\n",
+                                          1.3 - 0.6 * part, 1000 * part));
+    run.steps(240);
+    Real sum = 0;
+    for (int k = 0; k < 60; ++k) {
+      run.steps(1);
+      sum += run.bodies()[0].position.z() / 60;
+    }
+    const Real water = static_cast<Real>(run.rows.front().particles) * 1e-3, area = 1.6 * 1.2, wet = 0.6 * part;
+    const Real level = (water + 0.36 * wet) / area;
+    EXPECT_NEAR(level - (sum - 0.3), wet, 0.03) << part;
+  }
+}
+
+// ---- contacts
+const std::string dry = R"(
+[domain]
+min = [0, 0, 0]
+max = [2, 2, 2]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0, 0]
+max = [0.2, 0.2, 0.2]
+[time]
+dt = 0.0166666666666666667
+end = 1
+[gravity]
+)";
+
+TEST(Contacts, ABallBouncesAsHighAsItsRestitutionSays) {
+  BodyRun run(world, dry +
+                         "[walls]\nrestitution = 0.8\n[[body]]\ntype = \"sphere\"\ncenter = [1.2, 1.2, 1.2]\n"
+                         "radius = 0.2\ndensity = 500\n");
+  Real lowest = 2, highest = 0;
+  for (int k = 0; k < 60; ++k) {
+    run.steps(1);
+    const Real z = run.bodies()[0].position.z();
+    lowest = std::min(lowest, z);
+    if (run.bodies()[0].velocity.z() > 0 || highest > 0) highest = std::max(highest, z);
+  }
+  EXPECT_GT(lowest, 0.2 - 0.005);
+  EXPECT_NEAR(highest - 0.2, 0.64, 0.1);
+}
+
+// And nothing is in anything by more than 0.05 spacings.
+TEST(Contacts, AStackRests) {
+  std::string text = dry + "[walls]\nrestitution = 0\n";
+  for (int k = 0; k < 3; ++k)
+    text += fmt::format(
+        "[[body]]\ntype = \"box\"\ncenter = [1.2, 1.2, {}]\nsize = [0.4, 0.4, 0.3]\ndensity = 500\n"
+        "friction = 0.5\n",
+        0.2 + 0.4 * k);
+  BodyRun run(world, text);
+  for (int k = 0; k < 120; ++k) {
+    run.steps(1);
+    for (std::size_t n = 0; n < 3; ++n)
+      EXPECT_GT(run.bodies()[n].position.z(), 0.15 + 0.3 * static_cast<Real>(n) - 0.005 * static_cast<Real>(n + 1));
+  }
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_NEAR(run.bodies()[n].position.z(), 0.15 + 0.3 * static_cast<Real>(n), 0.01);
+    EXPECT_LT(run.bodies()[n].velocity.norm(), 0.02);
+  }
+}
+
+// Gravity that leans stands for a slope.
+TEST(Contacts, FrictionHoldsABoxOnASlope) {
+  for (const Real slope : {0.3, 0.5}) {
+    BodyRun run(world,
+                dry + fmt::format("acceleration = [{}, 0, -9]\n[walls]\nrestitution = 0\n[[body]]\ntype = \"box\"\n"
+                                  "center = [0.8, 1.2, 0.15]\nsize = [0.6, 0.6, 0.3]\ndensity = 500\n"
+                                  "friction = 0.4\n",
+                                  9 * slope));
+    run.steps(30);
+    const Real slid = slope > 0.4 ? 9 * (slope - 0.4) * 0.125 : 0;
+    EXPECT_NEAR(run.bodies()[0].position.x() - 0.8, slid, 0.02) << slope;
+  }
+}
+
+TEST(BodyInput, IsRefusedWithItsPlace) {
+  const auto refusal = [](const std::string& keys) {
+    return input_error_of([&] { parse_scene("test.toml", pool + "[[body]]\n" + keys, {}); });
+  };
+  const std::string sphere = "type = \"sphere\"\ncenter = [0.7, 0.6, 0.5]\nradius = 0.2\n";
+  expect_mentions(refusal(sphere), {"test.toml:", "[[body]]", "density", "missing"});
+  expect_mentions(refusal(sphere + "density = 1\nmass = 2\n"), {"density", "mass is given, too"});
+  expect_mentions(refusal(sphere + "density = 1\nfree = [\"up\"]\n"), {"free", "\"up\"", "choose"});
+  expect_mentions(refusal(sphere + "density = 1\nfree = []\n"), {"free", "is empty"});
+  expect_mentions(refusal(sphere + "density = 1\nfree = [\"z\"]\nvelocity = [1, 0, 0]\n"), {"velocity", "add \"x\""});
+  expect_mentions(refusal(sphere + "density = 1\ninside = true\n"), {"inside", "basin"});
+  const auto of_solver = [](const auto& keys) {
+    return input_error_of([&] { BodyRun(world, pool + "[[body]]\n" + keys); });
+  };
+  expect_mentions(of_solver("type = \"sphere\"\ncenter = [0.1, 0.6, 0.5]\nradius = 0.2\ndensity = 1\n"),
+                  {"bodies[0]", "out of the box"});
+  expect_mentions(of_solver(sphere + "density = 1\n[body.mooring]\nanchor = [0, 0, 0]\nstiffness = 1e9\n"),
+                  {"bodies[0]", "too stiff"});
+  expect_mentions(of_solver(sphere + "density = 1\n[[body]]\n" + sphere + "density = 2\n"), {"reaches into body"});
+}
+
+}  // namespace
+}  // namespace trevi::test
