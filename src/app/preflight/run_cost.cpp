@@ -48,6 +48,7 @@ Scene sample_of(const Scene& scene) {
   sample.drains.clear();
   sample.dampings.clear();
   sample.gauges.clear();
+  sample.bodies.clear();
   std::erase_if(sample.obstacles, [](const ObstacleSettings& obstacle) { return obstacle.wavemaker.has_value(); });
   sample.output = {};
   return sample;
