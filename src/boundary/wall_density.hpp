@@ -4,11 +4,11 @@
 //
 // One plane at distance d adds the fraction w(d) of the rest density. At the distances d_k = (k + 1/2) spacing of the
 // lattice layers w is the fraction that lattice points behind the plane would have, so that the start is at rest
-// density; its slope there is `slope` times that of the missing points (WallSlope). In between w is the monotone rational
-// quadratic of Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the first layer on whose
-// neighbours are all in front of the plane. Several planes are combined by inclusion and exclusion: the fraction behind
-// A or B is A + B − A B r, where r(d_A, d_B) makes edges and corners of the start lattice exact, too. For opposite
-// planes, both near where the box is narrow, different points are missing, so their contributions add up. Not
+// density; its slope there is `slope` times that of the missing points (WallSlope). In between w is the monotone
+// rational quadratic of Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the first layer on
+// whose neighbours are all in front of the plane. Several planes are combined by inclusion and exclusion: the fraction
+// behind A or B is A + B − A B r, where r(d_A, d_B) makes edges and corners of the start lattice exact, too. For
+// opposite planes, both near where the box is narrow, different points are missing, so their contributions add up. Not
 // collective.
 #pragma once
 
@@ -31,9 +31,10 @@ struct BoundaryDensity {
 
 /// Ratio of the slope of w to that of missing particles without multipliers.
 ///
-/// Where sweeps make velocities it is 2: water behind the wall would have multipliers of its own, mirror images of those
-/// in front, and so push twice as much. With 1 the layers crowd at the wall, and a lattice at rest begins to move: pools
-/// of 5 layers gain 0.9 % of energy in 20 s, with 2 less than 0.01 %. Waves lose the same energy with either.
+/// Where sweeps make velocities it is 2: water behind the wall would have multipliers of its own, mirror images of
+/// those in front, and so push twice as much. With 1 the layers crowd at the wall, and a lattice at rest begins to
+/// move: pools of 5 layers gain 0.9 % of energy in 20 s, with 2 less than 0.01 %. Waves lose the same energy with
+/// either.
 ///
 /// Where sweeps shift positions only, nothing begins to move, and the slope decides how water lies at a wall. With 2 it
 /// is ordered in layers, and the quarter layers from the wall on hold 0, 2.5, 0.6, 0.5, 1.1, 1.1, 0.9 times what they

@@ -12,8 +12,8 @@ struct Densities {
   Real rest;
 };
 
-/// What the sweeps have done: shifts of positions from x to p, where the grid acts (0 to 1), and the densities that they
-/// have seen last; of all owned particles.
+/// What the sweeps have done: shifts of positions from x to p, where the grid acts (0 to 1), and the densities that
+/// they have seen last; of all owned particles.
 template <class T>
 struct Swept {
   Motion shifts;

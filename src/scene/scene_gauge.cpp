@@ -6,8 +6,8 @@
 
 #include "boundary/gauges.hpp"
 #include "scene/scene_place.hpp"
-#include "solver/density_solver.hpp"
 #include "scene/scene_plane.hpp"
+#include "solver/density_solver.hpp"
 
 namespace trevi {
 namespace {
@@ -118,10 +118,11 @@ void check_gauges(Section& root, const Scene& scene) {
   };
   const bool stands =
       std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [](const auto& one) { return !one.moves(); });
-  root.check(
-      "gauge", !any(GaugeKind::pressure) || root.given("obstacle") || root.given("body") || root.given("wavemaker"),
-      "type = \"pressure\" with a normal needs an [[obstacle]] or a [[body]]: without one nobody counts what walls take of the "
-      "water; leave out the normal for the pressure of the water there");
+  root.check("gauge",
+             !any(GaugeKind::pressure) || root.given("obstacle") || root.given("body") || root.given("wavemaker"),
+             "type = \"pressure\" with a normal needs an [[obstacle]] or a [[body]]: without one nobody counts what "
+             "walls take of the "
+             "water; leave out the normal for the pressure of the water there");
   root.check("gauge", !any(GaugeKind::run_up) || stands || !root.fine("obstacle"),
              "type = \"run_up\" needs an [[obstacle]] that stands, for the water to run up");
   root.check("gauge",

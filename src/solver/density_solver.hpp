@@ -38,9 +38,9 @@ struct DensitySolverContext {
   const Box& box;
   const DensityModel& model;
   Real spacing;
-  Vec3 gravity;                    ///< m/s²
-  Obstacles* obstacles = nullptr;     ///< null where there are none
-  PressureProbes* probes = nullptr;   ///< may be null; a projection shows its pressure to them
+  Vec3 gravity;                      ///< m/s²
+  Obstacles* obstacles = nullptr;    ///< null where there are none
+  PressureProbes* probes = nullptr;  ///< may be null; a projection shows its pressure to them
 };
 
 /// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.

@@ -24,8 +24,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
-                 parts_.first_cell, parts_.crush_limit, parts_.probes.get(),
-                 parts_.absorption.get()},
+                 parts_.first_cell, parts_.crush_limit, parts_.probes.get(), parts_.absorption.get()},
                 std::move(parts_.observers), *parts_.diagnostics,
                 {*parts_.comm, parts_.water_mass, parts_.gravity, parts_.supplied_energy}) {
   reporter_.set_force_sums(std::move(parts_.force_sums));

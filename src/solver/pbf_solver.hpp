@@ -54,7 +54,7 @@ struct SolverParts {
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
-  ForceSums force_sums;           ///< of the solver before, as the next two
+  ForceSums force_sums;  ///< of the solver before, as the next two
   std::vector<BodyState> bodies;
   Real supplied_energy = 0;       ///< J
   std::vector<Real> paddle_ways;  ///< of the solver before, m

@@ -37,7 +37,9 @@ Box box_of(int x, int y, int z) {
   return {corner, corner + spacing * Vec3(x, y, z)};
 }
 
-AnalyticWallDensity walls(const Case& c, const Box& box) { return {box, c.kernel, spacing, c.h(), WallSlope::of_velocities}; }
+AnalyticWallDensity walls(const Case& c, const Box& box) {
+  return {box, c.kernel, spacing, c.h(), WallSlope::of_velocities};
+}
 
 /// Of the particle at lattice place (x, y, z) of `count` in each direction: the share of the places that are not in the
 /// box.
