@@ -10,7 +10,8 @@
 // with the distance from the face, of what each of them says of the middle of the open part of the face,
 //   u_f = Σ w_i (u_i + B (x_f − y_i)) / Σ w_i,
 // with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen
-// midway of their paths, which makes it that of the middle of the step: second order in time.
+// midway of their paths, which makes it that of the middle of the step: second order in time. Between two cells without
+// particles beside an obstacle it is what the fits around say, weighted by their particles.
 //
 // Sums are formed by the owner of a plane in the order of the particles: the same bits on any rank count. Collective:
 // gather().
@@ -71,6 +72,15 @@ class ParticlesToGrid {
   void find_filled(LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
+  // Beside obstacles, between cells without particles; see particles_to_grid_cut.cpp.
+  using CellNumbers = std::array<LocalId, 3>;  // of plane, row and column
+  struct FittedMean {
+    Real sum = 0, weight = 0;
+  };
+  void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts);
+  bool exists(CellNumbers& cell) const;
+  bool holds_any(const CellNumbers& cell) const { return sums_.number(0, cell[0], cell[1], cell[2]) > 0; }
+  void add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place, FittedMean& mean) const;
 
   const ProjectionGrid& grid_;
   CellFrame frame_;

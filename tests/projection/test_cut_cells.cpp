@@ -5,7 +5,7 @@
 #include "boundary/obstacles/obstacles.hpp"
 #include "particles/cell_grid.hpp"
 #include "projection/cut_cells.hpp"
-#include "support/cloud.hpp"
+#include "stages.hpp"
 
 namespace trevi::test {
 namespace {
@@ -169,6 +169,36 @@ TEST(CutCells, ARigidRotationHasNoDivergenceInAVessel) {
                   worst * h / radius);
       EXPECT_LT(worst, 3e-3 * radius / h);
     }
+  }
+}
+
+// A lattice leaves out what is within half a spacing of the wall, so that cells there are water without a particle. Its
+// motion passes their faces nevertheless, and a rotation makes no pressure but that of its weight.
+TEST(CutCells, CellsWithoutParticlesMoveWithTheWaterBeside) {
+  const Vec3 axis(1.2, 1.2, 1);
+  const auto turned = [&](const Vec3& p) { return Vec3(0.05 * Vec3(axis.y() - p.y(), p.x() - axis.x(), 0)); };
+  for (const Real radius : {0.53, 0.8, 0.97}) {
+    Vessel vessel(ShapeKind::cylinder, radius, axis);
+    const auto within = [&](const Vec3& p) { return (p - axis).head<2>().norm() < radius - h / 4; };
+    Water water(turned, {.top = 1.2, .box = vessel.settings.domain, .holds = within});
+    Stages at(water, h / 2, &vessel.obstacles);
+    at.classify();
+    Real wrong = 0;
+    std::int64_t empty = 0;
+    at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+      for (const int a : {0, 1, 2}) {
+        const auto i = static_cast<std::size_t>(a);
+        const std::size_t cell = at.grid.index(k, r, c), below = cell - at.grid.step(i);
+        if (!at.surface->is_wet(cell) || !at.surface->is_wet(below) || at.cuts->face(i, cell) == 0) continue;
+        ByAxis middle = at.cuts->middle_of_face(i, cell);
+        middle[static_cast<std::size_t>(a)] = 0;
+        const Vec3 face = at.middle(k, r, c) + h * Vec3(middle[0] - 0.5, middle[1] - 0.5, middle[2] - 0.5);
+        wrong = std::max(wrong, std::abs(at.transfer.displacement(i, cell) - turned(face)[a]));
+        empty += at.transfer.moments(cell).at.n == 0 && at.transfer.moments(below).at.n == 0;
+      }
+    });
+    EXPECT_LT(max_over_ranks(world, wrong), 1e-8) << "of 0.05 m, radius " << radius;
+    EXPECT_GT(sum_over_ranks(world, empty), 0) << "radius " << radius;
   }
 }
 
