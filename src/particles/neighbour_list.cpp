@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <numeric>
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
@@ -27,6 +28,7 @@ struct SearchInput {
 struct SearchResult {
   NeighbourRows& rows;
   RowPages& pages;
+  std::int64_t* pairs_of_row;  // of cells
   // The first particle with too many neighbours; without one, the number of particles.
   std::atomic<LocalId> first_overfull_particle;
 
@@ -165,6 +167,9 @@ void search(const SearchInput<T>& in, SearchResult& result) {
     for (LocalId c = first; c < first + columns; ++c) {
       if (!search_cell(in, result, workers.mine(), k, c)) return;
     }
+    const LocalId begin = in.order.start(k, first), end = in.order.start(k, first + columns);
+    const LocalId* const count = result.rows.count.data() + (begin - in.order.low_ghosts());
+    result.pairs_of_row[part] = std::accumulate(count, count + (end - begin), std::int64_t{0});
   });
   workers.for_each([](Worker<T>& worker) { worker.writer.close(); });
 }
@@ -194,14 +199,33 @@ void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>
   resize_tightly(rows_.begin, owned);
   resize_tightly(rows_.count, owned);
   pages_.clear();
-  SearchResult result{rows_, pages_, order.owned()};
+  first_of_row_.assign(order.row_starts().begin(), order.row_starts().end());
+  pairs_of_row_.assign(first_of_row_.size(), 0);
+  SearchResult result{rows_, pages_, pairs_of_row_.data(), order.owned()};
   if constexpr (std::is_same_v<T, float>) {
     HWY_DYNAMIC_DISPATCH(search_single)({order, records}, result);
   } else {
     HWY_DYNAMIC_DISPATCH(search_double)({order, records}, result);
   }
   first_overfull_ = result.first_overfull_particle < order.owned() ? result.first_overfull_particle.load() : -1;
-  std::fill(rows_.count.begin() + result.first_overfull_particle, rows_.count.end(), 0);
+  if (first_overfull_ >= 0) {
+    std::fill(rows_.count.begin() + first_overfull_, rows_.count.end(), 0);
+    for (std::size_t row = 0; row + 1 < first_of_row_.size(); ++row) {
+      const auto begin = rows_.count.begin();
+      pairs_of_row_[row] = std::accumulate(begin + first_of_row_[row], begin + first_of_row_[row + 1], std::int64_t{0});
+    }
+  }
+  std::exclusive_scan(pairs_of_row_.begin(), pairs_of_row_.end(), pairs_of_row_.begin(), std::int64_t{0});
+}
+
+// Pairs of the particles before this one.
+std::int64_t NeighbourList::pairs_before(LocalId i) const {
+  const auto after = std::upper_bound(first_of_row_.begin(), first_of_row_.end(), i);
+  if (after == first_of_row_.begin()) return 0;  // no list yet
+  const auto row = after - first_of_row_.begin() - 1;
+  const auto counts = rows_.count.begin();
+  return std::accumulate(counts + first_of_row_[static_cast<std::size_t>(row)], counts + i,
+                         pairs_of_row_[static_cast<std::size_t>(row)]);
 }
 
 template void NeighbourList::rebuild(const CellOrder&, const std::vector<Packed<float>>&);

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -80,21 +79,25 @@ class NeighbourList {
   std::span<const LocalId> operator[](LocalId i) const { return {row(i), static_cast<std::size_t>(count(i))}; }
   /// Where the row of owned particle i starts; a full vector may be read from any index of it.
   const LocalId* row(LocalId i) const { return rows_.begin[static_cast<std::size_t>(i)]; }
-  /// Pairs of the particles of a range, counted anew.
-  std::int64_t pairs(Range range) const {
-    return std::accumulate(rows_.count.begin() + range.begin, rows_.count.begin() + range.end, std::int64_t{0});
-  }
+  /// Pairs of the particles of a range; quick where it begins and ends with rows of cells.
+  std::int64_t pairs(Range range) const { return pairs_before(range.end) - pairs_before(range.begin); }
   std::int64_t pairs() const { return pairs({0, size()}); }
   /// Owned particle with more than max_neighbours, −1 if there is none; it and those after it then have empty rows.
   LocalId first_overfull_particle() const { return first_overfull_; }
   std::size_t bytes() const {
     return rows_.begin.capacity() * sizeof(rows_.begin[0]) + rows_.count.capacity() * sizeof(rows_.count[0]) +
-           pages_.bytes();
+           pages_.bytes() + pairs_of_row_.capacity() * sizeof(pairs_of_row_[0]) +
+           first_of_row_.capacity() * sizeof(LocalId);
   }
 
  private:
+  std::int64_t pairs_before(LocalId i) const;
+
   NeighbourRows rows_;
   RowPages pages_;
+  // Of each row of cells its first particle, and the pairs of all rows before it; and of all rows.
+  std::vector<LocalId> first_of_row_;
+  std::vector<std::int64_t> pairs_of_row_;
   LocalId first_overfull_ = -1;
 };
 

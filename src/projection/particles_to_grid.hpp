@@ -63,8 +63,8 @@ class ParticlesToGrid {
  private:
   // After the moments of a cell's particles: the volume that those of its plane add below it, to itself and above it.
   static constexpr std::size_t volumes = numbers::moments;
-  void sum_plane(const CellOrder& order, LocalId k, const Motion& motion);
-  void add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums);
+  void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion);
+  void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.rows()) + static_cast<std::size_t>(r);
   }

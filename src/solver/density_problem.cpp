@@ -42,7 +42,7 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   resize_tightly(rho_, particles.id.size());
   field_.resize(particles.id.size());
   resize_tightly(multiplier_, particles.id.size());
-  std::fill(multiplier_.begin(), multiplier_.end(), T{0});
+  for_each_index({0, particles.size()}, [of = multiplier_.data()](std::size_t i) { of[i] = 0; });
   positions_only_ = false;
 }
 
