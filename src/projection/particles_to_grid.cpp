@@ -53,15 +53,15 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : gri
 }
 
 void ParticlesToGrid::resize() {
-  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
   filled_.assign(row_index(grid_.planes() + 2, 0), {});
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
-void ParticlesToGrid::clear_row(LocalId k, LocalId r, LocalId columns) {
-  const Range lost{columns, grid_.columns(k, r)};
-  sums_.clear(k, r, lost);
-  fit_.clear(k, r, lost);
+void ParticlesToGrid::store() {
+  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
+}
+
+void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
   const std::size_t begin = grid_.index(k, r, 0);
   for (auto& u : displacement_) {
     const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -106,7 +106,7 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
 // rows in the same order, whatever the parts are.
 void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion) {
   const LocalId rows = grid_.rows(), beyond = grid_.repeats()[1] ? 1 : 0;
-  for (LocalId r = own.begin; r < own.end; ++r) sums_.clear(k, r, {0, grid_.columns(k, r)});
+  for (LocalId r = own.begin; r < own.end; ++r) sums_.clear(k, r);
   // Where rows repeat, the last one is also before the first, and the first beyond the last.
   const LocalId end = std::min(own.end + 1, rows + beyond);
   for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
@@ -148,13 +148,13 @@ void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes
 // Of ghost planes not all rows are known to hold nothing above their columns.
 void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   const auto holds_any = [&](LocalId c) { return sums_.number(0, k, r, c) > 0; };
-  Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
+  Range& filled = filled_[row_index(k, r)] = {0, std::min(grid_.columns(), grid_.storage().cells(k, r))};
   while (filled.end > 0 && !holds_any(filled.end - 1)) --filled.end;
   while (filled.begin < filled.end && !holds_any(filled.begin)) ++filled.begin;
 }
 
 void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
-  fit_.clear_around(k, r, filled(k, r), grid_.columns(k, r));
+  fit_.clear_around(k, r, filled(k, r));
   fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r)});
 }
 
