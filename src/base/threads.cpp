@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/growth.hpp"
 #include "base/simd.hpp"
 
 // GCC's OpenMP library waits by system calls that its thread sanitizer does not see, so it is told what happens before
@@ -119,6 +120,19 @@ std::vector<int> placed_processors() {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
+}
+
+void touch_pages(std::byte* memory, std::size_t bytes) {
+  constexpr std::size_t page = 4096, fewest = 16 * page;  // less comes from memory that has been used before
+  if (thread_count() == 1 || bytes < fewest) return;
+  const auto parts =
+      static_cast<LocalId>(std::min<std::size_t>(bytes / page, 64 * static_cast<std::size_t>(thread_count())));
+  for_each_part(parts, [&](LocalId part) {
+    const auto from = [&](LocalId k) {
+      return bytes / page * static_cast<std::size_t>(k) / static_cast<std::size_t>(parts) * page;
+    };
+    for (std::size_t at = from(part); at < from(part + 1); at += page) memory[at] = std::byte{0};
+  });
 }
 
 TREVI_UNSEEN_BY_TSAN void run_parts(LocalId parts, void (*work)(const void* context, LocalId part),

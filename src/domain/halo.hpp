@@ -79,6 +79,11 @@ class Halo {
   void start_planes(std::vector<T>& grid, std::size_t per_plane) {
     start_planes(grid, per_plane, neighbours_);
   }
+  template <class T>
+  void start_planes(std::span<T> grid, std::size_t per_plane) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    start_plane_bytes(std::as_writable_bytes(grid), per_plane * sizeof(T), neighbours_);
+  }
   /// Between other ranks than the neighbours; `grid` may have no owned planes.
   template <class T>
   void start_planes(std::vector<T>& grid, std::size_t per_plane, const PlanePeers& peers) {

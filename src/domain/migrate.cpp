@@ -66,10 +66,12 @@ std::vector<std::byte> pack(Particles& particles, const std::vector<LocalId>& ch
   std::vector<std::byte> buffer(chosen.size() * bytes_per_particle(particles));
   std::byte* out = buffer.data();
   particles.for_each_field([&](auto& field) {
-    for (const LocalId i : chosen) {
-      std::memcpy(out, &field[static_cast<std::size_t>(i)], sizeof(field[0]));
-      out += sizeof(field[0]);
-    }
+    constexpr std::size_t size = sizeof(field[0]);
+    for_each_index({0, static_cast<LocalId>(chosen.size())},
+                   [out, from = field.data(), to_go = chosen.data()](std::size_t k) {
+                     std::memcpy(out + k * size, from + to_go[k], size);
+                   });
+    out += chosen.size() * size;
   });
   return buffer;
 }
@@ -87,7 +89,9 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
   particles.for_each_field([&](auto& field) {
     const std::size_t before = field.size();
     resize_tightly(field, before + arrived);
-    if (arrived > 0) std::memcpy(static_cast<void*>(field.data() + before), in, arrived * sizeof(field[0]));
+    for_each_index({0, static_cast<LocalId>(arrived)}, [in, to = field.data() + before](std::size_t k) {
+      std::memcpy(static_cast<void*>(to + k), in + k * sizeof(to[0]), sizeof(to[0]));
+    });
     in += arrived * sizeof(field[0]);
   });
 }

@@ -25,6 +25,18 @@ LocalId nearest_cut(std::span<const Real> before, Real weight) {
   return static_cast<LocalId>(next ? cut + 1 : cut);
 }
 
+// The first plane before `end` with at least this weight in the planes before it, looked for from there downwards in
+// strides that double: a rank has few of all planes.
+LocalId first_within(std::span<const Real> before, LocalId end, Real weight) {
+  LocalId last = end, stride = 1;
+  while (last > 0 && before[static_cast<std::size_t>(std::max(last - stride, 0))] >= weight) {
+    last = std::max(last - stride, 0);
+    stride *= 2;
+  }
+  const auto first = before.begin() + std::max(last - stride, 0);
+  return static_cast<LocalId>(std::lower_bound(first, before.begin() + last, weight) - before.begin());
+}
+
 // The lowest cuts with at most the weight `largest` on each rank but the first, as far as at least one plane for each
 // rank allows.
 std::vector<LocalId> min_cuts(std::span<const Real> before, int ranks, Real largest) {
@@ -32,8 +44,8 @@ std::vector<LocalId> min_cuts(std::span<const Real> before, int ranks, Real larg
   cuts.back() = static_cast<LocalId>(before.size()) - 1;
   for (int r = ranks - 1; r > 0; --r) {
     const LocalId next = cuts[static_cast<std::size_t>(r) + 1];
-    const auto cut = std::lower_bound(before.begin(), before.end(), before[static_cast<std::size_t>(next)] - largest);
-    cuts[static_cast<std::size_t>(r)] = std::clamp(static_cast<LocalId>(cut - before.begin()), r, next - 1);
+    const LocalId cut = first_within(before, next, before[static_cast<std::size_t>(next)] - largest);
+    cuts[static_cast<std::size_t>(r)] = std::clamp(cut, r, next - 1);
   }
   return cuts;
 }
@@ -58,11 +70,14 @@ Slabs::Slabs(std::span<const Real> weights, int ranks) {
   }
   std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all planes before this one
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
-  // The smallest possible value of the largest weight of a rank, by bisection down to rounding.
-  Real impossible = 0, largest = before.back();
-  for (int round = 0; round < 50; ++round) {
-    const Real middle = (impossible + largest) / 2;
+  // The smallest possible value of the largest weight of a rank, by bisection down to rounding. It is at least the mean
+  // and exceeds that by a plane at most.
+  const Real mean = before.back() / ranks, heaviest_plane = *std::max_element(weights.begin(), weights.end());
+  constexpr Real rounding = 1e-13;
+  Real impossible = std::max(mean, heaviest_plane) * (1 - rounding), largest = before.back();
+  for (Real middle = (mean + heaviest_plane) * (1 + rounding); largest - impossible > rounding * largest;) {
     (heaviest(before, min_cuts(before, ranks, middle)) <= middle ? largest : impossible) = middle;
+    middle = (impossible + largest) / 2;
   }
   // Among the cuts with no larger weight, those nearest to equal parts.
   const std::vector<LocalId> least = min_cuts(before, ranks, largest);

@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/range.hpp"
 #include "particles/compress-inl.hpp"
 #include "particles/packed.hpp"
 
@@ -73,18 +74,20 @@ class Candidates {
 
   void clear() { size_ = 0; }
 
-  void append(const std::vector<Packed<T>>& records, LocalId begin, LocalId end, const Bounds<T>& bounds) {
+  // `code`: what stands for the first of them in `index`; for those after it one more each.
+  void append(const std::vector<Packed<T>>& records, Range run, LocalId code, const Bounds<T>& bounds) {
+    const auto [begin, end] = run;
     const hn::ScalableTag<T> d;
     const auto lanes = static_cast<LocalId>(hn::Lanes(d));
     reserve(size_ + static_cast<std::size_t>(end - begin) + padding);
     for (LocalId j = begin; j < end; j += lanes) {
       const auto left = static_cast<std::size_t>(std::min(lanes, end - j));
       if (static_cast<std::size_t>(j + lanes) <= records.size()) {
-        append_vector(d, &records[static_cast<std::size_t>(j)], j, left, bounds);
+        append_vector(d, &records[static_cast<std::size_t>(j)], code + (j - begin), left, bounds);
       } else {  // whole vectors are read, so the last records need something behind them
         std::array<Packed<T>, hn::MaxLanes(d)> last{};
         std::copy_n(records.begin() + j, left, last.begin());
-        append_vector(d, last.data(), j, left, bounds);
+        append_vector(d, last.data(), code + (j - begin), left, bounds);
       }
     }
   }

@@ -65,6 +65,8 @@ class CellOrder {
   LocalId start(LocalId k, LocalId c) const {
     return start_[static_cast<std::size_t>(k) * cells() + static_cast<std::size_t>(c)];
   }
+  /// First owned particle of each row of cells of the owned planes, plane by plane, and the number of all.
+  std::span<const LocalId> row_starts() const { return row_start_; }
   /// Owned particles of the owned planes [k, l) counted from 0.
   Range owned_range(LocalId k, LocalId l) const;
   std::size_t bytes() const;

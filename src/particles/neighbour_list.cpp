@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <numeric>
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
@@ -25,8 +26,9 @@ struct SearchInput {
 };
 
 struct SearchResult {
-  NeighbourRows& rows;
+  std::vector<StoredRow>& rows;
   RowPages& pages;
+  std::int64_t* pairs_of_row;  // of cells
   // The first particle with too many neighbours; without one, the number of particles.
   std::atomic<LocalId> first_overfull_particle;
 
@@ -37,6 +39,13 @@ struct SearchResult {
   }
 };
 
+// `sum` and the pairs of the particles of a range.
+inline std::int64_t count_pairs(const std::vector<StoredRow>& rows, Range range, std::int64_t sum) {
+  for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i)
+    sum += static_cast<std::int64_t>(rows[i].count);
+  return sum;
+}
+
 }  // namespace trevi
 #endif
 
@@ -44,7 +53,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// Stores signed integers as wide as T as LocalIds.
+// Stores signed integers as wide as T as LocalIds, or as codes.
 template <class D, class V>
 void store_indices(D, V index, LocalId* HWY_RESTRICT out) {
   const hn::Rebind<LocalId, D> d32;
@@ -57,10 +66,17 @@ void store_indices(D, V index, LocalId* HWY_RESTRICT out) {
   }
 }
 
+template <class D, class V>
+void store_indices(D, V index, std::uint16_t* HWY_RESTRICT out) {
+  const hn::RebindToUnsigned<D> du;
+  const hn::Rebind<std::uint16_t, D> d16;
+  hn::StoreU(hn::TruncateTo(d16, hn::BitCast(du, index)), d16, out);
+}
+
 // Writes the candidates nearer than one h to particle `self` at p and returns how many there are; stops when there are
 // too many.
-template <class T>
-std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, LocalId* HWY_RESTRICT out) {
+template <class T, class Out>
+std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, Out* HWY_RESTRICT out) {
   constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
   const hn::ScalableTag<T> d;
   const hn::RebindToSigned<decltype(d)> di;
@@ -86,9 +102,32 @@ std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array
   return found;
 }
 
-// The same where rows or columns are periodic: cell by cell, as those beyond the last are elsewhere.
-template <class Visit>
-void for_each_cell_around(const CellOrder& order, LocalId k, LocalId c, Visit&& visit) {
+// Runs of particles one after the other that may be neighbours of those of a cell.
+class Runs {
+ public:
+  void add(LocalId begin, LocalId end) {
+    if (begin == end) return;
+    if (count_ > 0 && runs_[count_ - 1].end == begin) {
+      runs_[count_ - 1].end = end;
+    } else {
+      runs_[count_++] = {begin, end};
+    }
+  }
+  std::span<const Range> all() const { return {runs_.data(), count_}; }
+  // Whether a row can be coded (NeighbourRow).
+  bool are_few_and_short() const {
+    const auto is_short = [](const Range& run) { return run.size() <= NeighbourRow::longest_run; };
+    return count_ <= std::size_t{NeighbourRow::max_runs} &&
+           std::all_of(runs_.begin(), runs_.begin() + count_, is_short);
+  }
+
+ private:
+  std::array<Range, 27> runs_;
+  std::size_t count_ = 0;
+};
+
+// Where rows or columns are periodic: cell by cell, as those beyond the last are elsewhere.
+inline Runs cells_around(const CellOrder& order, LocalId k, LocalId c) {
   const CellGrid& grid = order.grid();
   const LocalId row = c / grid.columns(), column = c % grid.columns();
   const auto near = [&](std::size_t direction, LocalId at, LocalId count) {
@@ -96,26 +135,28 @@ void for_each_cell_around(const CellOrder& order, LocalId k, LocalId c, Visit&& 
     return Range{periodic ? at - 1 : std::max(at - 1, 0), periodic ? at + 2 : std::min(at + 2, count)};
   };
   const Range rows = near(1, row, grid.rows()), columns = near(2, column, grid.columns());
+  Runs runs;
   for (LocalId plane = k - 1; plane <= k + 1; ++plane) {
     for (LocalId r = rows.begin; r < rows.end; ++r) {
       for (LocalId a = columns.begin; a < columns.end; ++a)
-        visit(order.cell(plane, r, a).begin, order.cell(plane, r, a).end);
+        runs.add(order.cell(plane, r, a).begin, order.cell(plane, r, a).end);
     }
   }
+  return runs;
 }
 
-// The rows of cells around cell c of plane k (0 is the low ghost plane), each a contiguous run of particles.
-template <class Visit>
-void for_each_row_around(const CellOrder& order, LocalId k, LocalId c, Visit&& visit) {
-  if (order.grid().is_periodic(1) || order.grid().is_periodic(2)) return for_each_cell_around(order, k, c, visit);
+// The rows of cells around cell c of plane k (0 is the low ghost plane).
+inline Runs runs_around(const CellOrder& order, LocalId k, LocalId c) {
+  if (order.grid().is_periodic(1) || order.grid().is_periodic(2)) return cells_around(order, k, c);
   const LocalId columns = order.grid().columns(), rows = order.grid().rows();
   const LocalId row = c / columns, column = c % columns;
   const LocalId first = std::max(column - 1, 0), last = std::min(column + 1, columns - 1);
+  Runs runs;
   for (LocalId plane = k - 1; plane <= k + 1; ++plane) {
-    for (LocalId r = std::max(row - 1, 0); r <= std::min(row + 1, rows - 1); ++r) {
-      visit(order.start(plane, r * columns + first), order.start(plane, r * columns + last + 1));
-    }
+    for (LocalId r = std::max(row - 1, 0); r <= std::min(row + 1, rows - 1); ++r)
+      runs.add(order.start(plane, r * columns + first), order.start(plane, r * columns + last + 1));
   }
+  return runs;
 }
 
 // What a thread needs for its part of the search.
@@ -133,24 +174,34 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
   if (begin == end) return true;
   Candidates<T>& candidates = worker.candidates;
   const Bounds<T> bounds(in.records.data(), begin, end);
+  const Runs runs = runs_around(in.order, k, c);
+  const bool coded = runs.are_few_and_short();
+  std::array<LocalId, NeighbourRow::max_runs> first;
   candidates.clear();
-  for_each_row_around(in.order, k, c, [&](LocalId row_begin, LocalId row_end) {
-    candidates.append(in.records, row_begin, row_end, bounds);
-  });
+  LocalId self_code = 0, number = 0;  // of the particle at `begin`, of the run
+  for (const Range& run : runs.all()) {
+    const LocalId code = coded ? number << NeighbourRow::bits_of_number : run.begin;
+    candidates.append(in.records, run, code, bounds);
+    if (run.begin <= begin && begin < run.end) self_code = code + (begin - run.begin);
+    if (coded) first[static_cast<std::size_t>(number++)] = run.begin;
+  }
   candidates.close();
+  worker.writer.begin_cell({first.data(), static_cast<std::size_t>(number)});
   constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
   for (LocalId self = begin; self < end; ++self) {
-    LocalId* row = worker.writer.begin_row(result.pages, std::min(candidates.size(), most) + Candidates<T>::padding);
+    std::uint16_t* const row =
+        worker.writer.begin_row(result.pages, std::min(candidates.size(), most) + Candidates<T>::padding);
     const auto position = bounds.relative(in.records[static_cast<std::size_t>(self)]);
-    const std::size_t found = near(candidates, self, position, row);
+    const LocalId code = self_code + (self - begin);
+    const std::size_t found = coded ? near(candidates, code, position, row)
+                                    : near(candidates, code, position, reinterpret_cast<LocalId*>(row));
     const LocalId i = self - in.order.low_ghosts();
     if (found > most) {
       result.note_overfull(i);
       return false;
     }
     worker.writer.end_row(found);
-    result.rows.begin[static_cast<std::size_t>(i)] = row;
-    result.rows.count[static_cast<std::size_t>(i)] = static_cast<LocalId>(found);
+    result.rows[static_cast<std::size_t>(i)] = {worker.writer.place(), found};
   }
   return true;
 }
@@ -165,8 +216,10 @@ void search(const SearchInput<T>& in, SearchResult& result) {
     for (LocalId c = first; c < first + columns; ++c) {
       if (!search_cell(in, result, workers.mine(), k, c)) return;
     }
+    const LocalId begin = in.order.start(k, first), end = in.order.start(k, first + columns);
+    const LocalId low = in.order.low_ghosts();
+    result.pairs_of_row[part] = count_pairs(result.rows, {begin - low, end - low}, 0);
   });
-  workers.for_each([](Worker<T>& worker) { worker.writer.close(); });
 }
 
 void search_single(const SearchInput<float>& in, SearchResult& result) { search(in, result); }
@@ -182,26 +235,67 @@ namespace trevi {
 HWY_EXPORT(search_single);
 HWY_EXPORT(search_double);
 
-LocalId* RowPages::take() {
+RowPages::Page RowPages::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (used_ == pages_.size()) pages_.emplace_back(new LocalId[page_size]);  // not initialised: by its thread only
-  return pages_[used_++].get();
+  if (used_ == pages_.size()) pages_.emplace_back(new std::uint16_t[page_size]);  // not initialised: by its thread only
+  const std::size_t number = used_++;
+  return {pages_[number].get(), number * page_size};
+}
+
+std::uint16_t* RowWriter::begin_row(RowPages& pages, std::size_t longest) {
+  const std::size_t entries = 2 + 2 * NeighbourRow::max_runs + (runs_.empty() ? 2 : 1) * longest + slack;
+  if (static_cast<std::size_t>(end_ - next_) < entries) {
+    const RowPages::Page page = pages.take();
+    page_ = next_ = page.entries;
+    end_ = next_ + RowPages::page_size;
+    first_of_page_ = page.first;
+    runs_place_ = nullptr;
+  }
+  if (!runs_.empty() && runs_place_ == nullptr) {
+    runs_place_ = next_;
+    std::copy(runs_.begin(), runs_.end(), reinterpret_cast<LocalId*>(next_));
+    next_ += 2 * runs_.size();
+  }
+  place_ = first_of_page_ + static_cast<std::uint64_t>(next_ - page_);
+  next_[0] = runs_.empty() ? 0 : static_cast<std::uint16_t>((next_ - runs_place_) / 2);
+  return next_ + (runs_.empty() ? 2 : 1);
+}
+
+std::vector<LocalId> NeighbourList::operator[](LocalId i) const {
+  const NeighbourRow stored = row(i);
+  std::vector<LocalId> neighbours;
+  for (LocalId k = 0; k < stored.count; ++k) neighbours.push_back(stored[k]);
+  return neighbours;
 }
 
 template <class T>
 void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>& records) {
   const auto owned = static_cast<std::size_t>(order.owned());
-  resize_tightly(rows_.begin, owned);
-  resize_tightly(rows_.count, owned);
+  resize_tightly(rows_, owned);
   pages_.clear();
-  SearchResult result{rows_, pages_, order.owned()};
+  first_of_row_.assign(order.row_starts().begin(), order.row_starts().end());
+  pairs_of_row_.assign(first_of_row_.size(), 0);
+  SearchResult result{rows_, pages_, pairs_of_row_.data(), order.owned()};
   if constexpr (std::is_same_v<T, float>) {
     HWY_DYNAMIC_DISPATCH(search_single)({order, records}, result);
   } else {
     HWY_DYNAMIC_DISPATCH(search_double)({order, records}, result);
   }
   first_overfull_ = result.first_overfull_particle < order.owned() ? result.first_overfull_particle.load() : -1;
-  std::fill(rows_.count.begin() + result.first_overfull_particle, rows_.count.end(), 0);
+  if (first_overfull_ >= 0) {
+    for (auto i = static_cast<std::size_t>(first_overfull_); i < rows_.size(); ++i) rows_[i] = {0, 0};
+    for (std::size_t row = 0; row + 1 < first_of_row_.size(); ++row)
+      pairs_of_row_[row] = count_pairs(rows_, {first_of_row_[row], first_of_row_[row + 1]}, 0);
+  }
+  std::exclusive_scan(pairs_of_row_.begin(), pairs_of_row_.end(), pairs_of_row_.begin(), std::int64_t{0});
+}
+
+// Pairs of the particles before this one.
+std::int64_t NeighbourList::pairs_before(LocalId i) const {
+  const auto after = std::upper_bound(first_of_row_.begin(), first_of_row_.end(), i);
+  if (after == first_of_row_.begin()) return 0;  // no list yet
+  const auto row = static_cast<std::size_t>(after - first_of_row_.begin() - 1);
+  return count_pairs(rows_, {first_of_row_[row], i}, pairs_of_row_[row]);
 }
 
 template void NeighbourList::rebuild(const CellOrder&, const std::vector<Packed<float>>&);

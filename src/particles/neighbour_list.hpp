@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -20,49 +19,70 @@ namespace trevi {
 /// Memory for the rows. It grows by pages and so never has to be copied; pages are kept for the next search.
 class RowPages {
  public:
-  static constexpr std::size_t page_size = std::size_t{1} << 16;  ///< indices; 256 kB
+  static constexpr std::size_t page_size = std::size_t{1} << 17;  ///< entries; 256 kB
 
+  struct Page {
+    std::uint16_t* entries;
+    std::uint64_t first;  ///< number of its first entry
+  };
   /// An unused page of page_size; may be called by several threads at once.
-  LocalId* take();
+  Page take();
+  const std::uint16_t* entry(std::uint64_t at) const { return pages_[at / page_size].get() + at % page_size; }
   /// All pages are unused again.
   void clear() { used_ = 0; }
-  std::size_t bytes() const { return pages_.size() * page_size * sizeof(LocalId); }
+  std::size_t bytes() const { return pages_.size() * page_size * sizeof(std::uint16_t); }
 
  private:
   std::mutex mutex_;
-  std::vector<std::unique_ptr<LocalId[]>> pages_;
+  std::vector<std::unique_ptr<std::uint16_t[]>> pages_;
   std::size_t used_ = 0;
 };
 
-/// The page to which one thread writes.
+/// A row of the list as it is stored: of each neighbour the run of particles in which it is, in the highest 4 bits, and
+/// its number in it. The runs are those of the rows of cells around a cell, and `first` says where each of them begins.
+/// Where there are more of them, or longer ones, the neighbours' indices stand in `wide`.
+struct NeighbourRow {
+  static constexpr int bits_of_number = 12;
+  static constexpr LocalId max_runs = 16, longest_run = 1 << bits_of_number;
+
+  const LocalId* first;        ///< of max_runs
+  const std::uint16_t* coded;  ///< null where `wide` is used
+  const LocalId* wide;
+  LocalId count;
+
+  LocalId operator[](LocalId k) const {
+    if (coded == nullptr) return wide[k];
+    return first[coded[k] >> bits_of_number] + (coded[k] & (longest_run - 1));
+  }
+};
+
+/// The page to which one thread writes. A row begins at an even entry with the distance back to the runs of its cell,
+/// in units of two entries, and then has its coded neighbours; or with 0 twice, and then has its indices.
 class RowWriter {
  public:
   /// Pair loops read whole vectors, past the end of a row.
   static constexpr std::size_t slack = 64;
 
-  /// Where the next row begins; `longest` indices, at most page_size − slack, may be written there.
-  LocalId* begin_row(RowPages& pages, std::size_t longest) {
-    if (static_cast<std::size_t>(end_ - next_) < longest + slack) {
-      close();
-      next_ = pages.take();
-      end_ = next_ + RowPages::page_size;
-    }
-    return next_;
+  /// Of the cell whose rows come next: where its runs begin; none where its rows are wide.
+  void begin_cell(std::span<const LocalId> runs) {
+    runs_ = runs;
+    runs_place_ = nullptr;
   }
-  void end_row(std::size_t length) { next_ += length; }
-  /// Indices behind the last row are set to 0: others, left by an earlier search, may refer to records that are gone.
-  void close() {
-    if (next_ != nullptr) std::fill_n(next_, std::min<std::ptrdiff_t>(slack, end_ - next_), 0);
-  }
+  /// Memory for the next row, of which `longest` neighbours, at most 3/8 page_size, may be written.
+  std::uint16_t* begin_row(RowPages& pages, std::size_t longest);
+  void end_row(std::size_t length) { next_ += (runs_.empty() ? 2 + 2 * length : 1 + length + 1) / 2 * 2; }
+  /// Where the row is that was begun last.
+  std::uint64_t place() const { return place_; }
 
  private:
-  LocalId *next_ = nullptr, *end_ = nullptr;
+  std::span<const LocalId> runs_;
+  std::uint16_t *next_ = nullptr, *end_ = nullptr, *page_ = nullptr, *runs_place_ = nullptr;
+  std::uint64_t first_of_page_ = 0, place_ = 0;
 };
 
-/// The row of each owned particle.
-struct NeighbourRows {
-  std::vector<const LocalId*> begin;
-  std::vector<LocalId> count;
+/// Where the row of a particle is in the pages, and how long it is.
+struct StoredRow {
+  std::uint64_t at : 48, count : 16;
 };
 
 class NeighbourList {
@@ -75,26 +95,37 @@ class NeighbourList {
   template <class T>
   void rebuild(const CellOrder& order, const std::vector<Packed<T>>& records);
 
-  LocalId size() const { return static_cast<LocalId>(rows_.count.size()); }
-  LocalId count(LocalId i) const { return rows_.count[static_cast<std::size_t>(i)]; }
-  std::span<const LocalId> operator[](LocalId i) const { return {row(i), static_cast<std::size_t>(count(i))}; }
-  /// Where the row of owned particle i starts; a full vector may be read from any index of it.
-  const LocalId* row(LocalId i) const { return rows_.begin[static_cast<std::size_t>(i)]; }
-  /// Pairs of the particles of a range, counted anew.
-  std::int64_t pairs(Range range) const {
-    return std::accumulate(rows_.count.begin() + range.begin, rows_.count.begin() + range.end, std::int64_t{0});
+  LocalId size() const { return static_cast<LocalId>(rows_.size()); }
+  LocalId count(LocalId i) const { return static_cast<LocalId>(rows_[static_cast<std::size_t>(i)].count); }
+  /// The row of owned particle i; a full vector may be read from any entry of it.
+  NeighbourRow row(LocalId i) const {
+    const StoredRow place = rows_[static_cast<std::size_t>(i)];
+    const std::uint16_t* const begin = pages_.entry(place.at);
+    const auto count = static_cast<LocalId>(place.count);
+    const auto index = [](const std::uint16_t* at) { return reinterpret_cast<const LocalId*>(at); };
+    if (begin[0] == 0) return {nullptr, nullptr, index(begin + 2), count};
+    return {index(begin - 2 * std::ptrdiff_t{begin[0]}), begin + 1, nullptr, count};
   }
+  /// Its neighbours.
+  std::vector<LocalId> operator[](LocalId i) const;
+  /// Pairs of the particles of a range; quick where it begins and ends with rows of cells.
+  std::int64_t pairs(Range range) const { return pairs_before(range.end) - pairs_before(range.begin); }
   std::int64_t pairs() const { return pairs({0, size()}); }
   /// Owned particle with more than max_neighbours, −1 if there is none; it and those after it then have empty rows.
   LocalId first_overfull_particle() const { return first_overfull_; }
   std::size_t bytes() const {
-    return rows_.begin.capacity() * sizeof(rows_.begin[0]) + rows_.count.capacity() * sizeof(rows_.count[0]) +
-           pages_.bytes();
+    return rows_.capacity() * sizeof(rows_[0]) + pages_.bytes() + pairs_of_row_.capacity() * sizeof(pairs_of_row_[0]) +
+           first_of_row_.capacity() * sizeof(LocalId);
   }
 
  private:
-  NeighbourRows rows_;
+  std::int64_t pairs_before(LocalId i) const;
+
+  std::vector<StoredRow> rows_;
   RowPages pages_;
+  // Of each row of cells its first particle, and the pairs of all rows before it; and of all rows.
+  std::vector<LocalId> first_of_row_;
+  std::vector<std::int64_t> pairs_of_row_;
   LocalId first_overfull_ = -1;
 };
 

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "base/threads.hpp"
 #include "trevi/particles.hpp"
 
 namespace trevi {
@@ -10,11 +11,22 @@ namespace trevi {
 /// Removes the particles at these places, which ascend. The last particles take the places of those that leave, so that
 /// only these cost; the next sort makes the order anew.
 inline void remove_particles(Particles& particles, std::span<const LocalId> places) {
-  particles.for_each_field([&](auto& field) {
-    for (auto place = places.rbegin(); place != places.rend(); ++place) {
-      field[static_cast<std::size_t>(*place)] = field.back();
-      field.pop_back();
+  const auto left = static_cast<std::size_t>(particles.size()) - places.size();
+  std::vector<LocalId> moved;  // those of the last that stay, one for each place before them
+  auto next = std::lower_bound(places.begin(), places.end(), static_cast<LocalId>(left));
+  const auto holes = static_cast<LocalId>(next - places.begin());
+  for (LocalId i = static_cast<LocalId>(left); i < particles.size(); ++i) {
+    if (next != places.end() && *next == i) {
+      ++next;
+    } else {
+      moved.push_back(i);
     }
+  }
+  particles.for_each_field([&](auto& field) {
+    for_each_index({0, holes}, [&field, &moved, places](std::size_t k) {
+      field[static_cast<std::size_t>(places[k])] = field[static_cast<std::size_t>(moved[k])];
+    });
+    field.resize(left);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "domain/halo.hpp"
+#include "multigrid/cell_rows.hpp"
 
 namespace trevi {
 
@@ -35,7 +36,10 @@ class ActiveRows {
   std::size_t index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
   }
-  void look_at_plane(const CellOrder& order, LocalId k, int& depth);
+  void look_at_row(const CellOrder& order, LocalId k, LocalId r, int& depth);
+  LocalId most_columns() const;
+  // As many cells a row as a loop of threads gives a part of 64 rows.
+  CellRows rows_of(Range planes) const { return {planes, rows_, 62}; }
   void spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const;
 
   MPI_Comm comm_;

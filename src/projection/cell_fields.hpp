@@ -1,13 +1,15 @@
 // Numbers of the cells of the projection's grid, several of each cell, laid out for loops over the cells of a row: of a
 // row eight cells after another, of these first the first number of all, then the second of all. Planes, and the ring
-// of rows around each, are those of ProjectionGrid. What lies beyond a row's own columns is 0: whoever writes a row
-// writes all of its cells, and clears those that it no longer has. Not collective.
+// of rows around each, are those of ProjectionGrid, the memory of rows that of RowStorage. What lies beyond a row's own
+// columns is 0: whoever writes a row writes all of its cells, and clears all others that there is memory for. Not
+// collective.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <vector>
+#include <memory>
+#include <span>
 
 #include "projection/affine.hpp"
 #include "projection/grid.hpp"
@@ -39,28 +41,60 @@ class CellFields {
   /// `numbers` of each cell.
   explicit CellFields(std::size_t numbers) : numbers_(numbers) {}
 
-  /// Memory for the grid as it is now, all of it 0.
+  /// Memory for the grid as it is now: 0 in planes at the ends, which neighbours exchange; else not yet written.
   void resize(const ProjectionGrid& grid) {
-    width_ = grid.step(1);
-    rows_ = grid.step(0) / width_;
-    row_ = (static_cast<std::size_t>(grid.columns()) + EightCells::count - 1) / EightCells::count * numbers_;
-    values_.assign(grid.cells() / width_ * row_, {});
+    storage_ = &grid.storage();
+    const std::size_t size = storage_->size() * numbers_;
+    if (size > capacity_) {
+      values_.reset();
+      capacity_ = capacity_ == 0 ? size : size + size / 16;
+      values_.reset(new EightCells[capacity_]);  // the threads that work on it write to it first
+    }
+    const CellRows& all = storage_->shape();
+    for_each_row({all.planes, all.rows + 2, all.columns}, [&](LocalId k, LocalId r) {
+      if (storage_->is_whole(k)) std::fill_n(row(k, r - 1)->of, per_row() * EightCells::count, 0.0);
+    });
   }
 
   /// The first number of the lowest cells of row (k, r); −1 and rows() are the rows of the ring.
-  EightCells* row(LocalId k, LocalId r) { return &values_[row_index(k, r) * row_]; }
-  const EightCells* row(LocalId k, LocalId r) const { return &values_[row_index(k, r) * row_]; }
+  EightCells* row(LocalId k, LocalId r) { return &values_[storage_->begin(k, r) * numbers_]; }
+  const EightCells* row(LocalId k, LocalId r) const { return &values_[storage_->begin(k, r) * numbers_]; }
   /// Number q of a cell.
   Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
   Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
   /// From the lowest eight cells of a row to those of cell c.
   std::size_t eight(LocalId c) const { return static_cast<std::size_t>(c / eight_cells) * numbers_; }
-  /// Clears the lowest `columns` cells of a row but for `kept`.
-  void clear_around(LocalId k, LocalId r, Range kept, LocalId columns) {
+  /// Clears the cells of a row but for `kept`.
+  void clear_around(LocalId k, LocalId r, Range kept) {
     clear(k, r, {0, kept.begin});
-    clear(k, r, {kept.end, columns});
+    clear(k, r, {kept.end, storage_->cells(k, r)});
   }
-  /// Clears the cells [columns) of a row; there may be none.
+  /// Clears a row.
+  void clear(LocalId k, LocalId r) { clear(k, r, {0, storage_->cells(k, r)}); }
+  /// The first numbers of a cell as those of a T.
+  template <class T>
+  T cell(LocalId k, LocalId r, LocalId c) const {
+    return cell_of<T>(row(k, r), numbers_, c);
+  }
+  template <class T>
+  void set(LocalId k, LocalId r, LocalId c, const T& value) {
+    EightCells* const to = row(k, r) + eight(c);
+    const auto all = std::bit_cast<NumbersOf<T>>(value);
+    for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
+  }
+
+  /// Memory of one whole row.
+  std::size_t per_row() const { return storage_->per_row() * numbers_; }
+  /// To exchange planes.
+  std::span<EightCells> values() { return {values_.get(), storage_->size() * numbers_}; }
+  std::size_t per_plane() const { return storage_->per_plane() * numbers_; }
+  std::size_t numbers() const { return numbers_; }
+  std::size_t bytes() const { return capacity_ * sizeof(EightCells); }
+
+ private:
+  static constexpr LocalId eight_cells = EightCells::count;
+  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c % eight_cells); }
+  // The cells [columns) of a row; there may be none.
   void clear(LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end;) {
       EightCells* const from = row(k, r) + eight(c);
@@ -76,39 +110,10 @@ class CellFields {
       }
     }
   }
-  /// The first numbers of a cell as those of a T.
-  template <class T>
-  T cell(LocalId k, LocalId r, LocalId c) const {
-    return cell_of<T>(row(k, r), numbers_, c);
-  }
-  /// The same for few cells only.
-  template <class T>
-  T cell(std::size_t at) const {
-    return cell_of<T>(&values_[at / width_ * row_], numbers_, static_cast<LocalId>(at % width_) - 1);
-  }
-  template <class T>
-  void set(LocalId k, LocalId r, LocalId c, const T& value) {
-    EightCells* const to = row(k, r) + eight(c);
-    const auto all = std::bit_cast<NumbersOf<T>>(value);
-    for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
-  }
 
-  /// Memory of one row.
-  std::size_t per_row() const { return row_; }
-  /// To exchange planes.
-  std::vector<EightCells>& values() { return values_; }
-  std::size_t per_plane() const { return rows_ * row_; }
-  std::size_t numbers() const { return numbers_; }
-  std::size_t bytes() const { return values_.capacity() * sizeof(EightCells); }
-
- private:
-  static constexpr LocalId eight_cells = EightCells::count;
-  std::size_t row_index(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k) * rows_ + static_cast<std::size_t>(r + 1);
-  }
-  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c % eight_cells); }
-  std::size_t numbers_, width_ = 1, rows_ = 0, row_ = 0;
-  std::vector<EightCells> values_;
+  std::size_t numbers_, capacity_ = 0;
+  const RowStorage* storage_ = nullptr;
+  std::unique_ptr<EightCells[]> values_;
 };
 
 }  // namespace trevi

@@ -15,6 +15,7 @@
 #include "multigrid/cell_rows.hpp"
 #include "particles/cell_grid.hpp"
 #include "projection/cell_sums.hpp"
+#include "projection/row_storage.hpp"
 #include "trevi/box.hpp"
 #include "trevi/session.hpp"
 
@@ -58,6 +59,10 @@ class ProjectionGrid {
   /// Columns of row r of plane k to look at: in higher ones, and in those around them, there is nothing.
   LocalId columns(LocalId k, LocalId r) const { return reach_[row_index(k, r)]; }
   void set_columns(LocalId k, LocalId r, LocalId columns) { reach_[row_index(k, r)] = std::min(columns, columns_); }
+  /// Makes room for those columns, once they are set of all rows, ghost planes included. False where there is no
+  /// change.
+  bool store_rows() { return storage_.lay_out(rows_of({0, planes_ + 2}), repeats_[1], reach_); }
+  const RowStorage& storage() const { return storage_; }
   /// Lengths of a cell, m.
   const Vec3& size() const { return size_; }
   /// Difference of index from a cell to its upper neighbour in direction a; step(0) is the number of cells in a plane.
@@ -130,6 +135,7 @@ class ProjectionGrid {
   LocalId before_ = 0;  // the number of plane 0, the low ghost plane, from the start of the box
   std::array<std::size_t, 3> step_{};
   std::vector<LocalId> reach_;  // columns(k, r)
+  RowStorage storage_;
 };
 
 }  // namespace trevi

@@ -19,17 +19,10 @@ AffineMap times(AffineMap map, Real factor) {
 
 }  // namespace
 
-void GridToParticles::resize() {
+void GridToParticles::store() {
   const ProjectionGrid& grid = surface_.grid();
-  for (CellFields* field : {&noise_, &noise_fit_}) field->resize(grid);
+  noise_.resize(grid);
   if (surface_.cuts() != nullptr) cut_fit_.resize(grid);
-}
-
-void GridToParticles::clear_row(LocalId k, LocalId r, LocalId columns) {
-  const Range lost{columns, surface_.grid().columns(k, r)};
-  noise_.clear(k, r, lost);
-  noise_fit_.clear(k, r, lost);
-  if (surface_.cuts() != nullptr) cut_fit_.clear(k, r, lost);
 }
 
 // A dry cell right above water under gravity: the few particles in it follow the top cell.
@@ -61,7 +54,7 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
 void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
   const ParticlesToGrid& water = surface_.water();
   const Range cells = water.filled(k, r);
-  noise_.clear_around(k, r, cells, surface_.grid().columns(k, r));
+  noise_.clear_around(k, r, cells);
   filter_motion(rows_around(surface_.grid(), water.fits(), {k, r, cells}, memory), water.all_moments().row(k, r),
                 water.all_moments().numbers(), noise_.row(k, r));
 }
@@ -78,11 +71,11 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
     if (water.all_moments().number(0, k, r, c) > 0 && (surface_.is_wet(at) || follows(at)))
       rates[static_cast<std::size_t>(c)] = rate(water.spreads().number(numbers::spread - 1, k, r, c));
   }
-  noise_fit_.clear_around(k, r, cells, grid.columns(k, r));
+  noise_fit_.clear_around(k, r, cells);
   fit_flow(rows_around(grid, noise_, {k, r, cells}, memory),
            {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
   if (surface_.cuts() == nullptr) return;
-  cut_fit_.clear(k, r, {0, grid.columns(k, r)});
+  cut_fit_.clear(k, r);
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
@@ -207,6 +200,6 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, cons
   return by;
 }
 
-std::size_t GridToParticles::bytes() const { return noise_.bytes() + noise_fit_.bytes() + cut_fit_.bytes(); }
+std::size_t GridToParticles::bytes() const { return noise_.bytes() + cut_fit_.bytes(); }
 
 }  // namespace trevi

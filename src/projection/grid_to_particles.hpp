@@ -25,17 +25,16 @@ namespace trevi {
 
 class GridToParticles {
  public:
-  /// `spacing` of the start lattice, `h`, m.
-  GridToParticles(const FreeSurface& surface, Real spacing, Real h) : surface_(surface), spacing_(spacing), h_(h) {}
+  /// `spacing` of the start lattice, `h`, m. Fits of noise take the place of the `spreads` of the motion's.
+  GridToParticles(const FreeSurface& surface, CellFields& spreads, Real spacing, Real h)
+      : surface_(surface), spacing_(spacing), h_(h), noise_fit_(spreads) {}
 
   /// Of a step: how far gravity moves a particle down, g dt², m, and dt in units of sqrt(h/g); 0 without gravity.
   struct Step {
     Real g_dt2, time;
   };
   /// Memory for the grid as it is now.
-  void resize();
-  /// What row (k, r) no longer has of its columns when it keeps `columns`.
-  void clear_row(LocalId k, LocalId r, LocalId columns);
+  void store();
   /// Finds noise and its fits. Not needed without gravity: nothing makes noise there.
   void prepare(Halo& halo, const Step& step);
   /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
@@ -71,9 +70,9 @@ class GridToParticles {
   const FreeSurface& surface_;
   Real spacing_, h_;
   Step step_{};
-  CellFields noise_{numbers::flow};     // what the filter's first pass leaves
-  CellFields noise_fit_{numbers::map};  // the fit of that, times the rate of its cell
-  CellFields cut_fit_{numbers::map};    // in cut cells that of the motion itself, times its rate
+  CellFields noise_{numbers::flow};   // what the filter's first pass leaves
+  CellFields& noise_fit_;             // the fit of that, times the rate of its cell
+  CellFields cut_fit_{numbers::map};  // in cut cells that of the motion itself, times its rate
 };
 
 }  // namespace trevi

@@ -13,6 +13,14 @@ Range joined(Range a, Range b) {
   return b.size() == 0 ? a : Range{std::min(a.begin, b.begin), std::max(a.end, b.end)};
 }
 
+// Rows of a plane that are summed at a time: all of them where planes are enough for the threads, as rows at the ends
+// of a part are summed twice.
+LocalId rows_of_sums(const ProjectionGrid& grid) {
+  constexpr LocalId parts_of_thread = 4, fewest = 8;
+  const LocalId parts = (parts_of_thread * thread_count() + grid.planes() - 1) / grid.planes();
+  return thread_count() == 1 ? grid.rows() : std::max((grid.rows() + parts - 1) / parts, fewest);
+}
+
 // The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
 class FaceMiddles {
  public:
@@ -45,15 +53,15 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : gri
 }
 
 void ParticlesToGrid::resize() {
-  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
   filled_.assign(row_index(grid_.planes() + 2, 0), {});
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
-void ParticlesToGrid::clear_row(LocalId k, LocalId r, LocalId columns) {
-  const Range lost{columns, grid_.columns(k, r)};
-  sums_.clear(k, r, lost);
-  fit_.clear(k, r, lost);
+void ParticlesToGrid::store() {
+  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
+}
+
+void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
   const std::size_t begin = grid_.index(k, r, 0);
   for (auto& u : displacement_) {
     const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -65,7 +73,11 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r, LocalId columns) {
 
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
-  for_each_part({1, planes + 1}, 1, [&](Range k) { sum_plane(order, k.begin, motion); });
+  const LocalId rows = rows_of_sums(grid_), parts = (grid_.rows() + rows - 1) / rows;
+  for_each_part(planes * parts, [&](LocalId part) {
+    const LocalId first = part % parts * rows;
+    sum_rows(order, part / parts + 1, {first, std::min(first + rows, grid_.rows())}, motion);
+  });
   halo.start_planes(sums_.values(), sums_.per_plane());
   halo.finish();
   for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
@@ -98,26 +110,28 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
   return {begin, end, grid_.place_of(k, r, c)};
 }
 
-void ParticlesToGrid::sum_plane(const CellOrder& order, LocalId k, const Motion& motion) {
+// The rows beside these add to them, too, and are summed again where they belong. So each row is added to by the same
+// rows in the same order, whatever the parts are.
+void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion) {
   const LocalId rows = grid_.rows(), beyond = grid_.repeats()[1] ? 1 : 0;
-  for (LocalId r = 0; r < rows; ++r) sums_.clear(k, r, {0, grid_.columns(k, r)});
-  // Where rows repeat, the last one is also before the first, and the first beyond the last: each row is then added to
-  // in the same order.
-  for (LocalId row = -beyond; row < rows + beyond; ++row) {
+  for (LocalId r = own.begin; r < own.end; ++r) sums_.clear(k, r);
+  // Where rows repeat, the last one is also before the first, and the first beyond the last.
+  const LocalId end = std::min(own.end + 1, rows + beyond);
+  for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
     const LocalId r = (row + rows) % rows;
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
       const CellSums sums = sum_cell(frame_, motion, cell);
-      add_volume(k, row, c, sums);
-      if (row == r) sums_.set(k, r, c, moments_of(cell, sums.motion));
+      add_volume(k, row, c, own, sums);
+      if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
   }
 }
 
-void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums) {
+void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums) {
   const bool along_x = grid_.axis(0) == 0, repeats = grid_.repeats()[2];
-  for (LocalId row = std::max(r - 1, 0); row <= std::min(r + 1, grid_.rows() - 1); ++row) {
+  for (LocalId row = std::max(r - 1, rows.begin); row <= std::min(r + 1, rows.end - 1); ++row) {
     const LocalId columns = grid_.columns(k, row);
     const auto i = static_cast<std::size_t>(row - r + 1);
     for (LocalId column = c - 1; column <= c + 1; ++column) {
@@ -142,13 +156,13 @@ void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes
 // Of ghost planes not all rows are known to hold nothing above their columns.
 void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   const auto holds_any = [&](LocalId c) { return sums_.number(0, k, r, c) > 0; };
-  Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
+  Range& filled = filled_[row_index(k, r)] = {0, std::min(grid_.columns(), grid_.storage().cells(k, r))};
   while (filled.end > 0 && !holds_any(filled.end - 1)) --filled.end;
   while (filled.begin < filled.end && !holds_any(filled.begin)) ++filled.begin;
 }
 
 void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
-  fit_.clear_around(k, r, filled(k, r), grid_.columns(k, r));
+  fit_.clear_around(k, r, filled(k, r));
   fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r)});
 }
 

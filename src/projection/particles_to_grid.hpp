@@ -30,10 +30,11 @@ class ParticlesToGrid {
   /// `spacing` of the start lattice, m: the edge of a particle's cube.
   ParticlesToGrid(const ProjectionGrid& grid, Real spacing);
 
-  /// Memory for the grid as it is now. To be called when its size has changed.
+  /// Memory for the grid as it is now. To be called when its size has changed; store() also when its rows have.
   void resize();
-  /// Forgets the last step in row (k, r), as far as its columns went; it keeps `columns`.
-  void clear_row(LocalId k, LocalId r, LocalId columns);
+  void store();
+  /// Forgets the displacements of the last step in row (k, r), as far as its columns went.
+  void clear_row(LocalId k, LocalId r);
   /// All of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
 
@@ -49,11 +50,13 @@ class ParticlesToGrid {
   /// Memory of moments, once those of the motion are no longer needed.
   CellFields& free_moments() { return sums_; }
   const CellFields& fits() const { return fit_; }
-  /// Of the places that own cells with particles have fits of.
+  /// Of the places that own cells with particles have fits of, the first numbers::spread of as many as a map has.
   const CellFields& spreads() const { return spread_; }
+  /// Memory of these, once noise has been fitted.
+  CellFields& free_spreads() { return spread_; }
   /// Those of one cell.
-  Moments moments(std::size_t at) const { return sums_.cell<Moments>(at); }
-  AffineMap fit(std::size_t at) const { return fit_.cell<AffineMap>(at); }
+  Moments moments(std::size_t at) const { return cell_at<Moments>(sums_, at); }
+  AffineMap fit(std::size_t at) const { return cell_at<AffineMap>(fit_, at); }
   /// The columns of a row from the lowest to the highest cell that holds particles.
   Range filled(LocalId k, LocalId r) const { return filled_[row_index(k, r)]; }
   /// Displacement of the water at face (a, at), m.
@@ -64,10 +67,16 @@ class ParticlesToGrid {
  private:
   // After the moments of a cell's particles: the volume that those of its plane add below it, to itself and above it.
   static constexpr std::size_t volumes = numbers::moments;
-  void sum_plane(const CellOrder& order, LocalId k, const Motion& motion);
-  void add_volume(LocalId k, LocalId r, LocalId c, const CellSums& sums);
+  void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion);
+  void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.rows()) + static_cast<std::size_t>(r);
+  }
+  template <class T>
+  T cell_at(const CellFields& field, std::size_t at) const {
+    const std::size_t row = at / grid_.step(1), rows = grid_.step(0) / grid_.step(1);
+    const auto k = static_cast<LocalId>(row / rows), r = static_cast<LocalId>(row % rows) - 1;
+    return field.cell<T>(k, r, static_cast<LocalId>(at % grid_.step(1)) - 1);
   }
   void find_filled(LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
@@ -79,12 +88,12 @@ class ParticlesToGrid {
   };
   void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts);
   bool exists(CellNumbers& cell) const;
-  bool holds_any(const CellNumbers& cell) const { return sums_.number(0, cell[0], cell[1], cell[2]) > 0; }
+  bool holds_any(const CellNumbers& cell) const;
   void add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place, FittedMean& mean) const;
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
-  CellFields sums_{volumes + 3}, spread_{numbers::spread}, fit_{numbers::map};
+  CellFields sums_{volumes + 3}, spread_{numbers::map}, fit_{numbers::map};
   std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;
 };

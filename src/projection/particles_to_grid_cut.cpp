@@ -35,6 +35,11 @@ bool ParticlesToGrid::exists(CellNumbers& cell) const {
          cell[2] < grid_.columns();
 }
 
+bool ParticlesToGrid::holds_any(const CellNumbers& cell) const {
+  const auto [k, r, c] = cell;
+  return c >= filled(k, r).begin && c < filled(k, r).end && sums_.number(0, k, r, c) > 0;
+}
+
 // What the fits of the four cells beside `cell` along the face say of a place in it, in cells from its corner.
 void ParticlesToGrid::add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place,
                                       FittedMean& mean) const {

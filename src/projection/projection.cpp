@@ -28,7 +28,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
       particles_to_grid_(grid_, model.spacing),
       surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
       pressure_(comm, grid_.repeats()),
-      grid_to_particles_(surface_, model.spacing, model.h),
+      grid_to_particles_(surface_, particles_to_grid_.free_spreads(), model.spacing, model.h),
       shift_filter_(surface_, {particles_to_grid_.free_moments(), grid_to_particles_.free_fits()}),
       obstacles_(obstacles),
       coupling_(obstacles != nullptr && obstacles->floating() != nullptr
@@ -80,15 +80,18 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   if (grid_.resize(order.planes(), highest)) {
     particles_to_grid_.resize();
     surface_.resize();
-    grid_to_particles_.resize();
     shift_filter_.resize();
   }
   // The ghost planes, too: where the box ends nothing is received.
   for_each_row(grid_.rows_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
     const LocalId columns = cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r);
-    clear_row(k, r, std::min(columns, grid_.columns()));
+    clear_row(k, r);
     grid_.set_columns(k, r, columns);
   });
+  if (grid_.store_rows()) {
+    particles_to_grid_.store();
+    grid_to_particles_.store();
+  }
   if (cuts_) cuts_->measure(comm_, grid_, box_);
 }
 
@@ -100,10 +103,9 @@ void Projection::count_planes(const CellOrder& order, std::span<const Vec3> p) {
   }
 }
 
-void Projection::clear_row(LocalId k, LocalId r, LocalId columns) {
-  particles_to_grid_.clear_row(k, r, columns);
+void Projection::clear_row(LocalId k, LocalId r) {
+  particles_to_grid_.clear_row(k, r);
   surface_.clear_row(k, r);
-  grid_to_particles_.clear_row(k, r, columns);
 }
 
 // use(c, particles) for the cells of a row that hold any.

@@ -104,7 +104,7 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
     const SpreadVectors spread = spread_of(around.from());
     const FitVectors fit = fit_of(spread, around.from(10));
     write(fit, holds_any(moments, part), part.of(out.fit, numbers::map));
-    Real* const places = part.of(out.spread, numbers::spread);
+    Real* const places = part.of(out.spread, numbers::map);
     write(spread.per_n, places, 0);
     for (std::size_t a = 0; a < 3; ++a) write(spread.mean[a], places, 1 + a);
     for (std::size_t q = 0; q < 6; ++q) write(spread.inverse[q], places, 4 + q);
@@ -148,7 +148,7 @@ void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
   const TenCells* const sums = sum_across<FlowSums>(flow);
   for (Part part = cells_of(flow); part.begin < part.end; ++part) {
     const TentSums<FlowSums> around(sums, part);
-    const Numbers<> places{part.of(out.spread, numbers::spread)};
+    const Numbers<> places{part.of(out.spread, numbers::map)};
     const SpreadVectors spread = {places[0],
                                   {places[1], places[2], places[3]},
                                   {places[4], places[5], places[6], places[7], places[8], places[9]}};

@@ -63,6 +63,7 @@ struct RowPlace {
 RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory);
 
 /// Fits of the moments around cells, and their spread, where `more` is Σ |u|². A cell without particles has neither.
+/// Of the numbers::map that a cell has room for a spread takes the first.
 struct MotionFits {
   EightCells *fit, *spread;
 };
@@ -80,7 +81,7 @@ void fit_shifts(const RowsAround& moments, const ShiftFits& out);
 /// weight of a whole tent. `of_moments`: numbers of a cell in the row of moments.
 void filter_motion(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow);
 
-/// Fits of a flow at places that are known, times `factor`.
+/// Fits of a flow at places that are known, times `factor`; `fit` may be in the place of `spread`.
 struct FlowFits {
   const EightCells* spread;
   const Real* factor;

@@ -28,7 +28,7 @@ void ShiftFilter::sum_row(const CellOrder& order, LocalId k, LocalId r, const Mo
                           const Densities& densities) {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
-  sums_.clear(k, r, {0, grid.columns(k, r)});
+  sums_.clear(k, r);
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     const CellParticles cell = water.particles_of(order, k, r, c);
     if (cell.begin == cell.end) continue;
@@ -50,7 +50,7 @@ void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
     const auto i = static_cast<std::size_t>(c);
     water[i] = sums_.number(0, k, r, c) > 0 && is_water(floor + i) ? 1 : 0;
   }
-  fit_.clear_around(k, r, cells, grid.columns(k, r));
+  fit_.clear_around(k, r, cells);
   fit_shifts(rows_around(grid, sums_, {k, r, cells}, memory), {fit_.row(k, r), water.data(), &kept_[floor]});
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     Real& kept = kept_[floor + static_cast<std::size_t>(c)];

@@ -42,7 +42,7 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   resize_tightly(rho_, particles.id.size());
   field_.resize(particles.id.size());
   resize_tightly(multiplier_, particles.id.size());
-  std::fill(multiplier_.begin(), multiplier_.end(), T{0});
+  for_each_index({0, particles.size()}, [of = multiplier_.data()](std::size_t i) { of[i] = 0; });
   positions_only_ = false;
 }
 
@@ -100,7 +100,6 @@ void DensityProblem<T>::project(Projection& projection) {
   projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, shifts);
   resize_tightly(act_, shifts.size());
   resize_tightly(in_flight_, shifts.size());
-  resize_tightly(swept_rho_, shifts.size());
   for_each_index(near_.all(), [&](std::size_t i) {
     act_[i] = shifts[i].w;
     in_flight_[i] = 0;
@@ -108,7 +107,9 @@ void DensityProblem<T>::project(Projection& projection) {
 }
 
 template <class T>
-void DensityProblem<T>::set_velocities() {
+void DensityProblem<T>::set_velocities(bool looks_later) {
+  looks_later_ = looks_later;
+  if (looks_later_) resize_tightly(swept_rho_, rho_.size());
   std::vector<Vec3>&x = particles_->position, &p = particles_->predicted, &v = particles_->velocity;
   for_each_index(near_.all(), [&](std::size_t i) {
     v[i] = (p[i] - x[i]) / dt_;
@@ -122,7 +123,7 @@ template <class T>
 void DensityProblem<T>::note_sweep() {
   for_each_index(near_.all(), [&](std::size_t i) {
     in_flight_[i] += (1 - act_[i]) * multiplier_[i];
-    swept_rho_[i] = rho_[i];
+    if (looks_later_) swept_rho_[i] = rho_[i];
   });
 }
 
@@ -182,8 +183,9 @@ void DensityProblem<T>::release_in_flight() {
 
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
-  const Swept<T> swept{
-      {particles_->position, particles_->predicted}, act_, {swept_rho_, constraint_.model().rest_density}};
+  const Swept<T> swept{{particles_->position, particles_->predicted},
+                       act_,
+                       {looks_later_ ? swept_rho_ : rho_, constraint_.model().rest_density}};
   projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);

@@ -52,8 +52,9 @@ class DensityProblem {
   void compute_delta();
   /// Sets delta from the projection instead: displacements that keep the volume over long distances.
   void project(Projection& projection);
-  /// Velocities from the motion up to now; positions shift alone from here on.
-  void set_velocities();
+  /// Velocities from the motion up to now; positions shift alone from here on. `looks_later`: whether densities are
+  /// computed once more when the sweeps are done, as a tolerance asks for.
+  void set_velocities(bool looks_later);
   /// Gives the water in flight the velocity that the sweeps have found for its pairs, and at walls.
   void release_in_flight();
   /// Takes off the shifts since set_velocities() what moves the water as a whole.
@@ -116,9 +117,10 @@ class DensityProblem {
   WallsOrShifts<T> field_;     // walls between lambda and delta, then shifts
   std::vector<T> multiplier_;  // m², as in the records
   bool positions_only_ = false;
-  std::vector<T> act_;           // how far the grid acts on each particle
-  std::vector<T> in_flight_;     // m², of all sweeps, times 1 − act_
-  std::vector<Real> swept_rho_;  // kg/m³, that the last sweep saw: a tolerance may have asked for later ones
+  std::vector<T> act_;        // how far the grid acts on each particle
+  std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
+  bool looks_later_ = false;
+  std::vector<Real> swept_rho_;  // kg/m³, that the last sweep saw, where rho_ may be later ones
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   Event delta_event_{"Delta"};

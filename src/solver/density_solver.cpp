@@ -126,15 +126,15 @@ class ProjectionFirst : public DensitySolver<T> {
 template <class T>
 class Projected : public DensitySolver<T> {
  public:
-  Projected(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> sweeps)
-      : projection_(make_projection(context)), sweeps_(std::move(sweeps)) {
+  Projected(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> sweeps, bool has_tolerance)
+      : projection_(make_projection(context)), sweeps_(std::move(sweeps)), has_tolerance_(has_tolerance) {
     projection_.show_to(context.probes);
   }
 
   SolveResult solve(DensityProblem<T>& problem) override {
     problem.project(projection_);
     problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
-    problem.set_velocities();
+    problem.set_velocities(has_tolerance_);
     const SolveResult rest = sweeps_->solve(problem);
     problem.release_in_flight();
     problem.filter_shifts(projection_);
@@ -146,6 +146,7 @@ class Projected : public DensitySolver<T> {
  private:
   Projection projection_;
   std::unique_ptr<DensitySolver<T>> sweeps_;
+  bool has_tolerance_;
 };
 
 template <class T>
@@ -185,7 +186,7 @@ std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& set
   std::unique_ptr<DensitySolver<T>> fine = make_fine<T>(rest, context);
   if (!shifts_positions_only(settings, context.gravity))
     return std::make_unique<ProjectionFirst<T>>(context, std::move(fine));
-  auto projected = std::make_unique<Projected<T>>(context, std::move(fine));
+  auto projected = std::make_unique<Projected<T>>(context, std::move(fine), rest.tolerance.has_value());
   if (!context.gravity.isZero()) return projected;
   return std::make_unique<FreeMomentum<T>>(context, std::move(projected));
 }

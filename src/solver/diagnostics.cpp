@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "base/growth.hpp"
 #include "base/threads.hpp"
 #include "parallel/reductions.hpp"
 #include "parallel/waiting.hpp"
@@ -137,6 +138,11 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
     interval = interval * bins + static_cast<GlobalId>(bin);
   }
   return box.min[axis] + (static_cast<Real>(interval) + 0.5) / per_metre;
+}
+
+void DriftMeter::begin(const std::vector<Vec3>& predicted) {
+  resize_tightly(start_, predicted.size());
+  for_each_index({0, static_cast<LocalId>(predicted.size())}, [&](std::size_t i) { start_[i] = predicted[i]; });
 }
 
 void DriftMeter::end(const std::vector<Vec3>& predicted) {

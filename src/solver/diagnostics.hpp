@@ -56,7 +56,7 @@ class DiagnosticsSum {
 /// it is; 0 without a begin().
 class DriftMeter {
  public:
-  void begin(const std::vector<Vec3>& predicted) { start_ = predicted; }
+  void begin(const std::vector<Vec3>& predicted);
   void end(const std::vector<Vec3>& predicted);
   Real largest() const { return largest_; }  ///< m
   std::size_t bytes() const { return start_.capacity() * sizeof(Vec3); }

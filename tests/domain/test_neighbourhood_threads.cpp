@@ -28,7 +28,7 @@ Found found_in(const Distributed<T>& d) {
     for (LocalId c = 0; c <= d.grid.cells_per_plane(); ++c) found.starts.push_back(order.start(k, c));
   }
   const NeighbourList& list = d.near.list();
-  for (LocalId i = 0; i < list.size(); ++i) found.rows.emplace_back(list[i].begin(), list[i].end());
+  for (LocalId i = 0; i < list.size(); ++i) found.rows.push_back(list[i]);
   found.first_overfull_particle = list.first_overfull_particle();
   return found;
 }

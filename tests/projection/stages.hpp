@@ -80,14 +80,16 @@ struct Stages {
       : water(of), grid(world, water.grid, water.box), transfer(grid, spacing) {
     if (obstacles != nullptr) cuts.emplace(*obstacles);
     surface.emplace(FreeSurface::Sources{grid, rows, transfer, cuts ? &*cuts : nullptr, true});
-    back.emplace(*surface, spacing, 2 * spacing);
+    back.emplace(*surface, transfer.free_spreads(), spacing, 2 * spacing);
     rows.measure(water.near.order(), water.near.halo());
     grid.resize(water.near.order().planes(), water.grid.columns());
     grid.set_plane(1, water.in_first_plane());
     if (cuts) cuts->measure(world, grid, water.box);
     transfer.resize();
     surface->resize();
-    back->resize();
+    grid.store_rows();
+    transfer.store();
+    back->store();
   }
   void gather() { transfer.gather(water.near.order(), water.near.halo(), water.motion(), cuts ? &*cuts : nullptr); }
   void classify() {

@@ -199,16 +199,48 @@ template <class T>
 struct Row {
   const Packed<T>& self;
   const Packed<T>* records;
-  const LocalId* index;
-  LocalId count;
+  NeighbourRow near;
 };
+
+// Where the run of each lane begins.
+template <class D>
+HWY_INLINE hn::Vec<D> first_of_runs(D d, const LocalId* first, hn::Vec<D> run) {
+  if constexpr (hn::MaxLanes(D()) == NeighbourRow::max_runs) {
+    return hn::TableLookupLanes(hn::LoadU(d, first), hn::IndicesFromVec(d, run));
+  } else {
+    const auto lane = hn::IndicesFromVec(d, hn::And(run, hn::Set(d, 7)));
+    const auto low = hn::TableLookupLanes(hn::LoadU(d, first), lane);
+    return hn::IfThenElse(hn::Gt(run, hn::Set(d, 7)), hn::TableLookupLanes(hn::LoadU(d, first + 8), lane), low);
+  }
+}
+
+// Writes the indices of the next neighbours of a row, one for each lane; of lanes past its end 0, an index, too.
+template <class D>
+HWY_INLINE void decode(D, const NeighbourRow& row, LocalId k, LocalId* HWY_RESTRICT index) {
+  constexpr auto lanes = static_cast<LocalId>(hn::MaxLanes(D()));
+  if constexpr (lanes >= 8) {
+    if (HWY_LIKELY(row.coded != nullptr)) {
+      const hn::Rebind<LocalId, D> di;
+      const hn::Rebind<std::uint16_t, D> d16;
+      const auto code = hn::PromoteTo(di, hn::LoadU(d16, row.coded + k));
+      const auto first = first_of_runs(di, row.first, hn::ShiftRight<NeighbourRow::bits_of_number>(code));
+      auto found = hn::Add(first, hn::And(code, hn::Set(di, NeighbourRow::longest_run - 1)));
+      if (row.count - k < lanes)
+        found = hn::IfThenElseZero(hn::FirstN(di, static_cast<std::size_t>(row.count - k)), found);
+      return hn::Store(found, di, index);
+    }
+  }
+  for (LocalId lane = 0; lane < lanes; ++lane) index[lane] = k + lane < row.count ? row[k + lane] : 0;
+}
 
 template <class D, class Terms, class Sums, class T>
 HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& row, LocalId k) {
-  auto pair = pair_vector(d, row.self, row.records, row.index + k);
+  alignas(64) LocalId index[hn::MaxLanes(D())];
+  decode(d, row.near, k, index);
+  auto pair = pair_vector(d, row.self, row.records, index);
   // Lanes past the end of the row are moved to r = h, where every smoothing kernel is zero.
-  if (row.count - k < static_cast<LocalId>(hn::Lanes(d)))
-    pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(row.count - k)), pair.r2, hn::Set(d, T{1}));
+  if (row.near.count - k < static_cast<LocalId>(hn::Lanes(d)))
+    pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(row.near.count - k)), pair.r2, hn::Set(d, T{1}));
   terms.add(d, sums, pair);
 }
 
@@ -217,16 +249,16 @@ HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& ro
 template <class D, class Terms, class Sums, class T>
 HWY_INLINE void add_row(D d, const Terms& terms, Groups<Sums>& sums, const Row<T>& row) {
   const auto lanes = static_cast<LocalId>(hn::Lanes(d));
-  for (LocalId k = 0; k < row.count; k += lanes) {
+  for (LocalId k = 0; k < row.near.count; k += lanes) {
     add_vector(d, terms, sums.a, row, k);
     if constexpr (groups<D> >= 2) {
-      if ((k += lanes) >= row.count) break;
+      if ((k += lanes) >= row.near.count) break;
       add_vector(d, terms, sums.b, row, k);
     }
     if constexpr (groups<D> == 4) {
-      if ((k += lanes) >= row.count) break;
+      if ((k += lanes) >= row.near.count) break;
       add_vector(d, terms, sums.c, row, k);
-      if ((k += lanes) >= row.count) break;
+      if ((k += lanes) >= row.near.count) break;
       add_vector(d, terms, sums.e, row, k);
     }
   }
@@ -242,7 +274,7 @@ HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Term
     const LocalId self = pairs.low_ghosts + i;
     const auto start = terms.start(d, self);
     Groups<std::remove_const_t<decltype(start)>> sums{start, start, start, start};
-    add_row(d, terms, sums, Row<T>{records[self], records, pairs.list.row(i), pairs.list.count(i)});
+    add_row(d, terms, sums, Row<T>{records[self], records, pairs.list.row(i)});
     terms.finish(d, i - range.begin, sums);
   }
 }

@@ -125,9 +125,18 @@ std::vector<std::int64_t> GaugeReadings::sums(const Particles& particles) {
 
 // The largest of all particles of all ranks; nan without any.
 Real GaugeReadings::run_up(std::size_t g, const Particles& particles) const {
+  PerThread<Real> of_threads;
+  of_threads.for_each([](Real& highest) { highest = -INFINITY; });
+  constexpr LocalId part_size = 4096;
+  for_each_part({0, particles.size()}, part_size, [&](Range part) {
+    Real& highest = of_threads.mine();
+    for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+      const Vec3& p = particles.position[i];
+      if (run_ups_[g].height(p) > highest && run_ups_[g].touches(p)) highest = run_ups_[g].height(p);
+    }
+  });
   Real highest = -INFINITY;
-  for (const Vec3& p : particles.position)
-    if (run_ups_[g].height(p) > highest && run_ups_[g].touches(p)) highest = run_ups_[g].height(p);
+  of_threads.for_each([&](Real one) { highest = std::max(highest, one); });
   highest = max_over_ranks(comm_, highest);
   return std::isfinite(highest) ? highest : NAN;
 }
