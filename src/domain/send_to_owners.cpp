@@ -50,10 +50,10 @@ std::vector<LocalId> leaving_by_owner(std::span<const int> owners, int rank, con
 template <class T>
 std::vector<T> chosen_rows(const std::vector<T>& field, const std::vector<LocalId>& chosen) {
   std::vector<T> rows(chosen.size());
-  for_each_index({0, static_cast<LocalId>(rows.size())}, [to = rows.data(), from = field.data(),
-                                                          chosen = chosen.data()](std::size_t k) {
-    to[k] = from[static_cast<std::size_t>(chosen[k])];
-  });
+  for_each_index({0, static_cast<LocalId>(rows.size())},
+                 [to = rows.data(), from = field.data(), chosen = chosen.data()](std::size_t k) {
+                   to[k] = from[static_cast<std::size_t>(chosen[k])];
+                 });
   return rows;
 }
 

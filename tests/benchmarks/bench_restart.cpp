@@ -67,9 +67,7 @@ constexpr Real spacing = 0.1, radius = 0.2;
 /// `side` points along each axis.
 struct Tank {
   GlobalId side;
-  CellGrid grid() const {
-    return {Vec3::Zero(), Vec3::Constant(static_cast<Real>(side) * spacing), radius, 0};
-  }
+  CellGrid grid() const { return {Vec3::Zero(), Vec3::Constant(static_cast<Real>(side) * spacing), radius, 0}; }
 };
 
 Slabs slabs_of(const CellGrid& grid, int ranks) {
@@ -130,7 +128,8 @@ int bench(const Session& session, const std::string& folder, GlobalId total) {
   double own_bytes = 0;
   particles.for_each_field(
       [&](const auto& field) { own_bytes += static_cast<double>(field.size() * sizeof(field[0])); });
-  const double to_home = largest((received.bytes - reading.bytes) / own_bytes), all = largest(received.bytes / own_bytes);
+  const double to_home = largest((received.bytes - reading.bytes) / own_bytes),
+               all = largest(received.bytes / own_bytes);
   const double read_seconds = largest(after_read - start), home_seconds = largest(end - after_read);
   const double resident = largest(resident_megabytes());
   if (session.rank() == 0) {
