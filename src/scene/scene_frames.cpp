@@ -57,6 +57,7 @@ void read_name(Section& frames, const Scene& scene, FrameSetSettings& set) {
   if (frames.text({"name", "the end of the folder's name, frames_NAME; default its number in the scene"}, set.name)) {
     frames.check("name", is_folder_name(set.name), "must be letters, digits, - and _ only, as it names a folder");
   }
+  if (!frames.given("name")) set.name = std::to_string(scene.output.frames.size());
   const std::string folder = folder_of(set, scene.output.frames.size());
   for (std::size_t k = 0; k < scene.output.frames.size(); ++k) {
     frames.check(
@@ -110,6 +111,7 @@ void read_frame_set(Section& frames, Scene& scene, bool has_colour) {
     if (frames.fine("what")) check_fields(frames, fields, set.what, has_colour);
     set.fields = std::move(fields);
   }
+  set.fields = fields_of(set);
   read_selection(frames, scene, set);
   check_cells(frames, set);
   frames.reject_unknown();

@@ -46,12 +46,11 @@ class CellFrameWriter : public FrameWriter {
     const std::int64_t version[] = {1, 0};
     const auto& [x, y, z] = cells_.count();
     const std::int64_t extent[] = {0, x - 1, 0, y - 1, 0, z - 1};
-    const Vec3 first = cells_.origin() + cells_.size() / 2;
     const Real axes[] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     file.attribute("/VTKHDF/Version", std::span<const std::int64_t>(version));
     file.attribute("/VTKHDF/Type", std::string("ImageData"));
     file.attribute("/VTKHDF/WholeExtent", std::span<const std::int64_t>(extent));
-    file.attribute("/VTKHDF/Origin", std::span<const Real>(first.data(), 3));
+    file.attribute("/VTKHDF/Origin", std::span<const Real>(cells_.origin().data(), 3));
     file.attribute("/VTKHDF/Spacing", std::span<const Real>(cells_.size().data(), 3));
     file.attribute("/VTKHDF/Direction", std::span<const Real>(axes));
   }

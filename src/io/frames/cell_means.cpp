@@ -54,13 +54,20 @@ void merge_equal_cells(std::vector<CellSum>& sums) {
 std::vector<CellSum> own_sums(const CoarseCells& cells, const Frame& frame) {
   std::vector<CellSum> sums;
   for (std::size_t i = 0; i < frame.particles.id.size(); ++i) {
-    const std::int64_t cell = cells.cell_of(frame.particles.position[i]);
+    const std::int64_t cell = cells.point_of(frame.particles.position[i]);
     if (cell < 0) continue;
     const CellSum one = sum_of(frame, i, cell);
     if (!sums.empty() && sums.back().cell == cell)
       sums.back().add(one);
     else
       sums.push_back(one);
+  }
+  for (const std::int64_t step : cells.steps_to_second()) {
+    const std::size_t once = sums.size();
+    for (std::size_t k = 0; k < once; ++k) {
+      sums.push_back(sums[k]);
+      sums.back().cell += step;
+    }
   }
   merge_equal_cells(sums);
   return sums;
@@ -111,21 +118,31 @@ CoarseCells::CoarseCells(const Box& domain, const CellGrid& grid, const std::opt
       first_[k] = std::clamp<std::int64_t>(static_cast<std::int64_t>(low), 0, last - 1);
       end = std::clamp<std::int64_t>(static_cast<std::int64_t>(high), first_[k] + 1, last);
     }
-    count_[k] = end - first_[k];
+    cells_[k] = end - first_[k];
+    count_[k] = std::max<std::int64_t>(cells_[k], 2);
     size_[a] = grid.length(k) / static_cast<Real>(last);
-    origin_[a] = domain.min[a] + static_cast<Real>(first_[k]) * size_[a];
+    const Real first = static_cast<Real>(first_[k]) + (cells_[k] > 1 ? 0.5 : 0.0);
+    origin_[a] = domain.min[a] + first * size_[a];
   }
 }
 
-std::int64_t CoarseCells::cell_of(const Vec3& p) const {
+std::int64_t CoarseCells::point_of(const Vec3& p) const {
   const std::array<std::int64_t, 3> at{grid_.plane_of(p), grid_.row_of(p), grid_.column_of(p)};
-  std::int64_t cell = 0;
+  std::int64_t point = 0;
   for (const std::size_t a : {2U, 1U, 0U}) {
     const std::int64_t index = at[a] - first_[a];
-    if (index < 0 || index >= count_[a]) return -1;
-    cell = cell * count_[a] + index;
+    if (index < 0 || index >= cells_[a]) return -1;
+    point = point * count_[a] + index;
   }
-  return cell;
+  return point;
+}
+
+std::vector<std::int64_t> CoarseCells::steps_to_second() const {
+  const std::array<std::int64_t, 3> strides{1, count_[0], count_[0] * count_[1]};
+  std::vector<std::int64_t> steps;
+  for (const std::size_t a : {0U, 1U, 2U})
+    if (cells_[a] == 1) steps.push_back(strides[a]);
+  return steps;
 }
 
 CellMeans cell_means(MPI_Comm comm, const CoarseCells& cells, Real particle_volume, const Frame& frame) {

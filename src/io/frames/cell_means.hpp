@@ -18,26 +18,30 @@
 
 namespace trevi {
 
-/// The cells that meet a box, or all of the domain's, numbered with x fastest.
+/// The cells that meet a box, or all of the domain's, each a point of a regular grid, numbered with x fastest. The
+/// point is the middle of its cell. Along a direction with a single cell it has two, the middles of its faces, as the
+/// reader of VTK 9.1 cannot read flat images.
 class CoarseCells {
  public:
   /// `grid`: planes along x, of the domain that begins at `domain.min`.
   CoarseCells(const Box& domain, const CellGrid& grid, const std::optional<Box>& box);
 
-  const std::array<std::int64_t, 3>& count() const { return count_; }  ///< along x, y, z
+  const std::array<std::int64_t, 3>& count() const { return count_; }  ///< of points along x, y, z
   std::int64_t total() const { return count_[0] * count_[1] * count_[2]; }
-  const Vec3& origin() const { return origin_; }  ///< lower corner of the first, m
-  const Vec3& size() const { return size_; }      ///< of a cell, m
-  /// -1 outside of the box.
-  std::int64_t cell_of(const Vec3& p) const;
+  const Vec3& origin() const { return origin_; }  ///< the first point, m
+  const Vec3& size() const { return size_; }      ///< of a cell, and from point to point, m
+  /// The first point of its cell; -1 outside of the box.
+  std::int64_t point_of(const Vec3& p) const;
+  /// From a point to the other of its cell, along directions with a single cell.
+  std::vector<std::int64_t> steps_to_second() const;
 
  private:
   CellGrid grid_;
-  std::array<std::int64_t, 3> first_{}, count_{};
+  std::array<std::int64_t, 3> first_{}, cells_{}, count_{};
   Vec3 origin_, size_;
 };
 
-/// Of the cells that this rank looks after, a row each; 0 where there is no water.
+/// Of the points that this rank looks after, a row each; 0 where there is no water.
 struct CellMeans {
   RowSlice slice;
   std::vector<float> fraction;                 ///< of the cell that is water: particles · s³ over its volume
