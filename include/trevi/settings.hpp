@@ -193,6 +193,26 @@ struct FrameSettings {
   bool operator==(const FrameSettings&) const = default;
 };
 
+enum class FrameFormat { vtkhdf, vtu };
+enum class FrameContent { particles, cells };
+
+/// One of [[output.frames]]: frames of its own schedule in a folder of its own, of all particles or of a selection that
+/// does not depend on the ranks, or of means over the cells of the coarse grid, which are one kernel radius wide.
+struct FrameSetSettings {
+  std::string name;  ///< its folder is frames_NAME; empty: its number in the scene, from 0
+  FrameContent what = FrameContent::particles;
+  FrameFormat format = FrameFormat::vtkhdf;  ///< cells: vtkhdf
+  Schedule schedule;
+  /// Default: velocity, density and id of particles, fraction and velocity of cells.
+  std::optional<std::vector<std::string>> fields;
+  Precision precision = Precision::double_;  ///< of the points; other fields are single
+  std::int64_t one_in = 1;                   ///< a power of two: so many times fewer, by a hash of the id
+  bool surface = false;                      ///< only what lies less than about two kernel radii below the surface
+  std::optional<Box> box;                    ///< m: particles in it, its upper faces left out; or its cells
+
+  bool operator==(const FrameSetSettings&) const = default;
+};
+
 struct CheckpointSettings {
   Schedule schedule;  ///< may be never: then the start and the end only
   int keep = 2;
@@ -204,6 +224,7 @@ struct CheckpointSettings {
 struct OutputSettings {
   std::string directory;  ///< relative to the working directory; empty: make_solver() writes no file
   std::optional<FrameSettings> vtu, vtkhdf;
+  std::vector<FrameSetSettings> frames;
   std::optional<CheckpointSettings> checkpoint;
   std::optional<Schedule> series;  ///< of series.csv and obstacles.csv
   std::optional<Schedule> gauges;  ///< of gauges.csv; that of the series where it is absent

@@ -21,6 +21,7 @@
 #include "io/frames/vtu.hpp"
 #include "io/run_directory/files.hpp"
 #include "io/run_directory/output_directory.hpp"
+#include "io/writers.hpp"
 #include "parallel/collective.hpp"
 #include "parallel/log.hpp"
 #include "parallel/reductions.hpp"
@@ -249,7 +250,7 @@ ExitCode run(const Session& session, int argc, const char* const* argv) {
     write_preview(session, scene, {line.preview, line.steps.value_or(scene.steps())});
     return ExitCode::done;
   }
-  if (scene.output.vtu) require_vtk();
+  if (needs_vtk(scene.output)) require_vtk();
   const Launch launch = use_threads(session, line.threads, scene);
   if (line.dry_run) {
     if (!line.picture.empty()) write_scene_picture(session, scene, line.picture);

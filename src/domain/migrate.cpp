@@ -9,6 +9,7 @@
 #include "base/growth.hpp"
 #include "base/threads.hpp"
 #include "domain/plane_peers.hpp"
+#include "domain/send_to_owners.hpp"
 #include "parallel/waiting.hpp"
 #include "particles/remove.hpp"
 #include "trevi/session.hpp"
@@ -96,6 +97,13 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
   });
 }
 
+std::vector<int> owners_of(const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
+  std::vector<int> owners(positions.size());
+  for_each_index({0, static_cast<LocalId>(owners.size())},
+                 [&, to = owners.data()](std::size_t i) { to[i] = slabs.owner(grid.plane_of(positions[i])); });
+  return owners;
+}
+
 // Swaps buffers with the neighbour on each side; incoming[side] is what arrived from that side. Messages count
 // particles rather than bytes: a plane of a large box may hold 27 million of them, whose bytes do not fit into an int.
 std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<int, 2>& peer,
@@ -127,22 +135,18 @@ std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<i
 GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*position, const CellGrid& grid,
                  const Slabs& slabs) {
   if (slabs.ranks() == 1) return 0;
-  const int rank = rank_of(comm);
+  const Leaving leaving = leaving_particles(rank_of(comm), particles.*position, grid, slabs);
+  int farthest = leaving.farthest;
+  all_reduce(comm, &farthest, 1, MPI_INT, MPI_MAX);
+  if (farthest == 0) return 0;
+  if (farthest > 1) return send_to_owners(comm, particles, owners_of(particles.*position, grid, slabs));
+  const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, leaving.to[0]),
+                                                          pack(particles, leaving.to[1])};
+  remove_leaving(particles, leaving);
   const std::array<int, 2> peers = slab_neighbours(comm, grid.is_periodic(0));
-  Leaving leaving = leaving_particles(rank, particles.*position, grid, slabs);
-  int rounds = leaving.farthest;
-  all_reduce(comm, &rounds, 1, MPI_INT, MPI_MAX);
-  GlobalId sent = 0;
-  for (int round = 0; round < rounds; ++round) {
-    if (round > 0) leaving = leaving_particles(rank, particles.*position, grid, slabs);
-    const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, leaving.to[0]),
-                                                            pack(particles, leaving.to[1])};
-    remove_leaving(particles, leaving);
-    for (const std::vector<std::byte>& buffer : exchange(comm, peers, outgoing, bytes_per_particle(particles)))
-      append(particles, buffer);
-    sent += static_cast<GlobalId>(leaving.to[0].size() + leaving.to[1].size());
-  }
-  return sent;
+  for (const std::vector<std::byte>& buffer : exchange(comm, peers, outgoing, bytes_per_particle(particles)))
+    append(particles, buffer);
+  return static_cast<GlobalId>(leaving.to[0].size() + leaving.to[1].size());
 }
 
 }  // namespace trevi

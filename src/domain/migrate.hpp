@@ -1,6 +1,6 @@
-// Sends each particle to the rank that owns its cell plane, over any distance: from slab to neighbour slab, in as many
-// rounds as the particle that moved farthest has slabs to cross (nearly always none or one). The order on arrival does
-// not matter, as the cell order sorts by id. Collective.
+// Sends each particle to the rank that owns its cell plane, over any distance: to the neighbour slabs where that is all
+// (nearly always), else in one exchange of all ranks with all (send_to_owners.hpp). The order on arrival does not
+// matter, as the cell order sorts by id. Collective.
 #pragma once
 
 #include <mpi.h>

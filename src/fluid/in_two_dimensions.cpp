@@ -48,6 +48,12 @@ void lay_in_plane(GaugeSettings& gauge, const FluidSettings& fluid) {
   gauge.size[upright ? 1 : 0] = fluid.spacing;
 }
 
+void lay_in_plane(FrameSetSettings& frames, const FluidSettings& fluid) {
+  if (fluid.dimensions != 2 || !frames.box) return;
+  frames.box->min.y() = -fluid.spacing / 2;
+  frames.box->max.y() = fluid.spacing / 2;
+}
+
 void lay_in_plane(Settings& settings) {
   if (settings.fluid.dimensions != 2) return;
   const Real spacing = settings.fluid.spacing;
@@ -59,6 +65,7 @@ void lay_in_plane(Settings& settings) {
   for (DrainSettings& drain : settings.drains) lay_in_plane(drain, settings.fluid);
   for (DampingSettings& zone : settings.dampings) lay_in_plane(zone, settings.fluid);
   for (GaugeSettings& gauge : settings.gauges) lay_in_plane(gauge, settings.fluid);
+  for (FrameSetSettings& frames : settings.output.frames) lay_in_plane(frames, settings.fluid);
 }
 
 std::string why_not_along_plane(const Vec3& vector) {

@@ -20,6 +20,7 @@ void lay_in_plane(InletSettings& inlet, const FluidSettings& fluid);
 void lay_in_plane(DrainSettings& drain, const FluidSettings& fluid);
 void lay_in_plane(DampingSettings& zone, const FluidSettings& fluid);
 void lay_in_plane(GaugeSettings& gauge, const FluidSettings& fluid);
+void lay_in_plane(FrameSetSettings& frames, const FluidSettings& fluid);
 
 /// Why these cannot be in a scene of two dimensions, with a remedy; empty where they can.
 std::string why_not_in_plane(const ObstacleSettings& obstacle);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "io/frames/cell_frames.hpp"
+#include "io/frames/frame_sets.hpp"
 #include "io/frames/vtkhdf.hpp"
 #include "io/frames/vtu.hpp"
 #include "io/run_directory/output_directory.hpp"
@@ -53,6 +55,36 @@ void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& op
     writers.push_back(std::make_unique<BodySeries>(comm, table, settings.bodies.size(), settings.obstacles.size()));
 }
 
+FrameOptions frame_options(const Settings& settings, const WriterOptions& options, const FrameSettings& wanted,
+                           const std::shared_ptr<const ObstacleSurfaces>& surfaces) {
+  return {options.directory,    wanted.schedule, wanted.fields, colour_scale(settings, options.particles),
+          options.restart_step, surfaces};
+}
+
+SelectionOptions selection_options(const Settings& settings, const FrameSetSettings& set) {
+  SelectionOptions selection{settings.domain, set.box, thinning_of(set.one_in), std::nullopt};
+  if (set.surface) selection.surface = settings.fluid.kernel_radius;
+  return selection;
+}
+
+// Each in a folder of its own.
+void add_frame_set(MPI_Comm comm, const Settings& settings, std::size_t k, FrameOptions options,
+                   std::vector<std::unique_ptr<Observer>>& writers) {
+  const FrameSetSettings& set = settings.output.frames[k];
+  options.directory += "/" + folder_of(set, k);
+  if (set.what == FrameContent::cells) {
+    const Real spacing = settings.fluid.spacing;
+    writers.push_back(make_cell_frame_writer(comm, std::move(options), coarse_cells(settings, set), fields_of(set),
+                                             spacing * spacing * spacing));
+    return;
+  }
+  if (set.box || set.one_in > 1 || set.surface) options.selection.emplace(selection_options(settings, set));
+  options.single_points = set.precision == Precision::single;
+  options.short_cells = true;
+  const auto make = set.format == FrameFormat::vtu ? make_vtu_writer : make_vtkhdf_writer;
+  writers.push_back(make(comm, std::move(options)));
+}
+
 // Holds the lock of the folder as long as it lives.
 class FolderLock : public Observer {
  public:
@@ -71,19 +103,20 @@ std::vector<std::unique_ptr<Observer>> make_writers(MPI_Comm comm, const Setting
   std::vector<std::unique_ptr<Observer>> writers;
   add_tables(comm, settings, options, writers);
   const auto surfaces = obstacle_surfaces(settings);
-  const auto frames = [&](const FrameSettings& wanted) {
-    return FrameOptions{options.directory,    wanted.schedule, wanted.fields, colour_scale(settings, options.particles),
-                        options.restart_step, surfaces};
-  };
+  const auto frames = [&](const FrameSettings& wanted) { return frame_options(settings, options, wanted, surfaces); };
   if (settings.output.vtu) writers.push_back(make_vtu_writer(comm, frames(*settings.output.vtu)));
   if (settings.output.vtkhdf) writers.push_back(make_vtkhdf_writer(comm, frames(*settings.output.vtkhdf)));
+  for (std::size_t k = 0; k < settings.output.frames.size(); ++k) {
+    const FrameSetSettings& set = settings.output.frames[k];
+    add_frame_set(comm, settings, k, frames({set.schedule, fields_of(set)}), writers);
+  }
   writers.push_back(std::make_unique<CheckpointWriter>(comm, checkpoint_options(settings.output, options)));
   return writers;
 }
 
 std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, const Settings& settings,
                                                                const WriterOptions& options) {
-  if (settings.output.vtu) require_vtk();
+  if (needs_vtk(settings.output)) require_vtk();
   // A run that goes on may do so in its own folder.
   if (!options.restart_step) check_output_directory(comm, options.directory, std::nullopt);
   make_output_directory(comm, options.directory);
@@ -91,6 +124,11 @@ std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, co
   std::vector<std::unique_ptr<Observer>> writers = make_writers(comm, settings, options);
   writers.push_back(std::move(lock));
   return writers;
+}
+
+bool needs_vtk(const OutputSettings& output) {
+  return output.vtu || std::any_of(output.frames.begin(), output.frames.end(),
+                                   [](const auto& set) { return set.format == FrameFormat::vtu; });
 }
 
 ColourScale colour_scale(const Settings& settings, GlobalId particles) {

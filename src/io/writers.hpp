@@ -32,6 +32,9 @@ std::vector<std::unique_ptr<Observer>> make_writers(MPI_Comm comm, const Setting
 std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, const Settings& settings,
                                                                const WriterOptions& options);
 
+/// Whether frames in VTU are asked for.
+bool needs_vtk(const OutputSettings& output);
+
 ColourScale colour_scale(const Settings& settings, GlobalId particles);
 
 /// Whether something else than gravity gives the water energy: a fountain, an inlet, a drain, an obstacle or a body

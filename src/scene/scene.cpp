@@ -10,9 +10,9 @@
 
 #include "base/simd.hpp"
 #include "base/threads.hpp"
-#include "io/frames/fields.hpp"
 #include "scene/obstacle_files.hpp"
 #include "scene/scene_body.hpp"
+#include "scene/scene_frames.hpp"
 #include "scene/scene_gauge.hpp"
 #include "scene/scene_inlet.hpp"
 #include "scene/scene_overrides.hpp"
@@ -100,57 +100,6 @@ void read_colour(Section colour, Scene& scene) {
   colour.reject_unknown();
 }
 
-Schedule read_schedule(Section& section) {
-  Schedule schedule;
-  section.number({"every", "the time between outputs in seconds"}, schedule.every, above(0));
-  section.integer({"every_steps", "the number of steps between outputs; it beats every"}, schedule.every_steps, 1);
-  return schedule;
-}
-
-std::vector<std::string> names_of_fields() {
-  std::vector<std::string> names;
-  for (const OutputField* field : frame_fields()) names.emplace_back(field->name);
-  return names;
-}
-
-bool needs_colour(const std::string& name) {
-  const auto fields = frame_fields();
-  return std::any_of(fields.begin(), fields.end(), [&](const OutputField* field) {
-    return name == field->name && field->needs == FieldNeeds::colour;
-  });
-}
-
-void check_fields(Section& frames, const std::vector<std::string>& fields, bool has_colour) {
-  const std::vector<std::string> allowed = names_of_fields();
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const std::string& field = fields[i];
-    const std::string shown = printable(field), meant = nearest_word(field, allowed);
-    frames.check("fields", std::find(allowed.begin(), allowed.end(), field) != allowed.end(),
-                 fmt::format("unknown field \"{}\"; {}", shown,
-                             meant.empty() ? fmt::format("choose from {}", fmt::join(allowed, ", "))
-                                           : fmt::format("did you mean \"{}\"?", meant)));
-    frames.check("fields", std::count(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(i), field) == 0,
-                 fmt::format("\"{}\" is named twice; name it once", shown));
-    frames.check("fields", has_colour || !needs_colour(field),
-                 fmt::format("\"{}\" needs a table [colour]; add one, for example with by = \"speed\"", shown));
-  }
-}
-
-std::optional<FrameSettings> read_frames(Section frames, bool has_colour) {
-  FrameSettings settings;
-  settings.schedule = read_schedule(frames);
-  const std::string meaning = fmt::format("the fields to write: {}", fmt::join(names_of_fields(), ", "));
-  if (frames.texts({"fields", meaning.c_str()}, settings.fields)) {
-    check_fields(frames, settings.fields, has_colour);
-  }
-  if (frames.present()) {
-    frames.check("every", frames.given("every") || frames.given("every_steps"),
-                 "missing; give every (seconds) or every_steps");
-  }
-  frames.reject_unknown();
-  return frames.present() ? std::optional(settings) : std::nullopt;
-}
-
 // A row for every step unless the table says otherwise.
 std::optional<Schedule> read_rows(Section rows) {
   if (!rows.present()) return std::nullopt;
@@ -165,6 +114,7 @@ void read_output(Section output, Scene& scene, bool has_colour) {
   output.text({"directory", "the folder for all outputs, relative to the working directory"}, settings.directory);
   settings.vtu = read_frames(output.child("vtu"), has_colour);
   settings.vtkhdf = read_frames(output.child("vtkhdf"), has_colour);
+  read_frame_sets(output, scene, has_colour);
   if (Section checkpoint = output.child("checkpoint"); checkpoint.present()) {
     settings.checkpoint.emplace().schedule = read_schedule(checkpoint);
     checkpoint.integer({"keep", "the number of checkpoints to keep"}, settings.checkpoint->keep, 1);
@@ -240,7 +190,8 @@ std::string scene_reference() {
       "body = [{type = 'basin', mooring = {}}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = "
       "'mesh'}]\n"
       "[domain]\n[fluid]\n[time]\n[gravity]\n[density]\n[walls]\n[tensile]\n[vorticity]\n[viscosity]\n[colour]\n"
-      "[output.vtu]\n[output.vtkhdf]\n[output.checkpoint]\n[output.series]\n[output.gauges]\n[random]\n[run]\n";
+      "[output.vtu]\n[output.vtkhdf]\n[[output.frames]]\n[output.checkpoint]\n[output.series]\n[output.gauges]\n["
+      "random]\n[run]\n";
   Findings findings("reference");
   Scene scene;
   read_tables(read_document("reference", every_table, {}, findings), findings, scene);

@@ -89,12 +89,15 @@ std::vector<Section> Section::children(const std::string& name) {
   std::vector<Section> sections;
   const toml::node* node = table_ ? table_->get(name) : nullptr;
   if (!node) return sections;
-  const std::string label = "[[" + name + "]]";
+  const std::string path = place_.path.empty() ? name : place_.path + '.' + name;
+  std::string outer = place_.label;
+  std::erase_if(outer, [](char c) { return c == '[' || c == ']'; });
+  const std::string label = fmt::format("[[{}{}{}]]", outer, outer.empty() ? "" : ".", name);
   const toml::array* array = node->as_array();
   if (!array)
     fail(name.c_str(), fmt::format("must be a list of tables, got {}; write {} above each", shown(*node), label));
   for (std::size_t i = 0; array && i < array->size(); ++i) {
-    const Place place{(*array)[i].source(), fmt::format("{}.{}", name, i), label};
+    const Place place{(*array)[i].source(), fmt::format("{}.{}", path, i), label};
     const toml::table* table = accept_table((*array)[i], place, "a list of tables");
     if (!table) failed_.insert(name);
     if (table) sections.push_back(Section(table, place, *findings_));

@@ -1,13 +1,11 @@
 #include "solver/check_flow.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "fluid/forcings/inlet.hpp"
 #include "fluid/forcings/music_kind.hpp"
-#include "io/frames/fields.hpp"
 #include "solver/demand.hpp"
 
 namespace trevi {
@@ -91,24 +89,6 @@ void check_drain(const DrainSettings& one, const std::string& name) {
          name + "radius and height must be positive");
 }
 
-void check_schedule(const Schedule& schedule, const char* name) {
-  demand(is_amount(schedule.every) && schedule.every_steps >= 0,
-         fmt::format("output.{}: every and every_steps must not be negative", name));
-}
-
-void check_frames(const Settings& all, const FrameSettings& frames, const char* name) {
-  check_schedule(frames.schedule, name);
-  std::vector<std::string> allowed;
-  for (const OutputField* field : frame_fields()) allowed.emplace_back(field->name);
-  for (auto field = frames.fields.begin(); field != frames.fields.end(); ++field) {
-    demand(std::find(allowed.begin(), allowed.end(), *field) != allowed.end(),
-           fmt::format("output.{}.fields: \"{}\" is none of {}", name, *field, fmt::join(allowed, ", ")));
-    demand(std::find(frames.fields.begin(), field, *field) == field,
-           fmt::format("output.{}.fields: \"{}\" is named twice", name, *field));
-    demand(*field != "rgb" || all.colour, fmt::format("output.{}.fields: \"rgb\" needs a colour", name));
-  }
-}
-
 // A length of 1 to rounding is left as it is, so that a scene keeps its bits.
 void normalise(Vec3& direction) {
   constexpr Real rounding = 1e-12;
@@ -123,16 +103,6 @@ void check_flow(const Settings& all) {
   for (std::size_t k = 0; k < all.inlets.size(); ++k) check_inlet(all, all.inlets[k], fmt::format("inlets[{}].", k));
   for (std::size_t k = 0; k < all.drains.size(); ++k) check_drain(all.drains[k], fmt::format("drains[{}].", k));
   check_live_sound(all);
-}
-
-void check_output(const Settings& all) {
-  const OutputSettings& output = all.output;
-  if (output.vtu) check_frames(all, *output.vtu, "vtu");
-  if (output.vtkhdf) check_frames(all, *output.vtkhdf, "vtkhdf");
-  if (output.series) check_schedule(*output.series, "series");
-  if (!output.checkpoint) return;
-  check_schedule(output.checkpoint->schedule, "checkpoint");
-  demand(output.checkpoint->keep >= 1, "output.checkpoint.keep must be at least 1");
 }
 
 void resolve_flow(Settings& all) {

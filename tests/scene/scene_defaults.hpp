@@ -93,6 +93,13 @@ inline const std::vector<std::string> defaults_of_features = {"gravity.accelerat
                                                               "gauge.0.radius=0.2",
                                                               "output.vtu.fields=['velocity', 'density', 'id']",
                                                               "output.vtkhdf.fields=['velocity', 'density', 'id']",
+                                                              "output.frames.0.what='particles'",
+                                                              "output.frames.0.name='0'",
+                                                              "output.frames.0.format='vtkhdf'",
+                                                              "output.frames.0.fields=['velocity', 'density', 'id']",
+                                                              "output.frames.0.precision='double'",
+                                                              "output.frames.0.one_in=1",
+                                                              "output.frames.0.surface=false",
                                                               "output.checkpoint.keep=2",
                                                               "output.series.every_steps=1",
                                                               "output.gauges.every_steps=1"};
@@ -104,7 +111,7 @@ inline const std::string every_table =
     "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nheight = 0.2\n"
     "[[body]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.8]\nradius = 0.1\nheight = 0.2\ndensity = 500\n"
     "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\n[output.vtu]\n"
-    "every = 1\n[output.vtkhdf]\nevery = 1\n[output.checkpoint]\n[output.series]\n[output.gauges]\n";
+    "every = 1\n[output.vtkhdf]\nevery = 1\n[[output.frames]]\nevery = 1\n[output.checkpoint]\n[output.series]\n[output.gauges]\n";
 
 /// Of what `density.preset = "report"` changes.
 inline const std::vector<std::string> defaults_of_the_report = {"density.method='jacobi'",

@@ -249,9 +249,24 @@ TEST(Scene, ReferenceListsEachKeyOnce) {
   for (const std::string key :
        {"[domain] slab_axis", "[fluid] spacing", "[[particles]] min", "[[particles]] path", "[time] dt",
         "[density] preset", "[tensile] dq", "[viscosity] c", "[[fountain]] speed_range", "[output] directory",
-        "[output.vtkhdf] fields", "[output.checkpoint] keep", "[output.series] every_steps", "[colour] by",
-        "[random] seed", "[run] wall_limit"})
+        "[output.vtkhdf] fields", "[[output.frames]] one_in", "[output.checkpoint] keep", "[output.series] every_steps",
+        "[colour] by", "[random] seed", "[run] wall_limit"})
     EXPECT_EQ(lists(key), 1) << key;
+}
+
+TEST(Scene, FramesHaveWhatIsWrittenAndDefaults) {
+  const Scene scene = parse(scene_plus(
+      "[[output.frames]]\nevery_steps = 2\nprecision = 'single'\none_in = 8\nsurface = true\nmin = [0, 0, 0]\nmax = "
+      "[1, 0.5, 0.25]\nformat = 'vtu'\nname = 'near'\nfields = []\n[[output.frames]]\nwhat = 'cells'\nevery = 0.5\n"));
+  ASSERT_EQ(scene.output.frames.size(), 2U);
+  const FrameSetSettings &near = scene.output.frames[0], &cells = scene.output.frames[1];
+  EXPECT_TRUE(near.precision == Precision::single && near.surface && near.format == FrameFormat::vtu);
+  EXPECT_EQ(near.one_in, 8);
+  EXPECT_EQ(near.box->max, Vec3(1, 0.5, 0.25));
+  EXPECT_TRUE(near.name == "near" && near.fields->empty() && near.schedule.every_steps == 2);
+  EXPECT_TRUE(cells.what == FrameContent::cells && cells.name == "1" && !cells.box);
+  EXPECT_EQ(*cells.fields, (std::vector<std::string>{"fraction", "velocity"}));
+  EXPECT_EQ(cells.schedule.every, 0.5);
 }
 
 TEST(Scene, BrokenTextIsAnInputErrorAndNeverACrash) {

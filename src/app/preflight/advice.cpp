@@ -7,6 +7,7 @@
 
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
+#include "io/frames/frame_sets.hpp"
 #include "scene/block_start.hpp"
 #include "scene/free_places.hpp"
 #include "scene/scene_place.hpp"
@@ -91,9 +92,13 @@ bool shows_colours(const std::optional<FrameSettings>& frames) {
 
 void look_at_colours(const Scene& scene, Advice& advice) {
   const OutputSettings& output = scene.output;
-  if (!scene.colour || (!output.vtu && !output.vtkhdf)) return;
+  if (!scene.colour || (!output.vtu && !output.vtkhdf && output.frames.empty())) return;
   if (shows_colours(output.vtu) || shows_colours(output.vtkhdf)) return;
-  advice.emplace_back("[colour] by: no frame shows it; add \"rgb\" to the fields of [output.vtu] or [output.vtkhdf]");
+  for (const FrameSetSettings& set : output.frames)
+    if (shows_colours(FrameSettings{set.schedule, fields_of(set)})) return;
+  advice.emplace_back(
+      "[colour] by: no frame shows it; add \"rgb\" to the fields of [output.vtu], [output.vtkhdf] or "
+      "[[output.frames]]");
 }
 
 // Whether a lattice of spacing s has a point within the radius of (x, y), where it extends.
@@ -196,7 +201,7 @@ Real longest_step(const Scene& scene, Real cfl) {
 std::vector<std::string> scene_advice(const Scene& scene) {
   Advice advice;
   const OutputSettings& output = scene.output;
-  if (!output.vtu && !output.vtkhdf && !output.series && !output.checkpoint)
+  if (!output.vtu && !output.vtkhdf && output.frames.empty() && !output.series && !output.checkpoint)
     advice.emplace_back("the scene asks for no output; add [output.vtu] for frames, [output.series] for sums");
   look_at_colours(scene, advice);
   for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {

@@ -13,6 +13,7 @@
 #include "boundary/geometry/mass_properties.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/forcings/inlet.hpp"
+#include "io/frames/frame_sets.hpp"
 #include "parallel/reductions.hpp"
 #include "scene/initial_particles.hpp"
 #include "scene/lattice.hpp"
@@ -179,12 +180,22 @@ double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
   return most;
 }
 
-std::string output_text(const Scene& scene, const std::string& directory) {
+std::string frame_set_text(const Scene& scene, std::size_t k, double particles) {
+  const FrameSetSettings& set = scene.output.frames[k];
+  const FrameSetCost cost = cost_of(scene, set, particles);
+  const char* what = set.what == FrameContent::cells ? "cells" : set.format == FrameFormat::vtu ? "VTU" : "VTKHDF";
+  return fmt::format("  {:<11} {}, {}, up to {} each, {:.0f} of them, {}\n", folder_of(set, k),
+                     schedule_text(set.schedule), what, size_text(cost.bytes), cost.frames,
+                     size_text(cost.frames * cost.bytes));
+}
+
+std::string output_text(const Scene& scene, const std::string& directory, double particles) {
   std::string text = fmt::format("output      {}\n", directory);
   const OutputSettings& output = scene.output;
   if (output.series) text += fmt::format("  series.csv  {}\n", schedule_text(*output.series));
   if (output.vtu) text += fmt::format("  VTU         {}\n", schedule_text(output.vtu->schedule));
   if (output.vtkhdf) text += fmt::format("  VTKHDF      {}\n", schedule_text(output.vtkhdf->schedule));
+  for (std::size_t k = 0; k < output.frames.size(); ++k) text += frame_set_text(scene, k, particles);
   if (output.checkpoint) {
     text +=
         fmt::format("  checkpoint  {}, keep {}\n", schedule_text(output.checkpoint->schedule), output.checkpoint->keep);
@@ -214,7 +225,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
   fmt::print("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
   const double bytes = output_bytes(scene, particles);
-  fmt::print("{}  in all      up to {}\n", output_text(scene, directory), size_text(bytes));
+  fmt::print("{}  in all      up to {}\n", output_text(scene, directory, particles), size_text(bytes));
   std::vector<std::string> warnings = start_warnings(scene);
   for (std::string& warning : volume_warnings(scene, particles)) warnings.push_back(std::move(warning));
   for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));

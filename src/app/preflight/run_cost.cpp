@@ -8,6 +8,7 @@
 
 #include "app/build.hpp"
 #include "fluid/in_two_dimensions.hpp"
+#include "io/frames/frame_sets.hpp"
 #include "scene/lattice.hpp"
 
 namespace trevi {
@@ -21,11 +22,21 @@ double outputs(const Schedule& schedule, const Scene& scene) {
   return 2;  // the start and the end
 }
 
-double field_bytes(const FrameSettings& frames) {
+double field_bytes(const std::vector<std::string>& fields) {
   double bytes = 0;
-  for (const std::string& field : frames.fields)
+  for (const std::string& field : fields)
     bytes += field == "velocity" ? 12 : field == "id" ? 8 : field == "rgb" ? 3 : 4;
   return bytes;
+}
+
+// At most: how many are near the surface is not known, and water in a box may be a tenth denser than its lattice.
+double selected_particles(const Scene& scene, const FrameSetSettings& set, double particles) {
+  double selected = particles;
+  if (set.box) {
+    const Vec3 extent = set.box->max.cwiseMin(scene.domain.max) - set.box->min.cwiseMax(scene.domain.min);
+    selected = std::min(selected, 1.1 * extent.prod() / std::pow(scene.fluid.spacing, 3));
+  }
+  return selected / static_cast<double>(set.one_in);
 }
 
 // The sample: a basin of so many spacings, full to two thirds. Enough water for all loops, and a second of work.
@@ -56,12 +67,31 @@ Scene sample_of(const Scene& scene) {
 
 }  // namespace
 
+FrameSetCost cost_of(const Scene& scene, const FrameSetSettings& set, double particles) {
+  FrameSetCost cost;
+  cost.frames = outputs(set.schedule, scene);
+  const double fields = field_bytes(fields_of(set));
+  if (set.what == FrameContent::cells) {
+    cost.bytes = static_cast<double>(coarse_cells(scene, set).total()) * fields;
+  } else {
+    const double points = set.precision == Precision::single ? 12 : 24,
+                 cells = set.format == FrameFormat::vtkhdf ? 8 : 0;
+    cost.bytes = selected_particles(scene, set, particles) * (points + cells + fields);
+  }
+  return cost;
+}
+
 double output_bytes(const Scene& scene, double particles) {
   const OutputSettings& output = scene.output;
   double bytes = 0;
-  if (output.vtu) bytes += outputs(output.vtu->schedule, scene) * particles * (24 + field_bytes(*output.vtu));
+  if (output.vtu) bytes += outputs(output.vtu->schedule, scene) * particles * (24 + field_bytes(output.vtu->fields));
   // Cells are as large as points there: connectivity, offset, type.
-  if (output.vtkhdf) bytes += outputs(output.vtkhdf->schedule, scene) * particles * (41 + field_bytes(*output.vtkhdf));
+  if (output.vtkhdf)
+    bytes += outputs(output.vtkhdf->schedule, scene) * particles * (41 + field_bytes(output.vtkhdf->fields));
+  for (const FrameSetSettings& set : output.frames) {
+    const FrameSetCost cost = cost_of(scene, set, particles);
+    bytes += cost.frames * cost.bytes;
+  }
   if (output.checkpoint) {
     // One more than are kept while it is written.
     const double kept = std::min(outputs(output.checkpoint->schedule, scene), output.checkpoint->keep + 1.0);

@@ -13,6 +13,12 @@ namespace trevi {
 /// Bytes of frames, checkpoints and series that a scene asks for: an upper bound, as VTU frames are compressed.
 double output_bytes(const Scene& scene, double particles);
 
+/// Of one of [[output.frames]]: the number of frames, and bytes of one, at most.
+struct FrameSetCost {
+  double frames = 0, bytes = 0;
+};
+FrameSetCost cost_of(const Scene& scene, const FrameSetSettings& set, double particles);
+
 /// A sentence with the remedy where `bytes` are more than what is free on the disk of `directory`, which need not be
 /// there yet; else none. Not collective.
 std::vector<std::string> disk_warnings(double bytes, const std::string& directory);

@@ -22,7 +22,7 @@ bool is_pvd(const std::string& path) { return path.ends_with(".pvd"); }
 std::int64_t step_of(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
   constexpr SteppedName single_file{"particles_", ".vtu"};
-  for (const SteppedName& kind : {vtu_frames, single_file, vtu_pieces, vtkhdf_frames, obstacle_frames}) {
+  for (const SteppedName& kind : {vtu_frames, single_file, vtu_pieces, vtkhdf_frames, cell_frames, obstacle_frames}) {
     if (const auto step = step_in_name(name, kind)) return *step;
   }
   return -1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/threads.hpp"
 #include "parallel/collective.hpp"
 
 namespace trevi {
@@ -38,10 +39,26 @@ Rows FrameWriter::rows_of(const OutputField& field, const Frame& frame) const {
   return field.rows({frame, options_.colour, rank_of(comm_)});
 }
 
+Rows point_rows(const std::vector<Vec3>& points, bool single) {
+  if (!single) return {Rows(), points.data()};
+  using Floats3 = std::array<float, 3>;
+  auto rows = std::make_shared<std::vector<Floats3>>(points.size());
+  for_each_index({0, static_cast<LocalId>(points.size())}, [to = rows->data(), from = points.data()](std::size_t i) {
+    for (const int a : {0, 1, 2}) to[i][static_cast<std::size_t>(a)] = static_cast<float>(from[i][a]);
+  });
+  return {rows, rows->data()};
+}
+
+void FrameWriter::write_selected(const Frame& frame, const std::string& path) {
+  if (!options_.selection) return write(frame, path);
+  const SelectedFrame selected = options_.selection->select(comm_, frame);
+  write({frame.clock, selected.particles, selected.density, nullptr, frame.fountains}, path);
+}
+
 void FrameWriter::observe(const Frame& frame) {
   const ScopedEvent timed(event_);
   const std::string name = files_.folder + name_of_step(files_.kinds.front(), frame.clock.step);
-  write(frame, options_.directory + "/" + name);
+  write_selected(frame, options_.directory + "/" + name);
   on_root(comm_, [&] {
     std::vector<std::string> others;
     if (obstacles_) others = obstacles_->write(frame.clock, frame.bodies);

@@ -10,6 +10,7 @@
 
 #include "io/frames/fields.hpp"
 #include "io/frames/frame_list_file.hpp"
+#include "io/frames/frame_selection.hpp"
 #include "io/frames/obstacle_frames.hpp"
 #include "io/run_directory/files.hpp"
 #include "parallel/log.hpp"
@@ -25,7 +26,15 @@ struct FrameOptions {
   ColourScale colour;
   std::optional<std::int64_t> restart_step;  ///< entries past it leave the list, their files are renamed *.stale
   std::shared_ptr<const ObstacleSurfaces> obstacles;  ///< null where the scene has none
+  std::optional<FrameSelection> selection{};          ///< none: all particles
+  /// Points in single precision, and of the cells, which say only that each particle is a vertex, as little as VTK's
+  /// reader takes (vtkhdf.hpp).
+  bool single_points = false, short_cells = false;
 };
+
+/// A row for each of these points, in double precision those themselves.
+Rows point_rows(const std::vector<Vec3>& points, bool single);
+inline RowFormat point_format(bool single) { return {single ? Scalar::float32 : Scalar::float64, 3}; }
 
 /// Names of a format's files, relative to the directory of the output, and of the event that times them.
 struct FrameFiles {
@@ -48,11 +57,13 @@ class FrameWriter : public Observer {
   virtual void write(const Frame& frame, const std::string& path) = 0;
 
   MPI_Comm comm() const { return comm_; }
+  const FrameOptions& options() const { return options_; }
   const std::vector<const OutputField*>& fields() const { return fields_; }
   Rows rows_of(const OutputField& field, const Frame& frame) const;
 
  private:
   void open();
+  void write_selected(const Frame& frame, const std::string& path);
 
   MPI_Comm comm_;
   FrameOptions options_;

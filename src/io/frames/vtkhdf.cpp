@@ -25,7 +25,7 @@ class VtkHdfWriter : public FrameWriter {
   void write(const Frame& frame, const std::string& path) override {
     const std::string temporary = path + ".tmp";
     try {
-      VtkHdfFile file(comm(), temporary, frame.particles.position);
+      VtkHdfFile file(comm(), temporary, frame.particles.position, {options().single_points, options().short_cells});
       for (const OutputField* field : fields()) file.field(field->name, field->format, rows_of(*field, frame).get());
       file.close();
     } catch (const Error&) {  // thrown by all ranks alike
@@ -38,32 +38,43 @@ class VtkHdfWriter : public FrameWriter {
 
 }  // namespace
 
-VtkHdfFile::VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector<Vec3>& points)
+VtkHdfFile::VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector<Vec3>& points, Layout layout)
     : file_(comm, path), points_(in_rank_order(comm, static_cast<std::int64_t>(points.size()))) {
   const std::int64_t version[] = {1, 0};
   file_.attribute("/VTKHDF/Version", std::span<const std::int64_t>(version));
   file_.attribute("/VTKHDF/Type", std::string("UnstructuredGrid"));
   // Ranks without particles have no partition; VTK wants one at least.
   const bool partition = points_.count > 0 || (points_.total == 0 && rank_of(comm) == 0);
-  write_cells(in_rank_order(comm, partition ? 1 : 0));
-  file_.write("/VTKHDF/Points", points, points_);
+  write_cells(in_rank_order(comm, partition ? 1 : 0), layout.short_cells);
+  file_.write("/VTKHDF/Points", point_format(layout.single_points), points_,
+              point_rows(points, layout.single_points).get());
 }
 
-void VtkHdfFile::write_cells(RowSlice partitions) {
-  const auto count = static_cast<std::size_t>(points_.count);
+void VtkHdfFile::write_cells(RowSlice partitions, bool is_short) {
   const std::vector<std::int64_t> sizes(static_cast<std::size_t>(partitions.count), points_.count);
   for (const char* name : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"}) {
     file_.write(std::string("/VTKHDF/") + name, sizes, partitions);
   }
-  std::vector<std::int64_t> numbers(count + static_cast<std::size_t>(partitions.count));
-  std::iota(numbers.begin(), numbers.end(), 0);
+  constexpr std::uint8_t vertex = 1;
+  if (is_short) {
+    write_numbers<std::int32_t>(partitions);
+    file_.write_constant("/VTKHDF/Types", vertex, points_.total);
+  } else {
+    write_numbers<std::int64_t>(partitions);
+    file_.write("/VTKHDF/Types", std::vector<std::uint8_t>(static_cast<std::size_t>(points_.count), vertex), points_);
+  }
+}
+
+template <class Integer>
+void VtkHdfFile::write_numbers(RowSlice partitions) {
+  const auto count = static_cast<std::size_t>(points_.count);
+  std::vector<Integer> numbers(count + static_cast<std::size_t>(partitions.count));
+  std::iota(numbers.begin(), numbers.end(), Integer{0});
   // Cell k of a partition begins at entry k of the connectivity, and is point k; one more entry marks the end.
   file_.write("/VTKHDF/Offsets", numbers,
               {points_.first + partitions.first, points_.count + partitions.count, points_.total + partitions.total});
   numbers.resize(count);
   file_.write("/VTKHDF/Connectivity", numbers, points_);
-  constexpr std::uint8_t vertex = 1;
-  file_.write("/VTKHDF/Types", std::vector<std::uint8_t>(count, vertex), points_);
 }
 
 std::unique_ptr<Observer> make_vtkhdf_writer(MPI_Comm comm, FrameOptions options) {

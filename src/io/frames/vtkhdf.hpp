@@ -1,6 +1,8 @@
 // Frames for ParaView in VTKHDF 1.0: one HDF5 file per frame, DIR/particles_<step>.hdf, written by all ranks together,
 // and DIR/particles.hdf.series that lists them with physical time. An unstructured grid with one vertex per particle
 // and one partition per rank that has any; fields as in fields.hpp.
+// With short cells Offsets and Connectivity are int32, and Types, which are all the same, take no room in the file: 8
+// bytes a particle in place of 17.
 // A frame is written under a temporary name and renamed, so the list names whole frames only. Collective.
 // Format: VTK File Formats, "VTKHDF"; the list: ParaView's file series, version 1.0.
 #pragma once
@@ -20,7 +22,12 @@ std::unique_ptr<Observer> make_vtkhdf_writer(MPI_Comm comm, FrameOptions options
 /// A VTKHDF file under way: the grid first, then fields of its points, one row for each of this rank's points.
 class VtkHdfFile {
  public:
-  VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector<Vec3>& points);
+  struct Layout {
+    bool single_points = false, short_cells = false;
+  };
+  VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector<Vec3>& points)
+      : VtkHdfFile(comm, path, points, Layout{}) {}
+  VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector<Vec3>& points, Layout layout);
 
   template <class T>
   void field(const std::string& name, const std::vector<T>& rows) {
@@ -34,7 +41,9 @@ class VtkHdfFile {
   void close() { file_.close(); }
 
  private:
-  void write_cells(RowSlice partitions);
+  void write_cells(RowSlice partitions, bool is_short);
+  template <class Integer>
+  void write_numbers(RowSlice partitions);
 
   Hdf5Writer file_;
   RowSlice points_;

@@ -111,8 +111,10 @@ class VtuWriter : public FrameWriter {
   void write_own_piece(const Frame& frame, const std::string& path) const {
     const std::size_t count = frame.particles.id.size();
     vtkNew<vtkPoints> points;
-    points->SetDataTypeToDouble();
-    points->SetData(borrowed(RowFormatOf<Vec3>::value, frame.particles.position.data(), count));
+    const RowFormat format = point_format(options().single_points);
+    const Rows places = point_rows(frame.particles.position, options().single_points);
+    points->SetDataType(number_type(format.scalar).type);
+    points->SetData(borrowed(format, places.get(), count));
     vtkNew<vtkUnstructuredGrid> grid;
     grid->SetPoints(points);
     add_vertex_cells(grid, count);
@@ -135,9 +137,10 @@ class VtuWriter : public FrameWriter {
       text += fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n",
                           number_type(field->format.scalar).name, field->name, field->format.components);
     }
-    text +=
+    text += fmt::format(
         "    </PPointData>\n    <PPoints>\n"
-        "      <PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n    </PPoints>\n";
+        "      <PDataArray type=\"{}\" Name=\"Points\" NumberOfComponents=\"3\"/>\n    </PPoints>\n",
+        number_type(point_format(options().single_points).scalar).name);
     for (int rank = 0; rank < size_of(comm()); ++rank) {
       const std::string piece = std::filesystem::path(piece_path(path, rank)).filename().string();
       text += fmt::format("    <Piece Source=\"{}\"/>\n", piece);

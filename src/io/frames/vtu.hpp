@@ -1,5 +1,5 @@
 // Frames for ParaView in VTK XML: DIR/particles.pvd -> vtu/particles_<step>.pvtu -> one .vtu piece per rank.
-// Points are Float64; arrays, as asked for, as in fields.hpp. Pieces are appended raw binary, zlib compressed, one
+// Points are Float64, or Float32 where that is asked for; arrays, as asked for, as in fields.hpp. Pieces are appended raw binary, zlib compressed, one
 // vertex cell per particle; a rank without particles writes a valid piece. Collective.
 #pragma once
 

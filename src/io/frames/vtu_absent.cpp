@@ -6,8 +6,8 @@ namespace trevi {
 
 void require_vtk() {
   throw InputError(
-      "[output.vtu]: this build has no VTK; configure with -DTREVI_WITH_VTK=ON (it needs libvtk9-dev), or use "
-      "[output.vtkhdf], which ParaView opens, too");
+      "[output.vtu], or format = \"vtu\": this build has no VTK; configure with -DTREVI_WITH_VTK=ON (it needs "
+      "libvtk9-dev), or use [output.vtkhdf], which ParaView opens, too");
 }
 
 std::unique_ptr<Observer> make_vtu_writer(MPI_Comm, FrameOptions) {

@@ -4,6 +4,8 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 #include "parallel/collective.hpp"
 #include "trevi/error.hpp"
@@ -92,15 +94,17 @@ void Hdf5Writer::check_limit(const std::string& name, std::int64_t bytes) const 
 }
 
 // Returns where in the file the rows begin.
-std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat format, std::int64_t total) {
+std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat format,
+                                        const std::vector<std::int64_t>& shape) {
+  const std::int64_t total = std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>());
   create_groups(name);
   check_limit(name, total * bytes_of(format));
-  const int rank = format.components == 1 ? 1 : 2;
-  const hsize_t shape[2] = {static_cast<hsize_t>(total), static_cast<hsize_t>(format.components)};
+  std::vector<hsize_t> extent(shape.begin(), shape.end());
+  if (format.components > 1) extent.push_back(static_cast<hsize_t>(format.components));
   const Hdf5Handle creation = timeless(H5P_DATASET_CREATE);
   H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);  // every row is written
   H5Pset_alloc_time(creation.id(), H5D_ALLOC_TIME_EARLY);
-  const Hdf5Handle space(H5Screate_simple(rank, shape, nullptr), H5Sclose);
+  const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
   Hdf5Handle dataset(H5Dcreate2(file_.id(), name.c_str(), native_type(format.scalar), space.id(), H5P_DEFAULT,
                                 creation.id(), H5P_DEFAULT),
                      H5Dclose);
@@ -115,11 +119,35 @@ std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat forma
   return begin;
 }
 
-void Hdf5Writer::write(const std::string& name, RowFormat format, RowSlice slice, const void* rows) {
+void Hdf5Writer::write_rows(const std::string& name, RowFormat format, const std::vector<std::int64_t>& shape,
+                            const GridRows& rows) {
   attempt([&] {
-    const std::int64_t begin = create_dataset(name, format, slice.total), row = bytes_of(format);
-    disk_->write(begin + slice.first * row,
-                 {static_cast<const char*>(rows), static_cast<std::size_t>(slice.count * row)});
+    const std::int64_t begin = create_dataset(name, format, shape), row = bytes_of(format);
+    disk_->write(begin + rows.slice.first * row,
+                 {static_cast<const char*>(rows.rows), static_cast<std::size_t>(rows.slice.count * row)});
+  });
+}
+
+void Hdf5Writer::write(const std::string& name, RowFormat format, RowSlice slice, const void* rows) {
+  write_rows(name, format, {slice.total}, {{}, slice, rows});
+}
+
+void Hdf5Writer::write_grid(const std::string& name, RowFormat format, const GridRows& rows) {
+  write_rows(name, format, {rows.shape.begin(), rows.shape.end()}, rows);
+}
+
+void Hdf5Writer::write_constant(const std::string& name, std::uint8_t value, std::int64_t total) {
+  attempt([&] {
+    create_groups(name);
+    const hsize_t rows = static_cast<hsize_t>(total);
+    const Hdf5Handle creation = timeless(H5P_DATASET_CREATE);
+    H5Pset_fill_value(creation.id(), native_type(Scalar::uint8), &value);
+    H5Pset_alloc_time(creation.id(), H5D_ALLOC_TIME_LATE);
+    const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+    Hdf5Handle dataset(H5Dcreate2(file_.id(), name.c_str(), native_type(Scalar::uint8), space.id(), H5P_DEFAULT,
+                                  creation.id(), H5P_DEFAULT),
+                       H5Dclose);
+    check(dataset.valid() && dataset.close(), name);
   });
 }
 

@@ -8,6 +8,7 @@
 // The file is whole, and on the disk, only after close().
 #pragma once
 
+#include <array>
 #include <exception>
 #include <functional>
 #include <optional>
@@ -27,6 +28,13 @@ struct Extent {
   std::int64_t begin = 0, end = 0;
 };
 
+/// This rank's rows of a grid of z, y, x cells.
+struct GridRows {
+  std::array<std::int64_t, 3> shape{};
+  RowSlice slice;
+  const void* rows = nullptr;
+};
+
 class Hdf5Writer {
  public:
   Hdf5Writer(MPI_Comm comm, const std::string& path);
@@ -41,6 +49,12 @@ class Hdf5Writer {
     write(name, RowFormatOf<T>::value, slice, rows.data());
   }
   void write(const std::string& name, RowFormat format, RowSlice slice, const void* rows);
+
+  /// The same of shape (z, y, x), or (z, y, x, components), rows with x fastest: slice.total is their product.
+  void write_grid(const std::string& name, RowFormat format, const GridRows& rows);
+
+  /// A dataset whose rows all have one value, which is all of it that is in the file: readers see the rows.
+  void write_constant(const std::string& name, std::uint8_t value, std::int64_t total);
 
   void text(const std::string& name, const std::string& value);  ///< a dataset that is one string, UTF-8
 
@@ -67,7 +81,9 @@ class Hdf5Writer {
   void check(bool good, const std::string& object) const;
   void create_groups(const std::string& name) const;
   void check_limit(const std::string& name, std::int64_t bytes) const;
-  std::int64_t create_dataset(const std::string& name, RowFormat format, std::int64_t total);
+  std::int64_t create_dataset(const std::string& name, RowFormat format, const std::vector<std::int64_t>& shape);
+  void write_rows(const std::string& name, RowFormat format, const std::vector<std::int64_t>& shape,
+                  const GridRows& rows);
   void create_text(const std::string& name, const std::string& value) const;
 
   void write_attribute(const std::string& name, std::int64_t type, const Hdf5Handle& space, const void* value);

@@ -237,6 +237,17 @@ std::optional<std::int64_t> step_in_name(std::string_view name, const SteppedNam
   return name == suffix ? std::optional(step) : std::nullopt;
 }
 
+std::vector<std::string> frame_set_folders(const std::string& directory) {
+  std::vector<std::string> folders;
+  std::error_code error;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->is_directory(error) && entry->path().filename().string().starts_with(frame_set_prefix))
+      folders.push_back(entry->path().string());
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
 std::vector<SteppedFile> stepped_files(const std::string& directory, const SteppedName& kind) {
   std::vector<SteppedFile> files;
   std::error_code error;

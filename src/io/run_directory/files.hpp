@@ -99,13 +99,21 @@ inline constexpr SteppedName checkpoint_files{"checkpoint_", ".h5"};
 inline constexpr SteppedName vtkhdf_frames{"particles_", ".hdf"};
 inline constexpr SteppedName vtu_frames{"particles_", ".pvtu"}, vtu_pieces{"particles_", "_#.vtu"};  ///< in vtu_folder
 inline constexpr const char* vtu_folder = "vtu/";
+inline constexpr SteppedName cell_frames{"cells_", ".hdf"};
 /// Surfaces of obstacles, beside the frames: of those that move, and, without a step, of those that do not.
 inline constexpr SteppedName obstacle_frames{"obstacles_", ".vtp"};
 inline constexpr const char* still_obstacles = "obstacles.vtp";
 
 /// The lists of frames.
 inline constexpr const char *vtu_list = "particles.pvd", *vtkhdf_list = "particles.hdf.series";
+inline constexpr const char* cell_list = "cells.hdf.series";
 inline constexpr const char* obstacle_list = "obstacles.vtp.series";
+
+/// Each of [[output.frames]] has a folder of the run's to itself, with files as those above: frames_NAME.
+inline constexpr const char* frame_set_prefix = "frames_";
+
+/// The folders of this directory that begin so, by name.
+std::vector<std::string> frame_set_folders(const std::string& directory);
 
 struct SteppedFile {
   std::int64_t step;

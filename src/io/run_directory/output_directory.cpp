@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <sstream>
@@ -26,6 +27,10 @@ std::string trace_of_a_run(const std::string& directory) {
     const auto files = stepped_files(directory, kind);
     if (!files.empty()) return fs::path(files.front().path).filename().string();
   }
+  for (const std::string& folder : frame_set_folders(directory)) {
+    for (const char* list : {vtu_list, vtkhdf_list, cell_list})
+      if (fs::exists(folder + "/" + list)) return fs::path(folder).filename().string() + "/" + list;
+  }
   const auto frames = stepped_files(directory + "/" + vtu_folder, vtu_frames);
   return frames.empty() ? "" : vtu_folder + fs::path(frames.front().path).filename().string();
 }
@@ -33,6 +38,11 @@ std::string trace_of_a_run(const std::string& directory) {
 bool has_files_past_start(const std::string& folder, const SteppedName& kind) {
   const auto files = stepped_files(folder, kind);
   return !files.empty() && files.back().step > 0;
+}
+
+bool has_frames_past_start(const std::string& directory) {
+  return has_files_past_start(directory, vtkhdf_frames) || has_files_past_start(directory, cell_frames) ||
+         has_files_past_start(directory + "/" + vtu_folder, vtu_frames);
 }
 
 bool series_is_past_start(const std::string& path) {
@@ -89,9 +99,9 @@ void make_output_directory(MPI_Comm comm, const std::string& directory) {
 bool is_before_first_checkpoint(MPI_Comm comm, const std::string& directory) {
   int before = 1;
   on_root(comm, [&] {
-    const bool past = !stepped_files(directory, checkpoint_files).empty() ||
-                      has_files_past_start(directory, vtkhdf_frames) ||
-                      has_files_past_start(directory + "/" + vtu_folder, vtu_frames) ||
+    const std::vector<std::string> sets = frame_set_folders(directory);
+    const bool past = !stepped_files(directory, checkpoint_files).empty() || has_frames_past_start(directory) ||
+                      std::any_of(sets.begin(), sets.end(), has_frames_past_start) ||
                       series_is_past_start(directory + "/series.csv");
     before = past ? 0 : 1;
   });

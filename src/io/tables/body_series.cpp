@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-std::string columns_for(std::size_t bodies) {
+std::string body_columns(std::size_t bodies) {
   std::string columns;
   for (std::size_t k = 0; k < bodies; ++k)
     columns += fmt::format(
@@ -19,21 +19,21 @@ std::string columns_for(std::size_t bodies) {
   return columns;
 }
 
-std::string numbers(const Vec3& v) { return fmt::format(",{},{},{}", v.x(), v.y(), v.z()); }
+std::string body_numbers(const Vec3& v) { return fmt::format(",{},{},{}", v.x(), v.y(), v.z()); }
 
 }  // namespace
 
 BodySeries::BodySeries(MPI_Comm comm, const TableOptions& options, std::size_t bodies, std::size_t first)
-    : TableSeries(comm, options, "bodies.csv", columns_for(bodies)), first_(first) {}
+    : TableSeries(comm, options, "bodies.csv", body_columns(bodies)), first_(first) {}
 
 void BodySeries::observe(const Frame& frame) {
   require(frame.forces.size() > first_ + frame.bodies.size(), "bodies.csv: no forces in this frame");
   std::string row;
   for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
     const BodyState& body = frame.bodies[k];
-    row += numbers(body.position) + fmt::format(",{}", fmt::join(body.orientation, ",")) + numbers(body.velocity) +
-           numbers(body.angular_velocity);
-    row += numbers(frame.forces[first_ + k].force) + numbers(frame.forces[first_ + k].torque);
+    row += body_numbers(body.position) + fmt::format(",{}", fmt::join(body.orientation, ",")) +
+           body_numbers(body.velocity) + body_numbers(body.angular_velocity);
+    row += body_numbers(frame.forces[first_ + k].force) + body_numbers(frame.forces[first_ + k].torque);
   }
   write(frame.clock, row);
 }

@@ -1,0 +1,32 @@
+// What the settings of [[output.frames]] leave to their reader: names of folders, and fields. Not collective.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/frames/cell_means.hpp"
+#include "trevi/settings.hpp"
+
+namespace trevi {
+
+/// The name of the folder, within that of the run, of entry k.
+std::string folder_of(const FrameSetSettings& set, std::size_t k);
+
+/// Those that its frames can have.
+std::vector<std::string> possible_fields(FrameContent what);
+
+/// Those that they have.
+std::vector<std::string> fields_of(const FrameSetSettings& set);
+
+/// The cells that its frames have means of.
+CoarseCells coarse_cells(const Settings& settings, const FrameSetSettings& set);
+
+/// Whether a name may be that of a folder: letters, digits, "-" and "_".
+bool is_folder_name(const std::string& name);
+
+inline constexpr std::int64_t most_thinned = std::int64_t{1} << 30;
+
+/// k of 2^k, or -1 for what is no power of two up to most_thinned.
+int thinning_of(std::int64_t one_in);
+
+}  // namespace trevi
