@@ -59,6 +59,9 @@ InflowOutflow::InflowOutflow(Parts parts, std::optional<FlowState> state)
       state_(state.value_or(FlowState{})),
       recycles_(std::any_of(parts_.inlets.begin(), parts_.inlets.end(), [](const auto& i) { return i->recycles(); })) {
   state_.streams.resize(parts_.inlets.size());
+  std::vector<Openings::Takes> takes;
+  for (const DrainSettings& drain : parts_.drains) takes.push_back([drain](const Vec3& p) { return drains(drain, p); });
+  openings_ = std::make_unique<Openings>(std::move(takes));
 }
 
 std::vector<std::unique_ptr<Forcing>> InflowOutflow::forcings() const {

@@ -16,6 +16,7 @@
 #include "fluid/forcings/inlet.hpp"
 #include "parallel/step_consensus.hpp"
 #include "particles/cell_grid.hpp"
+#include "projection/openings.hpp"
 #include "trevi/box.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
@@ -43,6 +44,8 @@ class InflowOutflow {
   StepState exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
 
   const FlowState& state() const { return state_; }
+  /// What a projection is to know.
+  Openings* openings() { return openings_.get(); }
 
  private:
   // The particles of this rank, and what tells which of the new ones are its own.
@@ -78,6 +81,7 @@ class InflowOutflow {
   Parts parts_;
   FlowState state_;
   bool recycles_;
+  std::unique_ptr<Openings> openings_;
   std::optional<StepConsensus> consensus_;
   Event event_{"OpenFlow"};
 };
