@@ -10,8 +10,25 @@ Real overlap(Real from, Real to, Real other_from, Real other_to) {
   return std::max<Real>(0, std::min(to, other_to) - std::max(from, other_from));
 }
 
+template <class Visit>
+void for_each_cell_in(const ProjectionGrid& grid, const Box& bounds, const Visit& visit) {
+  std::array<LocalId, 3> from{}, to{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(grid.axis(a));
+    const Real last = grid.count(a) - 1;
+    from[a] = static_cast<LocalId>(std::clamp(grid.cells_to(bounds.min, a), 0.0, last));
+    to[a] = static_cast<LocalId>(std::clamp(grid.cells_to(bounds.max, a), 0.0, last));
+    if (bounds.max[b] < grid.low(a)) return;
+  }
+  for (LocalId k = from[0]; k <= to[0]; ++k) {
+    for (LocalId r = from[1]; r <= to[1]; ++r) {
+      for (LocalId c = from[2]; c <= to[2]; ++c) visit({k, r, c});
+    }
+  }
+}
+
 // Samples of a cell that a drain takes, of two along each axis.
-int taken_of(const Openings::Takes& takes, const Vec3& corner, const Vec3& size) {
+int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, const Vec3& size) {
   int taken = 0;
   for (int n = 0; n < 8; ++n) {
     const Vec3 sample(n % 2 + 0.5, n / 2 % 2 + 0.5, n / 4 + 0.5);
@@ -22,33 +39,37 @@ int taken_of(const Openings::Takes& takes, const Vec3& corner, const Vec3& size)
 
 }  // namespace
 
-// A drain is the cells of which it takes at least half, and where there are none the cells of which it takes most.
+// A drain is the cells of which it takes at least half, and where there are none the cells of which it takes most. What
+// is not a hole keeps the cells that it takes whole empty by itself.
 void Openings::find_drained(const ProjectionGrid& grid) {
-  constexpr int half = 4;
-  Vec3 size = Vec3::Zero(), corner = size;
-  for (std::size_t a = 0; a < 3; ++a)
-    size[static_cast<Eigen::Index>(grid.axis(a))] = grid.size()[static_cast<Eigen::Index>(a)];
-  for (const Takes& takes : drains_) {
-    std::vector<Cell> most;
-    int taken = 1;
-    for (LocalId k = 0; k < grid.count(0); ++k) {
-      for (LocalId r = 0; r < grid.count(1); ++r) {
-        for (LocalId c = 0; c < grid.count(2); ++c) {
-          const Cell cell{k, r, c};
-          for (std::size_t a = 0; a < 3; ++a) {
-            const auto b = static_cast<Eigen::Index>(grid.axis(a));
-            corner[b] = grid.low(a) + cell[a] * size[b];
-          }
-          const int here = std::min(taken_of(takes, corner, size), half);
-          if (here > taken) most.clear();
-          if (here >= taken) most.push_back(cell);
-          taken = std::max(taken, here);
-        }
+  constexpr int half = 4, whole = 8;
+  Vec3 size = Vec3::Zero(), low = size;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(grid.axis(a));
+    size[b] = grid.size()[static_cast<Eigen::Index>(a)];
+    low[b] = grid.low(a);
+  }
+  for (const Drain& drain : drains_) {
+    const auto taken_in = [&](const Cell& cell) {
+      Vec3 corner;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto b = static_cast<Eigen::Index>(grid.axis(a));
+        corner[b] = low[b] + cell[a] * size[b];
       }
-    }
+      return taken_of(drain.takes, corner, size);
+    };
     const std::size_t first = drained_cells_.size();
-    for (const Cell& cell : most) drained_cells_.push_back({cell});
+    int taken = 1;
+    for_each_cell_in(grid, drain.bounds, [&](const Cell& cell) {
+      const int here = std::min(taken_in(cell), half);
+      if (here > taken) drained_cells_.resize(first);
+      if (here >= taken) drained_cells_.push_back({cell});
+      taken = std::max(taken, here);
+    });
     find_wall(grid, first);
+    const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto empty = [&](const Drained& one) { return one.out < 0 && taken_in(one.cell) == whole; };
+    drained_cells_.erase(std::remove_if(begin, drained_cells_.end(), empty), drained_cells_.end());
   }
 }
 

@@ -24,9 +24,11 @@ struct WallOpening {
 
 class Openings {
  public:
-  /// Whether a drain takes what is at a place.
-  using Takes = std::function<bool(const Vec3&)>;
-  explicit Openings(std::vector<Takes> drains) : drains_(std::move(drains)) {}
+  struct Drain {
+    std::function<bool(const Vec3&)> takes;  ///< what is at a place
+    Box bounds;                              ///< of all that it takes
+  };
+  explicit Openings(std::vector<Drain> drains) : drains_(std::move(drains)) {}
 
   /// Those of the substep that comes.
   void set_walls(std::vector<WallOpening> walls) { walls_ = std::move(walls); }
@@ -67,7 +69,7 @@ class Openings {
   void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
   void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
 
-  std::vector<Takes> drains_;
+  std::vector<Drain> drains_;
   std::vector<WallOpening> walls_;
   bool found_ = false;
   std::vector<Drained> drained_cells_;
