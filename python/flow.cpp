@@ -74,6 +74,14 @@ void bind_pumps(py::module_& m) {
       .def_readwrite("radius", &InletSettings::radius, "disc, m")
       .def_readwrite("flow", &InletSettings::flow, "m³/s, in place of the speed, or None")
       .def_readwrite("recycle", &InletSettings::recycle, "gives back what drains take, and nothing else");
+  inlet.def_readwrite("level", &InletSettings::level, "m, held before an opening in a wall, or None")
+      .def_property(
+          "profile",
+          [](const InletSettings& one) { return one.profile ? std::optional(one.profile->text) : std::nullopt; },
+          [](InletSettings& one, const std::optional<std::string>& text) {
+            one.profile = text ? std::optional(speed_profile(*text)) : std::nullopt;
+          },
+          "speed along an opening in a wall, an expression of z and t, in place of the speed, or None");
   pair_of(inlet, "size", &InletSettings::size, "rectangle: level, and across that, m; set as a whole");
   closed(inlet);
   py::bind_vector<std::vector<InletSettings>>(m, "Inlets");
@@ -98,7 +106,9 @@ void bind_flow(py::module_& m) {
       .def_property("axis", in_place(&DrainSettings::axis), assigned(&DrainSettings::axis),
                     "plane: its normal, to the side that is drained; of any length")
       .def_readwrite("radius", &DrainSettings::radius, "cylinder, m")
-      .def_readwrite("height", &DrainSettings::height, "cylinder, m");
+      .def_readwrite("height", &DrainSettings::height, "cylinder, m")
+      .def_readwrite("level", &DrainSettings::level, "m, held before the wall behind a box, or None")
+      .def_readwrite("flow", &DrainSettings::flow, "m³/s, that leaves by the wall behind a box, or None");
   closed(drain);
   py::bind_vector<std::vector<DrainSettings>>(m, "Drains");
 }

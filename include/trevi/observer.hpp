@@ -40,6 +40,14 @@ struct FlowState {
     Real asked() const { return made + covered + blocked + dry; }
   };
   std::vector<Stream> streams;  ///< in the order of the scene
+  /// Of an opening in a wall: the mean speed, m/s, and the mean level, m, that it has come to; and the particles that
+  /// should have left and have not, of a drain with a flow.
+  struct Opening {
+    Real speed = 0, level = 0, owed = 0;
+    bool known = false;
+  };
+  std::vector<Opening> openings;  ///< of inlets with a profile or a level, then of drains with a level or a flow
+  std::vector<Real> rows;  ///< of these inlets: how far the water of each row has come since its last particles, m
 };
 
 /// What the water did to an obstacle, or to the box, in the mean over the steps since an observer last heard of it.

@@ -80,4 +80,8 @@ std::unique_ptr<Solver> make_solver(MPI_Comm comm, const Scene& scene, Particles
 /// Keys a scene may use, with type and unit, one a line (for --help and the documentation test).
 std::string scene_reference();
 
+/// From an expression of z, m, and t, s (inputs/README.md, Expressions). Throws InputError that says what is wrong. Not
+/// for several threads at once.
+SpeedProfile speed_profile(const std::string& text);
+
 }  // namespace trevi

@@ -7,6 +7,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -131,6 +132,14 @@ struct FountainSettings : PumpSettings {
   bool operator==(const FountainSettings&) const = default;
 };
 
+/// Speed of the water along an opening, m/s, of height z, m, and time t, s. Equal where the texts are.
+struct SpeedProfile {
+  std::string text;
+  std::function<Real(Real z, Real t)> speed;
+
+  bool operator==(const SpeedProfile& other) const { return text == other.text; }
+};
+
 enum class InletShape { disc, rectangle };
 
 /// An opening through which water enters along `direction`.
@@ -141,6 +150,13 @@ struct InletSettings : PumpSettings {
   Real size[2] = {0, 0};       ///< m, rectangle: level, and across that
   std::optional<Real> flow;    ///< m³/s, in place of the speed
   bool recycle = false;        ///< it gives back what drains have taken, and nothing else
+  /// In place of the speed: of an opening in an upright wall of the box that deep water enters by. With a level its
+  /// shape counts.
+  std::optional<SpeedProfile> profile;
+  std::optional<Real> level;  ///< m: it is held before such an opening, by more or less water
+
+  /// Whether it is an opening in a wall that deep water enters by.
+  bool is_in_wall() const { return profile || level; }
 
   bool operator==(const InletSettings&) const = default;
 };
@@ -154,6 +170,12 @@ struct DrainSettings {
   Vec3 center = Vec3::Zero();                   ///< m; cylinder: of its base; plane: a point of it
   Vec3 axis = Vec3::UnitZ();                    ///< of any length; plane: its normal, to the side that is drained
   Real radius = 0, height = 0;                  ///< m, cylinder
+  /// Of a box at an upright wall of the box through which the water in it leaves such that it has this level, m, or
+  /// that so much leaves, m³/s; at most one of them.
+  std::optional<Real> level, flow;
+
+  /// Whether water leaves by the wall behind it, rather than by the region.
+  bool is_in_wall() const { return level || flow; }
 
   bool operator==(const DrainSettings&) const = default;
 };

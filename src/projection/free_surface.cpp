@@ -25,6 +25,11 @@ void FreeSurface::classify(Halo& halo) {
   });
   halo.start_planes(fill_, grid().step(0));
   halo.finish();
+  classify_cells(halo);
+  if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
+}
+
+void FreeSurface::classify_cells(Halo& halo) {
   if (cuts() != nullptr) return classify_among_solids(halo);
   for_each_row(grid().rows_of({0, grid().planes() + 2}), [&](LocalId k, LocalId r) {
     const LocalId highest = grid().repeats()[2] ? grid().columns() : from_.rows.wet_columns(k, r);
@@ -40,6 +45,7 @@ void FreeSurface::classify(Halo& halo) {
 }
 
 bool FreeSurface::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {
+  if (is_drained(at)) return false;
   const bool submerged =
       upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
   return fill_[at] >= wet_fill || submerged || (on_floor && fill_[at] >= floor_fill);
@@ -59,7 +65,7 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
   for (LocalId c = 0; c < grid().columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (!is_wet(at)) {
-      standing = standing && is_solid(at);
+      standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {
       const Real more = standing ? std::clamp(excess, -max_excess, max_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);

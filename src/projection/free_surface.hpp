@@ -9,6 +9,7 @@
 
 #include "domain/halo.hpp"
 #include "projection/active_rows.hpp"
+#include "projection/openings.hpp"
 #include "projection/parameters.hpp"
 #include "projection/particles_to_grid.hpp"
 
@@ -28,6 +29,8 @@ class FreeSurface {
 
   /// Memory for the grid as it is now. To be called when its size has changed.
   void resize();
+  /// Cells that it drains are dry from now on.
+  void open_to(Openings* openings) { openings_ = openings; }
   /// Forgets the last step in row (k, r), as far as its columns went.
   void clear_row(LocalId k, LocalId r);
   void classify(Halo& halo);
@@ -37,8 +40,15 @@ class FreeSurface {
   /// Null where there are no obstacles.
   const CutCells* cuts() const { return from_.cuts; }
   bool upright() const { return from_.upright; }
-  /// Fraction of face (a, at) that no solid closes.
-  Real face(std::size_t a, std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->face(a, at) : 1; }
+  /// Null where water neither enters nor leaves.
+  const Openings* openings() const { return openings_; }
+  /// Whether a drain takes what comes into the cell: it is dry.
+  bool is_drained(std::size_t at) const { return openings_ != nullptr && openings_->is_drained(at); }
+  /// Fraction of face (a, at) that no solid closes, nor a drain that takes nothing through its side.
+  Real face(std::size_t a, std::size_t at) const {
+    if (openings_ != nullptr && openings_->closes(a, at)) return 0;
+    return from_.cuts != nullptr ? from_.cuts->face(a, at) : 1;
+  }
   /// Whether the cell is solid; it is wet where the water below it has no surface under it.
   bool is_solid(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->open(at) == 0; }
   /// Whether a solid closes a part of the cell.
@@ -63,6 +73,7 @@ class FreeSurface {
   struct Place {
     LocalId k, r, c;
   };
+  void classify_cells(Halo& halo);
   void find_tops(LocalId k, LocalId r);
   void close_ceiling(LocalId k, LocalId r);
   bool is_full_enough(std::size_t at, LocalId c, bool on_floor) const;
@@ -74,6 +85,7 @@ class FreeSurface {
   template <class Visit>
   void for_widest(const Place& place, const Visit& visit) const;
 
+  Openings* openings_ = nullptr;
   Sources from_;
   std::vector<Real> fill_, height_;
   std::vector<char> wet_;

@@ -116,6 +116,8 @@ class ProjectionGrid {
     }
     return place;
   }
+  /// The lower end of the box along direction a, m.
+  Real low(std::size_t a) const { return origin_[axis(a)]; }
   /// Cells of the box in direction a.
   LocalId count(std::size_t a) const { return count_[a]; }
 

@@ -103,7 +103,9 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
 // cell, or against that, is not theirs (README.md).
 Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_t at) const {
   const CutCells* cuts = surface_.cuts();
-  const Real wall = cuts != nullptr ? cuts->moved(a, face) : 0;
+  const Openings* openings = surface_.openings();
+  const Real wall =
+      (cuts != nullptr ? cuts->moved(a, face) : 0) + (openings != nullptr ? openings->displacement(a, face) : 0);
   const Moments held = surface_.water().moments(at);
   if (held.at.n == 0) return wall - surface_.water().displacement(a, face);
   const Real by_mean = wall - held.flow.u[surface_.grid().axis(a)] / held.at.n;

@@ -24,6 +24,7 @@ void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
   if (grid.repeats()[2]) grid.repeat(multigrid_.finest().link[2]);
   closed_ = has_no_surface(surface);
   for_each_row(grid.rows_of(own), [&](LocalId k, LocalId r) { find_sources(surface, step, k, r); });
+  if (surface.openings() != nullptr) find_flow_through_walls(surface);
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
   multigrid_.solve(halo, closed_ ? closed_cycles : cycles);
@@ -114,6 +115,24 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
   }
 }
 
+// A cell before an opening holds what goes through it: it does not return to its volume. Water that leaves takes the
+// whole height of the cell's water along, water that enters what the opening covers.
+void Pressure::find_flow_through_walls(const FreeSurface& surface) {
+  std::vector<Real>& rhs = multigrid_.finest().rhs;
+  const std::vector<Openings::Face>& faces = surface.openings()->faces();
+  for (const Openings::Face& face : faces) {
+    if (surface.is_wet(face.cell)) rhs[face.cell] = divergence(surface, face.cell);
+  }
+  for (const Openings::Face& face : faces) {
+    if (!surface.is_wet(face.cell)) continue;
+    const Real height = std::min(surface.height(face.cell), 1.0);
+    const Real share = face.takes_all ? std::min(face.covered, height) : face.covered;
+    const Real flow = share * surface.openings()->displacement(face.a, face.at) /
+                      surface.grid().size()[static_cast<Eigen::Index>(face.a)];
+    rhs[face.cell] += face.at_max ? flow : -flow;
+  }
+}
+
 // A top cell returns to its volume only as far as the cell above holds water that could fill it, and cells at another
 // surface only when they hold too much: nothing pulls there. Water without a surface keeps its volume as a whole.
 Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const {
@@ -193,12 +212,14 @@ void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, Loc
   for (std::size_t at = floor; at < ceiling; ++at) cells.phi[at] = cells.next[at] = 0;
   if (!surface.upright()) return;
   std::size_t end = floor;
+  while (end < ceiling && surface.is_drained(end)) ++end;
+  const std::size_t begin = end;
   while (end < ceiling && (surface.is_wet(end) || surface.is_solid(end))) ++end;
-  if (end == floor) return;
+  if (end == begin) return;
   const bool top = surface.is_top(end - 1);
   if (!top && !(closed_ && end == ceiling)) return;
   Real phi = -step * (top ? surface.above_middle(end - 1) : 0.5);
-  for (std::size_t at = end; at-- > floor; phi -= step) cells.phi[at] = phi;
+  for (std::size_t at = end; at-- > begin; phi -= step) cells.phi[at] = phi;
 }
 
 void Pressure::set_origin(const FreeSurface& surface) {

@@ -62,6 +62,7 @@ class Pressure {
   bool has_no_surface(const FreeSurface& surface) const;
   void weigh_row(const FreeSurface& surface, LocalId k, LocalId r);
   void find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r);
+  void find_flow_through_walls(const FreeSurface& surface);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
   Real divergence(const FreeSurface& surface, std::size_t at) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;

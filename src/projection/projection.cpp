@@ -47,6 +47,7 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   const Real g_dt2 = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
   measure_rows(order, halo);
   count_planes(order, motion.p);
+  if (openings_ != nullptr) openings_->measure(grid_);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
   solve(halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
@@ -155,7 +156,7 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
 }
 
 std::size_t Projection::bytes() const {
-  return rows_.bytes() + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + surface_.bytes() +
+  return rows_.bytes() + (openings_ != nullptr ? openings_->bytes() : 0) + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + surface_.bytes() +
          pressure_.bytes() + grid_to_particles_.bytes() + shift_filter_.bytes();
 }
 

@@ -32,6 +32,11 @@ class Projection {
 
   /// Shows its pressure from now on.
   void show_to(PressureProbes* probes) { probes_ = probes; }
+  /// Water goes through them from now on; may be null.
+  void open_to(Openings* openings) {
+    openings_ = openings;
+    surface_.open_to(openings);
+  }
 
   /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s, and as the scalar how far
   /// the grid acts on each of them, from 0 to 1.
@@ -73,6 +78,7 @@ class Projection {
   ShiftFilter shift_filter_;
   Obstacles* obstacles_;
   PressureProbes* probes_ = nullptr;
+  Openings* openings_ = nullptr;
   std::unique_ptr<BodyCoupling> coupling_;  // null where no body moves freely
 };
 

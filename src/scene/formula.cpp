@@ -8,6 +8,7 @@
 
 #include "boundary/geometry/pose.hpp"
 #include "trevi/error.hpp"
+#include "trevi/scene.hpp"
 
 namespace trevi {
 
@@ -63,6 +64,18 @@ Real Formula::operator()(const Vec3& place) const {
     throw InputError(fmt::format("\"{}\" is not a finite number at ({:.6g}, {:.6g}, {:.6g}); change it, or the block",
                                  parser_->text, place.x(), place.y(), place.z()));
   return value;
+}
+
+SpeedProfile speed_profile(const std::string& text) {
+  const auto formula = std::make_shared<Formula>(text, "zt");
+  return {text, [formula, text](Real z, Real t) {
+            try {
+              return (*formula)({z, t, 0});
+            } catch (const InputError&) {
+              throw InputError(
+                  fmt::format("\"{}\" is not a finite number at z = {:.6g} m, t = {:.6g} s; change it", text, z, t));
+            }
+          }};
 }
 
 }  // namespace trevi

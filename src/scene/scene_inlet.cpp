@@ -9,6 +9,8 @@
 #include "scene/scene_fountain.hpp"
 #include "scene/scene_place.hpp"
 #include "scene/scene_plane.hpp"
+#include "solver/density_solver.hpp"
+#include "solver/wall_flows.hpp"
 
 namespace trevi {
 namespace {
@@ -67,6 +69,29 @@ std::optional<InletLattice> lattice_of(Section& section, const Scene& scene, con
   return counts ? std::optional(InletLattice(inlet, spacing)) : std::nullopt;
 }
 
+void refuse_in_wall(Section& section, const std::optional<WallRefusal>& refusal) {
+  if (refusal && section.fine(refusal->key)) section.check(refusal->key, false, refusal->why);
+}
+
+// Of an opening in a wall.
+void read_in_wall(Section& section, InletSettings& inlet) {
+  std::string text;
+  Real level = 0;
+  if (section.number({"level", "the level in metres that is held before an opening in a wall"}, level))
+    inlet.level = level;
+  if (!section.text({"profile", "the speed in m/s along an opening in a wall, an expression of z (m) and t (s)"}, text))
+    return;
+  for (const char* key : {"speed", "flow"})
+    section.check("profile", !section.given(key), std::string(key) + " is given, too; keep one of them");
+  try {
+    inlet.profile = speed_profile(text);
+    inlet.profile->speed(inlet.center.z(), 0);
+  } catch (const InputError& error) {
+    section.check("profile", false, error.what());
+    inlet.profile.reset();
+  }
+}
+
 void check_place(Section& section, const Scene& scene, const InletSettings& inlet) {
   const Vec3 reach = InletLattice(inlet, scene.fluid.spacing).reach(), low = inlet.center - reach,
              high = inlet.center + reach;
@@ -117,18 +142,25 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   lay_in_plane(section, scene, inlet);
   const std::optional<InletLattice> lattice = lattice_of(section, scene, inlet, known);
   read_flow_rate(section, inlet, lattice, scene.fluid.spacing);
-  section.check("speed", section.given("speed") || section.given("flow") || section.given("speed_range"),
-                "missing; give speed (m/s) or flow (m³/s), or speed_range where there is music");
+  section.check(
+      "speed",
+      section.given("speed") || section.given("flow") || section.given("profile") || section.given("speed_range"),
+      "missing; give speed (m/s) or flow (m³/s), or speed_range where there is music");
   read_jet(section, scene, inlet);
   read_times(section, inlet);
+  read_in_wall(section, inlet);
+  if (lattice && inlet.profile) inlet.speed = mean_speed(inlet, scene.fluid.spacing);
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
-  if (lattice && known.box && section.fine("center") && section.fine("direction")) check_place(section, scene, inlet);
+  if (lattice && known.box && section.fine("center") && section.fine("direction")) {
+    check_place(section, scene, inlet);
+    refuse_in_wall(section, why_not_in_wall(inlet, scene));
+  }
   section.reject_unknown();
   scene.inlets.push_back(inlet);
   SceneTable::add(scene, "inlet", section.line());
 }
 
-void read_drain(Section& section, Scene& scene) {
+void read_drain(Section& section, Scene& scene, const KnownGood& known) {
   DrainSettings drain;
   section.choice<DrainShape>(
       {"type", "the shape of the region; default box"}, drain.shape,
@@ -138,6 +170,12 @@ void read_drain(Section& section, Scene& scene) {
   read_round_or_plane(section, drain);
   if (drain.shape == DrainShape::plane) check_along_plane(section, scene, "axis", drain.axis);
   lay_in_plane(drain, scene.fluid);
+  Real value = 0;
+  if (section.number({"level", "the level in metres that is held before a wall that water leaves by"}, value))
+    drain.level = value;
+  if (section.number({"flow", "the water that leaves by a wall in m³/s"}, value, at_least(0))) drain.flow = value;
+  if (known.box && known.spacing && section.fine("min") && section.fine("max"))
+    refuse_in_wall(section, why_not_in_wall(drain, scene));
   section.reject_unknown();
   scene.drains.push_back(drain);
 }
@@ -147,6 +185,14 @@ void check_flow(Section& root, const Scene& scene) {
       std::any_of(scene.inlets.begin(), scene.inlets.end(), [](const InletSettings& inlet) { return inlet.recycle; });
   root.check("inlet", !recycles || !scene.drains.empty(),
              "with recycle it gives back what drains take, and there is none; add [[drain]]");
+  const bool projects = (!scene.density.coarse_grid.given() || scene.density.coarse_grid) &&
+                        is_downward(scene.gravity.value_or(Vec3::Zero()));
+  const auto in_wall = [](const auto& one) { return one.is_in_wall(); };
+  constexpr const char* needs = "needs the projection, density.coarse_grid, and gravity along -z";
+  root.check("inlet", projects || std::none_of(scene.inlets.begin(), scene.inlets.end(), in_wall),
+             std::string("with a profile or a level it ") + needs);
+  root.check("drain", projects || std::none_of(scene.drains.begin(), scene.drains.end(), in_wall),
+             std::string("with a level or a flow it ") + needs);
 }
 
 void check_openings(const Scene& scene, const FreePlaces& places) {

@@ -9,7 +9,7 @@ namespace trevi {
 
 /// Adds them to the scene, whose box, spacing and fountains are read already.
 void read_inlet(Section& section, Scene& scene, const KnownGood& known);
-void read_drain(Section& section, Scene& scene);
+void read_drain(Section& section, Scene& scene, const KnownGood& known);
 
 /// Rules between the tables, once all are read.
 void check_flow(Section& root, const Scene& scene);

@@ -51,7 +51,7 @@ class PhysicsReader {
     check_bodies(root_, scene_);
     for (Section& fountain : root_.children("fountain")) read_fountain(fountain, scene_, box_known());
     for (Section& inlet : root_.children("inlet")) read_inlet(inlet, scene_, {box_known(), fluid_.fine("spacing")});
-    for (Section& drain : root_.children("drain")) read_drain(drain, scene_);
+    for (Section& drain : root_.children("drain")) read_drain(drain, scene_, {box_known(), fluid_.fine("spacing")});
     check_flow(root_, scene_);
     density.check("method", scene_.density.method != Method::anderson || !has_solids(scene_),
                   "anderson mixes positions with no regard to obstacles; take \"chebyshev\" or \"jacobi\"");

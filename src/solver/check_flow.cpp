@@ -7,6 +7,8 @@
 #include "fluid/forcings/inlet.hpp"
 #include "fluid/forcings/music_kind.hpp"
 #include "solver/demand.hpp"
+#include "solver/density_solver.hpp"
+#include "solver/wall_flows.hpp"
 
 namespace trevi {
 
@@ -15,6 +17,10 @@ namespace {
 constexpr Real highest_speed = 1e4;  // m/s, as in scenes
 constexpr Real max_places = 1e8;     // of an opening
 constexpr int channels = 16, max_rate = 1'000'000;
+
+void demand_in_wall(const std::optional<WallRefusal>& refusal, const std::string& name) {
+  if (refusal) demand(false, name + refusal->key + ": " + refusal->why);
+}
 
 void check_music(const MusicSettings& music, const std::string& name) {
   demand(music.kind.given(), name + "music.source must end in one of " + endings_of_music() + ", or be \"-\"");
@@ -75,9 +81,11 @@ void check_inlet(const Settings& all, const InletSettings& one, const std::strin
   InletSettings unit = one;
   unit.direction.stableNormalize();
   check_room(all, unit, name);
+  demand_in_wall(why_not_in_wall(unit, all), name);
 }
 
-void check_drain(const DrainSettings& one, const std::string& name) {
+void check_drain(const Settings& all, const DrainSettings& one, const std::string& name) {
+  demand_in_wall(why_not_in_wall(one, all), name);
   if (one.shape == DrainShape::box) {
     demand(one.min.allFinite() && one.max.allFinite() && (one.max.array() > one.min.array()).all(),
            name + "max must be greater than min on every axis");
@@ -101,8 +109,14 @@ void check_flow(const Settings& all) {
   for (std::size_t k = 0; k < all.fountains.size(); ++k)
     check_fountain(all, all.fountains[k], fmt::format("fountains[{}].", k));
   for (std::size_t k = 0; k < all.inlets.size(); ++k) check_inlet(all, all.inlets[k], fmt::format("inlets[{}].", k));
-  for (std::size_t k = 0; k < all.drains.size(); ++k) check_drain(all.drains[k], fmt::format("drains[{}].", k));
+  for (std::size_t k = 0; k < all.drains.size(); ++k) check_drain(all, all.drains[k], fmt::format("drains[{}].", k));
   check_live_sound(all);
+  const auto in_wall = [](const auto& one) { return one.is_in_wall(); };
+  demand(std::none_of(all.inlets.begin(), all.inlets.end(), in_wall) &&
+                 std::none_of(all.drains.begin(), all.drains.end(), in_wall) ||
+             (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
+         "a profile or a level of an inlet, and a level or a flow of a drain, need density.coarse_grid and gravity "
+         "along -z");
 }
 
 void resolve_flow(Settings& all) {
@@ -111,6 +125,7 @@ void resolve_flow(Settings& all) {
   for (DrainSettings& drain : all.drains) normalise(drain.axis);
   for (InletSettings& inlet : all.inlets) {
     normalise(inlet.direction);
+    if (inlet.profile) inlet.speed = mean_speed(inlet, spacing);
     if (inlet.flow) inlet.speed = speed_of_flow(*inlet.flow, InletLattice(inlet, spacing), spacing);
   }
 }

@@ -107,6 +107,7 @@ class ProjectionFirst : public DensitySolver<T> {
   ProjectionFirst(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> fine)
       : projection_(make_projection(context)), fine_(std::move(fine)) {
     projection_.show_to(context.probes);
+    projection_.open_to(context.openings);
   }
 
   SolveResult solve(DensityProblem<T>& problem) override {
@@ -129,6 +130,7 @@ class Projected : public DensitySolver<T> {
   Projected(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> sweeps, bool has_tolerance)
       : projection_(make_projection(context)), sweeps_(std::move(sweeps)), has_tolerance_(has_tolerance) {
     projection_.show_to(context.probes);
+    projection_.open_to(context.openings);
   }
 
   SolveResult solve(DensityProblem<T>& problem) override {

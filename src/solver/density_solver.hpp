@@ -41,6 +41,7 @@ struct DensitySolverContext {
   Vec3 gravity;                      ///< m/s²
   Obstacles* obstacles = nullptr;    ///< null where there are none
   PressureProbes* probes = nullptr;  ///< may be null; a projection shows its pressure to them
+  Openings* openings = nullptr;      ///< may be null; those of a projection
 };
 
 /// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.

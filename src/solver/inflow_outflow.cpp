@@ -25,6 +25,38 @@ class Nozzle : public Forcing {
   std::shared_ptr<Inlet> inlet_;
 };
 
+// Of an inlet in a wall: water at most a spacing ahead of it has the speed of its row, and falls as all water does.
+class WallNozzle : public Forcing {
+ public:
+  WallNozzle(std::shared_ptr<Inlet> inlet, std::shared_ptr<WallFlows> flows, std::size_t k, const Vec3& gravity,
+             const FlowState::Stream& stream)
+      : inlet_(std::move(inlet)), flows_(std::move(flows)), k_(k), gravity_(gravity), stream_(stream) {}
+  void apply(Particles& particles, const StepInfo& info) override {
+    const std::vector<Real>& speeds = flows_->speeds(k_);
+    for_each_index({0, particles.size()}, [&](std::size_t i) {
+      const Vec3& p = particles.position[i];
+      if (!inlet_->lattice().in_nozzle(p)) return;
+      const auto row = static_cast<std::size_t>(std::floor(inlet_->lattice().seen(p).row + 0.5));
+      if (row >= speeds.size() || speeds[row] == 0) return;
+      particles.velocity[i] = inlet_->velocity(speeds[row], particles.id[i], info) + info.dt * gravity_;
+    });
+  }
+  Real fastest(const TimeSpan&) const override { return largest(); }
+  std::optional<FountainState> state(Real) const override { return FountainState{NAN, stream_.speed}; }
+
+ private:
+  Real largest() const {
+    const std::vector<Real>& speeds = flows_->speeds(k_);
+    return *std::max_element(speeds.begin(), speeds.end());
+  }
+
+  std::shared_ptr<Inlet> inlet_;
+  std::shared_ptr<WallFlows> flows_;
+  std::size_t k_;
+  Vec3 gravity_;
+  const FlowState::Stream& stream_;  // of an InflowOutflow that lives as long
+};
+
 constexpr Real max_owed = 2;  // layers that an inlet still has to make, at most; the rest is forgotten
 
 // Those in a region, in ascending order.
@@ -45,6 +77,8 @@ std::vector<LocalId> drained(const std::vector<DrainSettings>& regions, const st
   return found;
 }
 
+}  // namespace
+
 void count(StepState& change, GlobalId id, std::uint64_t sign) {
   const auto n = static_cast<std::uint64_t>(id);
   change.particles += sign;
@@ -52,18 +86,28 @@ void count(StepState& change, GlobalId id, std::uint64_t sign) {
   change.squares += sign * n * n;
 }
 
-}  // namespace
-
 InflowOutflow::InflowOutflow(Parts parts, std::optional<FlowState> state)
     : parts_(std::move(parts)),
+      flows_(parts_.flows),
       state_(state.value_or(FlowState{})),
       recycles_(std::any_of(parts_.inlets.begin(), parts_.inlets.end(), [](const auto& i) { return i->recycles(); })) {
   state_.streams.resize(parts_.inlets.size());
+  std::vector<Openings::Drain> regions;
+  for (const DrainSettings& drain : parts_.drains)
+    regions.push_back({[drain](const Vec3& p) { return drains(drain, p); }, bounds_of(drain)});
+  if (flows_) flows_->resize(state_);
+  openings_ = std::make_unique<Openings>(std::move(regions));
 }
 
 std::vector<std::unique_ptr<Forcing>> InflowOutflow::forcings() const {
   std::vector<std::unique_ptr<Forcing>> nozzles;
-  for (const auto& inlet : parts_.inlets) nozzles.push_back(std::make_unique<Nozzle>(inlet));
+  for (std::size_t k = 0; k < parts_.inlets.size(); ++k) {
+    if (flows_ && flows_->first_row(k) >= 0) {
+      nozzles.push_back(std::make_unique<WallNozzle>(parts_.inlets[k], flows_, k, parts_.gravity, state_.streams[k]));
+    } else {
+      nozzles.push_back(std::make_unique<Nozzle>(parts_.inlets[k]));
+    }
+  }
   return nozzles;
 }
 
@@ -83,14 +127,42 @@ StepState InflowOutflow::exchange(Particles& particles, const StepInfo& info, co
                                   const Slabs& slabs) {
   const ScopedEvent timed(event_);
   StepState change;
-  if (!parts_.drains.empty()) drain(particles, change);
+  if (flows_) flows_->measure(comm_, particles, info, state_);
+  if (!parts_.drains.empty() || flows_) drain(particles, info.dt, change);
   Water water{particles, info, grid, slabs};
-  for (std::size_t k = 0; k < parts_.inlets.size(); ++k) run(k, water, change);
+  for (std::size_t k = 0; k < parts_.inlets.size(); ++k) {
+    if (flows_ && flows_->first_row(k) >= 0) {
+      run_rows(k, water, change);
+    } else {
+      run(k, water, change);
+    }
+  }
+  if (flows_) openings_->set_walls(flows_->walls(info.dt));
   return change;
 }
 
-void InflowOutflow::drain(Particles& particles, StepState& change) {
-  const std::vector<LocalId> gone = drained(parts_.drains, particles.position);
+// Those that leave through walls, in ascending order.
+std::vector<LocalId> InflowOutflow::leaving(const Particles& particles, Real dt) {
+  std::vector<LocalId> gone;
+  std::vector<GlobalId> of_drain(flows_->drains(), 0);
+  for (std::size_t i = 0; i < particles.id.size(); ++i) {
+    const int taker = flows_->taker(particles.position[i], particles.velocity[i], dt);
+    if (taker < 0) continue;
+    gone.push_back(static_cast<LocalId>(i));
+    ++of_drain[static_cast<std::size_t>(taker)];
+  }
+  flows_->note_taken(comm_, std::move(of_drain), state_);
+  return gone;
+}
+
+void InflowOutflow::drain(Particles& particles, Real dt, StepState& change) {
+  std::vector<LocalId> gone = drained(parts_.drains, particles.position);
+  if (flows_) {
+    const std::vector<LocalId> through = leaving(particles, dt);
+    std::vector<LocalId> all;
+    std::set_union(gone.begin(), gone.end(), through.begin(), through.end(), std::back_inserter(all));
+    gone.swap(all);
+  }
   StepState mine;
   for (const LocalId i : gone) count(mine, particles.id[static_cast<std::size_t>(i)], 1);
   remove_particles(particles, gone);

@@ -16,11 +16,16 @@
 #include "fluid/forcings/inlet.hpp"
 #include "parallel/step_consensus.hpp"
 #include "particles/cell_grid.hpp"
+#include "projection/openings.hpp"
+#include "solver/wall_flows.hpp"
 #include "trevi/box.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
+
+/// Counts a particle that has come to, or of `sign` −1 gone from, the others.
+void count(StepState& change, GlobalId id, std::uint64_t sign);
 
 class InflowOutflow {
  public:
@@ -30,6 +35,7 @@ class InflowOutflow {
     Box box;
     Real spacing = 0;
     Vec3 gravity = Vec3::Zero();
+    std::shared_ptr<WallFlows> flows{};  ///< null where no opening is in a wall
   };
   /// `state`: that of a run that goes on.
   InflowOutflow(Parts parts, std::optional<FlowState> state);
@@ -43,6 +49,8 @@ class InflowOutflow {
   StepState exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
 
   const FlowState& state() const { return state_; }
+  /// What a projection is to know.
+  Openings* openings() { return openings_.get(); }
 
  private:
   // The particles of this rank, and what tells which of the new ones are its own.
@@ -66,7 +74,21 @@ class InflowOutflow {
     GlobalId particles = 0, covered = 0, blocked = 0;
     bool dry = false;  // there was not enough water for all of the layers
   };
-  void drain(Particles& particles, StepState& change);
+  // A place of an inlet in a wall, and how far ahead of the opening; of a row the first of these, and its layers.
+  struct Due {
+    GlobalId place;
+    Real ahead;
+  };
+  struct RowDue {
+    std::size_t first = 0;
+    GlobalId layers = 0;
+  };
+  std::vector<Due> due_places(std::size_t k, std::vector<RowDue>& rows);
+  std::vector<char> free_places(std::size_t k, const std::vector<Due>& due, const std::vector<RowDue>& rows,
+                                const Particles& particles) const;
+  void run_rows(std::size_t k, Water& water, StepState& change);
+  std::vector<LocalId> leaving(const Particles& particles, Real dt);
+  void drain(Particles& particles, Real dt, StepState& change);
   void run(std::size_t k, Water& water, StepState& change);
   std::vector<char> places(const Layers& layers, const Particles& particles) const;
   bool covers(const Vec3& from, const Vec3& place) const;
@@ -76,8 +98,10 @@ class InflowOutflow {
   MPI_Comm comm_ = MPI_COMM_NULL;
   const Boundary* boundary_ = nullptr;
   Parts parts_;
+  std::shared_ptr<WallFlows> flows_;
   FlowState state_;
   bool recycles_;
+  std::unique_ptr<Openings> openings_;
   std::optional<StepConsensus> consensus_;
   Event event_{"OpenFlow"};
 };

@@ -44,7 +44,12 @@ FlowParts make_flow(MPI_Comm comm, const Settings& settings, std::optional<FlowS
   }
   if (settings.inlets.empty() && settings.drains.empty()) return flow;
   const Real spacing = settings.fluid.spacing;
-  InflowOutflow::Parts parts{{}, settings.drains, settings.domain, spacing, settings.gravity.value_or(Vec3::Zero())};
+  InflowOutflow::Parts parts{{}, {}, settings.domain, spacing, settings.gravity.value_or(Vec3::Zero())};
+  for (const DrainSettings& drain : settings.drains) {
+    if (!drain.is_in_wall()) parts.drains.push_back(drain);
+  }
+  auto flows = std::make_shared<WallFlows>(settings);
+  if (flows->any()) parts.flows = std::move(flows);
   for (std::size_t k = 0; k < settings.inlets.size(); ++k) {
     const InletSettings& inlet = settings.inlets[k];
     parts.inlets.push_back(

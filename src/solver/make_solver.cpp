@@ -109,8 +109,9 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.constraint =
       std::make_unique<DensityConstraint<T>>(model, tensile_of(settings), make_wall_density(settings), obstacles);
   parts.probes = make_probes(settings);
-  parts.density_solver = make_density_solver<T>(settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing,
-                                                                   gravity, obstacles.get(), parts.probes.get()});
+  parts.density_solver = make_density_solver<T>(
+      settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get(),
+                         parts.probes.get(), parts.flow ? parts.flow->openings() : nullptr});
   parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,

@@ -314,6 +314,23 @@ class BadInput(ProgramTest):
             ("anderson", ball + "[density]\nmethod = 'anderson'\n", ["scene.toml"],
              ["scene.toml:21: [density] method: ", "no regard to obstacles"])], rank_counts=(1, 2))
 
+    def test_openings_in_walls(self):
+        opening = ("\n".join(GOOD) + "\n[gravity]\n[[inlet]]\ntype = 'rectangle'\ncenter = [0.05, 0.5, 0.25]\nsize = [0.4, 0.4]\n"
+                   "direction = [1, 0, 0]\nprofile = '0.5 + z'\n")
+        drain = "\n".join(GOOD) + "\n[gravity]\n[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n"
+        bad = [("an expression", opening.replace("+ z", "+ q"), ["[[inlet]] profile: ", "give an expression of z, t"]),
+               ("no number", opening.replace("+ z", "/ t"), ["[[inlet]] profile: ", "is not a finite number at z = 0.25 m, t = 0"]),
+               ("a speed, too", opening + "speed = 1\n", ["[[inlet]] profile: speed is given, too"]),
+               ("askew", opening.replace("[1, 0, 0]", "[1, 0.1, 0]"), ["[[inlet]] direction: must lead straight out"]),
+               ("away from the wall", opening.replace("0.05, 0.5", "0.5, 0.5"), ["[[inlet]] center: must be half a spacing"]),
+               ("a level above", opening + "level = 0.9\n", ["[[inlet]] level: must be in the opening"]),
+               ("without gravity", opening.replace("[gravity]", ""), ["inlet: with a profile or a level it needs the projection"]),
+               ("both", drain + "flow = 1\n", ["[[drain]] flow: level is given, too"]),
+               ("no wall", drain.replace("[2, 1, 0.9]", "[1.9, 1, 0.9]"), ["[[drain]] level: needs a box that lies on one"]),
+               ("short", drain.replace("[1.1,", "[1.9,"), ["[[drain]] level: needs a box that reaches 0.8 m"]),
+               ("a level outside", drain.replace("= 0.5", "= 0.95"), ["[[drain]] level: must be in the box"])]
+        self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad], rank_counts=(1, 2))
+
     def test_gauges(self):
         """Whether a gauge of pressure is on a surface is known once the obstacles' files are read."""
         text = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"

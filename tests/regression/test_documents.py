@@ -52,6 +52,10 @@ OUTPUTS = """
 [[drain]]
 min = [0, 0, 2.3]
 max = [1.6, 0.8, 2.4]
+[[drain]]
+min = [0.8, 0, 0]
+max = [1.6, 0.8, 0.4]
+flow = 0
 [colour]
 by = "rainbow_x"
 [output.vtkhdf]

@@ -53,6 +53,19 @@ class Restart(unittest.TestCase):
         self.assertEqual([n - i + o for n, i, o in zip(there, inflow, outflow)], [there[0]] * len(there))
         self.assertGreater(max(waiting), 0)
 
+    def test_openings_in_walls(self):
+        parted = self.same_bits("""drain = [{min = [0.8, 0, 0], max = [1.6, 0.6, 1.4], flow = 0.2}]
+""" + BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + """
+[[inlet]]
+type = "rectangle"
+center = [0.05, 0.3, 0.3]
+size = [0.4, 0.6]
+direction = [1, 0, 0]
+profile = "0.4 + z * min(1, t)"
+level = 0.62
+""")
+        self.assertGreater(min(runs.column(parted, name)[-1] for name in ("inflow", "outflow")), 50)
+
     def test_periodic_tank(self):
         """Deep water around a ring in both directions, with an inlet and a drain in it."""
         tank = BOX.format(low=0.0, high=1.6, height=0.0, top=0.6) + """

@@ -143,4 +143,12 @@ bool drains(const DrainSettings& drain, const Vec3& p) {
   }
 }
 
+Box bounds_of(const DrainSettings& drain) {
+  if (drain.shape == DrainShape::box) return {drain.min, drain.max};
+  constexpr Real far = 1e300;
+  if (drain.shape == DrainShape::plane) return {Vec3::Constant(-far), Vec3::Constant(far)};
+  const Vec3 end = drain.center + drain.height * drain.axis, around = Vec3::Constant(drain.radius);
+  return {drain.center.cwiseMin(end) - around, drain.center.cwiseMax(end) + around};
+}
+
 }  // namespace trevi

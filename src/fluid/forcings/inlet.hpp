@@ -22,6 +22,8 @@ class InletLattice {
 
   /// Of the rectangle around the opening.
   GlobalId places() const { return count_[0] * count_[1]; }
+  /// Of that rectangle, from below.
+  GlobalId rows() const { return count_[1]; }
   /// Whether a place is in the opening itself.
   bool is_open(GlobalId place) const;
   /// Number of open places: the particles of a layer.
@@ -90,5 +92,7 @@ class Inlet : public PumpedForcing {
 
 /// Whether a drain removes what is there.
 bool drains(const DrainSettings& drain, const Vec3& p);
+/// What holds all of a drain; of a plane everything.
+Box bounds_of(const DrainSettings& drain);
 
 }  // namespace trevi

@@ -47,6 +47,29 @@ void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
   }
   write_on_root(comm, file, "/streams", streams);
   write_on_root(comm, file, "/stream_counts", counts);
+  if (flow->openings.empty()) return;
+  std::vector<Real> openings;
+  for (const FlowState::Opening& one : flow->openings)
+    openings.insert(openings.end(), {one.speed, one.level, one.owed, one.known ? 1.0 : 0.0});
+  write_on_root(comm, file, "/openings", openings);
+  write_on_root(comm, file, "/opening_rows", flow->rows);
+}
+
+// Of scenes with openings in walls.
+void read_openings(const std::string& path, const Hdf5Reader& file, FlowState& flow) {
+  if (!file.has("/openings") || !file.has("/opening_rows")) return;
+  constexpr std::size_t values = 4;
+  const auto all = [&](const char* name) {
+    const std::int64_t rows = file.rows<Real>(name);
+    const auto found = file.read<Real>(name, {0, rows, rows});
+    if (!std::all_of(found.begin(), found.end(), [](Real x) { return std::isfinite(x); }))
+      throw DamagedFile(path + ": " + name + ": cannot be what openings have done; use another checkpoint");
+    return found;
+  };
+  const std::vector<Real> openings = all("/openings");
+  for (std::size_t k = 0; k + values <= openings.size(); k += values)
+    flow.openings.push_back({openings[k], openings[k + 1], openings[k + 2], openings[k + 3] != 0});
+  flow.rows = all("/opening_rows");
 }
 
 std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& file) {
@@ -54,7 +77,7 @@ std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& fi
   const auto counts = file.read<std::int64_t>("/flow", {0, 4, 4});
   const std::int64_t rows = file.rows<Real>("/streams");
   const auto streams = file.read<Real>("/streams", {0, rows, rows});
-  FlowState flow{counts[0], counts[1], counts[2], counts[3], {}};
+  FlowState flow{counts[0], counts[1], counts[2], counts[3], {}, {}, {}};
   const std::int64_t count_rows = file.has("/stream_counts") ? file.rows<Real>("/stream_counts") : 0;  // since 1.1.0
   const auto made = file.has("/stream_counts") ? file.read<Real>("/stream_counts", {0, count_rows, count_rows})
                                                : std::vector<Real>(2 * streams.size());
@@ -66,6 +89,7 @@ std::optional<FlowState> read_flow(const std::string& path, const Hdf5Reader& fi
     const std::size_t n = 2 * k;
     flow.streams.push_back({streams[k], streams[k + 1], made[n], made[n + 1], made[n + 2], made[n + 3]});
   }
+  read_openings(path, file, flow);
   return flow;
 }
 

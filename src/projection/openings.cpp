@@ -1,0 +1,191 @@
+#include "projection/openings.hpp"
+
+#include <algorithm>
+
+namespace trevi {
+
+namespace {
+
+Real overlap(Real from, Real to, Real other_from, Real other_to) {
+  return std::max<Real>(0, std::min(to, other_to) - std::max(from, other_from));
+}
+
+template <class Visit>
+void for_each_cell_in(const ProjectionGrid& grid, const Box& bounds, const Visit& visit) {
+  std::array<LocalId, 3> from{}, to{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(grid.axis(a));
+    const Real last = grid.count(a) - 1;
+    from[a] = static_cast<LocalId>(std::clamp(grid.cells_to(bounds.min, a), 0.0, last));
+    to[a] = static_cast<LocalId>(std::clamp(grid.cells_to(bounds.max, a), 0.0, last));
+    if (bounds.max[b] < grid.low(a)) return;
+  }
+  for (LocalId k = from[0]; k <= to[0]; ++k) {
+    for (LocalId r = from[1]; r <= to[1]; ++r) {
+      for (LocalId c = from[2]; c <= to[2]; ++c) visit({k, r, c});
+    }
+  }
+}
+
+// Samples of a cell that a drain takes, of two along each axis.
+int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, const Vec3& size) {
+  int taken = 0;
+  for (int n = 0; n < 8; ++n) {
+    const Vec3 sample(n % 2 + 0.5, n / 2 % 2 + 0.5, n / 4 + 0.5);
+    taken += takes(corner + size.cwiseProduct(sample) / 2) ? 1 : 0;
+  }
+  return taken;
+}
+
+}  // namespace
+
+// A drain is the cells of which it takes at least half, and where there are none the cells of which it takes most. What
+// is not a hole keeps the cells that it takes whole empty by itself.
+void Openings::find_drained(const ProjectionGrid& grid) {
+  constexpr int half = 4, whole = 8;
+  Vec3 size = Vec3::Zero(), low = size;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(grid.axis(a));
+    size[b] = grid.size()[static_cast<Eigen::Index>(a)];
+    low[b] = grid.low(a);
+  }
+  for (const Drain& drain : drains_) {
+    const auto taken_in = [&](const Cell& cell) {
+      Vec3 corner;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto b = static_cast<Eigen::Index>(grid.axis(a));
+        corner[b] = low[b] + cell[a] * size[b];
+      }
+      return taken_of(drain.takes, corner, size);
+    };
+    const std::size_t first = drained_cells_.size();
+    int taken = 1;
+    for_each_cell_in(grid, drain.bounds, [&](const Cell& cell) {
+      const int here = std::min(taken_in(cell), half);
+      if (here > taken) drained_cells_.resize(first);
+      if (here >= taken) drained_cells_.push_back({cell});
+      taken = std::max(taken, here);
+    });
+    find_wall(grid, first);
+    const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto empty = [&](const Drained& one) { return one.out < 0 && taken_in(one.cell) == whole; };
+    drained_cells_.erase(std::remove_if(begin, drained_cells_.end(), empty), drained_cells_.end());
+  }
+}
+
+// Of the cells of a drain, those from number `first` on: a hole is one cell thick and has one wall of the box behind
+// it.
+void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
+  int walls = 0, out = -1;
+  bool up = false;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (grid.repeats()[a] || (a == 1 && grid.is_layer())) continue;
+    LocalId least = grid.count(a), most = 0;
+    for (std::size_t n = first; n < drained_cells_.size(); ++n) {
+      least = std::min(least, drained_cells_[n].cell[a]);
+      most = std::max(most, drained_cells_[n].cell[a]);
+    }
+    const bool low = least == 0, high = most + 1 == grid.count(a);
+    if (low == high) continue;  // none, or from wall to wall
+    ++walls;
+    if (least != most) continue;
+    out = static_cast<int>(a);
+    up = low;
+  }
+  if (walls != 1) return;
+  for (std::size_t n = first; n < drained_cells_.size(); ++n) {
+    drained_cells_[n].out = out;
+    drained_cells_[n].up = up;
+  }
+}
+
+void Openings::close_sides(const ProjectionGrid& grid, const std::vector<char>& wet) {
+  for (const std::size_t at : closed_at_) closed_[at] = 0;
+  closed_at_.clear();
+  for (const auto& [cell, out, up] : drained_cells_) {
+    const LocalId k = grid.own_plane(cell[0]), beyond = k + (up ? 1 : -1);
+    if (out < 0 || k < 0 || k > grid.planes() + 1 || cell[2] >= grid.columns()) continue;
+    if (out == 0 && (beyond < 0 || beyond > grid.planes() + 1)) continue;
+    const std::size_t at = grid.index(k, cell[1], cell[2]), step = grid.step(static_cast<std::size_t>(out));
+    if (wet[up ? at + step : at - step] == 0) continue;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t side = grid.step(a);
+      if (static_cast<int>(a) == out) continue;
+      if (at >= side && !is_drained(at - side)) close(a, at);
+      if (at + side < grid.cells() && !is_drained(at + side)) close(a, at + side);
+    }
+  }
+}
+
+void Openings::close(std::size_t a, std::size_t at) {
+  closed_[at] = static_cast<unsigned char>(closed_[at] | (1U << a));
+  closed_at_.push_back(at);
+}
+
+void Openings::measure(const ProjectionGrid& grid) {
+  if (!found_) find_drained(grid);
+  found_ = true;
+  if (drained_.size() != grid.cells()) {
+    drained_.assign(grid.cells(), 0);
+    closed_.assign(grid.cells(), 0);
+    closed_at_.clear();
+    for (auto& of_axis : through_) of_axis.assign(grid.cells(), 0.0);
+  } else {
+    for (const std::size_t at : marked_) drained_[at] = 0;
+    for (const Face& face : faces_) through_[face.a][face.at] = 0;
+  }
+  marked_.clear();
+  faces_.clear();
+  for (const Drained& drained : drained_cells_) {
+    const auto [plane, r, c] = drained.cell;
+    const LocalId k = grid.own_plane(plane);
+    if (k < 0 || k > grid.planes() + 1 || c >= grid.columns()) continue;
+    marked_.push_back(grid.index(k, r, c));
+    drained_[marked_.back()] = 1;
+  }
+  for (const WallOpening& wall : walls_) measure_wall(grid, wall);
+}
+
+void Openings::measure_wall(const ProjectionGrid& grid, const WallOpening& wall) {
+  const std::size_t a = grid.axis(0) == static_cast<std::size_t>(wall.axis) ? 0 : 1;
+  const LocalId last = a == 0 ? grid.planes() : grid.rows() - 1, first = a == 0 ? 1 : 0;
+  const LocalId end = a == 0 ? grid.rows() : grid.planes() + 1;
+  for (LocalId other = a == 0 ? 0 : 1; other < end; ++other) {
+    for (LocalId c = 0; c < grid.columns(); ++c) {
+      const LocalId along = wall.at_max ? last : first;
+      measure_face(grid, wall, a == 0 ? Cell{along, other, c} : Cell{other, along, c});
+    }
+  }
+}
+
+void Openings::measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell) {
+  const auto [k, r, c] = cell;
+  const std::size_t a = grid.axis(0) == static_cast<std::size_t>(wall.axis) ? 0 : 1;
+  const LocalId beyond = wall.at_max ? 1 : 0;
+  if (!grid.is_wall(a, k + (a == 0 ? beyond : 0), r + (a == 1 ? beyond : 0), c)) return;
+  const CellPlace place = grid.place_of(k, r, c);
+  const auto from = [&](std::size_t b) {
+    return place.origin[grid.axis(b)] + place.corner[grid.axis(b)] * grid.size()[static_cast<Eigen::Index>(b)];
+  };
+  const Real width = grid.size()[static_cast<Eigen::Index>(1 - a)], height = grid.size()[2];
+  const Real left = from(1 - a), low = from(2);
+  Real covered = 0, flux = 0;
+  for (std::size_t n = 0; n < wall.displacement.size(); ++n) {
+    const Real bottom = wall.bottom + static_cast<Real>(n) * wall.row_height;
+    const Real part = overlap(low, low + height, bottom, bottom + wall.row_height) / height;
+    covered += part;
+    flux += part * wall.displacement[n];
+  }
+  const Real beside = overlap(left, left + width, wall.across[0], wall.across[1]) / width;
+  if (covered * beside <= 0) return;
+  const std::size_t at = grid.index(k, r, c), face = at + (wall.at_max ? grid.step(a) : 0);
+  through_[a][face] = flux / covered;
+  faces_.push_back({at, a, face, wall.at_max, std::min(covered * beside, 1.0), wall.takes_all});
+}
+
+std::size_t Openings::bytes() const {
+  return drained_.capacity() + closed_.capacity() + (through_[0].capacity() + through_[1].capacity()) * sizeof(Real) +
+         faces_.capacity() * sizeof(Face) + drained_cells_.capacity() * sizeof(Drained);
+}
+
+}  // namespace trevi

@@ -1,0 +1,83 @@
+// Where water leaves and enters, as the projection sees it. The cells of a drain are open: whatever is in them is dry,
+// at the pressure of the air, so that the water around them is pushed towards them. One that lies on one wall of the
+// box, not thicker than a cell or two, is a hole in that wall: water above it enters from above. An opening in a wall
+// of the box is a part of that wall through which water goes with a given displacement; it is no surface. Not
+// collective.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "projection/grid.hpp"
+
+namespace trevi {
+
+/// A rectangle in an upright wall of the box that water goes through.
+struct WallOpening {
+  int axis = 0;                      ///< coordinate across the wall
+  bool at_max = false;               ///< the wall at the upper end of that axis
+  std::array<Real, 2> across{};      ///< from and to along the other level axis, m
+  Real bottom = 0, row_height = 0;   ///< of its rows, m
+  std::vector<Real> displacement{};  ///< of the water in each row along +axis in the substep, m
+  bool takes_all = false;            ///< it reaches as high as the water does
+};
+
+class Openings {
+ public:
+  struct Drain {
+    std::function<bool(const Vec3&)> takes;  ///< what is at a place
+    Box bounds;                              ///< of all that it takes
+  };
+  explicit Openings(std::vector<Drain> drains) : drains_(std::move(drains)) {}
+
+  /// Those of the substep that comes.
+  void set_walls(std::vector<WallOpening> walls) { walls_ = std::move(walls); }
+
+  /// For the planes and columns that `grid` has now.
+  void measure(const ProjectionGrid& grid);
+
+  bool is_drained(std::size_t at) const { return drained_[at] != 0; }
+  /// Holes under water take nothing through their sides. `wet` of all cells.
+  void close_sides(const ProjectionGrid& grid, const std::vector<char>& wet);
+  /// Whether face (a, at) is the side of a hole under water.
+  bool closes(std::size_t a, std::size_t at) const { return (closed_[at] & (1U << a)) != 0; }
+  /// Displacement of what goes through face (a, at) of a wall, m.
+  Real displacement(std::size_t a, std::size_t at) const { return a < 2 ? through_[a][at] : 0; }
+
+  /// A face of a wall and the cell before it.
+  struct Face {
+    std::size_t cell, a, at;
+    bool at_max;
+    Real covered;  ///< share of the face
+    bool takes_all;
+  };
+  const std::vector<Face>& faces() const { return faces_; }
+
+  std::size_t bytes() const;
+
+ private:
+  using Cell = std::array<LocalId, 3>;  // of the box
+  // Of a hole: the direction out of its wall, and whether that is upwards along it.
+  struct Drained {
+    Cell cell;
+    int out = -1;
+    bool up = false;
+  };
+  void find_drained(const ProjectionGrid& grid);
+  void find_wall(const ProjectionGrid& grid, std::size_t first);
+  void close(std::size_t a, std::size_t at);
+  void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
+  void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
+
+  std::vector<Drain> drains_;
+  std::vector<WallOpening> walls_;
+  bool found_ = false;
+  std::vector<Drained> drained_cells_;
+  std::vector<std::size_t> marked_, closed_at_;  // of drained_ and closed_
+  std::vector<char> drained_;
+  std::vector<unsigned char> closed_;  // a bit for each direction
+  std::array<std::vector<Real>, 2> through_;
+  std::vector<Face> faces_;
+};
+
+}  // namespace trevi
