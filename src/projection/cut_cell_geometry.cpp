@@ -68,14 +68,24 @@ CutCells::SquareOfDistances CutCells::distances_on(const Vec3& corner, Eigen::In
   return distance;
 }
 
+bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
+  const Real size = size_.maxCoeff();
+  const Vec3 margin = Vec3::Constant(2 * size);
+  return Box{box_.min + margin, box_.max - margin}.contains(middle) &&
+         std::all_of(bodies.begin(), bodies.end(),
+                     [&](std::size_t k) { return obstacles_.body(k).shape().least_thickness() > 1.1 * size; });
+}
+
 // `corner` of the cell, in cells; its lower face in direction a.
-void CutCells::measure_face(std::size_t a, const Vec3& corner, const Bodies& bodies, Cell& cell) const {
+void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const {
+  const Bodies& bodies = near.of_cell;
   const auto b = static_cast<Eigen::Index>(a), u = (b + 1) % 3, v = (b + 2) % 3;
   Vec3 middle = corner;
   middle[u] += 0.5;
   middle[v] += 0.5;
   const Real far = nearest_at(place(middle), bodies).distance;
-  const Real reach = 1.5 * size_.maxCoeff();  // to where is_passage() looks
+  // To where is_passage() looks; and without sheets to where the surface is met.
+  const Real reach = (near.thick ? 0.75 : 1.5) * size_.maxCoeff();
   if (std::abs(far) > reach) {
     cell.face[a] = far > 0 ? 1 : 0;
     return;
@@ -89,7 +99,7 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Bodies& bod
       Vec3 on_face = corner;
       on_face[u] += sample(i);
       on_face[v] += sample(j);
-      if (part.area <= 0 || !is_passage(a, on_face, bodies)) continue;
+      if (part.area <= 0 || (!near.thick && !is_passage(a, on_face, bodies))) continue;
       sum += part.area;
       moment[0] += part.area * sample(i) + part.moment[0] / samples;
       moment[1] += part.area * sample(j) + part.moment[1] / samples;
@@ -152,7 +162,8 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   }
   const Bodies& bodies = candidates.of_cell;
   keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
-  for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, bodies, cell);
+  candidates.thick = are_thick(middle, bodies);
+  for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, candidates, cell);
   // Surfaces a little outside of the cell count where a face of it is closed.
   const bool floats = obstacles_.floating() != nullptr && obstacles_.floating()->holds(far.body);
   if (!floats && std::abs(far.distance) < 0.75 * size_.norm())

@@ -9,6 +9,18 @@
 
 namespace trevi {
 
+namespace {
+
+// Where the surface is, now.
+Box place_of(const Body& body) {
+  const Box bounds = body.shape().bounds();
+  const Vec3 middle = body.now().into_world((bounds.max + bounds.min) / 2);
+  const Vec3 half = body.now().turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
+  return {middle - half, middle + half};
+}
+
+}  // namespace
+
 CutCells::CutCells(const Obstacles& obstacles) : obstacles_(obstacles), all_bodies_(obstacles.count()) {
   std::iota(all_bodies_.begin(), all_bodies_.end(), std::size_t{0});
 }
@@ -70,16 +82,59 @@ void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& k
   }
 }
 
-// visit(k, r, candidates) for each row of owned and ghost planes.
+// Cells of which anything is looked at in the solid: from their middles no place is further than 1.6 cells, and
+// in_box() takes it nearer by less than 0.7 at walls. A cell that the margin leaves out is half a cell further away.
+CutCells::Zone CutCells::zone_of(const Body& body) const {
+  const Box place = place_of(body);
+  const Vec3 far = Vec3::Constant(3 * size_.maxCoeff());
+  const bool inside = box_.contains(place.min - far) && box_.contains(place.max + far);
+  const Vec3 margin = Vec3::Constant((inside ? 1.25 : 2) * size_.maxCoeff());
+  Zone zone = everywhere;
+  for (std::size_t a = 0; a < 3 && !body.is_vessel(); ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    const auto cell = [&](Real x) {
+      return static_cast<LocalId>(std::clamp(std::floor((x - origin_[b]) / size_[b]), -0x1p30, 0x1p30));
+    };
+    zone.low[a] = cell(place.min[axis_[a]] - margin.x());
+    zone.high[a] = cell(place.max[axis_[a]] + margin.x());
+  }
+  return zone;
+}
+
+// The columns of a row in the zones, in ranges that do not meet.
+void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const {
+  ranges.clear();
+  for (const Zone& zone : zones) {
+    const LocalId plane = row.plane - 1 + first_;
+    if (plane < zone.low[0] || plane > zone.high[0] || row.row < zone.low[1] || row.row > zone.high[1]) continue;
+    const Range range{std::max(zone.low[2], 0), std::min(zone.high[2], row.columns - 1) + 1};
+    if (range.begin < range.end) ranges.push_back(range);
+  }
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
+  std::size_t last = 0;
+  for (std::size_t n = 1; n < ranges.size(); ++n) {
+    if (ranges[n].begin <= ranges[last].end) {
+      ranges[last].end = std::max(ranges[last].end, ranges[n].end);
+    } else {
+      ranges[++last] = ranges[n];
+    }
+  }
+  if (!ranges.empty()) ranges.resize(last + 1);
+}
+
+// visit(k, r, candidates, columns) for the ranges of each row of owned and ghost planes.
 template <class Visit>
-void CutCells::for_each_row_near(const ProjectionGrid& grid, const Visit& visit) {
-  const Real reach = (0.5 * grid.columns() + looked_at) * size_.maxCoeff();
+void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
   for_each_part((grid.planes() + 2) * grid.rows(), [&](LocalId row) {
     const LocalId k = row / grid.rows(), r = row % grid.rows();
     Candidates& own = candidates_.mine();
-    keep_near(place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, 0.5 * grid.columns())), reach, all_bodies_, own.of_row,
-              own.distance);
-    visit(k, r, own);
+    find_ranges({plane_of(grid, k), r, grid.columns()}, zones, own.ranges);
+    for (const Range& columns : own.ranges) {
+      const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
+      keep_near(place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, 0.5 * (columns.begin + columns.end))), reach, all_bodies_,
+                own.of_row, own.distance);
+      visit(k, r, own, columns);
+    }
   });
 }
 
@@ -90,22 +145,19 @@ LocalId CutCells::plane_of(const ProjectionGrid& grid, LocalId k) const {
   return grid.repeats()[0] ? (k - 1 + first_ + all) % all - first_ + 1 : k;
 }
 
-void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells) {
-  cells.assign(grid.cells(), Cell{});
-  for_each_row_near(grid, [&](LocalId k, LocalId r, Candidates& near) {
-    for (LocalId c = 0; c < grid.columns(); ++c)
+void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
+  cells.resize(grid.cells());
+  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
+    for (LocalId c = columns.begin; c < columns.end; ++c)
       cells[grid.index(k, r, c)] = cell_at(Vec3(plane_of(grid, k), r, c), near);
   });
   grid.repeat(cells);
-  for_each_part({0, grid.planes() + 2}, 1, [&](Range plane) {
-    const LocalId k = plane.begin;
-    for (LocalId r = 0; r < grid.rows(); ++r) {
-      for (LocalId c = 0; c < grid.columns(); ++c) {
-        const std::size_t at = grid.index(k, r, c);
-        for (std::size_t a = 0; a < 3; ++a) {
-          const bool low_closed = (a > 0 || k > 0) && cells[at - grid.step(a)].open == 0;
-          if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
-        }
+  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
+    for (LocalId c = columns.begin; c < columns.end; ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      for (std::size_t a = 0; a < 3; ++a) {
+        const bool low_closed = (a > 0 || k > 0) && cells[at - grid.step(a)].open == 0;
+        if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
       }
     }
   });
@@ -113,13 +165,14 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
 }
 
 // Of the solid that is nearest to the middle of each face.
-void CutCells::measure_motion(const ProjectionGrid& grid) {
-  moved_.assign(grid.cells(), {0, 0, 0});
+void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones) {
+  moved_.resize(grid.cells());
   PerThread<std::vector<BodyFace>> faces;
   const RigidBodies* const floating = obstacles_.floating();
-  for_each_row_near(grid, [&](LocalId k, LocalId r, const Candidates& near) {
-    for (LocalId c = 0; c < grid.columns(); ++c) {
+  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates& near, Range columns) {
+    for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
+      moved_[at] = {0, 0, 0};
       for (std::size_t a = 0; a < 3; ++a) {
         if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) continue;  // nothing moves across a layer
         Vec3 p = place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
@@ -173,11 +226,9 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
   const Real cell = size_.prod(), ceiling = box_.min.z() + grid.columns() * size_[2];
   for (std::size_t k = 0; k < bodies.count(); ++k) {
     const Body& body = obstacles_.body(bodies.first() + k);
-    const Box bounds = body.shape().bounds();
-    const Vec3 middle = body.now().into_world((bounds.max + bounds.min) / 2);
-    const Vec3 half = body.now().turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
-    const bool all_seen = box_.contains(middle - half) && box_.contains(middle + half) &&
-                          middle.z() + half.z() <= ceiling && all[2 * k + 1] > 0;
+    const Box place = place_of(body);
+    const bool all_seen =
+        box_.contains(place.min) && box_.contains(place.max) && place.max.z() <= ceiling && all[2 * k + 1] > 0;
     if (all_seen)
       excess_[bodies.first() + k] = (static_cast<Real>(all[2 * k]) / fine - bodies.body(k).volume() / cell) /
                                     (static_cast<Real>(all[2 * k + 1]) / fine);
@@ -227,8 +278,15 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
   first_ = first;
   planes_ = grid.planes();
   if (obstacles_.moves()) {
-    measure_cells(grid, cells_);
-    measure_motion(grid);
+    const bool known = stays && cells_.size() == grid.cells();
+    std::vector<Zone> zones = known ? std::move(zones_) : std::vector<Zone>{everywhere};
+    zones_.clear();
+    for (const std::size_t k : all_bodies_)
+      if (obstacles_.body(k).moves()) zones_.push_back(zone_of(obstacles_.body(k)));
+    zones.insert(zones.end(), zones_.begin(), zones_.end());
+    if (!known) cells_.clear(), moved_.clear();
+    measure_cells(grid, zones, cells_);
+    measure_motion(grid, zones);
     find_cut_rows(grid);
     if (obstacles_.floating() != nullptr) measure_excess(comm, grid);
     return;
@@ -236,7 +294,8 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
   if (!stays) {
     ProjectionGrid whole = grid;
     whole.resize(planes_, grid.count(2));
-    measure_cells(whole, all_);
+    all_.clear();
+    measure_cells(whole, {everywhere}, all_);
   }
   if (stays && cells_.size() == grid.cells()) return;
   find_columns(grid);

@@ -1,8 +1,9 @@
 // What obstacles leave of the cells and the faces of the grid: fractions of volume and of area that are open to
 // water, from samples of the signed distance a quarter of a cell apart, linear about each (Batty et al. 2007), and how
 // far a moving solid goes through the rest of a face. A thin sheet between the middles of two cells closes the face
-// between them wherever it stands, as pressure must not pass it. Worked out once for obstacles that stand, in each
-// substep for others. Arrays are those of ProjectionGrid. Collective: measure().
+// between them wherever it stands, as pressure must not pass it. Worked out once for obstacles that stand; in each
+// substep for cells near which others are, or were in the last one. Arrays are those of ProjectionGrid. Collective:
+// measure().
 #pragma once
 
 #include <array>
@@ -96,11 +97,23 @@ class CutCells {
     std::size_t body;
   };
   using Bodies = std::vector<std::size_t>;  // numbers of obstacles, in their order
-  // Those that matter to a row of cells and to a cell of it.
+  // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
+    bool thick = false;  // those of the cell
     std::vector<Real> distance;
+    std::vector<Range> ranges;
   };
+  // Cells from `low` to `high` by direction, planes counted from the start of the box.
+  struct Zone {
+    std::array<LocalId, 3> low, high;
+  };
+  static constexpr Zone everywhere{{-0x40000000, -0x40000000, -0x40000000}, {0x40000000, 0x40000000, 0x40000000}};
+  struct Row {
+    LocalId plane, row, columns;
+  };
+  Zone zone_of(const Body& body) const;
+  void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
   Vec3 place(const Vec3& in_cells) const;
   Vec3 in_box(const Vec3& p) const;
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
@@ -116,16 +129,18 @@ class CutCells {
   SquareOfDistances distances_on(const Vec3& corner, Eigen::Index a, Real along, const Bodies& bodies) const;
   SquarePart open_part(const SquareOfDistances& distance, int i, int j) const;
   template <class Visit>
-  void for_each_row_near(const ProjectionGrid& grid, const Visit& visit);
+  void for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
-  void measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells);
+  void measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
   Cell cell_at(const Vec3& corner, Candidates& candidates) const;
-  void measure_face(std::size_t a, const Vec3& corner, const Bodies& bodies, Cell& cell) const;
+  void measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const;
+  // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
+  bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, const Bodies& bodies) const;
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   LocalId plane_of(const ProjectionGrid& grid, LocalId k) const;
-  void measure_motion(const ProjectionGrid& grid);
+  void measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
@@ -145,6 +160,7 @@ class CutCells {
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
+  std::vector<Zone> zones_;  // of what moves, as measured last
   struct BodyFace {
     std::size_t at, a, body;
     Vec3 p;

@@ -77,21 +77,36 @@ void DensityProblem<T>::compute_delta() {
 
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
-  constexpr LocalId part_size = 512;
-  const std::span<const Vec4<T>> shifts = field_.shifts();
-  for_each_part(part, part_size, [&](Range few) {
-    const auto first = static_cast<std::size_t>(few.begin);
-    const std::span<Vec3> p(&particles_->predicted[first], static_cast<std::size_t>(few.size()));
-    Packed<T>* const records = &near_.record(few.begin);
-    std::array<LocalId, part_size> left;
-    const Shift<T> shift{boundary_.open_box(p), boundary_.is_open_inside(), near_.encoding(), relaxation};
-    const std::size_t count = move_particles<T>(shift, &shifts[first], {p, records}, left.data());
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto i = static_cast<std::size_t>(left[k]);
-      p[i] = boundary_.collide(p[i], relaxation * vector_of(shifts[first + i]));
-      near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
+  for_each_part(part, moved_at_once, [&](Range few) {
+    const auto open_to = [&](Range some) {
+      return boundary_.open_box(
+          {&particles_->predicted[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())});
+    };
+    const Box open = open_to(few);
+    if (!(open.min.array() > open.max.array()).any()) return move_in(open, few, relaxation);
+    // Of a part that lies around an obstacle most pieces do not.
+    constexpr LocalId piece = 64;
+    for (LocalId begin = few.begin; begin < few.end; begin += piece) {
+      const Range some{begin, std::min(begin + piece, few.end)};
+      move_in(open_to(some), some, relaxation);
     }
   });
+}
+
+template <class T>
+void DensityProblem<T>::move_in(const Box& open, Range few, Real relaxation) {
+  const std::span<const Vec4<T>> shifts = field_.shifts();
+  const auto first = static_cast<std::size_t>(few.begin);
+  const std::span<Vec3> p(&particles_->predicted[first], static_cast<std::size_t>(few.size()));
+  Packed<T>* const records = &near_.record(few.begin);
+  std::array<LocalId, moved_at_once> left;
+  const Shift<T> shift{open, boundary_.is_open_inside(), near_.encoding(), relaxation};
+  const std::size_t count = move_particles<T>(shift, &shifts[first], {p, records}, left.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(left[k]);
+    p[i] = boundary_.collide(p[i], relaxation * vector_of(shifts[first + i]));
+    near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
+  }
 }
 
 template <class T>

@@ -103,6 +103,9 @@ class DensityProblem {
   using UseLambda = std::function<void(Range here, const T* multipliers)>;
   void find_lambda(Range part, const UseLambda& use);
   void set_multipliers(Range part);
+  static constexpr LocalId moved_at_once = 512;
+  // Moves a few particles, most of them in that box, in which they meet nothing.
+  void move_in(const Box& open, Range few, Real relaxation);
   void note_sweep();
   std::vector<Range> rows_in_flight() const;
   void count_pass(Range part, double flops_per_pair);

@@ -51,6 +51,8 @@ void Body::place(const Pose& before, const Pose& now) {
   const Vec3 was = before_.into_world((bounds.max + bounds.min) / 2);
   const Vec3 had = (before_.turn.cwiseAbs() * half).array() + density_reach * h_;
   swept_box_ = {near_box_.min.cwiseMin(was - had), near_box_.max.cwiseMax(was + had)};
+  turned_ = (now_.turn - before_.turn).norm();
+  went_ = (now_.center - before_.center).norm();
   for (Eigen::Index a = 0; a < 3; ++a) {
     beside_.min[a] = std::nextafter(near_box_.min[a], -INFINITY);
     beside_.max[a] = std::nextafter(near_box_.max[a], INFINITY);

@@ -58,24 +58,33 @@ class Body {
   const BodyMotion& motion() const { return motion_; }
   Real radius() const { return radius_; }  ///< of the ball around the centre that holds the surface, m
   bool moves() const { return moves_; }
+  bool is_vessel() const { return vessel_; }
   Real restitution() const { return restitution_; }
 
   /// Whether p may have a contribution to its density or a collision within reach, by the bounds alone.
   bool may_reach(const Vec3& p) const { return vessel_ || near_box_.contains(p); }
+  /// Whether p, in its frame, is so far from the surface that the density has nothing of it, as far as that is quickly
+  /// told.
+  bool is_out_of_reach(const Vec3& p) const {
+    constexpr Real far = 1.4;  // of h: the reach, and a little for what lies between the nodes of the map
+    return !rough_ && shape_->distance(p) > far * h_;
+  }
   /// Whether a straight path in the world, the obstacle where it is now, stays on one side of all that it may reach.
   bool is_passed_by(const Vec3& from, const Vec3& to) const {
     const auto low = from.cwiseMax(to).array() < near_box_.min.array();
     const auto high = from.cwiseMin(to).array() > near_box_.max.array();
     return !vessel_ && (low.any() || high.any());
   }
-  /// Whether a straight path in the world cannot meet it: one that stands, or one that floats, which turns by little in
-  /// a substep, wherever it is in between.
+  /// Whether a straight path in the world cannot meet it in the substep, wherever it is in between.
   bool is_out_of_way(const Vec3& from, const Vec3& to) const {
-    if (!floats_) return !moves_ && is_passed_by(from, to);
     const auto low = from.cwiseMax(to).array() < swept_box_.min.array();
     const auto high = from.cwiseMin(to).array() > swept_box_.max.array();
-    return low.any() || high.any();
+    return !vessel_ && (low.any() || high.any()) && turns_little((to - from).norm());
   }
+  /// What holds all that it may reach in the substep; has_bounds(): that a path of up to `length` along each axis
+  /// outside of it cannot meet the surface.
+  const Box& reach() const { return swept_box_; }
+  bool has_bounds(Real length) const { return !vessel_ && turns_little(1.75 * length); }
   /// Takes from `open` what it may reach, and all beyond, where `water` is on one side of that; else false.
   bool leave_open(const Box& water, Box& open) const;
   bool is_near(const Vec3& p) const { return may_reach(p) && map_->is_near(now_.into_body(p)); }
@@ -114,6 +123,13 @@ class Body {
   static Vec3 along(const Vec3& rest, const Vec3& normal) { return rest - std::min(rest.dot(normal), 0.0) * normal; }
 
  private:
+  // Whether it turns by so little in the substep that the chord of a path of that length, which is straight in the
+  // frame of the body, stays off the surface where the path is out of reach. A chord that comes to a body of radius r
+  // is no longer than 1.2 (length + way of the centre) + 0.2 r at turns below 0.1, and the turn bends it by as much
+  // times the angle, while the reach is more than h. Bodies that float turn by little.
+  bool turns_little(Real length) const {
+    return turned_ == 0 || floats_ || (turned_ < 0.1 && turned_ * (1.2 * (length + went_) + 0.2 * radius_) < h_);
+  }
   // Whether p is in the open, and further than that from the surface.
   bool is_beyond(const Vec3& p, Real segment) const;
   // Distance to the surface, that which goes on to the walls included; just `reach` where it is as far.
@@ -129,6 +145,7 @@ class Body {
   Pose before_, now_;
   Real way_before_ = 0, way_now_ = 0;  // of a paddle that absorbs, m
   Box swept_box_;                      // near_box_ at the start of the substep and at its end
+  Real turned_ = 0, went_ = 0;         // in the substep, by more than the angle, and of the centre, m
   Box near_box_, beside_;              // beside_: the first places that are not in near_box_
   std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh

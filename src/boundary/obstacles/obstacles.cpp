@@ -36,7 +36,9 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));
   for (const BodySettings& body : settings.bodies) bodies_.push_back(std::make_unique<Body>(body, rules, true));
-  if (!settings.bodies.empty()) floating_ = std::make_unique<RigidBodies>(settings, bodies_);
+  index_.emplace(settings.domain, settings.fluid.kernel_radius, bodies_);
+  if (!settings.bodies.empty())
+    floating_ = std::make_unique<RigidBodies>(settings, bodies_, [this] { index_->update(); });
   gauges_.emplace(settings, [&](const Vec3& p) {
     return std::any_of(bodies_.begin(), bodies_.end(),
                        [&](const auto& body) { return body->shape().distance(body->now().into_body(p)) < 0; });
@@ -48,6 +50,7 @@ void Obstacles::move(Real begin, Real end) {
   for (std::size_t k = 0; k < driven; ++k)
     if (bodies_[k]->moves()) bodies_[k]->move(begin, end);
   if (floating_) floating_->begin(end - begin);
+  if (!floating_) index_->update();
 }
 
 bool Obstacles::moves() const {
@@ -70,8 +73,13 @@ Box Obstacles::open_box(std::span<const Vec3> p) const {
     water.min = water.min.cwiseMin(p[k]);
     water.max = water.max.cwiseMax(p[k]);
   }
-  const bool beside =
-      std::all_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->leave_open(water, open); });
+  ObstacleIndex::Bits bits = index_->all();
+  if (index_->counts_few(water)) {  // and nobody else comes as near as that
+    bits = index_->in(water);
+    open.min = open.min.cwiseMax(water.min - Vec3::Constant(index_->longest_path()));
+    open.max = open.max.cwiseMin(water.max + Vec3::Constant(index_->longest_path()));
+  }
+  const bool beside = !index_->any(bits, [&](std::size_t k) { return !bodies_[k]->leave_open(water, open); });
   return beside ? open : Box{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
 }
 
@@ -80,7 +88,9 @@ namespace {
 // The density that one obstacle contributes, and its gradient, in the world.
 BoundaryDensity contribution_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
   if (!body.may_reach(p)) return {};
-  const EquivalentPlane plane = body.map().at(body.now().into_body(p));
+  const Vec3 there = body.now().into_body(p);
+  if (body.is_out_of_reach(there)) return {};
+  const EquivalentPlane plane = body.map().at(there);
   const auto [value, slope] = law.of_plane(plane.distance);
   return {value, slope * (body.now().turn * plane.gradient)};
 }
@@ -89,35 +99,36 @@ BoundaryDensity contribution_of(const Body& body, const AnalyticWallDensity& law
 
 BoundaryDensity Obstacles::with(const BoundaryDensity& box, const Vec3& p) const {
   BoundaryDensity all;
-  for (const auto& body : bodies_) {
-    const BoundaryDensity one = contribution_of(*body, *law_, p);
+  index_->for_each(index_->at(p), [&](std::size_t k) {
+    const BoundaryDensity one = contribution_of(*bodies_[k], *law_, p);
     all.density += one.density;
     all.gradient += one.gradient;
-  }
+  });
   return {box.density + all.density - box.density * all.density,
           (1 - all.density) * box.gradient + (1 - box.density) * all.gradient};
 }
 
 Real Obstacles::growth(const BoundaryDensity& box, const Vec3& p, const Vec3& path) const {
   Real solid = 0, sum = 0;
-  for (const auto& body : bodies_) {
-    const BoundaryDensity one = contribution_of(*body, *law_, p);
-    if (one.density == 0) continue;
+  index_->for_each(index_->at(p), [&](std::size_t k) {
+    const Body& body = *bodies_[k];
+    const BoundaryDensity one = contribution_of(body, *law_, p);
+    if (one.density == 0) return;
     solid += one.density;
-    const Vec3 there = body->now().into_body(p);
-    sum += (1 - box.density) * one.gradient.dot(path - (p - body->before().into_world(there)));
-  }
+    const Vec3 there = body.now().into_body(p);
+    sum += (1 - box.density) * one.gradient.dot(path - (p - body.before().into_world(there)));
+  });
   return sum + (1 - solid) * box.gradient.dot(path);
 }
 
 void Obstacles::record_gradient(const BoundaryDensity& box, const Vec3& p, Real factor) {
   Real solid = 0;
   factor *= relaxation_;
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  index_->for_each(index_->at(p), [&](std::size_t k) {
     const BoundaryDensity one = contribution_of(*bodies_[k], *law_, p);
     solid += one.density;
     if (one.density != 0) record(k, factor * (1 - box.density) * one.gradient, p);
-  }
+  });
   if (box.density != 0) record(box_account(), factor * (1 - solid) * box.gradient, p);
 }
 
@@ -158,9 +169,9 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
 }
 
 bool Obstacles::is_near_floating(const Vec3& from, const Vec3& to) const {
-  for (std::size_t k = floating_->first(); k < bodies_.size(); ++k)
-    if (!bodies_[k]->is_out_of_way(from, to)) return true;
-  return false;
+  const std::size_t first = floating_->first();
+  return index_->any(along(from, to),
+                     [&](std::size_t k) { return k >= first && !bodies_[k]->is_out_of_way(from, to); });
 }
 
 // Twice, as what they meet depends a little on how fast they are.
@@ -219,7 +230,7 @@ void Obstacles::record_box(std::span<Impulse> impulses) {
 }
 
 std::size_t Obstacles::bytes() const {
-  std::size_t bytes = 0;
+  std::size_t bytes = index_->bytes();
   for (const auto& body : bodies_) bytes += body->bytes();
   return bytes;
 }

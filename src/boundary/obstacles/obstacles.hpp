@@ -12,6 +12,7 @@
 #include "boundary/gauges.hpp"
 #include "boundary/impulse_ledger.hpp"
 #include "boundary/obstacles/body.hpp"
+#include "boundary/obstacles/obstacle_index.hpp"
 #include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "boundary/wall_density.hpp"
 #include "boundary/walls.hpp"
@@ -42,12 +43,12 @@ class Obstacles {
   Box open_box(std::span<const Vec3> p) const;
   /// Whether p is so near to an obstacle that it may contribute to its density.
   bool is_near(const Vec3& p) const {
-    return law_ && std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->is_near(p); });
+    return law_ && index_->any(index_->at(p), [&](std::size_t k) { return bodies_[k]->is_near(p); });
   }
   /// The same of those that do not float.
   bool is_near_fixed(const Vec3& p) const {
-    const auto end = bodies_.begin() + static_cast<std::ptrdiff_t>(floating_ ? floating_->first() : bodies_.size());
-    return law_ && std::any_of(bodies_.begin(), end, [&](const auto& body) { return body->is_near(p); });
+    const std::size_t end = floating_ ? floating_->first() : bodies_.size();
+    return law_ && index_->any(index_->at(p), [&](std::size_t k) { return k < end && bodies_[k]->is_near(p); });
   }
   /// Whether the water has given anything to a solid in this substep. Collective.
   bool is_touched(MPI_Comm comm);
@@ -67,14 +68,14 @@ class Obstacles {
   /// displacement of the surface there in the substep, m).
   template <class Visit>
   void for_each_near(const Vec3& p, Visit&& visit) const {
-    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    index_->for_each(index_->at(p), [&](std::size_t k) {
       const Body& body = *bodies_[k];
-      if (!body.is_near(p)) continue;
+      if (!body.is_near(p)) return;
       const Vec3 there = body.now().into_body(p);
       const EquivalentPlane plane = body.map().at(there);
       const Vec3 surface = there - plane.distance * plane.gradient.stableNormalized();
       visit(k, plane.distance, Vec3(body.now().into_world(surface) - body.before().into_world(surface)));
-    }
+    });
   }
 
   /// Whether a place is in a solid, or one stands on the straight line to it, the obstacles where they are now.
@@ -85,9 +86,7 @@ class Obstacles {
   /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
     const Vec3 straight = p + v * dt;
-    bool in_the_open = walls_.inside(straight);
-    for (const auto& body : bodies_) in_the_open = in_the_open && body->is_out_of_way(p, straight);
-    return in_the_open ? straight : predict_among(p, v, dt);
+    return walls_.inside(straight) && is_out_of_way(p, straight) ? straight : predict_among(p, v, dt);
   }
   /// Shift by the density solve, at the obstacles' places now: along what it meets.
   Vec3 collide(const Vec3& p, const Vec3& shift);
@@ -135,10 +134,18 @@ class Obstacles {
     return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->now().center;
   }
   bool is_near_floating(const Vec3& from, const Vec3& to) const;
+  // Those that a path may come near to.
+  ObstacleIndex::Bits along(const Vec3& from, const Vec3& to) const {
+    return ObstacleIndex::is_path_short(from, to, index_->longest_path()) ? index_->at(from) : index_->all();
+  }
+  bool is_out_of_way(const Vec3& from, const Vec3& to) const {
+    return !index_->any(along(from, to), [&](std::size_t k) { return !bodies_[k]->is_out_of_way(from, to); });
+  }
   Vec3 predict_among(const Vec3& p, const Vec3& v, Real dt);
   Vec3 among(const Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;
+  std::optional<ObstacleIndex> index_;  // made when all bodies are there
   std::unique_ptr<RigidBodies> floating_;
   std::vector<TotalImpulse> finished_;  // of the substeps of the step, with bodies
   bool sounding_ = false;               // settle() asks what bounces

@@ -176,11 +176,11 @@ Vec3 Obstacles::collide(const Vec3& p, const Vec3& shift) {
   Vec3 target = walls_.collide(p, shift);
   if (!target.allFinite()) return target;
   if (target != p + shift) record(box_account(), target - (p + shift), target);
-  bool met = false;
-  for (const auto& body : bodies_)
-    met = met ||
-          (!body->is_passed_by(p, target) && body->may_meet(body->now().into_body(p), body->now().into_body(target)));
-  if (!met) return target;
+  const bool meets = index_->any(along(p, target), [&](std::size_t k) {
+    const Body& body = *bodies_[k];
+    return !body.is_passed_by(p, target) && body.may_meet(body.now().into_body(p), body.now().into_body(target));
+  });
+  if (!meets) return target;
   Leg leg = leg_from(p, false);
   leg.aim(target);
   constexpr int max_contacts = 4;

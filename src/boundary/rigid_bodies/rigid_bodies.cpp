@@ -16,8 +16,10 @@ constexpr int fine = 30;
 
 }  // namespace
 
-RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all)
+RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all,
+                         std::function<void()> placed)
     : all_(&all),
+      placed_(std::move(placed)),
       first_(settings.obstacles.size()),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing),
@@ -61,6 +63,7 @@ Real RigidBodies::fastest(Real dt) const {
 void RigidBodies::place() {
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     (*all_)[first_ + k]->place(bodies_[k].pose(), dt_ > 0 ? bodies_[k].end_pose() : bodies_[k].pose());
+  placed_();
 }
 
 void RigidBodies::begin(Real dt) {

@@ -10,6 +10,7 @@
 // the ledger says. Collective: settle().
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -25,8 +26,8 @@ namespace trevi {
 
 class RigidBodies {
  public:
-  /// `all`: obstacles, then the bodies; they outlive this.
-  RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all);
+  /// `all`: obstacles, then the bodies; they outlive this. `placed` is told when they have been moved.
+  RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all, std::function<void()> placed);
 
   std::size_t count() const { return bodies_.size(); }
   /// The number of the first among obstacles.
@@ -65,6 +66,7 @@ class RigidBodies {
   void place();
 
   const std::vector<std::unique_ptr<Body>>* all_;
+  std::function<void()> placed_;
   std::size_t first_;
   Real water_mass_;  // of a particle, kg
   Real h_, dt_ = 0;

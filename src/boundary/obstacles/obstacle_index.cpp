@@ -1,0 +1,84 @@
+#include "boundary/obstacles/obstacle_index.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trevi {
+
+ObstacleIndex::ObstacleIndex(const Box& box, Real h, const std::vector<std::unique_ptr<Body>>& bodies)
+    : bodies_(bodies), low_(box.min), edge_(h) {
+  constexpr Real most = 1U << 18U;
+  const Vec3 extent = box.max - box.min;
+  while ((extent.array() / edge_).ceil().max(1.0).prod() > most) edge_ *= 2;
+  per_edge_ = 1 / edge_;
+  std::size_t all = 1;
+  for (std::size_t a = 0; a < 3; ++a)
+    all *= count_[a] = static_cast<std::size_t>(std::max(std::ceil(extent[static_cast<Eigen::Index>(a)] / edge_), 1.0));
+  standing_.assign(all, 0);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (bodies_[k]->moves()) {
+      moving_.push_back(k);
+    } else if (!bodies_[k]->has_bounds(edge_)) {
+      always_ |= bit_of(k);
+    } else {
+      for_each_cell(block_of(*bodies_[k]), [&](std::size_t cell) { standing_[cell] |= bit_of(k); });
+    }
+  }
+  cells_ = standing_;
+  update();
+}
+
+// The cells of a block, by their numbers.
+template <class Visit>
+void ObstacleIndex::for_each_cell(const Block& block, const Visit& visit) const {
+  for (std::size_t x = block.low[0]; x <= block.high[0]; ++x) {
+    for (std::size_t y = block.low[1]; y <= block.high[1]; ++y) {
+      for (std::size_t z = block.low[2]; z <= block.high[2]; ++z) visit((x * count_[1] + y) * count_[2] + z);
+    }
+  }
+}
+
+ObstacleIndex::Block ObstacleIndex::block_of(const Body& body) const {
+  const Vec3 margin = Vec3::Constant(edge_);
+  return block_of(Box{body.reach().min - margin, body.reach().max + margin});
+}
+
+ObstacleIndex::Block ObstacleIndex::block_of(const Box& box) const {
+  Block block;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto b = static_cast<Eigen::Index>(a);
+    block.low[a] = along(box.min[b], b);
+    block.high[a] = along(box.max[b], b);
+  }
+  return block;
+}
+
+bool ObstacleIndex::counts_few(const Box& box) const {
+  constexpr std::size_t few = 512;
+  const Block block = block_of(box);
+  std::size_t cells = 1;
+  for (std::size_t a = 0; a < 3; ++a) cells *= block.high[a] - block.low[a] + 1;
+  return cells <= few;
+}
+
+ObstacleIndex::Bits ObstacleIndex::in(const Box& box) const {
+  Bits all = everywhere_;
+  for_each_cell(block_of(box), [&](std::size_t cell) { all |= cells_[cell]; });
+  return all;
+}
+
+void ObstacleIndex::update() {
+  for (const Block& block : blocks_) for_each_cell(block, [&](std::size_t cell) { cells_[cell] = standing_[cell]; });
+  blocks_.clear();
+  everywhere_ = always_;
+  for (const std::size_t k : moving_) {
+    if (!bodies_[k]->has_bounds(edge_)) {
+      everywhere_ |= bit_of(k);
+      continue;
+    }
+    blocks_.push_back(block_of(*bodies_[k]));
+    for_each_cell(blocks_.back(), [&](std::size_t cell) { cells_[cell] |= bit_of(k); });
+  }
+}
+
+}  // namespace trevi

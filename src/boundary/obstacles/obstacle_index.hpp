@@ -1,0 +1,87 @@
+// Which obstacles a place may have to do with: a grid of cells with a bit for each obstacle whose reach, where it is in
+// the substep, comes within a cell of them. Most places have none and are asked nothing else; of many bodies the few
+// beside a place are found at once. The bits say too much rather than too little, so that whoever goes by them finds
+// what all of the obstacles would have given. Not collective.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "boundary/obstacles/body.hpp"
+
+namespace trevi {
+
+class ObstacleIndex {
+ public:
+  using Bits = std::uint64_t;
+
+  ObstacleIndex(const Box& box, Real h, const std::vector<std::unique_ptr<Body>>& bodies);
+
+  /// Bodies that move are where they are now. Outside of loops that threads share.
+  void update();
+  /// Of the obstacles that reach p, or that a path from p of at most longest_path() along each axis may come near to.
+  Bits at(const Vec3& p) const { return cells_[cell_of(p)] | everywhere_; }
+  Real longest_path() const { return edge_; }
+  /// Of those that come nearer to a box than that; quick where it counts few cells.
+  Bits in(const Box& box) const;
+  bool counts_few(const Box& box) const;
+  static bool is_path_short(const Vec3& from, const Vec3& to, Real longest) {
+    return ((to - from).array().abs() <= longest).all();
+  }
+  Bits all() const { return ~Bits{0}; }
+  /// Whether test(k) holds for one of the obstacles that the bits stand for, and perhaps for others, in their order.
+  template <class Test>
+  bool any(Bits bits, const Test& test) const {
+    const std::size_t count = bodies_.size();
+    if (count > width) {
+      for (std::size_t k = 0; k < count; ++k)
+        if ((bits >> (k % width) & 1U) != 0 && test(k)) return true;
+      return false;
+    }
+    for (bits &= ~Bits{0} >> (width - count); bits != 0; bits &= bits - 1)
+      if (test(static_cast<std::size_t>(std::countr_zero(bits)))) return true;
+    return false;
+  }
+  template <class Visit>
+  void for_each(Bits bits, const Visit& visit) const {
+    any(bits, [&](std::size_t k) {
+      visit(k);
+      return false;
+    });
+  }
+  std::size_t bytes() const { return (cells_.capacity() + standing_.capacity()) * sizeof(Bits); }
+
+ private:
+  static constexpr std::size_t width = 64;
+  struct Block {
+    std::array<std::size_t, 3> low{}, high{};
+  };
+  Block block_of(const Box& box) const;
+  static Bits bit_of(std::size_t k) { return Bits{1} << (k % width); }
+  std::size_t along(Real x, Eigen::Index a) const {
+    const Real cells = (x - low_[a]) * per_edge_;  // also where it is no number
+    const auto count = count_[static_cast<std::size_t>(a)];
+    return cells > 0 ? (cells < static_cast<Real>(count) ? static_cast<std::size_t>(cells) : count - 1) : 0;
+  }
+  std::size_t cell_of(const Vec3& p) const {
+    return (along(p.x(), 0) * count_[1] + along(p.y(), 1)) * count_[2] + along(p.z(), 2);
+  }
+  // Where it is marked.
+  Block block_of(const Body& body) const;
+  template <class Visit>
+  void for_each_cell(const Block& block, const Visit& visit) const;
+
+  const std::vector<std::unique_ptr<Body>>& bodies_;
+  Vec3 low_;
+  Real edge_, per_edge_;
+  std::array<std::size_t, 3> count_{};
+  Bits everywhere_ = 0, always_ = 0;    // always_: of those that stand
+  std::vector<Bits> standing_, cells_;  // of those that stand, and of all
+  std::vector<std::size_t> moving_;
+  std::vector<Block> blocks_;  // of those that move, as they are marked
+};
+
+}  // namespace trevi
