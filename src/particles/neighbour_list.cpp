@@ -114,12 +114,6 @@ class Runs {
     }
   }
   std::span<const Range> all() const { return {runs_.data(), count_}; }
-  // Whether a row can be coded (NeighbourRow).
-  bool are_few_and_short() const {
-    const auto is_short = [](const Range& run) { return run.size() <= NeighbourRow::longest_run; };
-    return count_ <= std::size_t{NeighbourRow::max_runs} &&
-           std::all_of(runs_.begin(), runs_.begin() + count_, is_short);
-  }
 
  private:
   std::array<Range, 27> runs_;
@@ -159,6 +153,40 @@ inline Runs runs_around(const CellOrder& order, LocalId k, LocalId c) {
   return runs;
 }
 
+// Codes of particles around a cell (NeighbourRow), run by run in their order.
+class Coding {
+ public:
+  explicit Coding(std::span<const Range> runs) {
+    shifts_.fill(0);
+    LocalId begin = 0;  // of the last window
+    std::size_t number = 0;
+    for (const Range& run : runs) {
+      if (windows_ == 0 || run.end - begin > NeighbourRow::window_size) {
+        begin = run.begin;
+        if (windows_ == NeighbourRow::windows || run.size() > NeighbourRow::window_size) {
+          possible_ = false;
+          return;
+        }
+        const LocalId first_code = windows_ << NeighbourRow::bits_of_number;
+        shifts_[static_cast<std::size_t>(windows_++)] = begin - first_code;
+      }
+      windows_of_runs_[number++] = windows_ - 1;
+    }
+  }
+  bool possible() const { return possible_; }
+  const std::array<LocalId, NeighbourRow::windows>* shifts() const { return possible_ ? &shifts_ : nullptr; }
+  // What stands for the first particle of a run.
+  LocalId code_of(std::size_t number, const Range& run) const {
+    return possible_ ? run.begin - shifts_[static_cast<std::size_t>(windows_of_runs_[number])] : run.begin;
+  }
+
+ private:
+  std::array<LocalId, NeighbourRow::windows> shifts_;
+  std::array<LocalId, 27> windows_of_runs_;
+  LocalId windows_ = 0;
+  bool possible_ = true;
+};
+
 // What a thread needs for its part of the search.
 template <class T>
 struct Worker {
@@ -175,26 +203,25 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
   Candidates<T>& candidates = worker.candidates;
   const Bounds<T> bounds(in.records.data(), begin, end);
   const Runs runs = runs_around(in.order, k, c);
-  const bool coded = runs.are_few_and_short();
-  std::array<LocalId, NeighbourRow::max_runs> first;
+  const Coding coding(runs.all());
   candidates.clear();
-  LocalId self_code = 0, number = 0;  // of the particle at `begin`, of the run
+  LocalId self_code = 0;  // of the particle at `begin`
+  std::size_t number = 0;
   for (const Range& run : runs.all()) {
-    const LocalId code = coded ? number << NeighbourRow::bits_of_number : run.begin;
+    const LocalId code = coding.code_of(number++, run);
     candidates.append(in.records, run, code, bounds);
     if (run.begin <= begin && begin < run.end) self_code = code + (begin - run.begin);
-    if (coded) first[static_cast<std::size_t>(number++)] = run.begin;
   }
   candidates.close();
-  worker.writer.begin_cell({first.data(), static_cast<std::size_t>(number)});
+  worker.writer.begin_cell(coding.shifts());
   constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
   for (LocalId self = begin; self < end; ++self) {
     std::uint16_t* const row =
         worker.writer.begin_row(result.pages, std::min(candidates.size(), most) + Candidates<T>::padding);
     const auto position = bounds.relative(in.records[static_cast<std::size_t>(self)]);
     const LocalId code = self_code + (self - begin);
-    const std::size_t found = coded ? near(candidates, code, position, row)
-                                    : near(candidates, code, position, reinterpret_cast<LocalId*>(row));
+    const std::size_t found = coding.possible() ? near(candidates, code, position, row)
+                                                : near(candidates, code, position, reinterpret_cast<LocalId*>(row));
     const LocalId i = self - in.order.low_ghosts();
     if (found > most) {
       result.note_overfull(i);
@@ -243,22 +270,23 @@ RowPages::Page RowPages::take() {
 }
 
 std::uint16_t* RowWriter::begin_row(RowPages& pages, std::size_t longest) {
-  const std::size_t entries = 2 + 2 * NeighbourRow::max_runs + (runs_.empty() ? 2 : 1) * longest + slack;
+  const bool wide = shifts_ == nullptr;
+  const std::size_t entries = 2 + 2 * NeighbourRow::windows + (wide ? 2 : 1) * longest + slack;
   if (static_cast<std::size_t>(end_ - next_) < entries) {
     const RowPages::Page page = pages.take();
     page_ = next_ = page.entries;
     end_ = next_ + RowPages::page_size;
     first_of_page_ = page.first;
-    runs_place_ = nullptr;
+    shifts_place_ = nullptr;
   }
-  if (!runs_.empty() && runs_place_ == nullptr) {
-    runs_place_ = next_;
-    std::copy(runs_.begin(), runs_.end(), reinterpret_cast<LocalId*>(next_));
-    next_ += 2 * runs_.size();
+  if (!wide && shifts_place_ == nullptr) {
+    shifts_place_ = next_;
+    std::copy(shifts_->begin(), shifts_->end(), reinterpret_cast<LocalId*>(next_));
+    next_ += 2 * shifts_->size();
   }
   place_ = first_of_page_ + static_cast<std::uint64_t>(next_ - page_);
-  next_[0] = runs_.empty() ? 0 : static_cast<std::uint16_t>((next_ - runs_place_) / 2);
-  return next_ + (runs_.empty() ? 2 : 1);
+  next_[0] = wide ? 0 : static_cast<std::uint16_t>((next_ - shifts_place_) / 2);
+  return next_ + (wide ? 2 : 1);
 }
 
 std::vector<LocalId> NeighbourList::operator[](LocalId i) const {

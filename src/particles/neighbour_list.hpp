@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -38,21 +39,21 @@ class RowPages {
   std::size_t used_ = 0;
 };
 
-/// A row of the list as it is stored: of each neighbour the run of particles in which it is, in the highest 4 bits, and
-/// its number in it. The runs are those of the rows of cells around a cell, and `first` says where each of them begins.
-/// Where there are more of them, or longer ones, the neighbours' indices stand in `wide`.
+/// A row of the list as it is stored. The particles around a cell lie in few windows of particles one after the other,
+/// and the code of a neighbour is the number of its window, in the highest 2 bits, and its number there. What is added
+/// to a code to get an index stands in `shift`, for each window. Where the particles around lie in more windows the
+/// neighbours' indices stand in `wide`.
 struct NeighbourRow {
-  static constexpr int bits_of_number = 12;
-  static constexpr LocalId max_runs = 16, longest_run = 1 << bits_of_number;
+  static constexpr int bits_of_number = 14;
+  static constexpr LocalId windows = 4, window_size = 1 << bits_of_number;
 
-  const LocalId* first;        ///< of max_runs
+  const LocalId* shift;
   const std::uint16_t* coded;  ///< null where `wide` is used
   const LocalId* wide;
   LocalId count;
 
   LocalId operator[](LocalId k) const {
-    if (coded == nullptr) return wide[k];
-    return first[coded[k] >> bits_of_number] + (coded[k] & (longest_run - 1));
+    return coded == nullptr ? wide[k] : coded[k] + shift[coded[k] >> bits_of_number];
   }
 };
 
@@ -63,20 +64,20 @@ class RowWriter {
   /// Pair loops read whole vectors, past the end of a row.
   static constexpr std::size_t slack = 64;
 
-  /// Of the cell whose rows come next: where its runs begin; none where its rows are wide.
-  void begin_cell(std::span<const LocalId> runs) {
-    runs_ = runs;
-    runs_place_ = nullptr;
+  /// Of the cell whose rows come next; null where its rows are wide.
+  void begin_cell(const std::array<LocalId, NeighbourRow::windows>* shifts) {
+    shifts_ = shifts;
+    shifts_place_ = nullptr;
   }
   /// Memory for the next row, of which `longest` neighbours, at most 3/8 page_size, may be written.
   std::uint16_t* begin_row(RowPages& pages, std::size_t longest);
-  void end_row(std::size_t length) { next_ += (runs_.empty() ? 2 + 2 * length : 1 + length + 1) / 2 * 2; }
+  void end_row(std::size_t length) { next_ += (shifts_ == nullptr ? 2 + 2 * length : 1 + length + 1) / 2 * 2; }
   /// Where the row is that was begun last.
   std::uint64_t place() const { return place_; }
 
  private:
-  std::span<const LocalId> runs_;
-  std::uint16_t *next_ = nullptr, *end_ = nullptr, *page_ = nullptr, *runs_place_ = nullptr;
+  const std::array<LocalId, NeighbourRow::windows>* shifts_ = nullptr;
+  std::uint16_t *next_ = nullptr, *end_ = nullptr, *page_ = nullptr, *shifts_place_ = nullptr;
   std::uint64_t first_of_page_ = 0, place_ = 0;
 };
 

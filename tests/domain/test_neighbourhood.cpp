@@ -129,19 +129,27 @@ std::unique_ptr<NeighbourList> list_of(const CellGrid& grid, const std::vector<V
   return list;
 }
 
-// Around the cell in the middle is a run of 5002 particles, more than a code counts: indices stand in its place.
-TYPED_TEST(NeighbourhoodOf, RowsAmongCrowdsHaveTheirNeighbours) {
-  const CellGrid grid(Vec3::Zero(), Vec3(0.2, 0.2, 0.6), radius, 0);
-  std::vector<Vec3> places(2500, Vec3(0.1, 0.1, 0.01));
-  places.emplace_back(0.1, 0.1, 0.25);
-  places.emplace_back(0.1, 0.1, 0.35);
-  places.resize(5002, Vec3(0.1, 0.1, 0.59));
+// Nine lines of particles along z. Around cells of the line in the middle they lie in more windows than a code tells
+// apart, and indices stand in its place; around the others they do not.
+TYPED_TEST(NeighbourhoodOf, RowsOfManyWindowsHaveTheirNeighbours) {
+  const CellGrid grid(Vec3::Zero(), Vec3(0.6, 0.6, 40), radius, 0);
+  constexpr LocalId count = 8160, reach = 40;
+  constexpr Real apart = 0.0049;  // 40.8 times within h
+  std::vector<Vec3> places;
+  for (const Real x : {0.09, 0.3, 0.51}) {
+    for (const Real y : {0.09, 0.3, 0.51})
+      for (LocalId k = 0; k < count; ++k) places.emplace_back(x, y, apart * (k + 0.5));
+  }
   const auto list = list_of<TypeParam>(grid, places);
-  ASSERT_EQ(list->first_overfull_particle(), -1);
-  EXPECT_EQ(list->pairs(), 2 * (GlobalId{2500} * 2499 + 1));
-  EXPECT_EQ((*list)[2500], std::vector<LocalId>{2501});
-  EXPECT_EQ((*list)[2501], std::vector<LocalId>{2500});
-  EXPECT_EQ((*list)[5001].front(), 2502);
+  for (const LocalId line : {0, 1, 4, 8}) {
+    const LocalId i = line * count + count / 2;
+    EXPECT_EQ(list->row(i).coded == nullptr, line == 4);
+    std::vector<LocalId> expected(2 * reach + 1);
+    std::iota(expected.begin(), expected.end(), i - reach);
+    expected.erase(expected.begin() + reach);
+    EXPECT_EQ((*list)[i], expected);
+  }
+  EXPECT_EQ(list->pairs(), 9 * (GlobalId{2} * reach * count - GlobalId{reach} * (reach + 1)));
 }
 
 TYPED_TEST(NeighbourhoodOf, CrowdIsFoundBeforeItTakesMemory) {

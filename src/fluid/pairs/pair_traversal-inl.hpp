@@ -199,48 +199,37 @@ template <class T>
 struct Row {
   const Packed<T>& self;
   const Packed<T>* records;
-  NeighbourRow near;
+  const LocalId* index;
+  LocalId count;
 };
 
-// Where the run of each lane begins.
+// Writes the indices of the neighbours of a row, and after them a vector of 0, which are indices, too.
 template <class D>
-HWY_INLINE hn::Vec<D> first_of_runs(D d, const LocalId* first, hn::Vec<D> run) {
-  if constexpr (hn::MaxLanes(D()) == NeighbourRow::max_runs) {
-    return hn::TableLookupLanes(hn::LoadU(d, first), hn::IndicesFromVec(d, run));
-  } else {
-    const auto lane = hn::IndicesFromVec(d, hn::And(run, hn::Set(d, 7)));
-    const auto low = hn::TableLookupLanes(hn::LoadU(d, first), lane);
-    return hn::IfThenElse(hn::Gt(run, hn::Set(d, 7)), hn::TableLookupLanes(hn::LoadU(d, first + 8), lane), low);
-  }
-}
-
-// Writes the indices of the next neighbours of a row, one for each lane; of lanes past its end 0, an index, too.
-template <class D>
-HWY_INLINE void decode(D, const NeighbourRow& row, LocalId k, LocalId* HWY_RESTRICT index) {
+HWY_INLINE void decode(D, const NeighbourRow& row, LocalId* HWY_RESTRICT index) {
+  const hn::Rebind<LocalId, D> d;
+  const hn::Rebind<std::uint16_t, D> d16;
   constexpr auto lanes = static_cast<LocalId>(hn::MaxLanes(D()));
-  if constexpr (lanes >= 8) {
+  if constexpr (lanes >= NeighbourRow::windows) {
     if (HWY_LIKELY(row.coded != nullptr)) {
-      const hn::Rebind<LocalId, D> di;
-      const hn::Rebind<std::uint16_t, D> d16;
-      const auto code = hn::PromoteTo(di, hn::LoadU(d16, row.coded + k));
-      const auto first = first_of_runs(di, row.first, hn::ShiftRight<NeighbourRow::bits_of_number>(code));
-      auto found = hn::Add(first, hn::And(code, hn::Set(di, NeighbourRow::longest_run - 1)));
-      if (row.count - k < lanes)
-        found = hn::IfThenElseZero(hn::FirstN(di, static_cast<std::size_t>(row.count - k)), found);
-      return hn::Store(found, di, index);
+      const auto shifts = hn::LoadDup128(d, row.shift);
+      for (LocalId k = 0; k < row.count; k += lanes) {
+        const auto code = hn::PromoteTo(d, hn::LoadU(d16, row.coded + k));
+        const auto window = hn::IndicesFromVec(d, hn::ShiftRight<NeighbourRow::bits_of_number>(code));
+        hn::Store(hn::Add(code, hn::TableLookupLanes(shifts, window)), d, index + k);
+      }
+      return hn::StoreU(hn::Zero(d), d, index + row.count);  // in place of what the codes of the next row gave
     }
   }
-  for (LocalId lane = 0; lane < lanes; ++lane) index[lane] = k + lane < row.count ? row[k + lane] : 0;
+  for (LocalId k = 0; k < row.count; ++k) index[k] = row[k];
+  for (LocalId lane = 0; lane < lanes; ++lane) index[row.count + lane] = 0;
 }
 
 template <class D, class Terms, class Sums, class T>
 HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& row, LocalId k) {
-  alignas(64) LocalId index[hn::MaxLanes(D())];
-  decode(d, row.near, k, index);
-  auto pair = pair_vector(d, row.self, row.records, index);
+  auto pair = pair_vector(d, row.self, row.records, row.index + k);
   // Lanes past the end of the row are moved to r = h, where every smoothing kernel is zero.
-  if (row.near.count - k < static_cast<LocalId>(hn::Lanes(d)))
-    pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(row.near.count - k)), pair.r2, hn::Set(d, T{1}));
+  if (row.count - k < static_cast<LocalId>(hn::Lanes(d)))
+    pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(row.count - k)), pair.r2, hn::Set(d, T{1}));
   terms.add(d, sums, pair);
 }
 
@@ -249,16 +238,16 @@ HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& ro
 template <class D, class Terms, class Sums, class T>
 HWY_INLINE void add_row(D d, const Terms& terms, Groups<Sums>& sums, const Row<T>& row) {
   const auto lanes = static_cast<LocalId>(hn::Lanes(d));
-  for (LocalId k = 0; k < row.near.count; k += lanes) {
+  for (LocalId k = 0; k < row.count; k += lanes) {
     add_vector(d, terms, sums.a, row, k);
     if constexpr (groups<D> >= 2) {
-      if ((k += lanes) >= row.near.count) break;
+      if ((k += lanes) >= row.count) break;
       add_vector(d, terms, sums.b, row, k);
     }
     if constexpr (groups<D> == 4) {
-      if ((k += lanes) >= row.near.count) break;
+      if ((k += lanes) >= row.count) break;
       add_vector(d, terms, sums.c, row, k);
-      if ((k += lanes) >= row.near.count) break;
+      if ((k += lanes) >= row.count) break;
       add_vector(d, terms, sums.e, row, k);
     }
   }
@@ -270,11 +259,16 @@ template <class T, class Terms>
 HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Terms& terms) {
   const hn::ScalableTag<T> d;
   const Packed<T>* records = pairs.records.data();
+  // Rows are decoded one ahead: what is stored in vectors is not at hand for single loads at once.
+  constexpr std::size_t room = static_cast<std::size_t>(NeighbourList::max_neighbours) + RowWriter::slack;
+  alignas(64) LocalId indices[2][room];
+  if (range.size() > 0) decode(d, pairs.list.row(range.begin), indices[range.begin % 2]);
   for (LocalId i = range.begin; i < range.end; ++i) {
+    if (i + 1 < range.end) decode(d, pairs.list.row(i + 1), indices[(i + 1) % 2]);
     const LocalId self = pairs.low_ghosts + i;
     const auto start = terms.start(d, self);
     Groups<std::remove_const_t<decltype(start)>> sums{start, start, start, start};
-    add_row(d, terms, sums, Row<T>{records[self], records, pairs.list.row(i)});
+    add_row(d, terms, sums, Row<T>{records[self], records, indices[i % 2], pairs.list.count(i)});
     terms.finish(d, i - range.begin, sums);
   }
 }
