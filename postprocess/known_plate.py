@@ -42,4 +42,4 @@ def plate_figures(spacing, wide, speed, fall, top, run, last=0.4, high=0.5):
     time = np.array(run.obstacles["time"])
     force = -np.array(run.obstacles["force_z_0"])[time > run.times[-1] - last].mean()
     return {"speed_ratio": np.abs(velocity[sheet, 0]).mean() / ideal,
-            "across": np.abs(velocity[sheet, 1]).mean() / ideal, "force_ratio": force / (below + arriving)}
+            "speed_across": np.abs(velocity[sheet, 1]).mean() / ideal, "force_ratio": force / (below + arriving)}
