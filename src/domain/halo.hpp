@@ -98,6 +98,8 @@ class Halo {
     finish();
   }
 
+  bool has_neighbours() const { return neighbours_.from[0] != MPI_PROC_NULL || neighbours_.from[1] != MPI_PROC_NULL; }
+
   /// Number of bytes and of messages sent by this rank since the beginning.
   std::int64_t bytes() const { return bytes_; }
   std::int64_t messages() const { return messages_; }

@@ -37,6 +37,9 @@ class Neighbourhood {
   const Encoding<T>& encoding() const { return encoding_; }
   const NeighbourList& list() const { return list_; }
   const CellOrder& order() const { return order_; }
+  /// Four numbers of each owned particle, for whoever works on them now: shifts in the density solve, then the
+  /// vorticity.
+  std::vector<Vec4<T>>& four_each() { return four_each_; }
   /// For fields that have no positions, and for grids.
   Halo& halo() { return halo_; }
   const Halo& halo() const { return halo_; }
@@ -68,7 +71,8 @@ class Neighbourhood {
   Range all() const { return {0, order_.owned()}; }
 
   std::size_t bytes() const {
-    return records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() + halo_.memory();
+    return records_.capacity() * sizeof(Packed<T>) + four_each_.capacity() * sizeof(Vec4<T>) + list_.bytes() +
+           order_.bytes() + halo_.memory();
   }
 
  private:
@@ -85,6 +89,7 @@ class Neighbourhood {
   bool first_ = false, last_ = false;  // whether the ghosts below, or above, come from beyond the end of the box
   Encoding<T> encoding_;
   std::vector<Packed<T>> records_;
+  std::vector<Vec4<T>> four_each_;
   NeighbourList list_;
   Event sort_event_{"CellSort"}, halo_event_{"HaloRebuild"}, search_event_{"NeighbourSearch"};
 };

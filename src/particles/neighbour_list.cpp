@@ -161,7 +161,8 @@ class Coding {
     LocalId begin = 0;  // of the last window
     std::size_t number = 0;
     for (const Range& run : runs) {
-      if (windows_ == 0 || run.end - begin > NeighbourRow::window_size) {
+      // Where the box repeats, runs of copies come before others that stand in front of them.
+      if (windows_ == 0 || run.begin < begin || run.end - begin > NeighbourRow::window_size) {
         begin = run.begin;
         if (windows_ == NeighbourRow::windows || run.size() > NeighbourRow::window_size) {
           possible_ = false;

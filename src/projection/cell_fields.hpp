@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 
+#include "domain/halo.hpp"
 #include "projection/affine.hpp"
 #include "projection/grid.hpp"
 
@@ -115,5 +116,25 @@ class CellFields {
   const RowStorage* storage_ = nullptr;
   std::unique_ptr<EightCells[]> values_;
 };
+
+/// work(state, k, r) for the rows of all own planes, those of the planes at either end first: send() then lets these
+/// travel to the neighbours while the others are worked on. A State as for_each_row_with() has it.
+template <class State, class Work, class Send>
+void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, const Work& work, const Send& send) {
+  const LocalId rows = grid.rows(), last = grid.planes();
+  if (!halo.has_neighbours()) return for_each_row_with<State>(grid.rows_of({1, last + 1}), work);
+  constexpr LocalId part_size = 16;  // a plane has few rows for all threads
+  for_each_part({0, std::min(last, 2) * rows}, part_size, [&](Range part) {
+    State state;
+    for (LocalId i = part.begin; i < part.end; ++i) work(state, i < rows ? 1 : last, i % rows);
+  });
+  send();
+  if (last > 2) for_each_row_with<State>(grid.rows_of({2, last}), work);
+  halo.finish();
+}
+template <class State, class Work>
+void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, CellFields& field, const Work& work) {
+  for_each_row_and_send<State>(grid, halo, work, [&] { halo.start_planes(field.values(), field.per_plane()); });
+}
 
 }  // namespace trevi

@@ -41,14 +41,14 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   step_ = step;
   if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
-  const CellRows own = grid.rows_of({1, grid.planes() + 1});
-  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); });
-  halo.start_planes(noise_.values(), noise_.per_plane());
-  halo.finish();
-  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); });
-  halo.start_planes(noise_fit_.values(), noise_fit_.per_plane());
-  if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.values(), cut_fit_.per_plane());
-  halo.finish();
+  for_each_row_and_send<TentMemory>(grid, halo, noise_,
+                                    [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); });
+  const auto send = [&] {
+    halo.start_planes(noise_fit_.values(), noise_fit_.per_plane());
+    if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.values(), cut_fit_.per_plane());
+  };
+  for_each_row_and_send<TentMemory>(
+      grid, halo, [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); }, send);
 }
 
 void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {

@@ -15,10 +15,10 @@ Range joined(Range a, Range b) {
 
 // Rows of a plane that are summed at a time: all of them where planes are enough for the threads, as rows at the ends
 // of a part are summed twice.
-LocalId rows_of_sums(const ProjectionGrid& grid) {
+LocalId rows_of_sums(Range planes, LocalId rows) {
   constexpr LocalId parts_of_thread = 4, fewest = 8;
-  const LocalId parts = (parts_of_thread * thread_count() + grid.planes() - 1) / grid.planes();
-  return thread_count() == 1 ? grid.rows() : std::max((grid.rows() + parts - 1) / parts, fewest);
+  const LocalId parts = (parts_of_thread * thread_count() + planes.size() - 1) / planes.size();
+  return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
 // The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
@@ -73,18 +73,18 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
 
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
-  const LocalId rows = rows_of_sums(grid_), parts = (grid_.rows() + rows - 1) / rows;
-  for_each_part(planes * parts, [&](LocalId part) {
-    const LocalId first = part % parts * rows;
-    sum_rows(order, part / parts + 1, {first, std::min(first + rows, grid_.rows())}, motion);
-  });
-  halo.start_planes(sums_.values(), sums_.per_plane());
-  halo.finish();
+  if (halo.has_neighbours()) {
+    sum_planes(order, {1, 2}, motion);  // they travel while the others are summed
+    if (planes > 1) sum_planes(order, {planes, planes + 1}, motion);
+    halo.start_planes(sums_.values(), sums_.per_plane());
+    if (planes > 2) sum_planes(order, {2, planes}, motion);
+    halo.finish();
+  } else {
+    sum_planes(order, {1, planes + 1}, motion);
+  }
   for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
-  for_each_row_with<TentMemory>(grid_.rows_of({1, planes + 1}),
-                                [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
-  halo.start_planes(fit_.values(), fit_.per_plane());
-  halo.finish();
+  for_each_row_and_send<TentMemory>(grid_, halo, fit_,
+                                    [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
     if (k > planes) return;
@@ -101,6 +101,14 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   }
   grid_.repeat(displacement_[1]);
   if (grid_.repeats()[2]) grid_.repeat(displacement_[2]);
+}
+
+void ParticlesToGrid::sum_planes(const CellOrder& order, Range planes, const Motion& motion) {
+  const LocalId rows = rows_of_sums(planes, grid_.rows()), parts = (grid_.rows() + rows - 1) / rows;
+  for_each_part(planes.size() * parts, [&](LocalId part) {
+    const LocalId first = part % parts * rows;
+    sum_rows(order, planes.begin + part / parts, {first, std::min(first + rows, grid_.rows())}, motion);
+  });
 }
 
 CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const {

@@ -67,6 +67,7 @@ class ParticlesToGrid {
  private:
   // After the moments of a cell's particles: the volume that those of its plane add below it, to itself and above it.
   static constexpr std::size_t volumes = numbers::moments;
+  void sum_planes(const CellOrder& order, Range planes, const Motion& motion);
   void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion);
   void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
   std::size_t row_index(LocalId k, LocalId r) const {

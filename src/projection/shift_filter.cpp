@@ -8,13 +8,11 @@ void ShiftFilter::resize() { kept_.assign(surface_.grid().cells() + EightCells::
 
 void ShiftFilter::find(const CellOrder& order, Halo& halo, const Motion& shifts, const Densities& densities) {
   const ProjectionGrid& grid = surface_.grid();
-  const CellRows own = grid.rows_of({1, grid.planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) { sum_row(order, k, r, shifts, densities); });
-  halo.start_planes(sums_.values(), sums_.per_plane());
-  halo.finish();
-  for_each_row_with<TentMemory>(own, [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
-  halo.start_planes(fit_.values(), fit_.per_plane());
-  halo.finish();
+  struct Nothing {};
+  for_each_row_and_send<Nothing>(grid, halo, sums_,
+                                 [&](Nothing, LocalId k, LocalId r) { sum_row(order, k, r, shifts, densities); });
+  for_each_row_and_send<TentMemory>(grid, halo, fit_,
+                                    [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
 }
 
 void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {

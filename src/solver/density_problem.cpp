@@ -33,7 +33,7 @@ Vec3 direction_of(GlobalId a, GlobalId b, int dimensions) {
 template <class T>
 DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
                                   Boundary& boundary)
-    : comm_(comm), near_(near), constraint_(constraint), boundary_(boundary) {}
+    : comm_(comm), near_(near), constraint_(constraint), boundary_(boundary), field_(near.four_each()) {}
 
 template <class T>
 void DensityProblem<T>::start(Particles& particles, Real dt) {
@@ -73,6 +73,33 @@ void DensityProblem<T>::compute_delta() {
   if (positions_only_) note_sweep();
   constraint_.deltas(pairs(), near_.all(), particles_->predicted, field_);
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
+}
+
+// The two planes at an end are all that is beside the last one, whose particles may move once both have their deltas.
+template <class T>
+void DensityProblem<T>::compute_delta_and_move(bool separate) {
+  const LocalId planes = near_.order().planes();
+  if (!near_.halo().has_neighbours() || planes < 5) {
+    compute_delta();
+    if (separate) separate_coincident();
+    return with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
+  }
+  if (positions_only_) note_sweep();
+  const auto find = [&](Range some) {
+    const ScopedEvent timed(delta_event_);
+    const Range part = near_.order().owned_range(some.begin, some.end);
+    constraint_.deltas(pairs(), part, particles_->predicted, field_);
+    if (separate) separate_coincident(some);
+  };
+  find({0, 2});
+  find({planes - 2, planes});
+  for (const Range& part : near_.boundary()) collide_and_move(part);
+  near_.start_positions();
+  find({2, planes - 2});
+  count_pass(near_.all(), DensityConstraint<T>::delta_flops);
+  const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
+  collide_and_move(near_.interior());
+  near_.finish_positions();
 }
 
 template <class T>
@@ -211,7 +238,7 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
 // The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so
 // only pairs within a cell are tested. Later iterations push them further apart, as soon as the pair has a direction.
 template <class T>
-void DensityProblem<T>::separate_coincident() {
+void DensityProblem<T>::separate_coincident(Range planes) {
   if (near_.list().first_overfull_particle() >= 0)
     return;  // the test of all pairs in a first_overfull_particle cell would take too long
   const std::vector<Vec3>& p = particles_->predicted;
@@ -224,8 +251,8 @@ void DensityProblem<T>::separate_coincident() {
   };
   const CellOrder& order = near_.order();
   const LocalId rows = order.grid().rows(), columns = order.grid().columns();
-  for_each_part(order.planes() * rows, [&](LocalId row) {
-    const LocalId k = row / rows + 1, first = row % rows * columns;
+  for_each_part(planes.size() * rows, [&](LocalId row) {
+    const LocalId k = planes.begin + row / rows + 1, first = row % rows * columns;
     for (LocalId c = first; c < first + columns; ++c) {
       const auto begin = static_cast<std::size_t>(order.start(k, c) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());

@@ -50,6 +50,9 @@ class DensityProblem {
   Compression compression() const;
   /// delta_i, m, of all owned particles from the present lambda (lines 12 and 13).
   void compute_delta();
+  /// The same and separate_coincident(), if that is asked for, and collide_and_move(): planes at the ends first, whose
+  /// positions travel meanwhile. Collective.
+  void compute_delta_and_move(bool separate);
   /// Sets delta from the projection instead: displacements that keep the volume over long distances.
   void project(Projection& projection);
   /// Velocities from the motion up to now; positions shift alone from here on. `looks_later`: whether densities are
@@ -61,7 +64,7 @@ class DensityProblem {
   void filter_shifts(Projection& projection);
   /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
   /// them.
-  void separate_coincident();
+  void separate_coincident() { separate_coincident({0, near_.order().planes()}); }
   Vec3 delta(LocalId i) const { return field_.shift(static_cast<std::size_t>(i)); }
   /// p*_i += relaxation · delta_i as far as walls allow (lines 14 to 18).
   void collide_and_move(Range part, Real relaxation = 1);
@@ -94,7 +97,7 @@ class DensityProblem {
   /// included.
   double pair_passes() const { return pair_passes_; }
   std::size_t bytes() const {
-    return (rho_.capacity() + swept_rho_.capacity()) * sizeof(Real) + field_.bytes() +
+    return (rho_.capacity() + swept_rho_.capacity()) * sizeof(Real) +
            (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
   }
 
@@ -106,6 +109,7 @@ class DensityProblem {
   static constexpr LocalId moved_at_once = 512;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const Box& open, Range few, Real relaxation);
+  void separate_coincident(Range planes);
   void note_sweep();
   std::vector<Range> rows_in_flight() const;
   void count_pass(Range part, double flops_per_pair);

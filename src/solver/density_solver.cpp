@@ -66,9 +66,7 @@ class Chebyshev : public DensitySolver<T> {
             part, Step{static_cast<T>(weight * relaxation_), static_cast<T>(weight - 1), static_cast<T>(-largest_)});
       });
       if (within_tolerance(settings_, problem)) return {k, true};
-      problem.compute_delta();  // lines 12 to 14
-      if (k == 0) problem.separate_coincident();
-      problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });  // lines 14 to 18
+      problem.compute_delta_and_move(k == 0);  // lines 12 to 18
     }
     return {settings_.iterations, ends_within_tolerance(settings_, problem)};
   }

@@ -37,14 +37,13 @@ BytesEach bytes_each(const Scene& scene) {
   const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
   double owned = 3 * 24 + 8;      // positions, velocity, id
   owned += 8 + 2 * 4;             // sorting
-  owned += quad + 8 + 4 * pairs;  // record, list
+  owned += quad + 13 + 2 * pairs;  // record, list
   owned += 8 + quad;              // rho, delta
   double ghost = quad;
   double cell = 2 * 4;  // counts and starts
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
   if (scene.density.coarse_grid)
-    owned += 2 * quad / 4 + 8;  // what the sweeps after the projection are told, and densities that they saw
-  if (scene.vorticity) owned += quad, ghost += quad;
+    owned += 2 * quad / 4 + (scene.density.tolerance ? 8 : 0);  // what the sweeps are told, and densities that they saw
   if (scene.vorticity && scene.vorticity_form == VorticityForm::projected) owned += 24;  // velocities before it
   if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
     owned += quad, ghost += quad;  // velocities, which both use
@@ -58,8 +57,8 @@ BytesEach bytes_each(const Scene& scene) {
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
   if (!scene.density.coarse_grid || !(gravity.isZero() || is_downward(gravity))) return 0;
-  // Moments, spread, fits, noise and its fits; of these columns come eight at a time.
-  constexpr double sums = (26 + 11 + 13 + 12 + 13) * 8, fields = 4 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
+  // Moments, fits, noise and its fits; of these columns come eight at a time.
+  constexpr double sums = (26 + 13 + 12 + 13) * 8, fields = 4 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
   Real top = scene.domain.min.z();
   for (const ParticleSource& source : scene.particles)
     top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain.max.z());

@@ -20,9 +20,14 @@ enum class Wall { none, box, obstacle };
 template <class T>
 class WallsOrShifts {
  public:
+  WallsOrShifts() : memory_(own_) {}
+  /// In memory that is there, which others may use between the density solves.
+  explicit WallsOrShifts(std::vector<Vec4<T>>& memory) : memory_(memory) {}
+  WallsOrShifts(const WallsOrShifts&) = delete;
+  WallsOrShifts& operator=(const WallsOrShifts&) = delete;
+
   void resize(std::size_t particles) { resize_tightly(memory_, particles); }
   std::size_t size() const { return memory_.size(); }
-  std::size_t bytes() const { return memory_.capacity() * sizeof(Vec4<T>); }
   /// Of the particles of a range, to be prefetched.
   std::span<const Vec4<T>> memory(Range range) const {
     return {memory_.data() + range.begin, static_cast<std::size_t>(range.size())};
@@ -59,7 +64,8 @@ class WallsOrShifts {
   }
 
  private:
-  std::vector<Vec4<T>> memory_;
+  std::vector<Vec4<T>> own_;
+  std::vector<Vec4<T>>& memory_;
 };
 
 }  // namespace trevi

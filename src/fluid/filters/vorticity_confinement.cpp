@@ -22,19 +22,20 @@ template <class T>
 void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
   const Vec4<T>* velocities = velocity_->refresh(near, velocity);
   const LocalId owned = near.order().owned();
-  resize_tightly(omega_, static_cast<std::size_t>(owned));
+  std::vector<Vec4<T>>& omegas = near.four_each();
+  resize_tightly(omegas, static_cast<std::size_t>(owned));
   const Pairs<T> pairs = pairs_of(near);
   const auto factor = static_cast<T>(omega_factor_);
   const auto curls = [&](Range part, Vec4<T>* out) { loops_.curl(pairs, part, velocities, out); };
   for_each_sum<Vec4<T>>(near.all(), curls, [&](Range here, const Vec4<T>* sum) {
     for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
-      Vec4<T>& omega = omega_[static_cast<std::size_t>(i)];
+      Vec4<T>& omega = omegas[static_cast<std::size_t>(i)];
       omega = {sum->x * factor, sum->y * factor, sum->z * factor, T{0}};
     }
   });
   // Not in the loop above, where other threads load the whole of each record.
   for_each_index(near.all(), [&](std::size_t i) {
-    near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omega_[i]).norm());
+    near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omegas[i]).norm());
   });
 }
 
@@ -45,13 +46,14 @@ void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles
   near.start_scalars();
   near.finish_scalars();
   const Pairs<T> pairs = pairs_of(near);
+  const std::vector<Vec4<T>>& omegas = near.four_each();
   const auto gradients = [&](Range part, Vec4<T>* out) { loops_.gradient(pairs, part, out); };
   for_each_sum<Vec4<T>>(near.all(), gradients, [&](Range here, const Vec4<T>* sum) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum) {
       // Only the direction of eta matters: minus that of the sum, as ∇_{p_i}W points from i to j.
       const Vec3 eta = -vector_of(*sum);
       const Real length = eta.norm();
-      if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omega_[i]));
+      if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omegas[i]));
     }
   });
   log_flops(static_cast<double>(near.list().pairs()) * (34 + 25));

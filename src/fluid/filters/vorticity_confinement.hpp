@@ -13,7 +13,7 @@ class VorticityConfinement : public VelocityFilter<T> {
  public:
   VorticityConfinement(const DensityModel& model, Real epsilon, std::shared_ptr<VelocityField<T>> velocity);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return omega_.capacity() * sizeof(Vec4<T>) + contribution_of(velocity_); }
+  std::size_t bytes() const override { return contribution_of(velocity_); }
 
  private:
   void compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
@@ -23,7 +23,6 @@ class VorticityConfinement : public VelocityFilter<T> {
   Real omega_factor_;  // m times the slope factor, kg/m⁴: turns the dimensionless sum into omega
   Real epsilon_;
   std::shared_ptr<VelocityField<T>> velocity_;
-  std::vector<Vec4<T>> omega_;
 };
 
 extern template class VorticityConfinement<float>;
