@@ -127,6 +127,14 @@ def planes(kind, heads):
                    *(write(row[name]) if row[name] else "" for _, name, write in heads), fixed(row["cpu_per_second"], 2)]
 
 
+def frames():
+    yield ["frames", "bytes a particle", "of all as in `[output.vtkhdf]`"]
+    rows = rows_of("frames")
+    for row in rows:
+        yield [row["frames"].replace("[output.vtkhdf]", "as in `[output.vtkhdf]`"), fixed(row["bytes_per_particle"], 1),
+               fixed(float(row["bytes"]) / float(rows[0]["bytes"]), 2)]
+
+
 def percent(text):
     return f"{100 * float(text):.1f} %"
 
@@ -149,7 +157,7 @@ PLANES = {
 }
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-    "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
+    "frames": frames, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
 
 
 def markdown(rows):

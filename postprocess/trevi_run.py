@@ -9,6 +9,7 @@ checkpoints.
   len(run.frames), run.frames.times                  # frames of [output.vtu], else of [output.vtkhdf]
   run.frames[3].position, run.frames[-1].velocity    # of a frame by its number; sorted by id where that was written
   run.frames.at(1.5).density                         # of the frame nearest a time, s
+  run.frame_sets["0"][3].position                    # of [[output.frames]], by name; of cells .fraction[i, j, k]
   run.checkpoints[-1].position                       # checkpoints have the same interface
   run.scene["fluid"]["spacing"], run.report          # the scene with its --set, and run.json
 
@@ -49,7 +50,10 @@ class Table(dict):
 
 class Frame:
     """The particles at a time. `fields` are the names that it has; each is an attribute, too: position, velocity (m/s),
-    density (kg/m³), id, rgb, rank, hue. `solids` is the file with the surfaces of obstacles, or None."""
+    density (kg/m³), id, rgb, rank, hue. `solids` is the file with the surfaces of obstacles, or None.
+
+    A frame of cells has fraction, velocity and density, as they were asked for, of shape (x, y, z) or (x, y, z, 3), at
+    the points origin + spacing * (i, j, k), m."""
 
     def __init__(self, path, time, read, solids=None):
         self.path, self.time, self.solids, self._read = path, time, solids, read
@@ -65,7 +69,7 @@ class Frame:
             raise
         except Exception as error:  # whatever a damaged file makes of a parser
             raise RunError(f"{self.path}: {error}") from error
-        if "id" in arrays:
+        if "id" in arrays:  # which no cells have
             order = np.argsort(arrays["id"], kind="stable")
             arrays = {name: values[order] for name, values in arrays.items()}
         return arrays
@@ -82,7 +86,9 @@ class Frame:
         return self._arrays[name]
 
     def __len__(self):
-        return len(self.position)
+        if "position" in self._arrays:
+            return len(self.position)
+        return int(np.prod(next(iter(self._arrays.values())).shape[:3]))
 
 
 class Frames:
@@ -150,33 +156,51 @@ class Run:
 
     @cached_property
     def vtu(self):
-        index, entries = self.directory / "particles.pvd", {}
-        if not index.exists():
-            return Frames([])
-        try:
-            for entry in xml.parse(index).getroot().iter("DataSet"):
-                entries.setdefault(float(entry.get("timestep")), {})[entry.get("part")] = entry.get("file")
-        except (xml.ParseError, TypeError, ValueError) as error:
-            raise RunError(f"{index}: {error}") from error
-        return Frames([Frame(self.directory / files["0"], time, _read_pvtu,
-                             self.directory / files["1"] if "1" in files else None)
-                       for time, files in entries.items()])
+        return _vtu_frames(self.directory)
 
     @cached_property
     def vtkhdf(self):
-        index = self.directory / "particles.hdf.series"
-        if not index.exists():
-            return Frames([])
-        solids = self.directory / "obstacles.vtp.series"
-        solids = {entry["time"]: entry["name"] for entry in _json(solids)["files"]} if solids.exists() else {}
-        return Frames([Frame(self.directory / entry["name"], entry["time"], _read_vtkhdf,
-                             self.directory / solids[entry["time"]] if entry["time"] in solids else None)
-                       for entry in _json(index)["files"]])
+        return _hdf_frames(self.directory, "particles.hdf.series", _read_vtkhdf)
+
+    @cached_property
+    def frame_sets(self):
+        """The frames of each of [[output.frames]] by its name, which by default is its number in the scene."""
+        sets = {}
+        for folder in sorted(self.directory.glob("frames_*")):
+            if folder.is_dir():
+                found = (_vtu_frames(folder), _hdf_frames(folder, "particles.hdf.series", _read_vtkhdf),
+                         _hdf_frames(folder, "cells.hdf.series", _read_cells))
+                sets[folder.name.removeprefix("frames_")] = max(found, key=len)
+        return sets
 
     @cached_property
     def checkpoints(self):
         return Frames([Frame(path, _time_of_checkpoint(path), _read_checkpoint)
                        for path in sorted(self.directory.glob("checkpoint_*.h5"))])
+
+
+def _vtu_frames(directory):
+    index, entries = directory / "particles.pvd", {}
+    if not index.exists():
+        return Frames([])
+    try:
+        for entry in xml.parse(index).getroot().iter("DataSet"):
+            entries.setdefault(float(entry.get("timestep")), {})[entry.get("part")] = entry.get("file")
+    except (xml.ParseError, TypeError, ValueError) as error:
+        raise RunError(f"{index}: {error}") from error
+    return Frames([Frame(directory / files["0"], time, _read_pvtu, directory / files["1"] if "1" in files else None)
+                   for time, files in entries.items()])
+
+
+def _hdf_frames(directory, name, read):
+    index = directory / name
+    if not index.exists():
+        return Frames([])
+    solids = directory / "obstacles.vtp.series"
+    solids = {entry["time"]: entry["name"] for entry in _json(solids)["files"]} if solids.exists() else {}
+    return Frames([Frame(directory / entry["name"], entry["time"], read,
+                         directory / solids[entry["time"]] if entry["time"] in solids else None)
+                   for entry in _json(index)["files"]])
 
 
 def scene_of(text):
@@ -235,6 +259,13 @@ def _read_vtkhdf(path):
     with _hdf5(path) as file:
         data = file["VTKHDF"]
         return {"position": data["Points"][:], **{name: values[:] for name, values in data["PointData"].items()}}
+
+
+def _read_cells(path):
+    with _hdf5(path) as file:
+        data = file["VTKHDF"]
+        arrays = {name: np.swapaxes(values[:], 0, 2) for name, values in data["PointData"].items()}
+        return arrays | {"origin": data.attrs["Origin"], "spacing": data.attrs["Spacing"]}
 
 
 def _read_pvtu(path):

@@ -29,6 +29,29 @@ void bind_output(py::module_& m) {
       .def_readwrite("fields", &FrameSettings::fields, "their names; set as a whole");
   closed(frames);
 
+  py::enum_<FrameContent>(m, "FrameContent")
+      .value("particles", FrameContent::particles)
+      .value("cells", FrameContent::cells);
+  py::enum_<FrameFormat>(m, "FrameFormat").value("vtkhdf", FrameFormat::vtkhdf).value("vtu", FrameFormat::vtu);
+  py::class_<FrameSetSettings> set(m, "FrameSetSettings", "one of [[output.frames]]: a selection, or means over cells");
+  set.def(py::init([](const Schedule& when, FrameContent what) {
+            FrameSetSettings one;
+            one.schedule = when;
+            one.what = what;
+            return one;
+          }),
+          py::arg("schedule") = Schedule{}, py::arg("what") = FrameContent::particles)
+      .def_readwrite("name", &FrameSetSettings::name, "its folder is frames_NAME; empty: its number")
+      .def_readwrite("what", &FrameSetSettings::what)
+      .def_readwrite("format", &FrameSetSettings::format)
+      .def_readwrite("schedule", &FrameSetSettings::schedule)
+      .def_readwrite("fields", &FrameSetSettings::fields, "their names, or None for the default; set as a whole")
+      .def_readwrite("precision", &FrameSetSettings::precision, "of the points")
+      .def_readwrite("one_in", &FrameSetSettings::one_in, "a power of two: so many times fewer, by a hash of the id")
+      .def_readwrite("surface", &FrameSetSettings::surface, "only what lies near the surface")
+      .def_readwrite("box", &FrameSetSettings::box, "of what is written, or None; set as a whole");
+  closed(set);
+
   py::class_<CheckpointSettings> checkpoint(m, "CheckpointSettings", "[output.checkpoint]");
   checkpoint
       .def(py::init([](const Schedule& when, int keep) {
@@ -44,6 +67,7 @@ void bind_output(py::module_& m) {
       .def_readwrite("directory", &OutputSettings::directory, "of the files; empty: none are written")
       .def_readwrite("vtu", &OutputSettings::vtu, "FrameSettings, or None; set as a whole")
       .def_readwrite("vtkhdf", &OutputSettings::vtkhdf, "FrameSettings, or None; set as a whole")
+      .def_readwrite("frames", &OutputSettings::frames, "list of FrameSetSettings; set as a whole")
       .def_readwrite("checkpoint", &OutputSettings::checkpoint, "CheckpointSettings, or None; set as a whole")
       .def_readwrite("series", &OutputSettings::series, "Schedule of the rows, or None; set as a whole");
   closed(output);

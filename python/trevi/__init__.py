@@ -22,15 +22,17 @@ import time
 os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 
 from trevi._trevi import (  # noqa: E402
-    BlowUp, Box, CheckpointSettings, Colour, Constraint, DrainSettings, DrainShape, Follow, FountainSettings, FrameSettings,
-    GaugeKind, GaugeSettings, InletSettings, InletShape, InputError, Mass, Method, MusicKind, MusicSettings,
-    ObstacleSettings, Precision, RunError, Scene, Schedule, Settings, Shape, Solver, SpeedMapping, TensileSettings,
+    BlowUp, Box, CheckpointSettings, Colour, Constraint, DrainSettings, DrainShape, Follow, FountainSettings,
+    FrameContent, FrameFormat, FrameSetSettings, FrameSettings, GaugeKind, GaugeSettings, InletSettings, InletShape,
+    InputError, Mass, Method, MusicKind, MusicSettings, ObstacleSettings, Precision, RunError, Scene, Schedule, Settings,
+    Shape, Solver, SpeedMapping, TensileSettings,
     TriangleMesh, VorticityForm, WallDensity, __version__, _make_solver, _read_scene, rank, report_settings, size, threads,
     use_threads)
 
 __all__ = ["BlowUp", "Box", "CheckpointSettings", "Colour", "Constraint", "DrainSettings", "DrainShape", "Follow",
-           "FountainSettings", "FrameSettings", "GaugeKind", "GaugeSettings", "InletSettings", "InletShape", "InputError",
-           "Mass", "Method", "MusicKind", "MusicSettings", "ObstacleSettings", "Precision", "RunError", "Scene",
+           "FountainSettings", "FrameContent", "FrameFormat", "FrameSetSettings", "FrameSettings", "GaugeKind",
+           "GaugeSettings", "InletSettings", "InletShape", "InputError", "Mass", "Method", "MusicKind", "MusicSettings",
+           "ObstacleSettings", "Precision", "RunError", "Scene",
            "Schedule", "Settings", "Shape", "Solver", "SpeedMapping", "TensileSettings", "TriangleMesh", "VorticityForm",
            "WallDensity", "__version__", "make_solver", "rank", "read_scene", "report_settings", "size", "threads",
            "use_threads"]

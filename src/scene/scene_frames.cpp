@@ -89,7 +89,7 @@ void read_selection(Section& frames, const Scene& scene, FrameSetSettings& set) 
           {"one_in", "of how many particles one is written, by a hash of the ids: 1, 2, 4, 8, ...; default 1"},
           set.one_in, 1)) {
     frames.check("one_in", thinning_of(set.one_in) >= 0,
-                 fmt::format("must be a power of two up to {}: 1, 2, 4, 8, ...", most_thinned));
+                 fmt::format("must be a power of two up to {}: 1, 2, 4, 8, ...", largest_one_in));
   }
   frames.flag({"surface", "whether only the particles near the surface are written; default false"}, set.surface);
   read_box(frames, scene, set);

@@ -61,6 +61,14 @@ by = "rainbow_x"
 [output.vtkhdf]
 every_steps = 2
 fields = ["velocity", "density", "id", "rank", "rgb"]
+[[output.frames]]
+every_steps = 2
+precision = "single"
+[[output.frames]]
+name = "means"
+what = "cells"
+every_steps = 2
+fields = ["fraction", "velocity", "density"]
 [output.checkpoint]
 every_steps = 2
 keep = 9
@@ -258,7 +266,7 @@ class Keys(Page):
 def type_of(item):
     if item.dtype.kind in "SO":
         return "text"
-    width = item.shape[1] if len(item.shape) > 1 else 1
+    width = item.shape[-1] if len(item.shape) in (2, 4) else 1  # grids are of three
     return f"{item.dtype}" + (f" × {width}" if width > 1 else "")
 
 
@@ -329,6 +337,9 @@ class Files(Page):
 
     def test_frames(self):
         self.assertEqual(self.assert_hdf5("Frames", self.output / "particles_000006.hdf"), {})
+
+    def test_cells(self):
+        self.assertEqual(self.assert_hdf5("Cells", self.output / "frames_means/cells_000006.hdf"), {})
 
     def blow_up(self):
         folder = self.folder / "blown"

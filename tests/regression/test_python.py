@@ -211,6 +211,13 @@ class Module(ProgramTest):
             settings.seed = 12
             settings.output.series = trevi.Schedule(every_steps=5)
             settings.output.checkpoint = trevi.CheckpointSettings(keep=1)
+            cells = trevi.FrameSetSettings(trevi.Schedule(every_steps=10), trevi.FrameContent.cells)
+            corner = trevi.FrameSetSettings(trevi.Schedule(every_steps=30))
+            box = trevi.Box()
+            box.max = [0.8, 0.4, 0.4]
+            corner.name, corner.one_in, corner.box = "corner", 2, box
+            corner.precision, corner.fields = trevi.Precision.single, ["id"]
+            settings.output.frames = [cells, corner]
             if len(sys.argv) > 1:
                 settings.output.directory = sys.argv[1]
             k, j, i = np.meshgrid(range(5), range(8), range(16), indexing="ij")
@@ -233,6 +240,10 @@ class Module(ProgramTest):
             self.assertEqual((self.folder / "by_hand").exists(), bool(folder))
         with h5py.File(self.folder / "by_hand/checkpoint_000030.h5") as file:
             self.assertTrue((file["particles/position"][:] == expected).all())
+        self.assertTrue((self.folder / "by_hand/frames_0/cells_000030.hdf").exists())
+        with h5py.File(self.folder / "by_hand/frames_corner/particles_000030.hdf") as file:
+            corner = file["VTKHDF/Points"][:]
+        self.assertTrue(0 < len(corner) < 640 and (corner <= [0.8, 0.4, 0.4]).all())
         self.assertEqual(len((self.folder / "by_hand/series.csv").read_text().splitlines()), 8)
 
     def test_a_communicator_of_mpi4py_is_a_solver_of_its_own(self):

@@ -31,6 +31,15 @@ type = "height"
 center = [0.4, 0.4, 0]
 [output.vtkhdf]
 every = 0.2
+[[output.frames]]
+every = 0.2
+precision = "single"
+one_in = 4
+[[output.frames]]
+name = "means"
+what = "cells"
+every = 0.1
+fields = ["fraction", "velocity", "density"]
 [output.checkpoint]
 every = 0.1
 keep = 9
@@ -73,6 +82,29 @@ class Reader(ProgramTest):
             self.assertTrue((run.checkpoints[-1].position == file["particles/position"][:]).all())
         if "VTK" not in WITHOUT:
             self.assertEqual(run.frames[0].rgb.shape, (512, 3))
+
+    def test_frame_sets(self):
+        run = Run(self.run_folder)
+        self.assertEqual(set(run.frame_sets), {"0", "means"})
+        self.assertEqual([len(frames) for frames in run.frame_sets.values()], [3, 5])
+        for frame in run.frame_sets["0"]:
+            state = run.checkpoints.at(frame.time)
+            chosen = np.isin(state.id, frame.id)
+            self.assertTrue(60 < len(frame) < 200, len(frame))
+            self.assertEqual(frame.position.dtype, np.float32)
+            self.assertTrue((frame.position == state.position[chosen].astype(np.float32)).all())
+        for frame in run.frame_sets["means"]:
+            state = run.checkpoints.at(frame.time)
+            self.assertEqual(frame.fraction.shape, (8, 4, 6))
+            self.assertEqual(len(frame), 8 * 4 * 6)
+            np.testing.assert_allclose(frame.origin, 0.1)
+            np.testing.assert_allclose(frame.spacing, 0.2)
+            cells = np.clip((state.position / 0.2).astype(int), 0, (7, 3, 5))
+            counts, sums = np.zeros((8, 4, 6)), np.zeros((8, 4, 6, 3))
+            np.add.at(counts, tuple(cells.T), 1)
+            np.add.at(sums, tuple(cells.T), state.velocity)
+            np.testing.assert_allclose(frame.fraction, counts / 8, atol=1e-7)
+            np.testing.assert_allclose(frame.velocity, sums / np.maximum(counts, 1)[..., None], rtol=1e-5, atol=1e-6)
 
     def test_frames_by_time(self):
         states = Run(self.run_folder).checkpoints

@@ -38,7 +38,7 @@ bool is_folder_name(const std::string& name) {
 }
 
 int thinning_of(std::int64_t one_in) {
-  const bool good = one_in >= 1 && one_in <= most_thinned && std::has_single_bit(static_cast<std::uint64_t>(one_in));
+  const bool good = one_in >= 1 && one_in <= largest_one_in && std::has_single_bit(static_cast<std::uint64_t>(one_in));
   return good ? std::countr_zero(static_cast<std::uint64_t>(one_in)) : -1;
 }
 

@@ -24,9 +24,9 @@ CoarseCells coarse_cells(const Settings& settings, const FrameSetSettings& set);
 /// Whether a name may be that of a folder: letters, digits, "-" and "_".
 bool is_folder_name(const std::string& name);
 
-inline constexpr std::int64_t most_thinned = std::int64_t{1} << 30;
+inline constexpr std::int64_t largest_one_in = std::int64_t{1} << 30;
 
-/// k of 2^k, or -1 for what is no power of two up to most_thinned.
+/// k of 2^k, or -1 for what is no power of two up to largest_one_in.
 int thinning_of(std::int64_t one_in);
 
 }  // namespace trevi
