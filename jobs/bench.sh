@@ -8,6 +8,7 @@
 #                 instruction set of the machine
 #   real time     inputs/bench_rest.toml: 96,000 particles, dt = 1/30 s, on 2 ranks; and with vorticity and XSPH
 #   obstacle      the same with a ball far above the water, on 1 rank
+#   bodies        the same with ten balls that float, and with ten that stand
 #   two ranks     against one, 96,000 and 1 million particles, on a cloud that cuts evenly
 #   precision     density curve of the falling cube, single against double, and double with a hardly disturbed start
 #   output        checkpoint and VTKHDF frame of 1 million particles against plain writes of the same bytes
@@ -161,6 +162,20 @@ obstacle() {
   ratio ball_np1 rest_np1
 }
 
+# What ten balls of 3 spacings radius at the surface cost, that move freely or stand.
+bodies() {
+  local balls="" k
+  for ((k = 0; k < 10; k++)); do
+    balls+="{type=\"sphere\", center=[$((6 + 12 * (k % 5)))e-1, $((10 + 20 * (k / 5)))e-1, 4.0], radius=0.3"
+    balls+="BODY}, "
+  done
+  run bodies_np1 1 inputs/bench_rest.toml 60 "body=[${balls//BODY/, density=500.0}]"
+  run stand_np1 1 inputs/bench_rest.toml 60 "obstacle=[${balls//BODY/}]"
+  table "96,000 particles at rest, without solids, with ten balls that float, and with ten that stand" rest_np1 \
+    bodies_np1 stand_np1
+  ratio bodies_np1 rest_np1
+}
+
 million() {
   local ranks
   for ranks in 1 2; do
@@ -249,6 +264,7 @@ main() {
   limit
   real_time
   obstacle
+  bodies
   if [[ $quick == no ]]; then
     million
     precision

@@ -27,6 +27,18 @@ std::string why_no_mass(const BodySettings& body) {
   return "";
 }
 
+// Water that bounces off a lighter one throws it by more than its own speed, in steps that see it only once.
+std::string why_too_light(const Settings& settings, const BodySettings& body) {
+  const Real mass = body.mass ? *body.mass : *body.density * mass_properties(body).volume;
+  const Real particle = settings.fluid.rest_density * std::pow(settings.fluid.spacing, 3);
+  if (mass >= particle) return "";
+  return fmt::format(
+      "has a mass of {:.3g} kg, less than a particle of water with {:.3g} kg, which would throw it about; make it "
+      "larger "
+      "or denser, or lower fluid.spacing",
+      mass, particle);
+}
+
 std::string why_no_start(const Settings& settings, const BodySettings& body) {
   const Box place = place_of(body);
   constexpr Real rounding = 1e-9;
@@ -99,7 +111,8 @@ std::string why_no_body(const Settings& settings, std::size_t k) {
   if (std::string wrong = why_no_mass(body); !wrong.empty()) return wrong;
   if (std::string wrong = why_no_start(settings, body); !wrong.empty()) return wrong;
   if (std::string wrong = why_no_mooring(settings, body); !wrong.empty()) return wrong;
-  return why_in_another(settings, k);
+  if (std::string wrong = why_in_another(settings, k); !wrong.empty()) return wrong;
+  return why_too_light(settings, body);
 }
 
 }  // namespace trevi

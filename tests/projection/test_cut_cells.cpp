@@ -101,6 +101,41 @@ TEST(CutCells, FractionsAreThoseOfAllObstacles) {
   EXPECT_LT(wrong_faces, 0.05 * cut_faces);  // in edges of boxes faces are taken to be closed by a sheet
 }
 
+// Cells that are cut anew from step to step, only those near solids that move, are those of all cells cut at once.
+TEST(CutCells, OfSolidsThatMoveAreThoseCutAtOnce) {
+  Settings settings = many_solids(world);
+  for (std::size_t k = 0; k < settings.obstacles.size(); k += 3) {
+    settings.obstacles[k].velocity = {0.5, -0.3, 0.4};
+    settings.obstacles[k].angular_velocity = {0.1, 2, 0.5};
+  }
+  settings = resolved(settings);
+  const AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
+  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
+  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+  grid.resize(planes_a_rank, 10);
+  CutCells step_by_step(obstacles);
+  for (int k = 0; k <= 20; ++k) {
+    obstacles.move(0.02 * k, 0.02 * (k + 1));
+    step_by_step.measure(world, grid, settings.domain);
+  }
+  CutCells at_once(obstacles);
+  at_once.measure(world, grid, settings.domain);
+  int cut = 0;
+  for (std::size_t at = 0; at < grid.cells(); ++at) {
+    ASSERT_EQ(step_by_step.open(at), at_once.open(at)) << at;
+    cut += at_once.open(at) > 0 && at_once.open(at) < 1;
+    if (at_once.open(at) < 1) {
+      ASSERT_EQ(step_by_step.nearest(at), at_once.nearest(at)) << at;
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      ASSERT_EQ(step_by_step.face(a, at), at_once.face(a, at)) << at;
+      ASSERT_EQ(step_by_step.moved(a, at), at_once.moved(a, at)) << at;
+      ASSERT_EQ(step_by_step.middle_of_face(a, at), at_once.middle_of_face(a, at)) << at;
+    }
+  }
+  EXPECT_GT(cut, 50);
+}
+
 // A vessel in which water turns as a rigid body, about the upright axis through its centre.
 struct Vessel {
   static constexpr LocalId planes = 12;

@@ -97,7 +97,8 @@ RigidBody::RigidBody(const BodySettings& settings, const Shape& solid, const Vec
   state_.angular_momentum = inertia * settings.angular_velocity;
   state_.last_twist = six_of(state_.velocity, state_.angular_velocity);
   const Real size = (solid.bounds().max - solid.bounds().min).maxCoeff();
-  state_.added_mass = first_added_mass(solid.surface(size / 200), center_, water);
+  first_added_ = first_added_mass(solid.surface(size / 200), center_, water);
+  state_.added_mass = first_added_;
   if (!mooring_) return;
   hook_ = turn.transpose() * (mooring_->point.value_or(state_.position) - state_.position);
   rest_length_ = mooring_->length.value_or((state_.position + turn * hook_ - mooring_->anchor).norm());
@@ -213,7 +214,13 @@ void RigidBody::finish(bool touched) {
   for (int a = 0; a < 3; ++a)
     state_.position[a] +=
         dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
+  // What is learnt is forgotten, slowly, as answers that noise has made small would else add up to an estimate that is
+  // none along some axis, and then to one that is not positive.
+  constexpr Real forgotten = 0.02;
   state_.added_mass = turned(added_, rotation_of(state_.orientation).transpose());
+  if (answers_ > 0) {
+    for (std::size_t i = 0; i < 36; ++i) state_.added_mass[i] += forgotten * (first_added_[i] - state_.added_mass[i]);
+  }
   state_.last_twist = twist_;
   state_.orientation = end_orientation_;
   state_.momentum = along_of(momentum_);

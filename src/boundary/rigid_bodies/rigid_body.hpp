@@ -80,6 +80,7 @@ class RigidBody {
   std::array<Real, 4> end_orientation_{1, 0, 0, 0};
   bool is_wet_ = false;  // there is pressure
   Mass6 added_{};        // in the world
+  Mass6 first_added_{};  // by the shape, in its frame
   int answers_ = 0;
   Six asked_{}, answer_{};  // the last twist and the pressure that it got
 };
