@@ -118,6 +118,12 @@ def paddles():
                row["theory"], fixed(row["measured"], 3)]
 
 
+def channels():
+    yield ["case", "spacing, m", "quantity", "theory", "measured"]
+    for row in rows_of("channels"):
+        yield [row["case"], row["spacing"], row["quantity"], fixed(row["theory"], 4), fixed(row["measured"], 4)]
+
+
 def planes(kind, heads):
     """Rows of two_dimensions.csv of a kind, each with columns (head, name, how it is written)."""
     yield ["case", "dimensions", "particles", *(head for head, _, _ in heads), "CPU s a second"]
@@ -157,7 +163,8 @@ PLANES = {
 }
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-    "frames": frames, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels, "leaks": leaks}
+    "frames": frames, "channels": channels, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
+    "leaks": leaks}
 
 
 def markdown(rows):

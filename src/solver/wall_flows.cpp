@@ -116,6 +116,16 @@ void WallFlows::resize(FlowState& state) const {
   state.rows.resize(rows_, 0);
 }
 
+// Of an opening that is as wide as it will be.
+void WallFlows::find_seen(Opening& opening) const {
+  const int other = 1 - opening.wall.axis;
+  opening.seen = opening.across;
+  if (opening.seen[0] < settings_.domain.min[other] + spacing_ / 2)
+    opening.seen[0] = settings_.domain.min[other] - spacing_;
+  if (opening.seen[1] > settings_.domain.max[other] - spacing_ / 2)
+    opening.seen[1] = settings_.domain.max[other] + spacing_;
+}
+
 void WallFlows::add_inlet(const InletSettings& inlet, std::size_t rows) {
   const InletLattice lattice(inlet, spacing_);
   const int axis = std::abs(inlet.direction.x()) > std::abs(inlet.direction.y()) ? 0 : 1;
@@ -133,6 +143,7 @@ void WallFlows::add_inlet(const InletSettings& inlet, std::size_t rows) {
     rows = std::min(rows, static_cast<std::size_t>(
                               std::max(1.0, std::floor((*inlet.level - opening.bottom) / spacing_ + 0.5 + rounding))));
   opening.speeds.assign(rows, 0);
+  find_seen(opening);
   openings_.push_back(std::move(opening));
 }
 
@@ -148,6 +159,7 @@ void WallFlows::add_drain(const DrainSettings& drain) {
   opening.top = drain.max.z();
   opening.drain = &drain;
   opening.speeds.assign(1, 0);
+  find_seen(opening);
   openings_.push_back(std::move(opening));
   ++drains_;
 }
@@ -166,7 +178,7 @@ std::vector<WallFlows::Water> WallFlows::look(MPI_Comm comm, const Particles& pa
         const int axis = one.wall.axis;
         const Real along = part_between(p[axis], one.from, one.to, spacing_);
         if (along == 0) continue;
-        const Real part_of = along * part_between(p[1 - axis], one.across[0], one.across[1], spacing_);
+        const Real part_of = along * part_between(p[1 - axis], one.seen[0], one.seen[1], spacing_);
         sums[2 * n] += std::llround(part_of / share);
         sums[2 * n + 1] += std::llround(part_of * particles.velocity[at][axis] / share);
       }

@@ -64,6 +64,7 @@ class WallFlows {
     UprightWall wall;
     Real from = 0, to = 0;         // where its level is measured, along the axis, m
     std::array<Real, 2> across{};  // along the other level axis, m
+    std::array<Real, 2> seen{};    // the same; beyond walls where it ends at them, which particles are close to
     Real bottom = 0, top = 0;      // m
     const InletSettings* inlet = nullptr;
     const DrainSettings* drain = nullptr;
@@ -75,6 +76,7 @@ class WallFlows {
   };
   void add_inlet(const InletSettings& inlet, std::size_t rows);
   void add_drain(const DrainSettings& drain);
+  void find_seen(Opening& opening) const;
   std::vector<Water> look(MPI_Comm comm, const Particles& particles);
   void drive_inlet(Opening& opening, const Water& water, const StepInfo& info, FlowState::Opening& state) const;
   void drive_drain(Opening& opening, const Water& water, const StepInfo& info, FlowState::Opening& state) const;
