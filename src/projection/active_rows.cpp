@@ -23,7 +23,7 @@ void ActiveRows::measure(const CellOrder& order, Halo& halo) {
   spread(wet_, {0, planes_ + 2}, near_);
   std::array<LocalId, 2> most{};
   depth.for_each([&](int one) { most[0] = std::max(most[0], one); });
-  most[1] = most_columns();
+  most[1] = find_max_columns();
   all_reduce(comm_, most.data(), 2, MPI_INT32_T, MPI_MAX);
   depth_ = most[0];
   max_columns_ = most[1];
@@ -41,7 +41,7 @@ void ActiveRows::look_at_row(const CellOrder& order, LocalId k, LocalId r, int& 
   }
 }
 
-LocalId ActiveRows::most_columns() const {
+LocalId ActiveRows::find_max_columns() const {
   PerThread<LocalId> of_threads;
   for_each_row(rows_of({1, planes_ + 1}), [&](LocalId k, LocalId r) {
     LocalId& most = of_threads.mine();

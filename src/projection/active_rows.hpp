@@ -37,7 +37,7 @@ class ActiveRows {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
   }
   void look_at_row(const CellOrder& order, LocalId k, LocalId r, int& depth);
-  LocalId most_columns() const;
+  LocalId find_max_columns() const;
   // As many cells a row as a loop of threads gives a part of 64 rows.
   CellRows rows_of(Range planes) const { return {planes, rows_, 62}; }
   void spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const;

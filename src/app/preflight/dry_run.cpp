@@ -35,10 +35,10 @@ BytesEach bytes_each(const Scene& scene) {
   const double quad = single ? 16 : 32;
   // Neighbours per particle: those in a ball of radius h without itself, less a twentieth for walls and surfaces.
   const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
-  double owned = 3 * 24 + 8;      // positions, velocity, id
-  owned += 8 + 2 * 4;             // sorting
+  double owned = 3 * 24 + 8;       // positions, velocity, id
+  owned += 8 + 2 * 4;              // sorting
   owned += quad + 13 + 2 * pairs;  // record, list
-  owned += 8 + quad;              // rho, delta
+  owned += 8 + quad;               // rho, delta
   double ghost = quad;
   double cell = 2 * 4;  // counts and starts
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
