@@ -229,7 +229,8 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
       return false;
     }
     worker.writer.end_row(found);
-    result.rows[static_cast<std::size_t>(i)] = {worker.writer.place(), found};
+    result.rows[static_cast<std::size_t>(i)] = {worker.writer.place() & StoredRow::max_at,
+                                                static_cast<std::uint16_t>(found)};
   }
   return true;
 }

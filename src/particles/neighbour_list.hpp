@@ -83,6 +83,7 @@ class RowWriter {
 
 /// Where the row of a particle is in the pages, and how long it is.
 struct StoredRow {
+  static constexpr std::uint64_t max_at = (std::uint64_t{1} << 48U) - 1;
   std::uint64_t at : 48, count : 16;
 };
 

@@ -73,7 +73,7 @@ bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
   const Vec3 margin = Vec3::Constant(2 * size);
   return Box{box_.min + margin, box_.max - margin}.contains(middle) &&
          std::all_of(bodies.begin(), bodies.end(),
-                     [&](std::size_t k) { return obstacles_.body(k).shape().least_thickness() > 1.1 * size; });
+                     [&](std::size_t k) { return obstacles_.body(k).shape().min_thickness() > 1.1 * size; });
 }
 
 // `corner` of the cell, in cells; its lower face in direction a.

@@ -112,8 +112,8 @@ void check_flow(const Settings& all) {
   for (std::size_t k = 0; k < all.drains.size(); ++k) check_drain(all, all.drains[k], fmt::format("drains[{}].", k));
   check_live_sound(all);
   const auto in_wall = [](const auto& one) { return one.is_in_wall(); };
-  demand(std::none_of(all.inlets.begin(), all.inlets.end(), in_wall) &&
-                 std::none_of(all.drains.begin(), all.drains.end(), in_wall) ||
+  demand((std::none_of(all.inlets.begin(), all.inlets.end(), in_wall) &&
+          std::none_of(all.drains.begin(), all.drains.end(), in_wall)) ||
              (all.density.coarse_grid && is_downward(all.gravity.value_or(Vec3::Zero()))),
          "a profile or a level of an inlet, and a level or a flow of a drain, need density.coarse_grid and gravity "
          "along -z");

@@ -369,41 +369,6 @@ TEST(Paths, TollIsTheChange) {
   EXPECT_GT(changed.norm(), 1);
 }
 
-// Whom the index leaves out has nothing to do with a place, nor a path with whom it leaves out: as many as do not fit
-// into its bits, some that stand, some that move and turn.
-TEST(Paths, TheIndexForgetsNobody) {
-  std::mt19937 generator(11);
-  std::uniform_real_distribution<Real> number(-1, 1);
-  std::vector<ObstacleSettings> all;
-  for (int k = 0; k < 80; ++k) {
-    ObstacleSettings one = k % 2 == 0 ? sphere(0.1) : box({0.3, 0.1, 0.2});
-    one.center = random_point(generator, 2.5);
-    if (k % 3 == 0) one.velocity = {number(generator), number(generator), number(generator)};
-    if (k % 4 == 0) one.angular_velocity = {0, 3 * number(generator), 0};
-    all.push_back(one);
-  }
-  const Tank tank(all);
-  int near = 0;
-  for (int step = 0; step < 5; ++step) {
-    tank.obstacles->move(0.05 * step, 0.05 * (step + 1));
-    for (int k = 0; k < 4000; ++k) {
-      const Vec3 p = random_point(generator, 2.9), to = p + random_point(generator, k % 2 == 0 ? 0.1 : 1);
-      bool by_all = false, open = true;
-      for (std::size_t n = 0; n < all.size(); ++n) {
-        by_all = by_all || tank.obstacles->body(n).is_near(p);
-        open = open && tank.obstacles->body(n).is_passed_by(p, to);
-      }
-      EXPECT_EQ(tank.obstacles->is_near(p), by_all);
-      const bool inside = (to.array().abs() < 2.9).all();
-      if (open && inside) {
-        EXPECT_EQ(tank.obstacles->collide(p, to - p), p + (to - p));
-      }
-      near += by_all;
-    }
-  }
-  EXPECT_GT(near, 1000);
-}
-
 // In an open box nobody has a share of an obstacle, or meets one.
 TEST(Paths, NothingIsMetInTheOpen) {
   const Tank tank({cylinder(0.4, 0.8)});

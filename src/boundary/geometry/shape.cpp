@@ -19,7 +19,7 @@ class Sphere : public Shape {
   explicit Sphere(Real radius) : radius_(radius) {}
   Real distance(const Vec3& p) const override { return p.norm() - radius_; }
   Box bounds() const override { return {Vec3::Constant(-radius_), Vec3::Constant(radius_)}; }
-  Real least_thickness() const override { return 2 * radius_; }
+  Real min_thickness() const override { return 2 * radius_; }
   TriangleMesh surface(Real finest) const override { return turned(arc(radius_, 0, radius_, finest), finest); }
 
  private:
@@ -35,7 +35,7 @@ class Cuboid : public Shape {
   }
   Box bounds() const override { return {-half_, half_}; }
   TriangleMesh surface(Real) const override { return cuboid_surface(half_); }
-  Real least_thickness() const override { return 2 * half_.minCoeff(); }
+  Real min_thickness() const override { return 2 * half_.minCoeff(); }
 
  private:
   Vec3 half_;
@@ -50,7 +50,7 @@ class Cylinder : public Shape {
     return std::sqrt(a * a + b * b) + std::min(std::max(side, end), 0.0);
   }
   Box bounds() const override { return {Vec3(-radius_, -radius_, -half_), Vec3(radius_, radius_, half_)}; }
-  Real least_thickness() const override { return 2 * std::min(radius_, half_); }
+  Real min_thickness() const override { return 2 * std::min(radius_, half_); }
   TriangleMesh surface(Real finest) const override {
     return turned({{0, -half_}, {radius_, -half_}, {radius_, half_}, {0, half_}}, finest);
   }
@@ -69,7 +69,7 @@ class Capsule : public Shape {
     const Vec3 corner(radius_, radius_, straight_ + radius_);
     return {-corner, corner};
   }
-  Real least_thickness() const override { return 2 * radius_; }
+  Real min_thickness() const override { return 2 * radius_; }
   TriangleMesh surface(Real finest) const override { return turned(arc(radius_, straight_, radius_, finest), finest); }
 
  private:
@@ -87,7 +87,7 @@ class Torus : public Shape {
     const Vec3 corner(radius_ + tube_, radius_ + tube_, tube_);
     return {-corner, corner};
   }
-  Real least_thickness() const override { return 2 * tube_; }
+  Real min_thickness() const override { return 2 * tube_; }
   TriangleMesh surface(Real finest) const override { return turned(ring(radius_, tube_, finest), finest); }
 
  private:

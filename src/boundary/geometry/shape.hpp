@@ -36,7 +36,7 @@ class Shape {
   Vec3 normal(const Vec3& p) const;
   /// A length below which it has no sheets: from anywhere on the surface one goes that far straight into the solid
   /// without coming out; 0 where that is not known.
-  virtual Real least_thickness() const { return 0; }
+  virtual Real min_thickness() const { return 0; }
   /// The coordinate along which the shape goes on without end, so that its distance does not depend on it, if any.
   virtual std::optional<Eigen::Index> extruded_along() const { return std::nullopt; }
 };

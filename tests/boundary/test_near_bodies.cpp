@@ -1,0 +1,98 @@
+// Which obstacles a place has to do with, against asking all of them; and what a body learns of the water that it takes
+// along.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "boundary/obstacles/obstacles.hpp"
+
+namespace trevi {
+namespace {
+
+constexpr Real h = 0.2;
+
+Vec3 random_point(std::mt19937& generator, Real reach) {
+  std::uniform_real_distribution<Real> number(-reach, reach);
+  return {number(generator), number(generator), number(generator)};  // in this order, by the braces
+}
+
+// Whom the index leaves out has nothing to do with a place, nor a path with whom it leaves out: as many as do not fit
+// into its bits, some that stand, some that move and turn.
+TEST(Paths, TheIndexForgetsNobody) {
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<Real> number(-1, 1);
+  ObstacleSettings ball, brick;
+  ball.radius = 0.1;
+  brick.shape = ShapeKind::box;
+  brick.size = {0.3, 0.1, 0.2};
+  Settings settings;
+  settings.domain = {Vec3(-3, -3, -3), Vec3(3, 3, 3)};
+  settings.fluid.spacing = h / 2;
+  std::vector<ObstacleSettings>& all = settings.obstacles;
+  for (int k = 0; k < 80; ++k) {
+    ObstacleSettings one = k % 2 == 0 ? ball : brick;
+    one.center = random_point(generator, 2.5);
+    if (k % 3 == 0) one.velocity = {number(generator), number(generator), number(generator)};
+    if (k % 4 == 0) one.angular_velocity = {0, 3 * number(generator), 0};
+    all.push_back(one);
+  }
+  settings = resolved(settings);
+  const AnalyticWallDensity law(settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions);
+  Obstacles obstacles(settings, Walls(settings.domain, settings.walls, 1e-6 * h), law);
+  int near = 0;
+  for (int step = 0; step < 5; ++step) {
+    obstacles.move(0.05 * step, 0.05 * (step + 1));
+    for (int k = 0; k < 4000; ++k) {
+      const Vec3 p = random_point(generator, 2.9), to = p + random_point(generator, k % 2 == 0 ? 0.1 : 1);
+      bool by_all = false, open = true;
+      for (std::size_t n = 0; n < all.size(); ++n) {
+        by_all = by_all || obstacles.body(n).is_near(p);
+        open = open && obstacles.body(n).is_passed_by(p, to);
+      }
+      EXPECT_EQ(obstacles.is_near(p), by_all);
+      const bool inside = (to.array().abs() < 2.9).all();
+      if (open && inside) {
+        EXPECT_EQ(obstacles.collide(p, to - p), p + (to - p));
+      }
+      near += by_all;
+    }
+  }
+  EXPECT_GT(near, 1000);
+}
+
+// Answers that are noise do not make of the added mass what is none: of the shape's own at least what is forgotten in a
+// substep is there.
+TEST(AddedMass, StaysPositive) {
+  BodySettings settings;
+  settings.shape = ShapeKind::box;
+  settings.size = {0.6, 1.0, 0.3};
+  settings.density = 700;
+  settings.rotate = {10, 20, 30};
+  RigidBody body(settings, *make_shape(settings), Vec3::Zero(), 1000);
+  const auto least = [&] {
+    const Eigen::Map<const Eigen::Matrix<Real, 6, 6>> added(body.state().added_mass.data());
+    return added.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
+  };
+  const Real first = least();
+  EXPECT_GT(first, 0);
+  std::mt19937 generator(5);
+  std::normal_distribution<Real> noise(0, 1);
+  const auto six = [&](Real scale) {
+    Six all{};
+    for (Real& one : all) one = scale * noise(generator);
+    return all;
+  };
+  for (int k = 0; k < 3000; ++k) {
+    body.begin(0.01);
+    for (int answer = 0; answer < 3; ++answer) {
+      body.hear(six(1e-2));
+      body.set_twist(plus(body.twist(), six(1e-3)));
+    }
+    body.finish(true);
+    ASSERT_GT(least(), 0.019 * first) << k;
+  }
+}
+
+}  // namespace
+}  // namespace trevi
