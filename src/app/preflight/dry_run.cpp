@@ -228,7 +228,6 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   std::vector<std::string> warnings = start_warnings(scene);
   for (std::string& warning : volume_warnings(scene, particles)) warnings.push_back(std::move(warning));
   for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
-  for (std::string& warning : wave_warnings(scene)) warnings.push_back(std::move(warning));
   for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
   for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
 }

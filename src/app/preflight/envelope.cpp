@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/preflight/wave_text.hpp"
 #include "base/simd.hpp"
 #include "fluid/forcings/inlet.hpp"
 #include "io/writers.hpp"
@@ -78,6 +79,7 @@ std::vector<std::string> start_warnings(const Scene& scene) {
         "ranks to its tolerance, not in bits");
   }
   for (std::string& warning : envelope_warnings(scene)) warnings.push_back(std::move(warning));
+  for (std::string& warning : wave_warnings(scene)) warnings.push_back(std::move(warning));
   return warnings;
 }
 

@@ -1,4 +1,5 @@
-// What theory says of the waves that a scene's wavemakers make, for a dry run. Not collective.
+// What theory says of the waves that a scene's wavemakers make, for a dry run, and warnings, for a run, too. Not
+// collective.
 #pragma once
 
 #include <string>
