@@ -14,6 +14,7 @@ void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, cons
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const std::size_t at = grid_.index(k, r, c);
     if (cuts.face(a, at) == 0 || grid_.is_wall(a, k, r, c)) continue;
+    if (cuts.open(at) == 1 && cuts.open(at - grid_.step(a)) == 1) continue;
     CellNumbers above{k, r, c}, below = above;
     --below[a];
     if (!exists(below) || holds_any(above) || holds_any(below)) continue;
