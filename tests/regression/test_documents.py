@@ -20,7 +20,6 @@ from collections import namedtuple
 from pathlib import Path
 
 import h5py
-
 from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, ProgramTest, main
 from scenes import tank
 
