@@ -89,6 +89,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
     const ScopedEvent timed(delta_event_);
     const Range part = near_.order().owned_range(some.begin, some.end);
     constraint_.deltas(pairs(), part, particles_->predicted, field_);
+    count_pass(part, DensityConstraint<T>::delta_flops);
     if (separate) separate_coincident(some);
   };
   find({0, 2});
@@ -96,7 +97,6 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   for (const Range& part : near_.boundary()) collide_and_move(part);
   near_.start_positions();
   find({2, planes - 2});
-  count_pass(near_.all(), DensityConstraint<T>::delta_flops);
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
   collide_and_move(near_.interior());
   near_.finish_positions();

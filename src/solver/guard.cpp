@@ -74,13 +74,14 @@ void Guard::agree(const Particles& particles, std::int64_t step) {
   if (now.failures > 0) throw BlowUp(first_text(comm_, failure_));
   const std::string wrong = lost_or_doubled(now);
   if (!wrong.empty()) throw BlowUp(fmt::format("step {}: {}", step, wrong));
+  last_compression_ = compression_;
   compression_ =
       now.particles > 0 ? std::ldexp(static_cast<Real>(now.compression), -20) / static_cast<Real>(now.particles) : 0;
 }
 
 void Guard::end_if_crushed(std::int64_t step) const {
-  constexpr Real crushed = 0.5;
-  if (compression_ > crushed) {
+  constexpr Real crushed = 0.5, relieved = 0.75;
+  if (compression_ > crushed && compression_ > relieved * last_compression_) {
     throw BlowUp(
         fmt::format("step {}: the water is compressed by {:.0f} % in the mean: {}", step, 100 * compression_,
                     "particles lie on one another, there is more water than space, or solids press it; look at "

@@ -81,7 +81,7 @@ std::string end_of(const std::function<void()>& run) {
   return "no blow-up";
 }
 
-// What lies on one another is crushed, whoever brings it.
+// What lies on one another is crushed, whoever brings it, as soon as it no longer flies apart.
 TEST(Guards, EveryParticleFourTimesEndsTheRun) {
   Particles more = block();
   const std::size_t own = more.id.size();
@@ -95,7 +95,10 @@ TEST(Guards, EveryParticleFourTimesEndsTheRun) {
   const auto solver = make_solver(world, settings, more);
   solver->start();
   EXPECT_EQ(solver->counters().compression.first_crushed, 0);
-  expect_mentions(end_of([&] { solver->step(); }), {"step 1", "compressed by", "in the mean", "lie on one another"});
+  const std::string end = end_of([&] {
+    for (int k = 0; k < 10; ++k) solver->step();
+  });
+  expect_mentions(end, {"compressed by", "in the mean", "lie on one another"});
 }
 
 // A fifth too dense is told, with the first step; a hundredth is not. The mass of the report with Spiky is such.
