@@ -16,51 +16,14 @@
 #include "domain/migrate.hpp"
 #include "io/hdf5/checkpoint.hpp"
 #include "io/run_directory/output_directory.hpp"
+#include "support/count_received.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 
-namespace {
-
-struct Received {
-  double bytes = 0;
-  int exchanges = 0, messages = 0;
-};
-Received received;
-
-int size_of_type(MPI_Datatype type) {
-  int bytes = 0;
-  MPI_Type_size(type, &bytes);
-  return bytes;
-}
-
-}  // namespace
-
-// MPI's profiling interface; PETSc has macros of these names.
-#undef MPI_Alltoallv
-#undef MPI_Irecv
-
-extern "C" int MPI_Alltoallv(const void* sent, const int* send_counts, const int* send_starts, MPI_Datatype send_type,
-                             void* to, const int* receive_counts, const int* receive_starts, MPI_Datatype receive_type,
-                             MPI_Comm comm) {
-  int ranks = 0, rank = 0;
-  MPI_Comm_size(comm, &ranks);
-  MPI_Comm_rank(comm, &rank);
-  ++received.exchanges;
-  for (int other = 0; other < ranks; ++other)
-    if (other != rank) received.bytes += static_cast<double>(receive_counts[other]) * size_of_type(receive_type);
-  return PMPI_Alltoallv(sent, send_counts, send_starts, send_type, to, receive_counts, receive_starts, receive_type,
-                        comm);
-}
-
-extern "C" int MPI_Irecv(void* to, int count, MPI_Datatype type, int source, int tag, MPI_Comm comm,
-                         MPI_Request* request) {
-  ++received.messages;
-  received.bytes += static_cast<double>(count) * size_of_type(type);
-  return PMPI_Irecv(to, count, type, source, tag, comm, request);
-}
-
 namespace trevi {
 namespace {
+
+using test::received, test::Received;
 
 constexpr Real spacing = 0.1, radius = 0.2;
 
@@ -128,8 +91,8 @@ int bench(const Session& session, const std::string& folder, GlobalId total) {
   double own_bytes = 0;
   particles.for_each_field(
       [&](const auto& field) { own_bytes += static_cast<double>(field.size() * sizeof(field[0])); });
-  const double to_home = largest((received.bytes - reading.bytes) / own_bytes),
-               all = largest(received.bytes / own_bytes);
+  const double to_home = largest(static_cast<double>(received.bytes - reading.bytes) / own_bytes),
+               all = largest(static_cast<double>(received.bytes) / own_bytes);
   const double read_seconds = largest(after_read - start), home_seconds = largest(end - after_read);
   const double resident = largest(resident_megabytes());
   if (session.rank() == 0) {

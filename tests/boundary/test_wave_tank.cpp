@@ -7,6 +7,7 @@
 #include "io/tables/gauge_readings.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
 
@@ -17,19 +18,7 @@ constexpr Real two_pi = 2 * std::numbers::pi;
 
 // 30 spacings a wavelength on 7 layers, a wavelength to the zone.
 std::string tank(const std::string& keys, const std::string& more = "") {
-  return R"(
-[domain]
-min = [0, 0, 0]
-max = [7.2, 0.4, 1.4]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [7.2, 0.4, 0.7]
-[time]
-dt = 0.0166666666666666667
-end = 30
-[gravity]
+  return tank_with_gravity({.max = "7.2, 0.4, 1.4", .water = {{"0, 0, 0", "7.2, 0.4, 0.7"}}, .end = "30"}) + R"(
 [[damping]]
 min = [4.2, 0, 0]
 max = [7.2, 0.4, 1.4]

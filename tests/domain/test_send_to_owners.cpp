@@ -3,44 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "domain/migrate.hpp"
+#include "support/count_received.hpp"
 #include "support/distributed.hpp"
-
-namespace {
-
-struct Received {
-  long exchanges = 0, bytes = 0, messages = 0;
-};
-Received received;
-
-}  // namespace
-
-// PETSc has macros of these names.
-#undef MPI_Alltoallv
-#undef MPI_Irecv
-
-extern "C" int MPI_Alltoallv(const void* sent, const int* send_counts, const int* send_starts, MPI_Datatype send_type,
-                             void* to, const int* receive_counts, const int* receive_starts, MPI_Datatype receive_type,
-                             MPI_Comm comm) {
-  int ranks = 0, bytes = 0;
-  MPI_Comm_size(comm, &ranks);
-  MPI_Type_size(receive_type, &bytes);
-  ++received.exchanges;
-  for (int rank = 0; rank < ranks; ++rank) received.bytes += static_cast<long>(receive_counts[rank]) * bytes;
-  return PMPI_Alltoallv(sent, send_counts, send_starts, send_type, to, receive_counts, receive_starts, receive_type,
-                        comm);
-}
-
-extern "C" int MPI_Irecv(void* to, int count, MPI_Datatype type, int source, int tag, MPI_Comm comm,
-                         MPI_Request* request) {
-  ++received.messages;
-  return PMPI_Irecv(to, count, type, source, tag, comm, request);
-}
 
 namespace trevi::test {
 namespace {
 
-constexpr long particle_bytes = 8 + 3 * 24;
-constexpr long fields = 4;
+constexpr std::int64_t particle_bytes = 8 + 3 * 24;
+constexpr std::int64_t fields = 4;
 
 /// In the order of ids, equal slices, as a checkpoint is read; far from home but for few.
 Cloud as_in_a_checkpoint() { return sorted_by_id(random_cloud(2000, cloud_box, 5)); }
@@ -53,7 +23,7 @@ TEST(SendToOwners, ARestartIsOneExchangeAndNobodyReceivesMoreThanItsOwn) {
   received = {};
   const GlobalId sent = migrate(world, particles, &Particles::position, grid, slabs);
   const Received seen = received;
-  const auto own = static_cast<long>(particles.id.size());
+  const auto own = static_cast<std::int64_t>(particles.id.size());
   EXPECT_LE(seen.bytes, own * particle_bytes);
   if (size_of(world) > 2) {
     EXPECT_EQ(seen.exchanges, fields);
@@ -61,9 +31,9 @@ TEST(SendToOwners, ARestartIsOneExchangeAndNobodyReceivesMoreThanItsOwn) {
     EXPECT_GT(seen.bytes, own * particle_bytes / 3) << "most particles were far from home";
   }
   GlobalId all_sent = sent;
-  long all_received = seen.bytes;
+  std::int64_t all_received = seen.bytes;
   MPI_Allreduce(MPI_IN_PLACE, &all_sent, 1, MPI_INT64_T, MPI_SUM, world);
-  MPI_Allreduce(MPI_IN_PLACE, &all_received, 1, MPI_LONG, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, &all_received, 1, MPI_INT64_T, MPI_SUM, world);
   if (size_of(world) > 2) {
     EXPECT_EQ(all_received, all_sent * particle_bytes);
   }

@@ -8,27 +8,15 @@
 #include "io/tables/gauge_series.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 #include "trevi/scene.hpp"
 #include "trevi/solver.hpp"
 
 namespace trevi::test {
 namespace {
 
-const std::string tank = R"(
-[domain]
-min = [0, 0, 0]
-max = [2, 1.2, 1.8]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [2, 1.2, 1.2]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-[output.gauges]
-)";
+const std::string tank =
+    tank_with_gravity({.max = "2, 1.2, 1.8", .water = {{"0, 0, 0", "2, 1.2, 1.2"}}}) + "[output.gauges]\n";
 
 using Rows = std::vector<std::vector<Real>>;
 

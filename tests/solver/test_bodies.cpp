@@ -8,6 +8,7 @@
 #include "support/cloud.hpp"
 #include "support/kept_run.hpp"
 #include "support/output_fixture.hpp"
+#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
@@ -145,20 +146,7 @@ TEST(Flight, ALockedAxisDoesNotMove) {
 }
 
 // ---- in the water
-const std::string pool = R"(
-[domain]
-min = [0, 0, 0]
-max = [1.6, 1.2, 2.0]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [1.6, 1.2, 1.0]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-)";
+const std::string pool = tank_with_gravity({.max = "1.6, 1.2, 2.0", .water = {{"0, 0, 0", "1.6, 1.2, 1.0"}}});
 
 const std::string light_ball = R"(
 [[body]]
@@ -311,20 +299,7 @@ TEST(Bodies, FloatAsDeepAsTheyAreHeavy) {
 }
 
 // ---- contacts
-const std::string dry = R"(
-[domain]
-min = [0, 0, 0]
-max = [2, 2, 2]
-[fluid]
-spacing = 0.1
-[[particles]]
-min = [0, 0, 0]
-max = [0.2, 0.2, 0.2]
-[time]
-dt = 0.0166666666666666667
-end = 1
-[gravity]
-)";
+const std::string dry = tank_with_gravity({.max = "2, 2, 2", .water = {{"0, 0, 0", "0.2, 0.2, 0.2"}}});
 
 TEST(Contacts, ABallBouncesAsHighAsItsRestitutionSays) {
   BodyRun run(world, dry +
@@ -383,6 +358,7 @@ TEST(BodyInput, IsRefusedWithItsPlace) {
   expect_mentions(refusal(sphere), {"test.toml:", "[[body]]", "density", "missing"});
   expect_mentions(refusal(sphere + "density = 1\nmass = 2\n"), {"density", "mass is given, too"});
   expect_mentions(refusal(sphere + "density = 1\nfree = [\"up\"]\n"), {"free", "\"up\"", "choose"});
+  expect_mentions(refusal(sphere + "density = 1\nfree = []\n"), {"free", "is empty"});
   expect_mentions(refusal(sphere + "density = 1\nfree = [\"z\"]\nvelocity = [1, 0, 0]\n"), {"velocity", "add \"x\""});
   expect_mentions(refusal(sphere + "density = 1\ninside = true\n"), {"inside", "basin"});
   const auto of_solver = [](const auto& keys) {

@@ -205,8 +205,8 @@ TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
   }
 }
 
-// A box that is lowered slowly into a pool lifts the water by its volume: with 0.31 m of it in the water the level is
-// at 0.658 m, and the water has 90.5 J more. The box is only six spacings wide, and its work exceeds that by 36 %.
+// A box that is lowered slowly into a pool, and stops there, lifts the water by its volume: with 0.31 m of it in the
+// water the level is at 0.658 m, and the water has 90.5 J more. The box is only six spacings wide.
 TEST(SuppliedEnergy, OfABoxThatIsLoweredIsWhatItLifts) {
   const Scene scene = scene_with(
       tank_with_gravity(
@@ -215,7 +215,7 @@ TEST(SuppliedEnergy, OfABoxThatIsLoweredIsWhatItLifts) {
 type = "box"
 center = [0.8, 0.4, 0.9]
 size = [0.6, 0.4, 0.4]
-motion = [[0, 0.8, 0.4, 0.9], [3, 0.8, 0.4, 0.55], [9, 0.8, 0.4, 0.55]]
+motion = [[0, 0.8, 0.4, 0.9], [3, 0.8, 0.4, 0.55]]
 )",
       {});
   const auto [seen, solver] = watched(scene);
@@ -223,7 +223,8 @@ motion = [[0, 0.8, 0.4, 0.9], [3, 0.8, 0.4, 0.55], [9, 0.8, 0.4, 0.55]]
   const Real rise = seen->energy.back() - seen->energy.front(), work = seen->supplied.back();
   constexpr Real archimedes = 90.5;
   EXPECT_NEAR(rise, archimedes, 0.2 * archimedes);
-  EXPECT_NEAR(work, rise, 0.4 * rise);
+  EXPECT_NEAR(work, archimedes, 0.2 * archimedes);
+  EXPECT_NEAR(work, rise, 0.35 * archimedes);
   EXPECT_GT(work, rise - 0.03 * rise) << "water by itself gains nothing";
 }
 
