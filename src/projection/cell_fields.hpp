@@ -1,8 +1,8 @@
 // Numbers of the cells of the projection's grid, several of each cell, laid out for loops over the cells of a row: of a
 // row eight cells after another, of these first the first number of all, then the second of all. Planes, and the ring
-// of rows around each, are those of ProjectionGrid, the memory of rows that of RowStorage. What lies beyond a row's own
-// columns is 0: whoever writes a row writes all of its cells, and clears all others that there is memory for. Not
-// collective.
+// of rows around each, are those of ProjectionGrid, the memory of eights that of RowStorage, which has none where there
+// is no water: such cells are 0. Whoever writes a row writes all of its cells that there is memory for, or clears them.
+// Not collective.
 #pragma once
 
 #include <algorithm>
@@ -37,12 +37,42 @@ T cell_of(const EightCells* row, std::size_t numbers, LocalId c) {
   return std::bit_cast<T>(value);
 }
 
+/// The eights of a row of cells. There may be no memory for an eight: then it is 0, and must not be written.
+template <class Cells>
+struct EightsOfRow {
+  Cells* values;
+  const std::uint32_t* places;
+  std::uint32_t nowhere;
+  std::size_t numbers;  // of a cell
+
+  bool has(std::size_t eight) const { return places[eight] != nowhere; }
+  /// The first number of the cells of an eight.
+  Cells* operator[](std::size_t eight) const { return values + places[eight] * numbers; }
+  /// Those from an eight on.
+  EightsOfRow from(std::size_t eight) const { return {values, places + eight, nowhere, numbers}; }
+  /// The same to read.
+  operator EightsOfRow<const Cells>() const { return {values, places, nowhere, numbers}; }
+};
+using RowToRead = EightsOfRow<const EightCells>;
+using RowToWrite = EightsOfRow<EightCells>;
+
+/// Clears the first numbers of the cells [columns) of a row of which there is memory.
+inline void clear_cells(const RowToWrite& row, std::size_t numbers, Range columns) {
+  constexpr LocalId eight = EightCells::count;
+  for (LocalId c = columns.begin; c < columns.end;) {
+    const LocalId end = std::min(columns.end, (c / eight + 1) * eight);
+    const auto e = static_cast<std::size_t>(c / eight);
+    for (std::size_t q = 0; q < numbers && row.has(e); ++q) std::fill_n(row[e][q].of + c % eight, end - c, 0.0);
+    c = end;
+  }
+}
+
 class CellFields {
  public:
   /// `numbers` of each cell.
   explicit CellFields(std::size_t numbers) : numbers_(numbers) {}
 
-  /// Memory for the grid as it is now: 0 in planes at the ends, which neighbours exchange; else not yet written.
+  /// Memory for the grid as it is now: 0 in planes that neighbours exchange; else not yet written.
   void resize(const ProjectionGrid& grid) {
     storage_ = &grid.storage();
     const std::size_t size = storage_->size() * numbers_;
@@ -50,36 +80,39 @@ class CellFields {
       values_.reset();
       capacity_ = capacity_ == 0 ? size : size + size / 16;
       values_.reset(new EightCells[capacity_]);  // the threads that work on it write to it first
+      cleared_ = 0;
     }
-    const CellRows& all = storage_->shape();
-    for_each_row({all.planes, all.rows + 2, all.columns}, [&](LocalId k, LocalId r) {
-      if (storage_->is_whole(k)) std::fill_n(row(k, r - 1)->of, per_row() * EightCells::count, 0.0);
-    });
+    const std::size_t first = (storage_->exchanged() + 1) * numbers_;  // with the eight that stands for all others
+    if (cleared_ == first) return;
+    cleared_ = first;
+    for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
   }
 
-  /// The first number of the lowest cells of row (k, r); −1 and rows() are the rows of the ring.
-  EightCells* row(LocalId k, LocalId r) { return &values_[storage_->begin(k, r) * numbers_]; }
-  const EightCells* row(LocalId k, LocalId r) const { return &values_[storage_->begin(k, r) * numbers_]; }
-  /// Number q of a cell.
-  Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
-  Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return (row(k, r) + eight(c) + q)->of[lane(c)]; }
-  /// From the lowest eight cells of a row to those of cell c.
-  std::size_t eight(LocalId c) const { return static_cast<std::size_t>(c / eight_cells) * numbers_; }
+  /// Row (k, r); −1 and rows() are the rows of the ring.
+  RowToWrite row(LocalId k, LocalId r) {
+    return {values_.get(), storage_->places(k, r), storage_->nowhere(), numbers_};
+  }
+  RowToRead row(LocalId k, LocalId r) const {
+    return {values_.get(), storage_->places(k, r), storage_->nowhere(), numbers_};
+  }
+  /// Number q of a cell; one that there is memory for, to write it.
+  Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return row(k, r)[eight(c)][q].of[lane(c)]; }
+  Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return row(k, r)[eight(c)][q].of[lane(c)]; }
   /// Clears the cells of a row but for `kept`.
   void clear_around(LocalId k, LocalId r, Range kept) {
-    clear(k, r, {0, kept.begin});
-    clear(k, r, {kept.end, storage_->cells(k, r)});
+    clear_cells(row(k, r), numbers_, {0, kept.begin});
+    clear_cells(row(k, r), numbers_, {kept.end, eight_cells * static_cast<LocalId>(storage_->per_row())});
   }
   /// Clears a row.
-  void clear(LocalId k, LocalId r) { clear(k, r, {0, storage_->cells(k, r)}); }
+  void clear(LocalId k, LocalId r) { clear_around(k, r, {0, 0}); }
   /// The first numbers of a cell as those of a T.
   template <class T>
   T cell(LocalId k, LocalId r, LocalId c) const {
-    return cell_of<T>(row(k, r), numbers_, c);
+    return cell_of<T>(row(k, r)[eight(c)], 0, static_cast<LocalId>(lane(c)));
   }
   template <class T>
   void set(LocalId k, LocalId r, LocalId c, const T& value) {
-    EightCells* const to = row(k, r) + eight(c);
+    EightCells* const to = row(k, r)[eight(c)];
     const auto all = std::bit_cast<NumbersOf<T>>(value);
     for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
   }
@@ -87,32 +120,17 @@ class CellFields {
   /// Memory of one whole row.
   std::size_t per_row() const { return storage_->per_row() * numbers_; }
   /// To exchange planes.
-  std::span<EightCells> values() { return {values_.get(), storage_->size() * numbers_}; }
+  std::span<EightCells> values() { return {values_.get(), storage_->exchanged() * numbers_}; }
   std::size_t per_plane() const { return storage_->per_plane() * numbers_; }
   std::size_t numbers() const { return numbers_; }
   std::size_t bytes() const { return capacity_ * sizeof(EightCells); }
 
  private:
   static constexpr LocalId eight_cells = EightCells::count;
-  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c % eight_cells); }
-  // The cells [columns) of a row; there may be none.
-  void clear(LocalId k, LocalId r, Range columns) {
-    for (LocalId c = columns.begin; c < columns.end;) {
-      EightCells* const from = row(k, r) + eight(c);
-      if (c % eight_cells == 0 && c + eight_cells <= columns.end) {  // all numbers of as many as there are
-        const LocalId whole = (columns.end - c) / eight_cells;
-        std::fill_n(from->of, static_cast<std::size_t>(whole * eight_cells) * numbers_, 0.0);
-        c += whole * eight_cells;
-      } else {
-        const LocalId end = std::min(columns.end, (c / eight_cells + 1) * eight_cells);
-        for (std::size_t q = 0; q < numbers_; ++q)
-          for (LocalId i = c; i < end; ++i) from[q].of[lane(i)] = 0;
-        c = end;
-      }
-    }
-  }
+  static std::size_t eight(LocalId c) { return static_cast<std::size_t>(c / eight_cells); }
+  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
 
-  std::size_t numbers_, capacity_ = 0;
+  std::size_t numbers_, capacity_ = 0, cleared_ = 0;
   const RowStorage* storage_ = nullptr;
   std::unique_ptr<EightCells[]> values_;
 };

@@ -59,9 +59,10 @@ class ProjectionGrid {
   /// Columns of row r of plane k to look at: in higher ones, and in those around them, there is nothing.
   LocalId columns(LocalId k, LocalId r) const { return reach_[row_index(k, r)]; }
   void set_columns(LocalId k, LocalId r, LocalId columns) { reach_[row_index(k, r)] = std::min(columns, columns_); }
-  /// Makes room for those columns, once they are set of all rows, ghost planes included. False where there is no
-  /// change.
-  bool store_rows() { return storage_.lay_out(rows_of({0, planes_ + 2}), repeats_[1], reach_); }
+  /// Makes room for the particles of `order` in those columns, once they are set of all rows, ghost planes included.
+  void store_rows(const CellOrder& order) {
+    storage_.lay_out({rows_of({0, planes_ + 2}), {!wall_below_, !wall_above_}, repeats_}, order, reach_);
+  }
   const RowStorage& storage() const { return storage_; }
   /// Lengths of a cell, m.
   const Vec3& size() const { return size_; }

@@ -56,7 +56,7 @@ void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
   const Range cells = water.filled(k, r);
   noise_.clear_around(k, r, cells);
   filter_motion(rows_around(surface_.grid(), water.fits(), {k, r, cells}, memory), water.all_moments().row(k, r),
-                water.all_moments().numbers(), noise_.row(k, r));
+                noise_.row(k, r));
 }
 
 void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {

@@ -164,7 +164,7 @@ void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes
 // Of ghost planes not all rows are known to hold nothing above their columns.
 void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   const auto holds_any = [&](LocalId c) { return sums_.number(0, k, r, c) > 0; };
-  Range& filled = filled_[row_index(k, r)] = {0, std::min(grid_.columns(), grid_.storage().cells(k, r))};
+  Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
   while (filled.end > 0 && !holds_any(filled.end - 1)) --filled.end;
   while (filled.begin < filled.end && !holds_any(filled.begin)) ++filled.begin;
 }
@@ -192,8 +192,8 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
     const std::size_t first = grid_.index(k, row, begin);
     middles.find(a, first, count, cuts);
     const auto beside = [&](LocalId plane, LocalId of) {
-      return RowBeside{sums_.row(plane, of) + sums_.eight(begin), fit_.row(plane, of) + fit_.eight(begin),
-                       sums_.numbers()};
+      const auto lowest = static_cast<std::size_t>(begin / eight);
+      return RowBeside{sums_.row(plane, of).from(lowest), fit_.row(plane, of).from(lowest)};
     };
     displace_faces({beside(plane_below, row_below), beside(k, row), grid_.axis(a), middles.rows(), a == 2, whole},
                    count, &displacement_[a][first]);

@@ -89,10 +89,9 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
     clear_row(k, r);
     grid_.set_columns(k, r, columns);
   });
-  if (grid_.store_rows()) {
-    particles_to_grid_.store();
-    grid_to_particles_.store();
-  }
+  grid_.store_rows(order);
+  particles_to_grid_.store();
+  grid_to_particles_.store();
   if (cuts_) cuts_->measure(comm_, grid_, box_);
 }
 
@@ -156,7 +155,7 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
 }
 
 std::size_t Projection::bytes() const {
-  return rows_.bytes() + (openings_ != nullptr ? openings_->bytes() : 0) + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + surface_.bytes() +
+  return rows_.bytes() + grid_.storage().bytes() + (openings_ != nullptr ? openings_->bytes() : 0) + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + surface_.bytes() +
          pressure_.bytes() + grid_to_particles_.bytes() + shift_filter_.bytes();
 }
 

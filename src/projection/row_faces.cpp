@@ -34,7 +34,7 @@ HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t 
   const std::size_t i = faces.axis;
   sides.for_each([&](std::vector<Real>& of) { of.assign(first + count + 2 * max_lanes, 0.0); });
   for (Part part{0, count}; part.begin < part.end; ++part) {
-    const Numbers<> moments{part.of(row.moments, row.numbers)}, fit{part.of(row.fit, numbers::map)};
+    const Numbers<> moments{part.of(row.moments)}, fit{part.of(row.fit)};
     const std::size_t face = first + part.begin;
     const auto weighted = [&](std::size_t sum, std::size_t with_y) {
       return below ? moments[with_y] : hn::Sub(moments[sum], moments[with_y]);

@@ -93,18 +93,19 @@ HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {
 
 // 1 where a cell holds particles, else 0.
 HWY_INLINE V holds_any(const RowsAround& moments, const Part& part) {
-  const V n = hn::Load(Wide(), part.of(moments.first[1][1], moments.numbers));
+  const V n = hn::Load(Wide(), part.of(moments.rows[1][1]));
   return hn::IfThenElse(hn::Gt(n, set(0)), set(1), set(0));
 }
 
 void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
   const TenCells* const sums = sum_across<MomentSums>(moments);
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
+    if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
     const SpreadVectors spread = spread_of(around.from());
     const FitVectors fit = fit_of(spread, around.from(10));
-    write(fit, holds_any(moments, part), part.of(out.fit, numbers::map));
-    Real* const places = part.of(out.spread, numbers::map);
+    write(fit, holds_any(moments, part), part.of(out.fit));
+    Real* const places = part.of(out.spread);
     write(spread.per_n, places, 0);
     for (std::size_t a = 0; a < 3; ++a) write(spread.mean[a], places, 1 + a);
     for (std::size_t q = 0; q < 6; ++q) write(spread.inverse[q], places, 4 + q);
@@ -115,19 +116,21 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
 void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
   const TenCells* const sums = sum_across<MomentSums>(moments);
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
+    if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
     const SpreadVectors spread = spread_of(around.from());
-    write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit, numbers::map));
+    write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit));
     store(hn::Mul(around.from()[22], spread.per_n), part, out.mean);
   }
 }
 
-void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
+void filter_motion_of(const RowsAround& maps, const RowToRead& moments, const RowToWrite& flow) {
   const TenCells* const sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(maps); part.begin < part.end; ++part) {
+    if (!part.is_in(flow)) continue;
     const TentSums<MapSums> around(sums, part);
-    const Numbers<> map = around.from(), own{part.of(moments, of_moments)};
-    Real* const out = part.of(flow, numbers::flow);
+    const Numbers<> map = around.from(), own{part.of(moments)};
+    Real* const out = part.of(flow);
     const V weight = hn::Mul(map[0], set(maps.per_tent)), n = own[0];
     const V3 y = {own[1], own[2], own[3]};
     const Symmetric yy = {own[4], own[5], own[6], own[7], own[8], own[9]};
@@ -147,12 +150,13 @@ void filter_motion_of(const RowsAround& maps, const EightCells* moments, std::si
 void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
   const TenCells* const sums = sum_across<FlowSums>(flow);
   for (Part part = cells_of(flow); part.begin < part.end; ++part) {
+    if (!part.is_in(out.fit)) continue;
     const TentSums<FlowSums> around(sums, part);
-    const Numbers<> places{part.of(out.spread, numbers::map)};
+    const Numbers<> places{part.of(out.spread)};
     const SpreadVectors spread = {places[0],
                                   {places[1], places[2], places[3]},
                                   {places[4], places[5], places[6], places[7], places[8], places[9]}};
-    write(fit_of(spread, around.from()), load(out.factor, part), part.of(out.fit, numbers::map));
+    write(fit_of(spread, around.from()), load(out.factor, part), part.of(out.fit));
   }
 }
 
@@ -215,7 +219,6 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
   const LocalId rows = grid.rows();
   const bool repeats = grid.repeats()[2];
   RowsAround around{{},
-                    field.numbers(),
                     row.k,
                     row.r,
                     {grid.axis(0), grid.axis(1)},
@@ -229,15 +232,15 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
   for (LocalId i = 0; i < 3; ++i) {
     const LocalId r = grid.repeats()[1] ? (row.r - 1 + i + rows) % rows : row.r - 1 + i;
     for (LocalId j = 0; j < 3; ++j)
-      around.first[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = field.row(row.k - 1 + j, r);
+      around.rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = field.row(row.k - 1 + j, r);
   }
   return around;
 }
 
 void fit_motion(const RowsAround& moments, const MotionFits& out) { HWY_DYNAMIC_DISPATCH(fit_motion_of)(moments, out); }
 void fit_shifts(const RowsAround& moments, const ShiftFits& out) { HWY_DYNAMIC_DISPATCH(fit_shifts_of)(moments, out); }
-void filter_motion(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow) {
-  HWY_DYNAMIC_DISPATCH(filter_motion_of)(maps, moments, of_moments, flow);
+void filter_motion(const RowsAround& maps, const RowToRead& moments, const RowToWrite& flow) {
+  HWY_DYNAMIC_DISPATCH(filter_motion_of)(maps, moments, flow);
 }
 void fit_flow(const RowsAround& flow, const FlowFits& out) { HWY_DYNAMIC_DISPATCH(fit_flow_of)(flow, out); }
 void damp_noise(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {

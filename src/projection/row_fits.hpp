@@ -45,8 +45,7 @@ class TentMemory {
 
 /// The cells [begin, end) of row (k, r), and the rows around it.
 struct RowsAround {
-  std::array<std::array<const EightCells*, 3>, 3> first;  // of rows r − 1 to r + 1, of planes k − 1 to k + 1 each
-  std::size_t numbers;                                    // of a cell
+  std::array<std::array<RowToRead, 3>, 3> rows;  // r − 1 to r + 1, of planes k − 1 to k + 1 each
   LocalId k, r;
   std::array<std::size_t, 2> axis;  // the coordinate across planes, and across rows
   std::size_t begin, end, columns;  // of `columns` there is memory
@@ -65,27 +64,27 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
 /// Fits of the moments around cells, and their spread, where `more` is Σ |u|². A cell without particles has neither.
 /// Of the numbers::map that a cell has room for a spread takes the first.
 struct MotionFits {
-  EightCells *fit, *spread;
+  RowToWrite fit, spread;
 };
 void fit_motion(const RowsAround& moments, const MotionFits& out);
 
 /// Fits of the moments around cells, times `factor`, and the mean of `more`.
 struct ShiftFits {
-  EightCells* fit;
+  RowToWrite fit;
   const Real* factor;
   Real* mean;
 };
 void fit_shifts(const RowsAround& moments, const ShiftFits& out);
 
 /// The flow that the filter F leaves of the particles of a cell: Σ of w_c (fit_c u − u) over the cells around, per
-/// weight of a whole tent. `of_moments`: numbers of a cell in the row of moments.
-void filter_motion(const RowsAround& maps, const EightCells* moments, std::size_t of_moments, EightCells* flow);
+/// weight of a whole tent.
+void filter_motion(const RowsAround& maps, const RowToRead& moments, const RowToWrite& flow);
 
 /// Fits of a flow at places that are known, times `factor`; `fit` may be in the place of `spread`.
 struct FlowFits {
-  const EightCells* spread;
+  RowToRead spread;
   const Real* factor;
-  EightCells* fit;
+  RowToWrite fit;
 };
 void fit_flow(const RowsAround& flow, const FlowFits& out);
 
@@ -99,8 +98,7 @@ void average_maps(const RowsAround& maps, const Real* factor, EightCells* mean);
 
 /// A row of cells at one side of faces across the coordinate `axis`.
 struct RowBeside {
-  const EightCells *moments, *fit;
-  std::size_t numbers;  // of a cell, among them its moments
+  RowToRead moments, fit;
 };
 /// Two rows with faces between them, and the middles of the faces' open parts, in cells from the corner of the cell
 /// above, by coordinate. Along a row, where both are the same one, the face below a cell has its number; the whole row

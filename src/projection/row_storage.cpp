@@ -1,38 +1,71 @@
 #include "projection/row_storage.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace trevi {
 
-// As many as the rows around reach, and one more: a tent over the last cell ends in the next one.
-LocalId RowStorage::eights_of(LocalId k, LocalId r, bool rows_repeat, std::span<const LocalId> reach) const {
-  const LocalId rows = shape_.rows, beyond = rows_repeat ? 1 : 0;
-  LocalId most = 0;
-  for (LocalId i = k - 1; i <= k + 1; ++i) {
-    for (LocalId j = std::max(r - 1, -beyond); j <= std::min(r + 1, rows - 1 + beyond); ++j)
-      most = std::max(most, reach[static_cast<std::size_t>(i * rows + (j + rows) % rows)]);
-  }
-  return (std::min(most + 1, shape_.columns) + 7) / 8;
+void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns) {
+  shape_ = shape;
+  const CellRows& cells = shape_.cells;
+  whole_ = static_cast<std::size_t>(cells.columns + 7) / 8;
+  const std::size_t rows = row_index(cells.planes.end, -1);
+  places_.resize(rows * whole_);
+  held_.resize(rows * whole_);
+  begin_.assign(rows, 0);
+  place_whole_planes();
+  for_each_row(cells, [&](LocalId k, LocalId r) {
+    find_held(order, k, r, columns[static_cast<std::size_t>(k * cells.rows + r)]);
+  });
+  for_each_row(cells, [&](LocalId k, LocalId r) {
+    for (std::size_t e = 0; e < whole_; ++e) begin_[row_index(k, r)] += is_needed(k, r, e) ? 1U : 0U;
+  });
+  std::uint32_t next = nowhere_ + 1;
+  for (std::uint32_t& begin : begin_) next += std::exchange(begin, next);
+  size_ = next;
+  for_each_row(cells, [&](LocalId k, LocalId r) { place_row(k, r); });
 }
 
-bool RowStorage::lay_out(const CellRows& cells, bool rows_repeat, std::span<const LocalId> reach) {
-  const bool same =
-      cells.planes.end == shape_.planes.end && cells.rows == shape_.rows && cells.columns == shape_.columns;
-  shape_ = cells;
-  whole_ = (cells.columns + 7) / 8;
-  next_.assign(index(cells.planes.end, -1), whole_);
-  for_each_row({{2, std::max(2, cells.planes.end - 2)}, cells.rows, cells.columns},
-               [&](LocalId k, LocalId r) { next_[index(k, r)] = eights_of(k, r, rows_repeat, reach); });
-  for (LocalId k = 2; k < cells.planes.end - 2; ++k) next_[index(k, -1)] = next_[index(k, cells.rows)] = 0;
-  if (same && next_ == eights_) return false;
-  eights_.swap(next_);
-  begin_.resize(eights_.size());
-  size_ = 0;
-  for (std::size_t row = 0; row < eights_.size(); ++row) {
-    begin_[row] = eights_[row] > 0 ? size_ : 0;
-    size_ += static_cast<std::size_t>(eights_[row]);
+void RowStorage::place_whole_planes() {
+  const CellRows& cells = shape_.cells;
+  nowhere_ = 0;
+  for (LocalId k = 0; k < cells.planes.end; ++k) {
+    if (!is_whole(k)) continue;
+    const std::size_t first = row_index(k, -1) * whole_;
+    for (std::size_t i = 0; i < per_plane(); ++i) places_[first + i] = nowhere_++;
   }
-  return true;
+  for (LocalId k = 0; k < cells.planes.end; ++k) {
+    if (is_whole(k)) continue;
+    std::fill_n(&places_[row_index(k, -1) * whole_], whole_, nowhere_);
+    std::fill_n(&places_[row_index(k, cells.rows) * whole_], whole_, nowhere_);
+  }
+}
+
+void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns) {
+  char* const held = &held_[row_index(k, r) * whole_];
+  std::fill_n(held, whole_, 0);
+  const LocalId all = shape_.cells.columns, first = r * order.grid().columns();
+  for (LocalId c = 0; c < columns; ++c) {
+    if (order.start(k, first + c) == order.start(k, first + c + 1)) continue;
+    const bool repeats = shape_.repeats[2];
+    for (const LocalId beside : {c - 1, c, c + 1})
+      held[(repeats ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / 8] = 1;
+  }
+}
+
+bool RowStorage::is_needed(LocalId k, LocalId r, std::size_t eight) const {
+  if (is_whole(k)) return false;
+  const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] ? 1 : 0;
+  for (LocalId row = std::max(r - 1, -beyond); row <= std::min(r + 1, rows - 1 + beyond); ++row)
+    if (held_[row_index(k, (row + rows) % rows) * whole_ + eight] != 0) return true;
+  return false;
+}
+
+void RowStorage::place_row(LocalId k, LocalId r) {
+  if (is_whole(k)) return;
+  std::uint32_t next = begin_[row_index(k, r)];
+  std::uint32_t* const places = &places_[row_index(k, r) * whole_];
+  for (std::size_t e = 0; e < whole_; ++e) places[e] = is_needed(k, r, e) ? next++ : nowhere_;
 }
 
 }  // namespace trevi

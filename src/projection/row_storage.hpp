@@ -1,48 +1,64 @@
-// Where CellFields keep the cells of rows, counted in eights of cells. The two planes at either end, which neighbours
-// exchange, have whole rows and a ring of rows around them, so that ranks agree on them without a word. A row of any
-// other plane has as many cells as loops over it and over the rows around it look at: under air it has few. The rows of
-// the ring of those planes are that of the first plane, in which there is never anything. Not collective.
+// Where CellFields keep the cells of rows, counted in eights of cells: there is memory for eights that hold a cell with
+// particles, or one beside such a cell in its plane, and all others are one and the same eight, which is 0 and never
+// written. Only planes at ends beyond which other ranks go on, the last own one and the ghost plane, which neighbours
+// exchange, have memory for all of their cells and for a ring of rows around them, one plane after another, so that
+// ranks agree on them without a word. Not collective.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "multigrid/cell_rows.hpp"
+#include "particles/cell_order.hpp"
 
 namespace trevi {
 
 class RowStorage {
  public:
-  /// `cells`: all planes, ghost planes included. `reach`: cells of each row of each plane that loops look at. False
-  /// where all stays as it is.
-  bool lay_out(const CellRows& cells, bool rows_repeat, std::span<const LocalId> reach);
+  /// Planes of the grid, ghost planes included; at which ends planes are exchanged; where the grid repeats.
+  struct Shape {
+    CellRows cells;
+    std::array<bool, 2> exchanged;
+    Repeats repeats;
+  };
+  /// `columns` of each row of each plane that are looked at: particles above them do not count.
+  void lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns);
 
-  /// The first eight of row (k, r); −1 and rows() are the rows of the ring.
-  std::size_t begin(LocalId k, LocalId r) const { return begin_[index(k, r)]; }
-  /// Cells of a row that there is memory for.
-  LocalId cells(LocalId k, LocalId r) const { return 8 * eights_[index(k, r)]; }
-  /// Eights of a whole row, of a whole plane, and of all.
-  std::size_t per_row() const { return static_cast<std::size_t>(whole_); }
-  std::size_t per_plane() const { return static_cast<std::size_t>(shape_.rows + 2) * per_row(); }
+  /// Of row (k, r) the places of its eights in the memory; −1 and rows() are the rows of the ring.
+  const std::uint32_t* places(LocalId k, LocalId r) const { return &places_[row_index(k, r) * whole_]; }
+  /// The place of the eight that stands for all that there is no memory for.
+  std::uint32_t nowhere() const { return nowhere_; }
+  /// Eights of a whole row, of a whole plane, of all whole planes, which come first, and of all.
+  std::size_t per_row() const { return whole_; }
+  std::size_t per_plane() const { return (static_cast<std::size_t>(shape_.cells.rows) + 2) * whole_; }
+  std::size_t exchanged() const { return nowhere_; }
   std::size_t size() const { return size_; }
-  bool is_whole(LocalId k) const { return k <= 1 || k + 2 >= shape_.planes.end; }
-  const CellRows& shape() const { return shape_; }
+  bool is_whole(LocalId k) const {
+    return (shape_.exchanged[0] && k <= 1) || (shape_.exchanged[1] && k + 2 >= shape_.cells.planes.end);
+  }
+  const Shape& shape() const { return shape_; }
   std::size_t bytes() const {
-    return begin_.capacity() * sizeof(std::size_t) + (eights_.capacity() + next_.capacity()) * sizeof(LocalId);
+    return places_.capacity() * sizeof(std::uint32_t) + held_.capacity() + begin_.capacity() * sizeof(begin_[0]);
   }
 
  private:
-  std::size_t index(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.rows + 2) + static_cast<std::size_t>(r + 1);
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.cells.rows + 2) +
+           static_cast<std::size_t>(r + 1);
   }
-  LocalId eights_of(LocalId k, LocalId r, bool rows_repeat, std::span<const LocalId> reach) const;
+  void find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns);
+  bool is_needed(LocalId k, LocalId r, std::size_t eight) const;
+  void place_whole_planes();
+  void place_row(LocalId k, LocalId r);
 
-  CellRows shape_{{0, 0}, 0, 0};
-  LocalId whole_ = 0;
-  std::size_t size_ = 0;
-  std::vector<std::size_t> begin_;
-  std::vector<LocalId> eights_, next_;  // of each row, as it is and as it shall be
+  Shape shape_{};
+  std::size_t whole_ = 0, size_ = 0;
+  std::uint32_t nowhere_ = 0;
+  std::vector<std::uint32_t> places_;
+  std::vector<char> held_;            // of each eight, whether particles in or beside it are in its row
+  std::vector<std::uint32_t> begin_;  // of each row, the first place
 };
 
 }  // namespace trevi

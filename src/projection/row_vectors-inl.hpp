@@ -32,6 +32,9 @@ struct Part {
   HWY_INLINE Real* of(EightCells* row, std::size_t numbers) const {
     return row[begin / max_lanes * numbers].of + begin % max_lanes;
   }
+  HWY_INLINE const Real* of(const RowToRead& row) const { return row[begin / max_lanes]->of + begin % max_lanes; }
+  HWY_INLINE Real* of(const RowToWrite& row) const { return row[begin / max_lanes]->of + begin % max_lanes; }
+  HWY_INLINE bool is_in(const RowToWrite& row) const { return row.has(begin / max_lanes); }
 };
 HWY_INLINE V load(const Real* row, const Part& part) { return hn::LoadU(Wide(), row + part.begin); }
 /// Nothing beyond the end is written: it may be another thread's.
@@ -133,7 +136,7 @@ HWY_INLINE Part cells_around(const RowsAround& rows) {
 template <class Sums>
 HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, Part part, EightCells* out) {
   for (; part.begin < part.end; ++part) {
-    const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(rows.first[i][j], rows.numbers)}; };
+    const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(rows.rows[i][j])}; };
     add_beside<Sums>(rows.axis[0],
                      Beside<max_lanes, max_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
   }

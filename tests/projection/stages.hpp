@@ -87,7 +87,7 @@ struct Stages {
     if (cuts) cuts->measure(world, grid, water.box);
     transfer.resize();
     surface->resize();
-    grid.store_rows();
+    grid.store_rows(water.near.order());
     transfer.store();
     back->store();
   }
