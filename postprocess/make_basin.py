@@ -92,12 +92,17 @@ def mesh_of(rings, closed):
     return points, triangles[distinct]
 
 
-def write_ply(path, points, triangles):
-    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
-            f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+def write_ply(path, points, triangles, colours=None):
+    """`colours`: of the points, uint8 (n, 3), for pictures."""
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    if colours is not None:
+        head += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue"))
+    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
     with open(path, "wb") as file:
         file.write(head.encode())
-        file.write(points.tobytes())
+        rows = points.astype("<f4").view(np.uint8).reshape(len(points), 12)
+        file.write((rows if colours is None else np.hstack([rows, colours])).tobytes())
         for triangle in triangles:
             file.write(struct.pack("<B3i", 3, *triangle))
     print(path)

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2 as opengl
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkFiltersSources import vtkCubeSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper
@@ -46,9 +47,10 @@ def balls(radius):
 def marble():
     """An actor for obstacles. Only what looks at the camera, so that one sees the water in a vessel."""
     actor, mapper = vtkActor(), vtkPolyDataMapper()
-    mapper.ScalarVisibilityOff()
+    mapper.SetScalarModeToUseCellFieldData()
+    mapper.SetColorModeToDirectScalars()
+    mapper.SelectColorArray("rgb")
     actor.SetMapper(mapper)
-    actor.GetProperty().SetColor(MARBLE)
     actor.GetProperty().SetAmbient(0.15)
     actor.GetProperty().SetDiffuse(0.75)
     actor.GetProperty().SetSpecular(0.15)
@@ -64,6 +66,8 @@ def show(actors, run, number):
     surface = run.solids(number)
     if surface is None:
         return
+    colours = vtk_to_numpy(surface.GetCellData().GetArray("rgb"))  # written to: marble is what has none
+    colours[~colours.any(axis=1)] = np.round(255 * np.array(MARBLE))
     rounded = vtkPolyDataNormals()
     rounded.SetInputData(surface)
     rounded.SetFeatureAngle(EDGE)

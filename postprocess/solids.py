@@ -1,8 +1,11 @@
-"""Obstacles in the picture of surface.py: lit stone, seen directly and through the water. No program of its own.
+"""Obstacles and bodies in the picture of surface.py: lit stone, or in colours of their own, seen directly and through
+the water. No program of its own.
 
 The stone is drawn once, as seen from the camera. A ray that the water bends is followed in that picture: it meets the
 stone where it goes behind what the picture shows there, so what no straight ray sees is not seen through water either.
 """
+
+from collections import namedtuple
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -28,15 +31,21 @@ def points_on(surface, box, apart=0.02):
     return point[((point >= box[0]) & (point <= box[1])).all(axis=1)]
 
 
-class Solids:
-    """`normal` and `distance` (along the viewing axis, infinite where there is none) of each pixel, rows of the picture
-    one after the other; `project` takes points to (column, row, distance); `light` as of light.py."""
+# Of each pixel, rows of the picture one after the other: normal, distance along the viewing axis (infinite where there
+# is nothing solid), own colour (linear, black without one).
+Seen = namedtuple("Seen", "normal distance colour")
 
-    def __init__(self, normal, distance, size, project, light):
-        self.distance, self.size, self.project = distance, size, project
+
+class Solids:
+    """`seen`: as the camera sees them; `project` takes points to (column, row, distance); `light` as of light.py."""
+
+    def __init__(self, seen, size, project, light):
+        self.distance, self.size, self.project = seen.distance, size, project
+        normal = seen.normal
         lamp = (light.lamp / np.linalg.norm(light.lamp)).astype(np.float32)
         bright = 0.75 * light.lamplight * np.clip(dot(normal, lamp), 0, 1) + 0.12 * np.clip(normal[:, 2:], 0, 1)
-        self.colour = light.stone * (0.06 + light.ambient + bright)
+        own = np.where(seen.colour.any(axis=1, keepdims=True), seen.colour, light.stone)
+        self.colour = own * (0.06 + light.ambient + bright)
 
     def seen_through(self, point, direction, length):
         """What rays within the water meet: whether they do, colour, and how far they have come (m)."""

@@ -12,13 +12,12 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray,
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkIOImage import vtkPNGWriter
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
 import trevi_run
+from solid_colours import coloured_solids
 
 BLUE = (40, 120, 220)
 QUALITY = 82  # of WebP, of 100
@@ -64,19 +63,14 @@ class Run:
             raise BadInput(str(error)) from error
 
     def solids(self, number):
-        """The surfaces of all obstacles, one vtkPolyData that looks towards the water; None without obstacles."""
-        files = [file for file in (self._frames[number].solids, self._run.directory / "obstacles.vtp",
-                                   self._run.directory / "vtu/obstacles.vtp") if file and file.exists()]
-        if not files:
+        """The surfaces of obstacles and bodies, one vtkPolyData that looks towards the water, with an array `rgb` of
+        the triangles that have a colour (solid_colours.py); None without any."""
+        if not self._frames[number].solids:
             return None
-        together, move, place = vtkAppendPolyData(), vtkTransformPolyDataFilter(), vtkTransform()
-        for file in dict.fromkeys(files):
-            reader = vtkXMLPolyDataReader()
-            reader.SetFileName(str(file))
-            together.AddInputConnection(reader.GetOutputPort())
+        move, place = vtkTransformPolyDataFilter(), vtkTransform()
         place.Translate(0, 0, -self._floor)
         move.SetTransform(place)
-        move.SetInputConnection(together.GetOutputPort())
+        move.SetInputData(coloured_solids(self._frames[number].solids_to_vtk(), self._run))
         move.Update()
         return move.GetOutput()
 

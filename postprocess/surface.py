@@ -28,7 +28,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from anisotropic import LEVELS, share_of_water, white
 from light import LIGHTS, Surroundings, normalised
-from solids import Solids, lit, points_on
+from solids import Seen, Solids, lit, points_on
 from stage import BadInput, Run, add_options, camera_for, checked_output, cloud_of, pixels, save, window_for
 from water import developed, water
 
@@ -224,6 +224,18 @@ def clip(camera, low, high):
     camera.SetClippingRange(max(away.min(), 0.01 * away.max()), away.max())
 
 
+def own_colours(actor, window):
+    """Of each pixel that of what the actor's picture shows there, linear; black where it has none."""
+    mapper = actor.GetMapper()
+    mapper.ScalarVisibilityOn()
+    mapper.SetScalarModeToUseCellFieldData()
+    mapper.SetColorModeToDirectScalars()
+    mapper.SelectColorArray("rgb")
+    actor.GetProperty().LightingOff()
+    window.Render()
+    return (pixels(window).reshape(-1, 3).astype(np.float32) / 255) ** 2.2
+
+
 def solids_of(surface, camera, size, light):
     """Only what looks at the camera, so that one sees the water in a vessel. None without obstacles."""
     if surface is None:
@@ -234,13 +246,14 @@ def solids_of(surface, camera, size, light):
     normals.Update()
     actor = actor_of(normals.GetOutput())
     actor.GetProperty().BackfaceCullingOn()
-    normal, front, _ = normals_and_depth(actor, camera, size)
+    normal, front, window = normals_and_depth(actor, camera, size)
     eye, plane, axes = rays(camera, size)
     front = front.reshape(-1)
+    colour = own_colours(actor, window)
     distance = np.where(front < 1, distance_of(front, camera), np.inf).astype(np.float32)
     above = eye[2] + plane[:, 2] * np.where(front < 1, distance, 0) >= 0  # what is below the ground is not seen
     distance[~above] = np.inf
-    return Solids(normalised(normal.reshape(-1, 3) @ axes), distance, size, projection(camera, size), light)
+    return Solids(Seen(normalised(normal.reshape(-1, 3) @ axes), distance, colour), size, projection(camera, size), light)
 
 
 def picture(mesh, solids, camera, size, around, options):

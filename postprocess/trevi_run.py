@@ -5,15 +5,17 @@ checkpoints.
   from trevi_run import Run
 
   run = Run("out/fountain")
-  run.series["time"], run.series["kinetic_energy"]   # columns of series.csv; obstacles and gauges likewise
+  run.series["time"], run.series["kinetic_energy"]   # columns of series.csv; obstacles, bodies and gauges likewise
   len(run.frames), run.frames.times                  # frames of [output.vtu], else of [output.vtkhdf]
   run.frames[3].position, run.frames[-1].velocity    # of a frame by its number; sorted by id where that was written
   run.frames.at(1.5).density                         # of the frame nearest a time, s
   run.frame_sets["0"][3].position                    # of [[output.frames]], by name; of cells .fraction[i, j, k]
   run.checkpoints[-1].position                       # checkpoints have the same interface
+  run.frames[3].to_vtk(), run.frames[3].solids_to_vtk()   # for VTK, and by pyvista.wrap() for PyVista
   run.scene["fluid"]["spacing"], run.report          # the scene with its --set, and run.json
 
-Files are read when they are asked for. Whatever cannot be read is a RunError that names the file.
+Files are read when they are asked for. Whatever cannot be read is a RunError that names the file. Only to_vtk() and
+solids_to_vtk() need VTK's Python modules.
 """
 
 import bisect
@@ -50,13 +52,14 @@ class Table(dict):
 
 class Frame:
     """The particles at a time. `fields` are the names that it has; each is an attribute, too: position, velocity (m/s),
-    density (kg/m³), id, rgb, rank, hue. `solids` is the file with the surfaces of obstacles, or None.
+    density (kg/m³), id, rgb, rank, hue. `solids` are the files with the surfaces of obstacles and bodies: those that
+    stay, then those that move.
 
     A frame of cells has fraction, velocity and density, as they were asked for, of shape (x, y, z) or (x, y, z, 3), at
     the points origin + spacing * (i, j, k), m."""
 
-    def __init__(self, path, time, read, solids=None):
-        self.path, self.time, self.solids, self._read = path, time, solids, read
+    def __init__(self, path, time, read, solids=()):
+        self.path, self.time, self.solids, self._read = path, time, tuple(solids), read
 
     def __repr__(self):
         return f"Frame({str(self.path)!r}, time={self.time:.6g})"
@@ -89,6 +92,35 @@ class Frame:
         if "position" in self._arrays:
             return len(self.position)
         return int(np.prod(next(iter(self._arrays.values())).shape[:3]))
+
+    def to_vtk(self):
+        """A vtkPolyData with a vertex for each particle, or a vtkImageData of cells, with the fields as arrays."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk  # pylint: disable=import-outside-toplevel
+        arrays = dict(self._arrays)
+        if "position" in arrays:
+            data = _vertices(arrays.pop("position"))
+        else:
+            data, shape = _grid(arrays.pop("origin"), arrays.pop("spacing"), next(iter(arrays.values())).shape[:3])
+            arrays = {name: np.swapaxes(values, 0, 2).reshape(np.prod(shape), *values.shape[3:])
+                      for name, values in arrays.items()}
+        for name, values in arrays.items():
+            array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+            array.SetName(name)
+            data.GetPointData().AddArray(array)
+        return data
+
+    def solids_to_vtk(self):
+        """The surfaces of obstacles and bodies as one vtkPolyData, whose cells have their numbers, `obstacle`."""
+        from vtkmodules.vtkFiltersCore import vtkAppendPolyData  # pylint: disable=import-outside-toplevel
+        from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # pylint: disable=import-outside-toplevel
+        together = vtkAppendPolyData()
+        for path in self.solids:
+            reader = vtkXMLPolyDataReader()
+            reader.SetFileName(str(path))
+            together.AddInputConnection(reader.GetOutputPort())
+        if self.solids:
+            together.Update()
+        return together.GetOutput()
 
 
 class Frames:
@@ -146,6 +178,10 @@ class Run:
         return Table(self.directory / "obstacles.csv")
 
     @cached_property
+    def bodies(self):
+        return Table(self.directory / "bodies.csv")
+
+    @cached_property
     def gauges(self):
         return Table(self.directory / "gauges.csv")
 
@@ -188,7 +224,8 @@ def _vtu_frames(directory):
             entries.setdefault(float(entry.get("timestep")), {})[entry.get("part")] = entry.get("file")
     except (xml.ParseError, TypeError, ValueError) as error:
         raise RunError(f"{index}: {error}") from error
-    return Frames([Frame(directory / files["0"], time, _read_pvtu, directory / files["1"] if "1" in files else None)
+    return Frames([Frame(directory / files["0"], time, _read_pvtu,
+                         [directory / files[part] for part in sorted(files) if part != "0"])
                    for time, files in entries.items()])
 
 
@@ -196,10 +233,11 @@ def _hdf_frames(directory, name, read):
     index = directory / name
     if not index.exists():
         return Frames([])
-    solids = directory / "obstacles.vtp.series"
-    solids = {entry["time"]: entry["name"] for entry in _json(solids)["files"]} if solids.exists() else {}
+    moving, stays = directory / "obstacles.vtp.series", directory / "obstacles.vtp"
+    moving = {entry["time"]: entry["name"] for entry in _json(moving)["files"]} if moving.exists() else {}
     return Frames([Frame(directory / entry["name"], entry["time"], read,
-                         directory / solids[entry["time"]] if entry["time"] in solids else None)
+                         ([stays] if stays.exists() else [])
+                         + ([directory / moving[entry["time"]]] if entry["time"] in moving else []))
                    for entry in _json(index)["files"]])
 
 
@@ -220,6 +258,29 @@ def scene_of(text):
         else:
             place[key] = value
     return scene
+
+
+def _vertices(position):
+    """A vtkPolyData of points and nothing else."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray  # pylint: disable=import-outside-toplevel
+    from vtkmodules.vtkCommonCore import vtkPoints  # pylint: disable=import-outside-toplevel
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData  # pylint: disable=import-outside-toplevel
+    data, points, vertices = vtkPolyData(), vtkPoints(), vtkCellArray()
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(position), deep=True))
+    numbers = np.arange(len(position) + 1, dtype=np.int64)
+    vertices.SetData(numpy_to_vtkIdTypeArray(numbers, deep=True), numpy_to_vtkIdTypeArray(numbers[:-1], deep=True))
+    data.SetPoints(points)
+    data.SetVerts(vertices)
+    return data
+
+
+def _grid(origin, spacing, shape):
+    from vtkmodules.vtkCommonDataModel import vtkImageData  # pylint: disable=import-outside-toplevel
+    data = vtkImageData()
+    data.SetOrigin(*map(float, origin))
+    data.SetSpacing(*map(float, spacing))
+    data.SetDimensions(*map(int, shape))
+    return data, shape
 
 
 def _json(path):

@@ -11,6 +11,8 @@
 
 // Lists that are changed in place, and not copied on every access.
 PYBIND11_MAKE_OPAQUE(std::vector<trevi::ObstacleSettings>)
+PYBIND11_MAKE_OPAQUE(std::vector<trevi::BodySettings>)
+PYBIND11_MAKE_OPAQUE(std::vector<trevi::DampingSettings>)
 PYBIND11_MAKE_OPAQUE(std::vector<trevi::GaugeSettings>)
 PYBIND11_MAKE_OPAQUE(std::vector<trevi::FountainSettings>)
 PYBIND11_MAKE_OPAQUE(std::vector<trevi::InletSettings>)
@@ -21,6 +23,7 @@ namespace trevi::python {
 namespace py = pybind11;
 
 void bind_settings(py::module_& module);
+void bind_solids(py::module_& module);
 void bind_flow(py::module_& module);
 void bind_output(py::module_& module);
 void bind_solver(py::module_& module);

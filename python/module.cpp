@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "base/simd.hpp"
 #include "bindings.hpp"
 #include "solver.hpp"
 #include "trevi/error.hpp"
@@ -25,6 +26,7 @@ void begin() {
   static char* arguments[] = {name.data(), nullptr};
   static int count = 1;
   static char** values = arguments;
+  const Denormals denormals;
   process.mpi = std::make_unique<Mpi>(count, values);
   process.session = std::make_unique<Session>(MPI_COMM_WORLD);
   const int fair = process.session->fair_threads();
@@ -32,6 +34,7 @@ void begin() {
 }
 
 void end() {
+  const Denormals denormals;
   close_all_solvers();
   process.session.reset();
   process.mpi.reset();

@@ -69,7 +69,8 @@ void bind_output(py::module_& m) {
       .def_readwrite("vtkhdf", &OutputSettings::vtkhdf, "FrameSettings, or None; set as a whole")
       .def_readwrite("frames", &OutputSettings::frames, "list of FrameSetSettings; set as a whole")
       .def_readwrite("checkpoint", &OutputSettings::checkpoint, "CheckpointSettings, or None; set as a whole")
-      .def_readwrite("series", &OutputSettings::series, "Schedule of the rows, or None; set as a whole");
+      .def_readwrite("series", &OutputSettings::series, "Schedule of the rows, or None; set as a whole")
+      .def_readwrite("gauges", &OutputSettings::gauges, "Schedule of gauges.csv, or None: as the series");
   closed(output);
 }
 

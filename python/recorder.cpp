@@ -11,7 +11,8 @@ class Recorder : public Observer {
  public:
   Recorder(MPI_Comm comm, const Settings& settings, const Schedule& schedule, std::shared_ptr<Record> record)
       : schedule_(schedule), readings_(comm, settings), record_(std::move(record)) {
-    wants_forces_ = !settings.obstacles.empty();
+    obstacles_ = settings.obstacles.size();
+    wants_forces_ = has_solids(settings);
     has_gauges_ = !settings.gauges.empty();
   }
   bool due(const Clock& clock) const override { return schedule_.due(clock); }
@@ -21,7 +22,8 @@ class Recorder : public Observer {
 
   void observe(const Frame& frame) override {
     note_series(frame);
-    if (wants_forces_) note_forces(frame);
+    if (obstacles_ > 0) note_forces(frame);
+    if (!frame.bodies.empty()) note_bodies(frame);
     if (has_gauges_) note_gauges(frame);
   }
 
@@ -32,6 +34,11 @@ class Recorder : public Observer {
   }
   static void note(const std::string& name, const Vec3& value, Table& table) {
     for (Eigen::Index a = 0; a < 3; ++a) table[fmt::format(fmt::runtime(name), "xyz"[a])].push_back(value[a]);
+  }
+
+  static void note_force(const BodyForce& force, std::size_t number, Table& table) {
+    note(fmt::format("force_{{}}_{}", number), force.force, table);
+    note(fmt::format("torque_{{}}_{}", number), force.torque, table);
   }
 
   void note_series(const Frame& frame) {
@@ -74,11 +81,22 @@ class Recorder : public Observer {
   void note_forces(const Frame& frame) {
     Table& table = record_->obstacles;
     note_time(frame, table);
-    for (std::size_t k = 0; k + 1 < frame.forces.size(); ++k) {
-      note(fmt::format("force_{{}}_{}", k), frame.forces[k].force, table);
-      note(fmt::format("torque_{{}}_{}", k), frame.forces[k].torque, table);
-    }
+    for (std::size_t k = 0; k < obstacles_; ++k) note_force(frame.forces[k], k, table);
     note("box_force_{}", frame.forces.back().force, table);
+  }
+
+  void note_bodies(const Frame& frame) {
+    Table& table = record_->bodies;
+    note_time(frame, table);
+    for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
+      const BodyState& body = frame.bodies[k];
+      note(fmt::format("{{}}_{}", k), body.position, table);
+      for (std::size_t part = 0; part < 4; ++part)
+        table[fmt::format("q{}_{}", "wxyz"[part], k)].push_back(body.orientation[part]);
+      note(fmt::format("v{{}}_{}", k), body.velocity, table);
+      note(fmt::format("w{{}}_{}", k), body.angular_velocity, table);
+      note_force(frame.forces[obstacles_ + k], k, table);
+    }
   }
 
   void note_gauges(const Frame& frame) {
@@ -91,6 +109,7 @@ class Recorder : public Observer {
   Schedule schedule_;
   GaugeReadings readings_;
   std::shared_ptr<Record> record_;
+  std::size_t obstacles_ = 0;
   bool wants_forces_ = false, has_gauges_ = false;
 };
 

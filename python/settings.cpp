@@ -1,4 +1,5 @@
 // Settings and scenes. Names, units and defaults are those of the scene file (inputs/README.md).
+#include "base/simd.hpp"
 #include "binding_helpers.hpp"
 
 namespace trevi::python {
@@ -18,15 +19,9 @@ void bind_enums(py::module_& m) {
   py::enum_<VorticityForm>(m, "VorticityForm")
       .value("report", VorticityForm::report)
       .value("projected", VorticityForm::projected);
+  py::enum_<Reflection>(m, "Reflection").value("normal", Reflection::normal).value("report", Reflection::report);
+  py::enum_<SlabCuts>(m, "SlabCuts").value("balanced", SlabCuts::balanced).value("equal", SlabCuts::equal);
   py::enum_<WallDensity>(m, "WallDensity").value("none", WallDensity::none).value("analytic", WallDensity::analytic);
-  py::enum_<ShapeKind>(m, "Shape")
-      .value("sphere", ShapeKind::sphere)
-      .value("box", ShapeKind::box)
-      .value("cylinder", ShapeKind::cylinder)
-      .value("capsule", ShapeKind::capsule)
-      .value("torus", ShapeKind::torus)
-      .value("mesh", ShapeKind::mesh)
-      .value("basin", ShapeKind::basin);
   py::enum_<GaugeKind>(m, "GaugeKind")
       .value("height", GaugeKind::height)
       .value("pressure", GaugeKind::pressure)
@@ -71,6 +66,7 @@ void bind_water(py::module_& m) {
   py::class_<WallSettings> walls(m, "WallSettings", "[walls]");
   walls.def_readwrite("restitution", &WallSettings::restitution, "fraction of speed kept in a bounce")
       .def_readwrite("density", &WallSettings::density)
+      .def_readwrite("reflection", &WallSettings::reflection)
       .def_readwrite("floor_friction", &WallSettings::floor_friction, "skin friction coefficient of the floor");
   closed(walls);
 
@@ -82,51 +78,7 @@ void bind_water(py::module_& m) {
   closed(tensile);
 }
 
-void bind_things(py::module_& m) {
-  py::class_<TriangleMesh, std::shared_ptr<TriangleMesh>>(m, "TriangleMesh", "A closed surface; triangles outwards.")
-      .def(py::init([](std::vector<Vec3> points, std::vector<std::array<std::int32_t, 3>> triangles) {
-             return std::make_shared<TriangleMesh>(TriangleMesh{std::move(points), std::move(triangles)});
-           }),
-           py::arg("points"), py::arg("triangles"));
-
-  py::class_<ObstacleSettings> obstacle(m, "ObstacleSettings", "[[obstacle]]: a solid in the water, or a vessel");
-  obstacle.def(py::init<>())
-      .def_readwrite("shape", &ObstacleSettings::shape)
-      .def_property("center", in_place(&ObstacleSettings::center), assigned(&ObstacleSettings::center), "m")
-      .def_property("size", in_place(&ObstacleSettings::size), assigned(&ObstacleSettings::size),
-                    "box: its edges; basin: those of the space in it; m")
-      .def_readwrite("radius", &ObstacleSettings::radius, "m")
-      .def_readwrite("tube", &ObstacleSettings::tube, "torus: radius of the tube, m")
-      .def_readwrite("height", &ObstacleSettings::height, "cylinder, capsule, round basin; m")
-      .def_readwrite("wall", &ObstacleSettings::wall, "basin: thickness, m")
-      .def_property("axis", in_place(&ObstacleSettings::axis), assigned(&ObstacleSettings::axis),
-                    "cylinder, capsule, torus")
-      .def_property("rotate", in_place(&ObstacleSettings::rotate), assigned(&ObstacleSettings::rotate),
-                    "degrees about x, then y, then z")
-      .def_readwrite("inside", &ObstacleSettings::inside, "a vessel: solid is what is outside")
-      .def_property(
-          "mesh", [](const ObstacleSettings& one) { return std::const_pointer_cast<TriangleMesh>(one.mesh); },
-          [](ObstacleSettings& one, std::shared_ptr<TriangleMesh> mesh) { one.mesh = std::move(mesh); })
-      .def_property("velocity", in_place(&ObstacleSettings::velocity), assigned(&ObstacleSettings::velocity), "m/s")
-      .def_property("angular_velocity", in_place(&ObstacleSettings::angular_velocity),
-                    assigned(&ObstacleSettings::angular_velocity), "rad/s, about the centre")
-      .def_property(
-          "motion",
-          [](const ObstacleSettings& one) {
-            std::vector<std::pair<Real, Vec3>> knots;
-            for (const ObstacleKnot& knot : one.knots) knots.emplace_back(knot.time, knot.center);
-            return knots;
-          },
-          [](ObstacleSettings& one, const std::vector<std::pair<Real, Vec3>>& knots) {
-            one.knots.clear();
-            for (const auto& [time, center] : knots) one.knots.push_back({time, center});
-          },
-          "times and places of the centre, [(s, [x, y, z] in m), ...]; set as a whole")
-      .def_readwrite("restitution", &ObstacleSettings::restitution, "None: that of the walls")
-      .def_readwrite("friction", &ObstacleSettings::friction, "Coulomb's coefficient in a bounce");
-  closed(obstacle);
-  py::bind_vector<std::vector<ObstacleSettings>>(m, "Obstacles");
-
+void bind_places(py::module_& m) {
   py::class_<GaugeSettings> gauge(m, "GaugeSettings", "[[gauge]]: a place where the water is measured");
   gauge.def(py::init<>())
       .def_readwrite("kind", &GaugeSettings::kind)
@@ -140,6 +92,16 @@ void bind_things(py::module_& m) {
       .def_readwrite("radius", &GaugeSettings::radius, "m");
   closed(gauge);
   py::bind_vector<std::vector<GaugeSettings>>(m, "Gauges");
+
+  py::class_<DampingSettings> damping(m, "DampingSettings", "[[damping]]: a box in which waves end");
+  damping.def(py::init<>())
+      .def_property("min", in_place(&DampingSettings::min), assigned(&DampingSettings::min), "m")
+      .def_property("max", in_place(&DampingSettings::max), assigned(&DampingSettings::max), "m")
+      .def_readwrite("rate", &DampingSettings::rate, "1/s, at its end");
+  derived(damping, "direction", &DampingSettings::direction,
+          "along x or y, of length 1, to its end; None: to the nearest wall across the box");
+  closed(damping);
+  py::bind_vector<std::vector<DampingSettings>>(m, "Dampings");
 }
 
 }  // namespace
@@ -147,7 +109,8 @@ void bind_things(py::module_& m) {
 void bind_settings(py::module_& m) {
   bind_enums(m);
   bind_water(m);
-  bind_things(m);
+  bind_solids(m);
+  bind_places(m);
   bind_flow(m);
   bind_output(m);
 
@@ -161,16 +124,19 @@ void bind_settings(py::module_& m) {
           [](const Settings& one) { return py::make_tuple(one.periodic[0], one.periodic[1], one.periodic[2]); },
           [](Settings& one, const std::array<bool, 3>& periodic) { one.periodic = periodic; },
           "whether the box repeats along x, y, z; set as a whole")
+      .def_readwrite("slabs", &Settings::slabs, "how planes are shared among ranks")
       .def_readwrite("fluid", &Settings::fluid)
       .def_readwrite("dt", &Settings::dt, "s")
       .def_readwrite("max_substeps", &Settings::max_substeps, "of a step; one that would need more ends the run")
       .def_readwrite("gravity", &Settings::gravity, "m/s², or None; set as a whole")
       .def_readwrite("density", &Settings::density)
       .def_readwrite("walls", &Settings::walls)
-      .def_readwrite("obstacles", &Settings::obstacles)
+      .def_readwrite("obstacles", &Settings::obstacles, "paddle_of(wavemaker, domain) among them")
+      .def_readwrite("bodies", &Settings::bodies, "that move freely")
       .def_readwrite("fountains", &Settings::fountains)
       .def_readwrite("inlets", &Settings::inlets)
       .def_readwrite("drains", &Settings::drains)
+      .def_readwrite("dampings", &Settings::dampings)
       .def_readwrite("gauges", &Settings::gauges)
       .def_readwrite("tensile", &Settings::tensile, "artificial pressure, or None; set as a whole")
       .def_readwrite("vorticity", &Settings::vorticity, "epsilon of vorticity confinement, or None")
@@ -197,6 +163,7 @@ void bind_settings(py::module_& m) {
       [](const std::string& path, const std::vector<std::string>& overrides, const py::object& comm) {
         return read_scene(comm_of(comm), path, overrides);
       },
+      py::call_guard<Denormals>(),
       py::arg("path"), py::arg("overrides"), py::arg("comm"));
   m.def("report_settings", &report_settings, "The settings of density.preset = \"report\".");
 }

@@ -1,35 +1,15 @@
 #include "solver.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <numeric>
 
-#include "boundary/geometry/pose.hpp"
+#include "base/simd.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi::python {
 
 namespace {
-
-py::array over(py::array array, bool writable) {
-  if (!writable) array.attr("flags").attr("writeable") = false;
-  return array;
-}
-
-using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Ids = py::array_t<GlobalId, py::array::c_style | py::array::forcecast>;
-
-std::vector<Vec3> rows_of(const Rows& array, const char* name) {
-  if (array.ndim() != 2 || array.shape(1) != 3)
-    throw InputError(fmt::format("{}: must be an array of shape (n, 3)", name));
-  std::vector<Vec3> rows(static_cast<std::size_t>(array.shape(0)));
-  if (!rows.empty()) std::memcpy(rows[0].data(), array.data(), rows.size() * sizeof(Vec3));
-  return rows;
-}
 
 /// What a callable sees of the particles: valid during the call.
 struct Water {
@@ -39,7 +19,10 @@ struct Water {
 class OwnForcing : public Forcing {
  public:
   OwnForcing(py::function call, Real fastest) : call_(std::move(call)), fastest_(fastest) {}
-  void apply(Particles& particles, const StepInfo& step) override { call_(Water{&particles}, step); }
+  void apply(Particles& particles, const StepInfo& step) override {
+    const Denormals denormals(false);  // numpy counts as it does elsewhere
+    call_(Water{&particles}, step);
+  }
   Real fastest(const TimeSpan&) const override { return fastest_; }
 
  private:
@@ -47,72 +30,7 @@ class OwnForcing : public Forcing {
   Real fastest_;
 };
 
-/// Arrays to be changed between two steps; the solver takes them over at the end of a with block.
-struct Change {
-  py::object positions, velocities, ids;
-};
-
-class PySolver;
 std::vector<PySolver*> alive;  // in the order in which they were made
-
-class PySolver {
- public:
-  /// `scene`: of the settings, or null.
-  PySolver(MPI_Comm comm, const Settings& settings, const Scene* scene, Particles particles, SolverExtras extras,
-           std::optional<Schedule> rows)
-      : settings_(settings), record_(std::make_shared<Record>()) {
-    if (rows) extras.observers.push_back(make_recorder(comm, settings, *rows, record_));
-    rank_ = rank_of(comm);
-    size_ = size_of(comm);
-    comm_ = comm;
-    solver_ = scene != nullptr ? make_solver(comm, *scene, std::move(particles), std::move(extras))
-                               : make_solver(comm, settings, std::move(particles), std::move(extras));
-    has_files_ = !settings.output.directory.empty();
-    solver_->start();
-    alive.push_back(this);
-  }
-  PySolver(const PySolver&) = delete;
-  PySolver& operator=(const PySolver&) = delete;
-  ~PySolver() {
-    std::erase(alive, this);
-    try {
-      close();
-    } catch (const std::exception& error) {
-      std::fprintf(stderr, "trevi: %s\n", error.what());
-    }
-  }
-
-  void step() {
-    is_fine_ = false;
-    get().step();
-    is_fine_ = true;
-  }
-  /// Files get their end, but for those of a run that failed.
-  void close() {
-    const std::unique_ptr<Solver> solver = std::move(solver_);
-    if (solver != nullptr && has_files_ && is_fine_) solver->finish();
-  }
-  Solver& get() const {
-    if (solver_ == nullptr) throw RunError("the solver is closed", Reach::all_ranks);
-    return *solver_;
-  }
-  const Settings& settings() const { return settings_; }
-  const Record& record() const { return *record_; }
-  int rank() const { return rank_; }
-  int size() const { return size_; }
-  MPI_Comm comm() const { return comm_; }
-
-  std::optional<Change> change;  ///< within a with block
-  std::optional<Real> end;       ///< of the scene, s
-
- private:
-  Settings settings_;
-  std::shared_ptr<Record> record_;
-  int rank_, size_;
-  MPI_Comm comm_;
-  bool has_files_ = false, is_fine_ = true;
-  std::unique_ptr<Solver> solver_;
-};
 
 // Ids that follow one another over the ranks, where the caller gives none.
 std::vector<GlobalId> consecutive_ids(MPI_Comm comm, std::size_t count) {
@@ -160,83 +78,6 @@ std::unique_ptr<PySolver> make(const Settings& settings, const Scene* scene, con
   return solver;
 }
 
-py::dict as_arrays(const Table& table) {
-  py::dict arrays;
-  for (const auto& [name, values] : table)
-    arrays[name.c_str()] = py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
-  return arrays;
-}
-
-// Messages of at most this many numbers, as MPI counts them as an int.
-constexpr std::size_t max_message = 1U << 28;
-
-template <class T>
-void send_in_parts(const T* data, std::size_t count, int to, MPI_Comm comm, MPI_Datatype type) {
-  for (std::size_t done = 0; done < count; done += max_message)
-    MPI_Send(data + done, static_cast<int>(std::min(max_message, count - done)), type, to, 0, comm);
-}
-
-template <class T>
-void receive_in_parts(T* data, std::size_t count, int from, MPI_Comm comm, MPI_Datatype type) {
-  for (std::size_t done = 0; done < count; done += max_message)
-    MPI_Recv(data + done, static_cast<int>(std::min(max_message, count - done)), type, from, 0, comm,
-             MPI_STATUS_IGNORE);
-}
-
-// On rank 0 the rows of all particles in the order of their ids; None on the others.
-py::object gathered(const PySolver& self, const std::vector<Vec3> Particles::*field) {
-  const Particles& particles = self.get().particles();
-  const std::vector<Vec3>& own = particles.*field;
-  std::int64_t count = std::ssize(own);
-  std::vector<std::int64_t> counts(static_cast<std::size_t>(self.size()));
-  MPI_Gather(&count, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, 0, self.comm());
-  if (self.rank() != 0) {
-    send_in_parts(particles.id.data(), own.size(), 0, self.comm(), MPI_INT64_T);
-    send_in_parts(own.data()->data(), 3 * own.size(), 0, self.comm(), MPI_DOUBLE);
-    return py::none();
-  }
-  std::vector<GlobalId> ids = particles.id;
-  std::vector<Vec3> rows = own;
-  for (int rank = 1; rank < self.size(); ++rank) {
-    const auto more = static_cast<std::size_t>(counts[static_cast<std::size_t>(rank)]), before = ids.size();
-    ids.resize(before + more);
-    rows.resize(before + more);
-    receive_in_parts(ids.data() + before, more, rank, self.comm(), MPI_INT64_T);
-    receive_in_parts(rows[0].data() + 3 * before, 3 * more, rank, self.comm(), MPI_DOUBLE);
-  }
-  std::vector<std::size_t> order(ids.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
-  py::array_t<double> all({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
-  for (std::size_t k = 0; k < order.size(); ++k)
-    std::memcpy(all.mutable_data(static_cast<py::ssize_t>(k), 0), rows[order[k]].data(), sizeof(Vec3));
-  return all;
-}
-
-py::list obstacles_of(const PySolver& self) {
-  py::list list;
-  const Table& rows = self.record().obstacles;
-  for (std::size_t k = 0; k < self.settings().obstacles.size(); ++k) {
-    const Pose pose = BodyMotion(self.settings().obstacles[k]).at(self.get().clock().time());
-    py::dict one;
-    one["center"] = pose.center;
-    one["rotation"] = pose.turn;
-    const auto last = [&](const char* name) -> py::object {
-      Vec3 value;
-      for (Eigen::Index a = 0; a < 3; ++a) {
-        const auto column = rows.find(fmt::format("{}_{}_{}", name, "xyz"[a], k));
-        if (column == rows.end() || column->second.empty()) return py::none();
-        value[a] = column->second.back();
-      }
-      return py::cast(value);
-    };
-    one["force"] = last("force");
-    one["torque"] = last("torque");
-    list.append(one);
-  }
-  return list;
-}
-
 py::object positions_of(const py::object& self) {
   const auto& solver = self.cast<const PySolver&>();
   return solver.change ? solver.change->positions : view_of(solver.get().particles().position, self, false);
@@ -250,27 +91,6 @@ py::object ids_of(const py::object& self) {
   return solver.change ? solver.change->ids : view_of(solver.get().particles().id, self, false);
 }
 
-void begin_change(PySolver& self) {
-  if (self.change) throw RunError("solver.change(): a change has begun already", Reach::all_ranks);
-  const Particles& particles = self.get().particles();
-  const auto copy = [](const py::array& view) { return view.attr("copy")(); };
-  self.change =
-      Change{copy(view_of(particles.position, py::none(), true)), copy(view_of(particles.velocity, py::none(), true)),
-             copy(view_of(particles.id, py::none(), true))};
-}
-
-void end_change(PySolver& self, bool keep) {
-  const std::optional<Change> change = std::exchange(self.change, std::nullopt);
-  if (!keep || !change) return;
-  self.get().change_particles([&](Particles& particles) {
-    particles.position = rows_of(change->positions.cast<Rows>(), "positions");
-    particles.velocity = rows_of(change->velocities.cast<Rows>(), "velocities");
-    const auto ids = change->ids.cast<Ids>();
-    particles.id.assign(ids.data(), ids.data() + ids.size());
-    if (particles.has_hue) particles.hue.resize(particles.id.size());
-  });
-}
-
 void set_in_change(PySolver& self, py::object Change::*what, const py::object& value) {
   if (!self.change) throw InputError("particles are changed within \"with solver.change():\" only");
   (*self.change).*what = value;
@@ -282,15 +102,44 @@ std::unique_ptr<Forcing> make_forcing(py::function call, Real fastest) {
   return std::make_unique<OwnForcing>(std::move(call), fastest);
 }
 
-py::array view_of(const std::vector<Vec3>& rows, const py::object& owner, bool writable) {
-  constexpr py::ssize_t edge = sizeof(Real);
-  return over(py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}}, {3 * edge, edge},
-                                  rows.empty() ? nullptr : rows[0].data(), owner),
-              writable);
+PySolver::PySolver(MPI_Comm comm, const Settings& settings, const Scene* scene, Particles particles,
+                   SolverExtras extras, std::optional<Schedule> rows)
+    : settings_(settings), record_(std::make_shared<Record>()) {
+  if (rows) extras.observers.push_back(make_recorder(comm, settings, *rows, record_));
+  rank_ = rank_of(comm);
+  size_ = size_of(comm);
+  comm_ = comm;
+  solver_ = scene != nullptr ? make_solver(comm, *scene, std::move(particles), std::move(extras))
+                             : make_solver(comm, settings, std::move(particles), std::move(extras));
+  has_files_ = !settings.output.directory.empty();
+  solver_->start();
+  alive.push_back(this);
 }
 
-py::array view_of(const std::vector<GlobalId>& rows, const py::object& owner, bool writable) {
-  return over(py::array_t<GlobalId>(static_cast<py::ssize_t>(rows.size()), rows.data(), owner), writable);
+PySolver::~PySolver() {
+  const Denormals denormals;
+  std::erase(alive, this);
+  try {
+    close();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "trevi: %s\n", error.what());
+  }
+}
+
+void PySolver::step() {
+  is_fine_ = false;
+  get().step();
+  is_fine_ = true;
+}
+
+void PySolver::close() {
+  const std::unique_ptr<Solver> solver = std::move(solver_);
+  if (solver != nullptr && has_files_ && is_fine_) solver->finish();
+}
+
+Solver& PySolver::get() const {
+  if (solver_ == nullptr) throw RunError("the solver is closed", Reach::all_ranks);
+  return *solver_;
 }
 
 void close_all_solvers() {
@@ -319,7 +168,7 @@ void bind_solver(py::module_& m) {
       .def_property_readonly("ids", [](const Water& w) { return view_of(w.particles->id, py::none(), false); });
 
   py::class_<PySolver>(m, "Solver", "A solver on the ranks of its communicator, which all make the same calls.")
-      .def("step", &PySolver::step, "One step of length dt. Collective.")
+      .def("step", &PySolver::step, py::call_guard<Denormals>(), "One step of length dt. Collective.")
       .def_property_readonly(
           "time", [](const PySolver& self) { return self.get().clock().time(); }, "s")
       .def_property_readonly(
@@ -356,10 +205,16 @@ void bind_solver(py::module_& m) {
           "Rows so far, as in gauges.csv.")
       .def_property_readonly("obstacles", &obstacles_of,
                              "Of each obstacle: center and rotation now, force and torque as in the last row.")
+      .def_property_readonly("bodies", &bodies_of,
+                             "Of each body: position, orientation (a quaternion w, x, y, z), rotation, velocity and "
+                             "angular_velocity now, force and torque as in the last row.")
+      .def_property_readonly(
+          "body_rows", [](const PySolver& self) { return as_arrays(self.record().bodies); },
+          "Rows so far, as in bodies.csv.")
       .def_readonly("_end", &PySolver::end)
       .def("_begin_change", &begin_change)
-      .def("_end_change", &end_change)
-      .def("close", &PySolver::close, "Ends its files, and frees it; all ranks in the same order.");
+      .def("_end_change", &end_change, py::call_guard<Denormals>())
+      .def("close", &PySolver::close, py::call_guard<Denormals>(), "Ends its files, and frees it; all ranks in the same order.");
 
   m.def(
       "_make_solver",
@@ -368,8 +223,8 @@ void bind_solver(py::module_& m) {
         const Scene* scene = py::isinstance<Scene>(what) ? what.cast<const Scene*>() : nullptr;
         return make(what.cast<const Settings&>(), scene, positions, velocities, ids, forcings, rows, comm);
       },
-      py::arg("settings"), py::arg("positions"), py::arg("velocities"), py::arg("ids"), py::arg("forcings"),
-      py::arg("rows"), py::arg("comm"));
+      py::call_guard<Denormals>(), py::arg("settings"), py::arg("positions"), py::arg("velocities"), py::arg("ids"),
+      py::arg("forcings"), py::arg("rows"), py::arg("comm"));
 }
 
 }  // namespace trevi::python

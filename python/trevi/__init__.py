@@ -22,20 +22,25 @@ import time
 os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 
 from trevi._trevi import (  # noqa: E402
-    BlowUp, Box, CheckpointSettings, Colour, Constraint, DrainSettings, DrainShape, Follow, FountainSettings,
-    FrameContent, FrameFormat, FrameSetSettings, FrameSettings, GaugeKind, GaugeSettings, InletSettings, InletShape,
-    InputError, Mass, Method, MusicKind, MusicSettings, ObstacleSettings, Precision, RunError, Scene, Schedule, Settings,
-    Shape, Solver, SpeedMapping, TensileSettings,
-    TriangleMesh, VorticityForm, WallDensity, __version__, _make_solver, _read_scene, rank, report_settings, size, threads,
-    use_threads)
+    BlowUp, BodySettings, Box, CheckpointSettings, Colour, Constraint, DampingSettings, DensitySettings,
+    DrainSettings, DrainShape, FluidSettings, Follow, FountainSettings, FrameContent, FrameFormat,
+    FrameSetSettings, FrameSettings, GaugeKind, GaugeSettings, InletSettings, InletShape, InputError, Mass,
+    Method, Mooring, MusicKind, MusicSettings, ObstacleSettings, Oscillation, OutputSettings, PaddleKind,
+    Precision, Reflection, RunError, Scene, Schedule, Settings, Shape, SlabCuts, Solver, SpeedMapping,
+    TensileSettings, TriangleMesh, VorticityForm, WallDensity, WallSettings, WaveKind, WaveSpectrum,
+    WavemakerSettings, __version__, _make_solver, _read_scene, paddle_of, rank, read_mesh, report_settings, size,
+    threads, use_threads)
 
-__all__ = ["BlowUp", "Box", "CheckpointSettings", "Colour", "Constraint", "DrainSettings", "DrainShape", "Follow",
-           "FountainSettings", "FrameContent", "FrameFormat", "FrameSetSettings", "FrameSettings", "GaugeKind",
-           "GaugeSettings", "InletSettings", "InletShape", "InputError", "Mass", "Method", "MusicKind", "MusicSettings",
-           "ObstacleSettings", "Precision", "RunError", "Scene",
-           "Schedule", "Settings", "Shape", "Solver", "SpeedMapping", "TensileSettings", "TriangleMesh", "VorticityForm",
-           "WallDensity", "__version__", "make_solver", "rank", "read_scene", "report_settings", "size", "threads",
-           "use_threads"]
+__all__ = [
+    "BlowUp", "BodySettings", "Box", "CheckpointSettings", "Colour", "Constraint", "DampingSettings",
+    "DensitySettings", "DrainSettings", "DrainShape", "FluidSettings", "Follow", "FountainSettings",
+    "FrameContent", "FrameFormat", "FrameSetSettings", "FrameSettings", "GaugeKind", "GaugeSettings",
+    "InletSettings", "InletShape", "InputError", "Mass", "Method", "Mooring", "MusicKind", "MusicSettings",
+    "ObstacleSettings", "Oscillation", "OutputSettings", "PaddleKind", "Precision", "Reflection", "RunError",
+    "Scene", "Schedule", "Settings", "Shape", "SlabCuts", "Solver", "SpeedMapping", "TensileSettings",
+    "TriangleMesh", "VorticityForm", "WallDensity", "WallSettings", "WaveKind", "WaveSpectrum",
+    "WavemakerSettings", "__version__", "make_solver", "paddle_of", "rank", "read_mesh", "read_scene",
+    "report_settings", "size", "threads", "use_threads"]
 
 
 def _toml(value):

@@ -25,6 +25,25 @@ std::int64_t sets_from(const std::string& name) {
   return 0;
 }
 
+// The register that says, among other things, what becomes of denormal numbers, and its bits for zero.
+#if defined(__SSE__)
+constexpr std::uint64_t denormals_are_zero = 0x8040;  // results, and operands
+std::uint64_t floating_point_control() { return _mm_getcsr(); }
+void set_floating_point_control(std::uint64_t value) { _mm_setcsr(static_cast<unsigned>(value)); }
+#elif defined(__aarch64__)
+constexpr std::uint64_t denormals_are_zero = 1ULL << 24;
+std::uint64_t floating_point_control() {
+  std::uint64_t fpcr = 0;
+  asm volatile("mrs %0, fpcr" : "=r"(fpcr));
+  return fpcr;
+}
+void set_floating_point_control(std::uint64_t value) { asm volatile("msr fpcr, %0" : : "r"(value)); }
+#else
+constexpr std::uint64_t denormals_are_zero = 0;
+std::uint64_t floating_point_control() { return 0; }
+void set_floating_point_control(std::uint64_t) {}
+#endif
+
 }  // namespace
 
 std::int64_t supported_instruction_sets() {
@@ -61,14 +80,12 @@ bool use_instruction_set(const std::string& name) {
   return sets != 0;
 }
 
-void flush_denormals() {
-#if defined(__SSE__)
-  _mm_setcsr(_mm_getcsr() | 0x8040);  // flush to zero, denormals are zero
-#elif defined(__aarch64__)
-  std::uint64_t fpcr = 0;
-  asm volatile("mrs %0, fpcr" : "=r"(fpcr));
-  asm volatile("msr fpcr, %0" : : "r"(fpcr | (1ULL << 24)));
-#endif
+void flush_denormals() { set_floating_point_control(floating_point_control() | denormals_are_zero); }
+
+Denormals::Denormals(bool are_zero) : before_(floating_point_control()) {
+  set_floating_point_control(are_zero ? before_ | denormals_are_zero : before_ & ~denormals_are_zero);
 }
+
+Denormals::~Denormals() { set_floating_point_control(before_); }
 
 }  // namespace trevi

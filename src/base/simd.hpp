@@ -33,4 +33,17 @@ bool use_instruction_set(const std::string& name);
 /// Denormal numbers become zero in this thread: they slow the high powers of s_corr by a factor of ten and add nothing.
 void flush_denormals();
 
+/// Whether denormal numbers are zero in this thread for the life of the object; then it is as it was before. For a
+/// thread that is not the solver's alone.
+class Denormals {
+ public:
+  explicit Denormals(bool are_zero = true);
+  ~Denormals();
+  Denormals(const Denormals&) = delete;
+  Denormals& operator=(const Denormals&) = delete;
+
+ private:
+  std::uint64_t before_;
+};
+
 }  // namespace trevi

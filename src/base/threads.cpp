@@ -149,7 +149,7 @@ TREVI_UNSEEN_BY_TSAN void run_parts(LocalId parts, void (*work)(const void* cont
 #pragma omp parallel num_threads(threads)
   {
     __tsan_acquire(&begun);
-    flush_denormals();
+    const Denormals denormals;  // the threads are those of the whole process
     all_parts.do_all(thread_number(), [&](LocalId part) {
       try {
         work(context, part);

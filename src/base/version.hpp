@@ -3,7 +3,7 @@
 
 namespace trevi {
 
-/// "1.0.0"
+/// "2.0.0"
 const char* trevi_version();
 
 }  // namespace trevi

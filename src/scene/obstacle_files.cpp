@@ -29,23 +29,6 @@ void broadcast(MPI_Comm comm, std::vector<T>& rows) {
   MPI_Bcast(rows.data(), static_cast<int>(rows.size() * sizeof(T)), MPI_BYTE, 0, comm);
 }
 
-std::shared_ptr<const TriangleMesh> read_mesh(MPI_Comm comm, const ObstacleSettings& obstacle) {
-  auto mesh = std::make_shared<TriangleMesh>();
-  on_root(comm, [&] { *mesh = read_mesh_file(obstacle.path); });
-  broadcast(comm, mesh->points);
-  broadcast(comm, mesh->triangles);
-  if (const std::string wrong = why_not_closed(*mesh); !wrong.empty())
-    throw InputError(obstacle.path + ": the mesh is not closed: " + wrong +
-                     "; mend it, or give the sheet a thickness, as only a closed surface has an inside");
-  if (is_flat(*mesh)) throw InputError(obstacle.path + ": the mesh encloses no volume; give the sheet a thickness");
-  for (Vec3& p : mesh->points) p *= obstacle.scale;
-  face_outwards(*mesh);
-  if (const std::string where = where_shells_overlap(*mesh); !where.empty())
-    throw InputError(obstacle.path + ": one of its shells reaches into another at " + where +
-                     " m; join them to one surface, or make two obstacles of them");
-  return mesh;
-}
-
 [[noreturn]] void refuse(const std::string& path, int line, const std::string& what) {
   throw InputError(fmt::format("{}:{}: {}; write time,x,y,z in s and m, times increasing", path, line, what));
 }
@@ -115,12 +98,29 @@ void check_twins(const Scene& scene) {
 
 }  // namespace
 
+std::shared_ptr<TriangleMesh> read_mesh(MPI_Comm comm, const std::string& path, Real scale) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  on_root(comm, [&] { *mesh = read_mesh_file(path); });
+  broadcast(comm, mesh->points);
+  broadcast(comm, mesh->triangles);
+  if (const std::string wrong = why_not_closed(*mesh); !wrong.empty())
+    throw InputError(path + ": the mesh is not closed: " + wrong +
+                     "; mend it, or give the sheet a thickness, as only a closed surface has an inside");
+  if (is_flat(*mesh)) throw InputError(path + ": the mesh encloses no volume; give the sheet a thickness");
+  for (Vec3& p : mesh->points) p *= scale;
+  face_outwards(*mesh);
+  if (const std::string where = where_shells_overlap(*mesh); !where.empty())
+    throw InputError(path + ": one of its shells reaches into another at " + where +
+                     " m; join them to one surface, or make two obstacles of them");
+  return mesh;
+}
+
 void read_obstacle_files(MPI_Comm comm, Scene& scene) {
   for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
     ObstacleSettings& obstacle = scene.obstacles[k];
     const SceneTable table("obstacle", k);
     if (obstacle.shape == ShapeKind::mesh)
-      obstacle.mesh = told_at(scene, table, "path", [&] { return read_mesh(comm, obstacle); });
+      obstacle.mesh = told_at(scene, table, "path", [&] { return read_mesh(comm, obstacle.path, obstacle.scale); });
     if (!obstacle.motion.empty())
       obstacle.knots = told_at(scene, table, "motion", [&] { return read_knots(comm, obstacle.motion); });
     told_at(scene, table, "", [&] { check_size(scene, obstacle); });
@@ -128,7 +128,8 @@ void read_obstacle_files(MPI_Comm comm, Scene& scene) {
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     BodySettings& body = scene.bodies[k];
     const SceneTable table("body", k);
-    if (body.shape == ShapeKind::mesh) body.mesh = told_at(scene, table, "path", [&] { return read_mesh(comm, body); });
+    if (body.shape == ShapeKind::mesh)
+      body.mesh = told_at(scene, table, "path", [&] { return read_mesh(comm, body.path, body.scale); });
     told_at(scene, table, "", [&] { check_size(scene, body); });
   }
   check_twins(scene);

@@ -2,6 +2,7 @@
 // gives, and the first exception by the number of its part gets through.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
@@ -105,6 +106,28 @@ TEST_F(Threads, FlushDenormals) {
     const volatile Real least = std::numeric_limits<Real>::min();
     for_each_part(100, [&](LocalId k) { halves[static_cast<std::size_t>(k)] = least / 2; });
     EXPECT_EQ(halves, std::vector<Real>(100, 0));
+  });
+}
+
+TEST_F(Threads, LeaveTheDenormalsOfTheHostAsTheyAre) {
+  const volatile Real least = std::numeric_limits<Real>::min();
+  const Denormals counted(false);
+  const auto half_in_threads = [&] {
+    std::vector<Real> halves(static_cast<std::size_t>(thread_count()), 1);
+#pragma omp parallel num_threads(thread_count())
+    halves[static_cast<std::size_t>(thread_number())] = least / 2;
+    return *std::min_element(halves.begin(), halves.end());
+  };
+  with_each_count([&] {
+    for_each_part(100, [](LocalId) {});
+    EXPECT_GT(half_in_threads(), 0);
+    {
+      const Denormals zero;
+      EXPECT_EQ(least / 2, 0);
+      const Denormals again(false);
+      EXPECT_GT(least / 2, 0);
+    }
+    EXPECT_GT(least / 2, 0);
   });
 }
 

@@ -1,41 +1,19 @@
 #!/usr/bin/python3
 """The Python module as its users have it: scripts under mpirun, the bits of the program, errors on all ranks alike."""
 
-import os
 import re
-import subprocess
-import textwrap
 from pathlib import Path
 
 import h5py
 import numpy as np
-from program import INPUTS, MPI_SETTINGS, TIME_LIMIT, ProgramTest, main
+from program import INPUTS, main
+from python_module import TANK, ModuleTest
 
-MODULE = os.environ["TREVI_PYTHON"]  # the folder that has it
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = INPUTS / "fountain_small.toml"
 
-TANK = """
-    import sys, numpy as np, trevi
-    settings = trevi.Settings()
-    settings.domain.min, settings.domain.max = [0, 0, 0], [2, 1, 1.5]
-    lattice = 0.1 * (np.stack(np.meshgrid(range(20), range(10), range(5), indexing="ij"), -1).reshape(-1, 3) + 0.5)
-"""
 
-
-class Module(ProgramTest):
-    def run_script(self, ranks, text, *arguments):
-        path = self.folder / "script.py"
-        path.write_text("\n".join(textwrap.dedent(part) for part in (text if isinstance(text, tuple) else (text,))))
-        return subprocess.run([self.mpirun, "-n", str(ranks), "/usr/bin/python3", str(path), *map(str, arguments)],
-                              cwd=self.folder, capture_output=True, text=True, timeout=TIME_LIMIT,
-                              env=os.environ | MPI_SETTINGS | {"PYTHONPATH": MODULE})
-
-    def run_fine(self, ranks, text, *arguments):
-        result = self.run_script(ranks, text, *arguments)
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        return result.stdout
-
+class Module(ModuleTest):
     def test_ten_lines_give_the_bits_of_the_program(self):
         script = """
             import sys, numpy as np, trevi
@@ -129,6 +107,29 @@ class Module(ProgramTest):
         """
         told = self.run_fine(1, script)
         self.assertRegex(told, r"-1\.16")
+
+    def test_numpy_keeps_its_denormals(self):
+        script = TANK, """
+            import warnings
+            warnings.simplefilter("error")
+            tiny = np.full(100000, np.finfo(float).tiny)
+            def ok():
+                return (tiny / 8 * 8 == tiny).all() and np.finfo(float).smallest_subnormal > 0
+            seen = [ok()]
+            trevi.use_threads(2)
+            settings.gravity = [0, 0, -9.81]
+            solver = trevi.make_solver(settings, lattice, forcings=[lambda water, step: seen.append(ok())])
+            seen.append(ok())
+            solver.step()
+            with solver.change():
+                solver.velocities[:] = tiny[0] / 8
+            seen.append(ok())
+            assert len(seen) > 3 and all(seen), seen
+            solver.step()
+            solver.close()
+            assert ok()
+        """
+        self.run_fine(1, script)
 
     def test_errors_are_those_of_the_program_on_all_ranks(self):
         script = TANK, """

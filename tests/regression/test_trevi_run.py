@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import unittest
 from pathlib import Path
 
 import h5py
@@ -13,6 +14,9 @@ import numpy as np
 
 from program import TIME_LIMIT, WITHOUT, ProgramTest, main
 from scenes import tank
+
+if "VTK" not in WITHOUT:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
 
 POSTPROCESS = Path(__file__).resolve().parents[2] / "postprocess"
 sys.path.insert(0, str(POSTPROCESS))
@@ -76,7 +80,7 @@ class Reader(ProgramTest):
             self.assertEqual(frame.id.tolist(), state.id.tolist())
             self.assertEqual(np.abs(frame.position - state.position).max(), 0)
             np.testing.assert_allclose(frame.velocity, state.velocity, rtol=1e-6, atol=1e-6)
-            self.assertTrue(frame.solids.exists())
+            self.assertTrue(frame.solids and all(file.exists() for file in frame.solids))
             self.assertEqual(frame.density.shape, (512,))
         with h5py.File(run.checkpoints[-1].path) as file:
             self.assertTrue((run.checkpoints[-1].position == file["particles/position"][:]).all())
@@ -105,6 +109,52 @@ class Reader(ProgramTest):
             np.add.at(sums, tuple(cells.T), state.velocity)
             np.testing.assert_allclose(frame.fraction, counts / 8, atol=1e-7)
             np.testing.assert_allclose(frame.velocity, sums / np.maximum(counts, 1)[..., None], rtol=1e-5, atol=1e-6)
+
+    @unittest.skipIf("VTK" in WITHOUT, "without VTK")
+    def test_for_vtk(self):
+        run = Run(self.run_folder)
+        for frame in run.frames[-1], run.vtkhdf[-1], run.frame_sets["0"][-1]:
+            cloud = frame.to_vtk()
+            self.assertEqual(cloud.GetNumberOfVerts(), len(frame))
+            self.assertEqual(cloud.GetPoint(7), tuple(frame.position[7]))
+            self.assertEqual(cloud.GetPointData().GetArray("id").GetValue(7), frame.id[7])
+        cells = run.frame_sets["means"][-1]
+        grid = cells.to_vtk()
+        self.assertEqual(grid.GetDimensions(), (8, 4, 6))
+        place = grid.GetPoint(grid.FindPoint(0.7, 0.5, 0.3))
+        np.testing.assert_allclose(place, [0.7, 0.5, 0.3], rtol=1e-6)
+        number = grid.FindPoint(0.7, 0.5, 0.3)
+        self.assertEqual(grid.GetPointData().GetArray("fraction").GetValue(number), cells.fraction[3, 2, 1])
+        self.assertEqual(grid.GetPointData().GetArray("velocity").GetTuple3(number), tuple(cells.velocity[3, 2, 1]))
+
+    @unittest.skipIf("VTK" in WITHOUT, "without VTK")
+    def test_solids_that_stay_and_those_that_move(self):
+        """One obstacle of each kind and a body: all are in the frame, where they are."""
+        more = """
+[[obstacle]]
+type = "box"
+center = [0.2, 0.2, 0.1]
+size = [0.2, 0.2, 0.2]
+[[body]]
+type = "box"
+center = [0.5, 0.4, 0.9]
+size = [0.3, 0.3, 0.2]
+density = 400
+"""
+        (self.folder / "more.toml").write_text(SCENE + more)
+        self.run_well(1, "more.toml", "--output", "more", "--set", "time.end=0.2")
+        run = Run(self.folder / "more")
+        for frame in run.vtu[-1], run.vtkhdf[-1]:
+            surface = frame.solids_to_vtk()
+            number = vtk_to_numpy(surface.GetCellData().GetArray("obstacle"))
+            corners = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+            self.assertEqual(sorted(set(number)), [0, 1, 2])
+            points = vtk_to_numpy(surface.GetPoints().GetData())
+            middle = [points[corners[number == k]].reshape(-1, 3) for k in range(3)]
+            middle = [(part.min(axis=0) + part.max(axis=0)) / 2 for part in middle]
+            np.testing.assert_allclose(middle[0], [1.2, 0.4, 0.42], atol=1e-3)
+            np.testing.assert_allclose(middle[1], [0.2, 0.2, 0.1], atol=1e-3)
+            np.testing.assert_allclose(middle[2], [run.bodies[axis + "_0"][-1] for axis in "xyz"], atol=0.01)
 
     def test_frames_by_time(self):
         states = Run(self.run_folder).checkpoints

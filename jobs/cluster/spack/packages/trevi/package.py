@@ -14,7 +14,7 @@ class Trevi(CMakePackage):
 
     git = f"file://{Path(__file__).resolve().parents[5]}"
     license("BSD-3-Clause")
-    version("1.0.0", branch="main")
+    version("2.0.0", branch="main")
 
     variant("vtk", default=True, description="VTU output")
     variant("view", default=False, when="+vtk", description="the viewer trevi-view")

@@ -1,0 +1,108 @@
+// Particles as arrays: views, copies, all of them on one rank, and changes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "solver.hpp"
+#include "trevi/error.hpp"
+
+namespace trevi::python {
+
+namespace {
+
+py::array over(py::array array, bool writable) {
+  if (!writable) array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+// Messages of at most this many numbers, as MPI counts them as an int.
+constexpr std::size_t max_message = 1U << 28;
+
+template <class T>
+void send_in_parts(const T* data, std::size_t count, int to, MPI_Comm comm, MPI_Datatype type) {
+  for (std::size_t done = 0; done < count; done += max_message)
+    MPI_Send(data + done, static_cast<int>(std::min(max_message, count - done)), type, to, 0, comm);
+}
+
+template <class T>
+void receive_in_parts(T* data, std::size_t count, int from, MPI_Comm comm, MPI_Datatype type) {
+  for (std::size_t done = 0; done < count; done += max_message)
+    MPI_Recv(data + done, static_cast<int>(std::min(max_message, count - done)), type, from, 0, comm,
+             MPI_STATUS_IGNORE);
+}
+
+}  // namespace
+
+std::vector<Vec3> rows_of(const Rows& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw InputError(fmt::format("{}: must be an array of shape (n, 3)", name));
+  std::vector<Vec3> rows(static_cast<std::size_t>(array.shape(0)));
+  if (!rows.empty()) std::memcpy(rows[0].data(), array.data(), rows.size() * sizeof(Vec3));
+  return rows;
+}
+
+py::array view_of(const std::vector<Vec3>& rows, const py::object& owner, bool writable) {
+  constexpr py::ssize_t edge = sizeof(Real);
+  return over(py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}}, {3 * edge, edge},
+                                  rows.empty() ? nullptr : rows[0].data(), owner),
+              writable);
+}
+
+py::array view_of(const std::vector<GlobalId>& rows, const py::object& owner, bool writable) {
+  return over(py::array_t<GlobalId>(static_cast<py::ssize_t>(rows.size()), rows.data(), owner), writable);
+}
+
+py::object gathered(const PySolver& self, const std::vector<Vec3> Particles::*field) {
+  const Particles& particles = self.get().particles();
+  const std::vector<Vec3>& own = particles.*field;
+  std::int64_t count = std::ssize(own);
+  std::vector<std::int64_t> counts(static_cast<std::size_t>(self.size()));
+  MPI_Gather(&count, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, 0, self.comm());
+  if (self.rank() != 0) {
+    send_in_parts(particles.id.data(), own.size(), 0, self.comm(), MPI_INT64_T);
+    send_in_parts(own.data()->data(), 3 * own.size(), 0, self.comm(), MPI_DOUBLE);
+    return py::none();
+  }
+  std::vector<GlobalId> ids = particles.id;
+  std::vector<Vec3> rows = own;
+  for (int rank = 1; rank < self.size(); ++rank) {
+    const auto more = static_cast<std::size_t>(counts[static_cast<std::size_t>(rank)]), before = ids.size();
+    ids.resize(before + more);
+    rows.resize(before + more);
+    receive_in_parts(ids.data() + before, more, rank, self.comm(), MPI_INT64_T);
+    receive_in_parts(rows[0].data() + 3 * before, 3 * more, rank, self.comm(), MPI_DOUBLE);
+  }
+  std::vector<std::size_t> order(ids.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
+  py::array_t<double> all({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
+  for (std::size_t k = 0; k < order.size(); ++k)
+    std::memcpy(all.mutable_data(static_cast<py::ssize_t>(k), 0), rows[order[k]].data(), sizeof(Vec3));
+  return all;
+}
+
+void begin_change(PySolver& self) {
+  if (self.change) throw RunError("solver.change(): a change has begun already", Reach::all_ranks);
+  const Particles& particles = self.get().particles();
+  const auto copy = [](const py::array& view) { return view.attr("copy")(); };
+  self.change =
+      Change{copy(view_of(particles.position, py::none(), true)), copy(view_of(particles.velocity, py::none(), true)),
+             copy(view_of(particles.id, py::none(), true))};
+}
+
+void end_change(PySolver& self, bool keep) {
+  const std::optional<Change> change = std::exchange(self.change, std::nullopt);
+  if (!keep || !change) return;
+  self.get().change_particles([&](Particles& particles) {
+    particles.position = rows_of(change->positions.cast<Rows>(), "positions");
+    particles.velocity = rows_of(change->velocities.cast<Rows>(), "velocities");
+    const auto ids = change->ids.cast<Ids>();
+    particles.id.assign(ids.data(), ids.data() + ids.size());
+    if (particles.has_hue) particles.hue.resize(particles.id.size());
+  });
+}
+
+}  // namespace trevi::python
