@@ -163,8 +163,7 @@ void bind_settings(py::module_& m) {
       [](const std::string& path, const std::vector<std::string>& overrides, const py::object& comm) {
         return read_scene(comm_of(comm), path, overrides);
       },
-      py::call_guard<Denormals>(),
-      py::arg("path"), py::arg("overrides"), py::arg("comm"));
+      py::call_guard<Denormals>(), py::arg("path"), py::arg("overrides"), py::arg("comm"));
   m.def("report_settings", &report_settings, "The settings of density.preset = \"report\".");
 }
 

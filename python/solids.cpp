@@ -12,8 +12,6 @@ namespace trevi::python {
 
 namespace {
 
-constexpr std::array<const char*, 6> freedoms = {"x", "y", "z", "roll", "pitch", "yaw"};
-
 std::vector<std::string> names_of(const std::array<bool, 6>& free) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < free.size(); ++k) {

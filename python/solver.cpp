@@ -214,7 +214,8 @@ void bind_solver(py::module_& m) {
       .def_readonly("_end", &PySolver::end)
       .def("_begin_change", &begin_change)
       .def("_end_change", &end_change, py::call_guard<Denormals>())
-      .def("close", &PySolver::close, py::call_guard<Denormals>(), "Ends its files, and frees it; all ranks in the same order.");
+      .def("close", &PySolver::close, py::call_guard<Denormals>(),
+           "Ends its files, and frees it; all ranks in the same order.");
 
   m.def(
       "_make_solver",

@@ -22,11 +22,14 @@ struct Mooring {
   bool operator==(const Mooring&) const = default;
 };
 
+/// Names of what a body may do: to move along the axes x, y, z of the world, and to turn about them.
+inline constexpr std::array<const char*, 6> freedoms{"x", "y", "z", "roll", "pitch", "yaw"};
+
 /// The shape, place and velocities at the start are those of an obstacle; it has no motion of its own.
 struct BodySettings : ObstacleSettings {
   std::optional<Real> density;  ///< kg/m³; this or the mass
   std::optional<Real> mass;     ///< kg
-  /// Whether it may move along x, y, z and turn about x, y, z of the world.
+  /// Whether it may, in the order of `freedoms`.
   std::array<bool, 6> free{true, true, true, true, true, true};
   std::optional<Mooring> mooring;
   bool operator==(const BodySettings&) const = default;

@@ -10,8 +10,6 @@
 namespace trevi {
 namespace {
 
-constexpr std::array<const char*, 6> freedoms{"x", "y", "z", "roll", "pitch", "yaw"};
-
 void read_free(Section& section, BodySettings& body) {
   std::vector<std::string> free;
   const Key key{"free", "what it may do, a list of \"x\", \"y\", \"z\", \"roll\", \"pitch\", \"yaw\"; default all"};
