@@ -22,12 +22,12 @@ struct Lanes {
   alignas(64) double value[moments + volumes][virtual_lanes];
 };
 
-// The part of each cube below the cell along a, in it and above it.
+// The part of each cuboid below the cell along a, in it and above it.
 HWY_INLINE V3 parts(const CellFrame& frame, const Particles8& particles, const ByAxis& corner, std::size_t a) {
-  const Real half = frame.half[a], per_cube = 0.5 / half;
+  const Real low = frame.half[0][a], high = frame.half[1][a];
   const V mid = clamp(particles.surface[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
-  const V below = clamp(hn::Mul(hn::Sub(set(half), mid), set(per_cube)), 0, 1);
-  const V above = clamp(hn::Mul(hn::Add(mid, set(half - 1)), set(per_cube)), 0, 1);
+  const V below = clamp(hn::Mul(hn::Sub(set(low), mid), set(0.5 / low)), 0, 1);
+  const V above = clamp(hn::Mul(hn::Add(mid, set(high - 1)), set(0.5 / high)), 0, 1);
   return {below, hn::Sub(hn::Sub(set(1), below), above), above};
 }
 

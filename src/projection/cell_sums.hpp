@@ -12,11 +12,12 @@ namespace trevi {
 
 using ByAxis = std::array<Real, 3>;
 
-/// What in_cells() etc. of ProjectionGrid are made of, and the cube of a particle.
+/// What in_cells() etc. of ProjectionGrid are made of, and the cuboid of a particle.
 struct CellFrame {
-  ByAxis per_length;         ///< cells per metre
-  ByAxis half;               ///< of a cube's edge, in cells
-  ByAxis nearest, farthest;  ///< where a cube's middle can be between walls, in cells from the corner of the box
+  ByAxis per_length;  ///< cells per metre
+  std::array<ByAxis, 2>
+      half;                  ///< of a cuboid's edges, in cells, where it reaches through the lower and the upper faces
+  ByAxis nearest, farthest;  ///< where a cuboid's middle can be between walls, in cells from the corner of the box
   Real per_full;             ///< volume of a particle, in cells
 };
 
@@ -45,8 +46,8 @@ struct MotionSums {
   std::array<ByAxis, 3> uy;  ///< uy[a][b]: Σ u_a y_b
   Real uu;                   ///< Σ |u|²
 };
-/// volume[i][j][k] is what they fill of the cell (1, 1, 1) itself and of the 26 around it, in cells. The cube of a
-/// particle is placed at its surface position (FreeSurface), but moved to lie inside the walls.
+/// volume[i][j][k] is what they fill of the cell (1, 1, 1) itself and of the 26 around it, in cells. The cuboid
+/// of a particle is placed at its surface position (FreeSurface), but moved to lie inside the walls.
 struct CellSums {
   MotionSums motion;
   std::array<std::array<ByAxis, 3>, 3> volume;

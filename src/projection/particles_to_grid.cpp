@@ -1,5 +1,9 @@
 #include "projection/particles_to_grid.hpp"
 
+#include <algorithm>
+
+#include "projection/parameters.hpp"
+
 namespace trevi {
 
 namespace {
@@ -21,6 +25,23 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
   return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
+// Particles as cuboids one spacing high and `spread` spacings wide, at most a cell.
+CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing, Real spread) {
+  CellFrame frame{};
+  frame.per_length = grid.per_length();
+  frame.per_full = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = grid.axis(a);
+    const Real edge = spacing * frame.per_length[b];
+    const Real half = a == 2 ? edge / 2 : std::min(spread * edge, 1.0) / 2;
+    frame.half[0][b] = frame.half[1][b] = half;
+    frame.nearest[b] = grid.repeats()[a] ? -INFINITY : half;
+    frame.farthest[b] = grid.repeats()[a] ? INFINITY : grid.count(a) - half;
+    frame.per_full *= edge;
+  }
+  return frame;
+}
+
 // The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
 class FaceMiddles {
  public:
@@ -40,17 +61,10 @@ class FaceMiddles {
 
 }  // namespace
 
-ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing) : grid_(grid), frame_{} {
-  frame_.per_length = grid_.per_length();
-  frame_.per_full = 1;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t b = grid_.axis(a);
-    frame_.half[b] = spacing / 2 * frame_.per_length[b];
-    frame_.nearest[b] = grid_.repeats()[a] ? -INFINITY : frame_.half[b];
-    frame_.farthest[b] = grid_.repeats()[a] ? INFINITY : grid_.count(a) - frame_.half[b];
-    frame_.per_full *= 2 * frame_.half[b];
-  }
-}
+ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing)
+    : grid_(grid),
+      frame_(frame_of_cuboids(grid, spacing, projection::spread)),
+      cubes_(frame_of_cuboids(grid, spacing, 1)) {}
 
 void ParticlesToGrid::resize() {
   filled_.assign(row_index(grid_.planes() + 2, 0), {});
@@ -74,13 +88,13 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
   if (halo.has_neighbours()) {
-    sum_planes(order, {1, 2}, motion);  // they travel while the others are summed
-    if (planes > 1) sum_planes(order, {planes, planes + 1}, motion);
+    sum_planes(order, {1, 2}, motion, cuts);  // they travel while the others are summed
+    if (planes > 1) sum_planes(order, {planes, planes + 1}, motion, cuts);
     halo.start_planes(sums_.values(), sums_.per_plane());
-    if (planes > 2) sum_planes(order, {2, planes}, motion);
+    if (planes > 2) sum_planes(order, {2, planes}, motion, cuts);
     halo.finish();
   } else {
-    sum_planes(order, {1, planes + 1}, motion);
+    sum_planes(order, {1, planes + 1}, motion, cuts);
   }
   for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
   for_each_row_and_send<TentMemory>(grid_, halo, fit_,
@@ -103,11 +117,11 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   if (grid_.repeats()[2]) grid_.repeat(displacement_[2]);
 }
 
-void ParticlesToGrid::sum_planes(const CellOrder& order, Range planes, const Motion& motion) {
+void ParticlesToGrid::sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts) {
   const LocalId rows = rows_of_sums(planes, grid_.rows()), parts = (grid_.rows() + rows - 1) / rows;
   for_each_part(planes.size() * parts, [&](LocalId part) {
     const LocalId first = part % parts * rows;
-    sum_rows(order, planes.begin + part / parts, {first, std::min(first + rows, grid_.rows())}, motion);
+    sum_rows(order, planes.begin + part / parts, {first, std::min(first + rows, grid_.rows())}, motion, cuts);
   });
 }
 
@@ -120,7 +134,8 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
 
 // The rows beside these add to them, too, and are summed again where they belong. So each row is added to by the same
 // rows in the same order, whatever the parts are.
-void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion) {
+void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion,
+                               const CutCells* cuts) {
   const LocalId rows = grid_.rows(), beyond = grid_.repeats()[1] ? 1 : 0;
   for (LocalId r = own.begin; r < own.end; ++r) sums_.clear(k, r);
   // Where rows repeat, the last one is also before the first, and the first beyond the last.
@@ -130,7 +145,7 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
-      const CellSums sums = sum_cell(frame_, motion, cell);
+      const CellSums sums = sum_cell(cuts == nullptr ? frame_ : frame_of(*cuts, k, r, c), motion, cell);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }

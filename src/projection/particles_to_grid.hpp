@@ -1,8 +1,8 @@
 // First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the
 // affine fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
 //
-// The volume of a cell is that of the particles in it as cubes with an edge of one spacing: a count of particles would
-// not show a surface that tilts by less than a layer. The cubes are placed at the positions at the start of the step.
+// The volume of a cell is that of the particles in it each spread over a cuboid (`spread`): a count of particles would
+// not show a surface that tilts by less than a layer. The cuboids are placed at the positions at the start of the step.
 // Pressure then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its
 // amplitude; with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
 //
@@ -27,7 +27,7 @@ namespace trevi {
 
 class ParticlesToGrid {
  public:
-  /// `spacing` of the start lattice, m: the edge of a particle's cube.
+  /// `spacing` of the start lattice, m: the height of a particle's cuboid.
   ParticlesToGrid(const ProjectionGrid& grid, Real spacing);
 
   /// Memory for the grid as it is now. To be called when its size has changed; store() also when its rows have.
@@ -67,8 +67,8 @@ class ParticlesToGrid {
  private:
   // After the moments of a cell's particles: the volume that those of its plane add below it, to itself and above it.
   static constexpr std::size_t volumes = numbers::moments;
-  void sum_planes(const CellOrder& order, Range planes, const Motion& motion);
-  void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion);
+  void sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts);
+  void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion, const CutCells* cuts);
   void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
   std::size_t row_index(LocalId k, LocalId r) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.rows()) + static_cast<std::size_t>(r);
@@ -82,18 +82,19 @@ class ParticlesToGrid {
   void find_filled(LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
-  // Beside obstacles, between cells without particles; see particles_to_grid_cut.cpp.
+  // Beside obstacles; see particles_to_grid_cut.cpp.
   using CellNumbers = std::array<LocalId, 3>;  // of plane, row and column
   struct FittedMean {
     Real sum = 0, weight = 0;
   };
+  CellFrame frame_of(const CutCells& cuts, LocalId k, LocalId r, LocalId c) const;
   void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts);
   bool exists(CellNumbers& cell) const;
   bool holds_any(const CellNumbers& cell) const;
   void add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place, FittedMean& mean) const;
 
   const ProjectionGrid& grid_;
-  CellFrame frame_;
+  CellFrame frame_, cubes_;
   CellFields sums_{volumes + 3}, spread_{numbers::map}, fit_{numbers::map};
   std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;
