@@ -46,7 +46,7 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, 
   // what holds phi at 0, and the residual of each cycle. Coarser levels are small enough to be gathered.
   const int cycles = 3, both_ways = 1 + 1 + 4 * cycles, one_way = 1 + cycles;
   const std::int64_t cell = 8 * both_ways + 4 * one_way;
-  const std::int64_t heights = 4 * rows;  // of the water
+  const std::int64_t heights = 4 * (rows + 2);  // of the water
   return messages * (counts + (3 * places_sent + scalars_sent) * particles_per_plane * record / 4 +
                      (projected ? heights + coarse_cells_per_plane * cell + field_cells_per_plane * field_cell : 0));
 }
