@@ -110,16 +110,29 @@ void Neighbourhood<T>::move_ghosts_from_beyond() {
 
 template <class T>
 std::vector<Range> Neighbourhood<T>::boundary() const {
-  if (order_.rows_are_cut()) return {all()};
-  const Range first = order_.owned_range(0, 1), last = order_.owned_range(order_.planes() - 1, order_.planes());
-  if (order_.planes() == 1) return {first};
-  return {first, last};
+  std::vector<Range> ranges;
+  LocalId begin = 0;
+  for (const Range& inner : interior()) {
+    ranges.push_back({begin, inner.begin});
+    begin = inner.end;
+  }
+  ranges.push_back({begin, order_.owned()});
+  return ranges;
 }
 
 template <class T>
-Range Neighbourhood<T>::interior() const {
-  if (order_.planes() <= 2 || order_.rows_are_cut()) return {};
-  return order_.owned_range(1, order_.planes() - 1);
+std::vector<Range> Neighbourhood<T>::interior() const {
+  const LocalId planes = order_.planes(), rows = order_.rows();
+  if (planes <= 2) return {};
+  if (!order_.rows_are_cut()) return {order_.owned_range(1, planes - 1)};
+  const LocalId first = order_.rows_beside(0).begin < 0 ? 1 : 0;
+  const LocalId last = order_.rows_beside(rows - 1).end > rows ? rows - 1 : rows;
+  std::vector<Range> ranges;
+  for (LocalId k = 2; k < planes && first < last; ++k) {
+    const LocalId low = order_.low_ghosts();
+    ranges.push_back({order_.row(k, first).begin - low, order_.row(k, last - 1).end - low});
+  }
+  return ranges;
 }
 
 template class Neighbourhood<float>;

@@ -64,10 +64,10 @@ class Neighbourhood {
     copy(field);
   }
 
-  /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane;
-  /// interior(): all others. Where slabs are cut inside, all are boundary.
+  /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane, and
+  /// of the rows at cuts in the others; interior(): all others. In ranges as long as they get, in their order.
   std::vector<Range> boundary() const;
-  Range interior() const;
+  std::vector<Range> interior() const;
   Range all() const { return {0, order_.owned()}; }
 
   std::size_t bytes() const {

@@ -106,7 +106,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   near_.start_positions();
   find({2, planes - 2});
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
-  collide_and_move(near_.interior());
+  for (const Range& part : near_.interior()) collide_and_move(part);
   near_.finish_positions();
 }
 
