@@ -27,6 +27,12 @@ class Level {
   bool takes_part(int rank) const {
     return level_ == 0 || !is_empty(window_on_level(cuts_.window(rank), level_ - 1));
   }
+  // Whether planes of two slabs may be next to one another.
+  bool are_near(const Range& a, const Range& b) const {
+    const auto is_at_end = [&](const Range& planes) { return planes.begin == 0 || planes.end == all_[0]; };
+    return overlap({a.begin - 1, a.end + 1}, {b.begin - 1, b.end + 1}).size() > 0 ||
+           (repeats_[0] && is_at_end(a) && is_at_end(b));
+  }
   // visit(plane, row, planes, rows) for the zones around a window that there are: which cells of the box they hold.
   template <class Visit>
   void for_each_zone(const CellWindow& own, const Visit& visit) const {
@@ -53,9 +59,6 @@ class Level {
   std::array<LocalId, 2> all_;
 };
 
-// Of a slab and a zone around `own`: whether anything of the slab may be in it.
-bool may_meet(const Range& slab, const Range& planes) { return overlap(slab, planes).size() > 0; }
-
 }  // namespace
 
 CellPeers cell_peers(const CellCuts& cuts, int rank, int level, const std::array<bool, 2>& repeats) {
@@ -68,11 +71,12 @@ CellPeers cell_peers(const CellCuts& cuts, int rank, int level, const std::array
   const auto for_each_piece = [&](const CellWindow& receiver, const CellWindow& sender, const auto& visit) {
     on.for_each_zone(receiver, [&](int plane, int row, const Range& planes, const Range& rows) {
       const Range common = overlap(rows, sender.rows);
-      if (may_meet(sender.planes, planes) && common.size() > 0) visit(plane, row, common);
+      if (overlap(sender.planes, planes).size() > 0 && common.size() > 0) visit(plane, row, common);
     });
   };
   const bool takes_part = on.takes_part(rank);
   for (int slab = 0; slab < cuts.slabs(); ++slab) {
+    if (!on.are_near(on.window(slab * cuts.parts).planes, own.planes)) continue;
     for (int other = slab * cuts.parts; other < (slab + 1) * cuts.parts; ++other) {
       const CellWindow theirs = on.window(other);
       if (takes_part && !is_empty(theirs)) {
