@@ -54,8 +54,7 @@ void Balance::update(std::int64_t step, const CellOrder& order, const NeighbourL
   if (slabs.ranks() == 1 || step % interval != 0) return;
   const std::vector<Real> work = work_of_planes(order, list, slabs);
   const bool rows_are_cut = slabs.parts() > 1;
-  const Real now =
-      rows_are_cut ? slabs.imbalance_of_rows(work_of_rows(order, list, slabs)) : slabs.imbalance(work);
+  const Real now = rows_are_cut ? slabs.imbalance_of_rows(work_of_rows(order, list, slabs)) : slabs.imbalance(work);
   ++history_.looks;
   history_.sum += now;
   history_.max = std::max(history_.max, now);

@@ -24,9 +24,7 @@ class Level {
   }
 
   CellWindow window(int rank) const { return window_on_level(cuts_.window(rank), level_); }
-  bool takes_part(int rank) const {
-    return level_ == 0 || !is_empty(window_on_level(cuts_.window(rank), level_ - 1));
-  }
+  bool takes_part(int rank) const { return level_ == 0 || !is_empty(window_on_level(cuts_.window(rank), level_ - 1)); }
   // Whether planes of two slabs may be next to one another.
   bool are_near(const Range& a, const Range& b) const {
     const auto is_at_end = [&](const Range& planes) { return planes.begin == 0 || planes.end == all_[0]; };

@@ -22,8 +22,9 @@ class Neighbourhood {
   Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
-  /// particles must be in this rank's window. Where a particle has too many neighbours (list().first_overfull_particle(), on
-  /// its rank alone), the rows of it and of those after it are empty; collective calls remain possible.
+  /// particles must be in this rank's window. Where a particle has too many neighbours
+  /// (list().first_overfull_particle(), on its rank alone), the rows of it and of those after it are empty; collective
+  /// calls remain possible.
   void rebuild(Particles& particles, const Slabs& slabs, Velocities velocities = Velocities::discard);
 
   /// Writes the positions of the owned particles of the range into their records, on this thread; the scalar is set to

@@ -102,9 +102,10 @@ Slabs::Slabs(std::span<const Real> weights, int slabs) {
 void Slabs::cut_rows(std::span<const Real> weights, int parts) {
   const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs());
   if (static_cast<std::size_t>(parts) > rows) {
-    throw InputError(fmt::format("[domain] ranks: planes have {} rows of cells, fewer than the {} parts of a slab; "
-                                 "use at most {} parts, another [domain] slab_axis, or a smaller kernel_radius",
-                                 rows, parts, rows));
+    throw InputError(
+        fmt::format("[domain] ranks: planes have {} rows of cells, fewer than the {} parts of a slab; "
+                    "use at most {} parts, another [domain] slab_axis, or a smaller kernel_radius",
+                    rows, parts, rows));
   }
   cuts_.parts = parts;
   const int slabs = cuts_.slabs();

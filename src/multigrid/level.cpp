@@ -227,7 +227,8 @@ void MultigridLevel::coarsen(MultigridLevel& coarse, const CellRows& made) const
   for_each_row(made, [&](LocalId k, LocalId r) {
     const Children of = children_of(to, k, r);
     const std::size_t at = to.index(k, r, 0);
-    const Real over_planes = fraction_of_link(to, 0, k - 1 + to.first), over_rows = fraction_of_link(to, 1, r + to.first_row);
+    const Real over_planes = fraction_of_link(to, 0, k - 1 + to.first),
+               over_rows = fraction_of_link(to, 1, r + to.first_row);
     const auto sum = [&](const std::vector<Real>& x, std::size_t i) {
       return (x[i] + of.rows * x[i + row]) + of.planes * (x[i + plane] + of.rows * x[i + plane + row]);
     };

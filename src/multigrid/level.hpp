@@ -26,7 +26,7 @@ struct LevelShape {
   LocalId planes = 0, rows = 0, columns = 0;
   LocalId all_planes = 0;  // of the level, on all ranks
   Repeats repeats{};
-  LocalId first_row = 0, all_rows = 0;  // as those of planes
+  LocalId first_row = 0, all_rows = 0;      // as those of planes
   std::array<LocalId, 2> last_width{1, 1};  // of the last plane and the last row; of others it is `width`
   LocalId width = 1;
 

@@ -69,35 +69,28 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
   const CellWindow own = window_on_level(cuts_.window(rank_of(comm_)), number);
   const LocalId planes = first_on_level(cuts_.planes.back(), number), rows = first_on_level(cuts_.all_rows(), number);
   const bool was_gathered = level.gathered;
-  level.gathered = false;
   const LocalId columns = levels_[0].cells.shape().columns;
+  level.gathered = l > 0 && (levels_[l - 1].gathered || GlobalId{planes} * rows * columns <= gathered_);
   if (l > 0) {
-    level.gathered = levels_[l - 1].gathered || GlobalId{planes} * rows * columns <= gathered_;
-    LevelShape shape{.first = level.gathered ? 0 : own.planes.begin,
-                     .planes = level.gathered ? planes : own.planes.size(),
-                     .rows = level.gathered ? rows : own.rows.size(),
+    const CellWindow held = level.gathered ? CellWindow{{0, planes}, {0, rows}} : own;
+    LevelShape shape{.first = held.planes.begin,
+                     .planes = held.planes.size(),
+                     .rows = held.rows.size(),
                      .columns = columns,
                      .all_planes = planes,
                      .repeats = repeats_,
-                     .first_row = level.gathered ? 0 : own.rows.begin,
+                     .first_row = held.rows.begin,
                      .all_rows = rows};
     shape.width = LocalId{1} << number;
-    shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width,
-                        cuts_.all_rows() - (rows - 1) * shape.width};
+    shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width, cuts_.all_rows() - (rows - 1) * shape.width};
     level.cells.resize(shape);
   }
   if (!same_cuts || level.gathered != was_gathered) {
-    level.peers = level.gathered ? CellPeers{}
-                                 : cell_peers(cuts_, rank_of(comm_), number, {repeats_[0], repeats_[1]});
+    level.peers = level.gathered ? CellPeers{} : cell_peers(cuts_, rank_of(comm_), number, {repeats_[0], repeats_[1]});
   }
-  const bool each = l > 0 && levels_[l - 1].gathered;
-  if (each) {
-    level.made = level.cells.shape().own_rows();
-  } else if (level.gathered) {
+  level.made = level.cells.shape().own_rows();
+  if (is_gathered_here(l))
     level.made = {{own.planes.begin + 1, own.planes.end + 1}, own.rows.size(), columns, own.rows.begin};
-  } else {
-    level.made = level.cells.shape().own_rows();
-  }
 }
 
 // Of fields of a gathered level: the cells of all ranks, in the order of the ranks. All fields go in one message.
@@ -229,7 +222,8 @@ void Multigrid::show_next(Level& level, Halo& halo) const {
 }
 
 std::size_t Multigrid::bytes() const {
-  std::size_t sum = (cuts_.planes.capacity() + cuts_.rows.capacity()) * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
+  std::size_t sum =
+      (cuts_.planes.capacity() + cuts_.rows.capacity()) * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
   for (const Level& level : levels_) sum += level.cells.bytes();
   return sum;
 }

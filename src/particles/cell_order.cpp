@@ -185,9 +185,9 @@ Range CellOrder::owned_range(LocalId k, LocalId l) const {
 }
 
 std::size_t CellOrder::bytes() const {
-  std::size_t bytes =
-      (counts_.capacity() + start_.capacity() + row_start_ghosts_[0].capacity() + row_start_ghosts_[1].capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
-      sizeof(LocalId);
+  std::size_t bytes = (counts_.capacity() + start_.capacity() + row_start_ghosts_[0].capacity() +
+                       row_start_ghosts_[1].capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
+                      sizeof(LocalId);
   bytes += copies_.capacity() * sizeof(Copy) + around_.capacity() * sizeof(Range);
   std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;

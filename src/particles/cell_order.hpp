@@ -131,8 +131,8 @@ class CellOrder {
   std::vector<LocalId> start_;      // first particle of each cell of planes_ + 2 planes, and the total
   std::vector<LocalId> row_start_;  // first particle of each row of cells of the owned planes, and the total
   std::array<std::vector<LocalId>, 2> row_start_ghosts_;  // as start_, of the rows before and after the own ones
-  std::vector<LocalId> cell_;       // of each particle, before sorting
-  std::vector<LocalId> order_;      // sorted index -> old index
+  std::vector<LocalId> cell_;                             // of each particle, before sorting
+  std::vector<LocalId> order_;                            // sorted index -> old index
   std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
 };
 

@@ -16,7 +16,8 @@ void ActiveRows::measure(const CellOrder& order, Halo& halo) {
   // Where the box ends nothing is received.
   for (auto* of_rows : {&surface_, &wet_, &near_}) of_rows->assign(index(planes_ + 2, -1), 0);
   PerThread<int> depth;
-  for_each_row(rows_and_ghosts_of({0, planes_ + 2}), [&](LocalId k, LocalId r) { look_at_row(order, k, r, depth.mine()); });
+  for_each_row(rows_and_ghosts_of({0, planes_ + 2}),
+               [&](LocalId k, LocalId r) { look_at_row(order, k, r, depth.mine()); });
   spread(surface_, rows_of({1, planes_ + 1}), wet_);
   halo.start_planes(wet_, static_cast<std::size_t>(rows_) + 2);
   halo.start_rows(wet_, static_cast<std::size_t>(rows_) + 2);

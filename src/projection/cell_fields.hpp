@@ -125,9 +125,8 @@ class CellFields {
     halo.start_planes(std::span(values_.get(), storage_->whole_planes() * numbers_), per_plane);
     if (!halo.rows_are_cut()) return;
     const LocalId planes = storage_->shape().cells.planes.end - 2;
-    halo.start_rows({planes, per_row() * sizeof(EightCells)}, [this](LocalId k, LocalId r, int) {
-      return values_.get() + storage_->places(k, r)[0] * numbers_;
-    });
+    halo.start_rows({planes, per_row() * sizeof(EightCells)},
+                    [this](LocalId k, LocalId r, int) { return values_.get() + storage_->places(k, r)[0] * numbers_; });
   }
   std::size_t numbers() const { return numbers_; }
   std::size_t bytes() const { return capacity_ * sizeof(EightCells); }

@@ -105,7 +105,8 @@ CutCells::Zone CutCells::zone_of(const Body& body) const {
 void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const {
   ranges.clear();
   for (const Zone& zone : zones) {
-    if (row.plane < zone.low[0] || row.plane > zone.high[0] || row.row < zone.low[1] || row.row > zone.high[1]) continue;
+    if (row.plane < zone.low[0] || row.plane > zone.high[0] || row.row < zone.low[1] || row.row > zone.high[1])
+      continue;
     const Range range{std::max(zone.low[2], 0), std::min(zone.high[2], row.columns - 1) + 1};
     if (range.begin < range.end) ranges.push_back(range);
   }
@@ -130,9 +131,9 @@ void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Z
     if (!grid.has_row(r)) return;
     Candidates& own = candidates_.mine();
     const Vec3 first = corner_of(grid, k, r, 0);
-    find_ranges({static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_,
-                 grid.columns()},
-                zones, own.ranges);
+    find_ranges(
+        {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
+        zones, own.ranges);
     for (const Range& columns : own.ranges) {
       const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
       const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));

@@ -74,7 +74,8 @@ class ProjectionGrid {
   /// The row that stands for row r, which may be one beyond the own ones.
   LocalId row_beside(LocalId r) const { return rows_wrap() ? (r + rows()) % rows() : r; }
   LocalId columns() const { return columns_; }
-  /// Columns of row r of plane k, which may be a ghost row, to look at: in higher ones, and in those around them, there is nothing.
+  /// Columns of row r of plane k, which may be a ghost row, to look at: in higher ones, and in those around them, there
+  /// is nothing.
   LocalId columns(LocalId k, LocalId r) const { return reach_[row_index(k, r)]; }
   void set_columns(LocalId k, LocalId r, LocalId columns) { reach_[row_index(k, r)] = std::min(columns, columns_); }
   /// Makes room for the particles of `order` in those columns, once they are set of all rows, ghost planes included.

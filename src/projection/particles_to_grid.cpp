@@ -148,8 +148,8 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
   if (grid_.rows_are_cut() && own.end == rows && grid_.has_row(rows)) add_ghost_row(k, 1);
 }
 
-// What cells of the last row before a cut add to the first one after it, and the other way: particles of ghost cells are
-// not known.
+// What cells of the last row before a cut add to the first one after it, and the other way: particles of ghost cells
+// are not known.
 void ParticlesToGrid::exchange_volumes(const CellOrder& order, Halo& halo, const Motion& motion) {
   const LocalId planes = grid_.planes();
   for (std::size_t side : {0U, 1U}) {

@@ -14,9 +14,7 @@ void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<c
   held_.resize(rows * whole_);
   begin_.assign(rows, 0);
   place_whole_planes();
-  for_each_row(cells, [&](LocalId k, LocalId r) {
-    find_held(order, k, r, columns[row_index(k, r)]);
-  });
+  for_each_row(cells, [&](LocalId k, LocalId r) { find_held(order, k, r, columns[row_index(k, r)]); });
   for_each_row(cells, [&](LocalId k, LocalId r) {
     for (std::size_t e = 0; e < whole_; ++e) begin_[row_index(k, r)] += is_needed(k, r, e) ? 1U : 0U;
   });

@@ -242,8 +242,9 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
   const CellWindow own = slabs.window(rank_of(comm), grid.rows());
-  const auto owned = std::accumulate(weights.planes.begin() + own.planes.begin,
-                                     weights.planes.begin() + own.planes.end, 0.0) / slabs.parts();
+  const auto owned =
+      std::accumulate(weights.planes.begin() + own.planes.begin, weights.planes.begin() + own.planes.end, 0.0) /
+      slabs.parts();
   const int sharers = ranks_of_machine(comm);
   all_or_none(comm, [&] {
     const double bytes_of_state = 3 * sizeof(Vec3) + sizeof(GlobalId);
@@ -257,8 +258,7 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   all_or_none(comm, [&] {
     for_each_block(scene, places, files.first_id, [&](const Block& block) {
       for_each_layer(block.lattice, grid, [&](GlobalId layer, LocalId plane) {
-        if (plane >= own.planes.begin && plane < own.planes.end)
-          add_layer(particles, block, grid, layer, own.rows);
+        if (plane >= own.planes.begin && plane < own.planes.end) add_layer(particles, block, grid, layer, own.rows);
       });
     });
   });

@@ -7,8 +7,8 @@
 
 #include "base/growth.hpp"
 #include "base/hash.hpp"
-#include "fluid/pairs/particle_loops.hpp"
 #include "domain/plane_sums.hpp"
+#include "fluid/pairs/particle_loops.hpp"
 
 namespace trevi {
 

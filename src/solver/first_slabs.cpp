@@ -71,11 +71,10 @@ std::vector<Real> row_weights(MPI_Comm comm, const CellGrid& grid, const Slabs& 
 Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks) {
   const auto [slabs_of_all, parts] = settings.ranks.value_or(std::array<int, 2>{ranks, 1});
   if (std::int64_t{slabs_of_all} * parts != ranks) {
-    throw InputError(
-        fmt::format("[domain] ranks = [{}, {}] are {} ranks, and this run has {}; start it on {}, or set domain.ranks "
-                    "to two numbers whose product is {}",
-                    slabs_of_all, parts, std::int64_t{slabs_of_all} * parts, ranks,
-                    std::int64_t{slabs_of_all} * parts, ranks));
+    throw InputError(fmt::format(
+        "[domain] ranks = [{}, {}] are {} ranks, and this run has {}; start it on {}, or set domain.ranks "
+        "to two numbers whose product is {}",
+        slabs_of_all, parts, std::int64_t{slabs_of_all} * parts, ranks, std::int64_t{slabs_of_all} * parts, ranks));
   }
   const bool are_equal = settings.slabs == SlabCuts::equal;
   const std::vector<Real> ones(weights.planes.size(), 1);

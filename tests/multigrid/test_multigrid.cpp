@@ -177,8 +177,7 @@ void expect_same_in_parts(const Lake& lake, int kind, GlobalId gathered, int par
   const int slab = rank_of(world) / parts, part = rank_of(world) % parts;
   const LocalId planes = planes_of_rank(lake.planes, kind, slab, size_of(world) / parts);
   Range rows{0, 0};
-  for (int k = 0; k <= part; ++k)
-    rows = {rows.end, rows.end + planes_of_rank(lake.rows, (kind + slab) % 3, k, parts)};
+  for (int k = 0; k <= part; ++k) rows = {rows.end, rows.end + planes_of_rank(lake.rows, (kind + slab) % 3, k, parts)};
   Tank many(lake, planes, rows, gathered), one(MPI_COMM_SELF, lake, lake.planes);
   many.multigrid.solve(many.halo, 2);
   one.multigrid.solve(one.halo, 2);

@@ -59,7 +59,8 @@ TEST(LargeCounts, WhatARankCannotCountIsRefused) {
   const std::vector<Real> weights(100, 1e8);
   EXPECT_NO_THROW(Slabs(weights, 10).check_capacity(weights, {1, 1000}, 16));
   EXPECT_THROW(Slabs(weights, 5).check_capacity(weights, {1, 1000}, 16), InputError) << "with its ghosts it has 2.2e9";
-  EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, {1, 200'000'000}, 16), InputError) << "2.4e9 cells with ghosts";
+  EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, {1, 200'000'000}, 16), InputError)
+      << "2.4e9 cells with ghosts";
 }
 
 TEST(LargeCounts, CutsAreNotMovedToWhereCellsCannotBeCounted) {
@@ -86,7 +87,8 @@ TEST(LargeCounts, SolversOfPetscCountUnknownsIn32Bits) {
 TEST(LargeCounts, PlanesThatNoMessageHoldsAreRefused) {
   const std::vector<Real> weights(8, 1e8);
   EXPECT_THROW(Slabs(weights, 2).check_capacity(weights, {1, 1000}, 32), InputError) << "3.2 GB of records";
-  EXPECT_THROW(Slabs(weights, 4).check_capacity(weights, {1, 300'000'000}, 16), InputError) << "2.4 GB of the coarse grid";
+  EXPECT_THROW(Slabs(weights, 4).check_capacity(weights, {1, 300'000'000}, 16), InputError)
+      << "2.4 GB of the coarse grid";
   EXPECT_NO_THROW(Slabs(weights, 1).check_capacity(weights, {1, 1000}, 32)) << "nothing is sent";
 }
 

@@ -104,11 +104,10 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     const double cells = (own.rows.size() + 2.0) * (grid.columns() + 2.0) * (planes + 2);
     const double coarse = coarse_bytes(scene, grid) * (planes + 2) * (own.rows.size() + 2.0) / (grid.rows() + 2.0);
     const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + coarse;
-    const std::string rows =
-        slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
+    const std::string rows = slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
     text += fmt::format("  rank {:<4} planes {} to {}{}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
-                        own.planes.begin, own.planes.end - 1, rows, owned, ghosts,
-                        owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
+                        own.planes.begin, own.planes.end - 1, rows, owned, ghosts, owned > 0 ? 100 * ghosts / owned : 0,
+                        memory / 1e6);
   }
   return text;
 }
