@@ -102,7 +102,8 @@ TEST_F(Traffic, IsAsTheFormulaSays) {
 TEST_F(Traffic, OfSlabsThatAreSharedIsAsTheFormulaSays) {
   const int ranks = size_of(world), parts = 2;
   const std::string shape = "domain.ranks=[" + std::to_string(ranks / parts) + ", " + std::to_string(parts) + "]";
-  const std::vector<std::string> wide = {"domain.max=[3.4, 0.8, 1.6]", "particles.0.max=[3.4, 0.8, 1.0]", shape};
+  const std::vector<std::string> wide = {"domain.max=[3.4, 0.8, 1.6]", "particles.0.max=[3.4, 0.8, 1.0]",
+                                         "density.precision='single'", shape};
   EXPECT_EQ(bytes_per_step(wide), formula_of_parts(ranks, parts, 16, 4));
 }
 

@@ -51,7 +51,7 @@ TEST(LargeCounts, PlanesAreWeighedAndCutWithoutParticles) {
   EXPECT_THROW(initial_slabs(world, larger, grid_of(larger), weights), InputError);
   EXPECT_EQ(std::accumulate(weights.begin(), weights.end(), 0.0), 1e11);
   const Slabs slabs(weights, 200);
-  EXPECT_NO_THROW(slabs.check_capacity(weights, grid_of(larger).cells_per_plane(), 16));
+  EXPECT_NO_THROW(slabs.check_capacity(weights, {grid_of(larger).rows(), grid_of(larger).columns()}, 16));
   EXPECT_DOUBLE_EQ(slabs.imbalance(weights), 1);
 }
 
