@@ -125,6 +125,7 @@ void bind_settings(py::module_& m) {
           [](Settings& one, const std::array<bool, 3>& periodic) { one.periodic = periodic; },
           "whether the box repeats along x, y, z; set as a whole")
       .def_readwrite("slabs", &Settings::slabs, "how planes are shared among ranks")
+      .def_readwrite("ranks", &Settings::ranks, "slabs, and ranks that share each of them; None: a slab for each rank")
       .def_readwrite("fluid", &Settings::fluid)
       .def_readwrite("dt", &Settings::dt, "s")
       .def_readwrite("max_substeps", &Settings::max_substeps, "of a step; one that would need more ends the run")

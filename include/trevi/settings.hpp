@@ -263,6 +263,8 @@ struct Settings {
   std::array<bool, 3> periodic{};  ///< whether the box repeats along x, y, z, and has no walls there
   Derived<int> slab_axis{};        ///< 0 x, 1 y; default the longer one
   SlabCuts slabs = SlabCuts::balanced;
+  /// Slabs, and ranks that share each of them; none: a slab for each rank.
+  std::optional<std::array<int, 2>> ranks;
   FluidSettings fluid;
   Real dt = 1.0 / 60;           ///< s
   Derived<Real> cfl{};          ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0

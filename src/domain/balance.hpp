@@ -1,11 +1,13 @@
 // Keeps the work of all ranks even while the water falls and spreads: every few steps the cuts between slabs are moved
-// to where the present work in the planes puts them. The rule uses global numbers only, so every rank finds the same
-// cuts, and results do not depend on the cuts, as sums are formed plane by plane. Collective.
+// to where the present work in the planes puts them, and cuts inside the slabs to where that in their rows does. The
+// rule uses global numbers only, so every rank finds the same cuts, and results do not depend on the cuts, as sums are
+// formed plane by plane. Collective.
 #pragma once
 
 #include <mpi.h>
 
 #include <span>
+#include <vector>
 
 #include "domain/slabs.hpp"
 #include "particles/cell_order.hpp"
@@ -17,6 +19,8 @@ namespace trevi {
 /// what is done for each particle. Measured (falling cube, basin at rest): a particle costs as much as about twenty
 /// pairs.
 Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, LocalId l);
+/// The same of owned particles.
+Real work_of(const NeighbourList& list, Range particles);
 
 class Balance {
  public:
@@ -36,6 +40,9 @@ class Balance {
   const History& history() const { return history_; }
 
  private:
+  std::vector<Real> work_of_planes(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const;
+  std::vector<Real> work_of_rows(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const;
+
   MPI_Comm comm_;
   Real min_gain_;
   History history_;

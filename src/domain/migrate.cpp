@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <cstring>
-#include <iterator>
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
-#include "domain/plane_peers.hpp"
+#include "domain/cell_peers.hpp"
 #include "domain/send_to_owners.hpp"
 #include "parallel/waiting.hpp"
 #include "particles/remove.hpp"
@@ -18,40 +16,49 @@ namespace trevi {
 
 namespace {
 
-// The owned particles that leave, in ascending order.
+// The owned particles that leave, in ascending order: to each of the neighbours, and whether any go farther.
 struct Leaving {
-  std::array<std::vector<LocalId>, 2> to;  // low, high
-  int farthest = 0;                        // largest number of slabs that a particle has to cross
+  std::vector<std::vector<LocalId>> to;
+  int far = 0;
 
   void append(const Leaving& others) {
-    for (std::size_t side : {0U, 1U}) to[side].insert(to[side].end(), others.to[side].begin(), others.to[side].end());
-    farthest = std::max(farthest, others.farthest);
+    for (std::size_t n = 0; n < to.size(); ++n) to[n].insert(to[n].end(), others.to[n].begin(), others.to[n].end());
+    far = std::max(far, others.far);
   }
 };
 
-// Slabs from here to there, upwards; in a ring the shorter direction.
-int hops_to(int owner, int rank, int ranks, bool ring) {
-  const int hops = owner - rank;
-  if (!ring || 2 * std::abs(hops) <= ranks) return hops;
-  return hops > 0 ? hops - ranks : hops + ranks;
+// The ranks with cells around this one's, in ascending order.
+std::vector<int> neighbours_of(int rank, const CellGrid& grid, const Slabs& slabs) {
+  std::vector<int> ranks;
+  for (const CellPiece& piece : cell_peers(slabs.cuts(), rank, 0, {grid.is_periodic(0), grid.is_periodic(1)}).from)
+    if (piece.rank != rank) ranks.push_back(piece.rank);
+  std::sort(ranks.begin(), ranks.end());
+  ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+  return ranks;
 }
 
-Leaving leaving_particles(int rank, const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
-  const LocalId first = slabs.first_plane(rank), last = slabs.end_plane(rank);
+Leaving leaving_particles(int rank, const std::vector<int>& neighbours, const std::vector<Vec3>& positions,
+                          const CellGrid& grid, const Slabs& slabs) {
+  const CellWindow own = slabs.window(rank, grid.rows());
+  const auto is_in = [](LocalId k, const Range& range) { return k >= range.begin && k < range.end; };
   const Range all{0, static_cast<LocalId>(positions.size())};
   constexpr LocalId part_size = 8192;
-  std::vector<Leaving> parts(static_cast<std::size_t>((all.size() + part_size - 1) / part_size));
+  const Leaving none{std::vector<std::vector<LocalId>>(neighbours.size()), 0};
+  std::vector<Leaving> parts(static_cast<std::size_t>((all.size() + part_size - 1) / part_size), none);
   for_each_part(all, part_size, [&](Range part) {
     Leaving& leaving = parts[static_cast<std::size_t>(part.begin / part_size)];
     for (LocalId i = part.begin; i < part.end; ++i) {
-      const LocalId plane = grid.plane_of(positions[static_cast<std::size_t>(i)]);
-      if (plane >= first && plane < last) continue;
-      const int hops = hops_to(slabs.owner(plane), rank, slabs.ranks(), grid.is_periodic(0));
-      leaving.to[hops < 0 ? 0 : 1].push_back(i);
-      leaving.farthest = std::max(leaving.farthest, std::abs(hops));
+      const Vec3& p = positions[static_cast<std::size_t>(i)];
+      const LocalId plane = grid.plane_of(p);
+      if (is_in(plane, own.planes) && (slabs.parts() == 1 || is_in(grid.row_of(p), own.rows))) continue;
+      const int owner = slabs.owner(grid, p);
+      const auto found = std::lower_bound(neighbours.begin(), neighbours.end(), owner);
+      const bool is_near = found != neighbours.end() && *found == owner;
+      if (is_near) leaving.to[static_cast<std::size_t>(found - neighbours.begin())].push_back(i);
+      leaving.far = std::max(leaving.far, is_near ? 0 : 1);
     }
   });
-  Leaving result;
+  Leaving result = none;
   for (const Leaving& part : parts) result.append(part);
   return result;
 }
@@ -77,11 +84,13 @@ std::vector<std::byte> pack(Particles& particles, const std::vector<LocalId>& ch
   return buffer;
 }
 
-void remove_leaving(Particles& particles, const Leaving& leaving) {
+// Returns their number.
+std::size_t remove_leaving(Particles& particles, const Leaving& leaving) {
   std::vector<LocalId> places;
-  std::merge(leaving.to[0].begin(), leaving.to[0].end(), leaving.to[1].begin(), leaving.to[1].end(),
-             std::back_inserter(places));
+  for (const std::vector<LocalId>& some : leaving.to) places.insert(places.end(), some.begin(), some.end());
+  std::sort(places.begin(), places.end());
   remove_particles(particles, places);
+  return places.size();
 }
 
 void append(Particles& particles, const std::vector<std::byte>& buffer) {
@@ -100,32 +109,34 @@ void append(Particles& particles, const std::vector<std::byte>& buffer) {
 std::vector<int> owners_of(const std::vector<Vec3>& positions, const CellGrid& grid, const Slabs& slabs) {
   std::vector<int> owners(positions.size());
   for_each_index({0, static_cast<LocalId>(owners.size())},
-                 [&, to = owners.data()](std::size_t i) { to[i] = slabs.owner(grid.plane_of(positions[i])); });
+                 [&, to = owners.data()](std::size_t i) { to[i] = slabs.owner(grid, positions[i]); });
   return owners;
 }
 
-// Swaps buffers with the neighbour on each side; incoming[side] is what arrived from that side. Messages count
-// particles rather than bytes: a plane of a large box may hold 27 million of them, whose bytes do not fit into an int.
-std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<int, 2>& peer,
-                                               const std::array<std::vector<std::byte>, 2>& outgoing,
-                                               std::size_t particle_bytes) {
+// Swaps buffers with the neighbours: what arrived from each. Messages count particles rather than bytes: a plane of a
+// large box may hold 27 million of them, whose bytes do not fit into an int.
+std::vector<std::vector<std::byte>> exchange(MPI_Comm comm, const std::vector<int>& neighbours,
+                                             const std::vector<std::vector<std::byte>>& outgoing,
+                                             std::size_t particle_bytes) {
+  const std::size_t count = neighbours.size();
+  std::vector<MPI_Request> requests(2 * count);
+  std::vector<int> sent(count), received(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    sent[n] = static_cast<int>(outgoing[n].size() / particle_bytes);
+    MPI_Irecv(&received[n], 1, MPI_INT, neighbours[n], 0, comm, &requests[n]);
+    MPI_Isend(&sent[n], 1, MPI_INT, neighbours[n], 0, comm, &requests[count + n]);
+  }
+  wait_all(requests);
   MPI_Datatype particle;
   MPI_Type_contiguous(static_cast<int>(particle_bytes), MPI_BYTE, &particle);
   MPI_Type_commit(&particle);
-  std::array<std::vector<std::byte>, 2> incoming;
-  for (std::size_t side : {0U, 1U}) {  // everything moves to `side`, so it arrives from the other one
-    const std::size_t from = 1 - side;
-    const int sent = static_cast<int>(outgoing[side].size() / particle_bytes);
-    int received = 0;
-    std::array<MPI_Request, 2> requests;
-    MPI_Irecv(&received, 1, MPI_INT, peer[from], 0, comm, &requests[0]);
-    MPI_Isend(&sent, 1, MPI_INT, peer[side], 0, comm, &requests[1]);
-    wait_all(requests);
-    incoming[from].resize(static_cast<std::size_t>(received) * particle_bytes);
-    MPI_Irecv(incoming[from].data(), received, particle, peer[from], 1, comm, &requests[0]);
-    MPI_Isend(outgoing[side].data(), sent, particle, peer[side], 1, comm, &requests[1]);
-    wait_all(requests);
+  std::vector<std::vector<std::byte>> incoming(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    incoming[n].resize(static_cast<std::size_t>(received[n]) * particle_bytes);
+    MPI_Irecv(incoming[n].data(), received[n], particle, neighbours[n], 1, comm, &requests[n]);
+    MPI_Isend(outgoing[n].data(), sent[n], particle, neighbours[n], 1, comm, &requests[count + n]);
   }
+  wait_all(requests);
   MPI_Type_free(&particle);
   return incoming;
 }
@@ -135,18 +146,19 @@ std::array<std::vector<std::byte>, 2> exchange(MPI_Comm comm, const std::array<i
 GlobalId migrate(MPI_Comm comm, Particles& particles, std::vector<Vec3> Particles::*position, const CellGrid& grid,
                  const Slabs& slabs) {
   if (slabs.ranks() == 1) return 0;
-  const Leaving leaving = leaving_particles(rank_of(comm), particles.*position, grid, slabs);
-  int farthest = leaving.farthest;
-  all_reduce(comm, &farthest, 1, MPI_INT, MPI_MAX);
-  if (farthest == 0) return 0;
-  if (farthest > 1) return send_to_owners(comm, particles, owners_of(particles.*position, grid, slabs));
-  const std::array<std::vector<std::byte>, 2> outgoing = {pack(particles, leaving.to[0]),
-                                                          pack(particles, leaving.to[1])};
-  remove_leaving(particles, leaving);
-  const std::array<int, 2> peers = slab_neighbours(comm, grid.is_periodic(0));
-  for (const std::vector<std::byte>& buffer : exchange(comm, peers, outgoing, bytes_per_particle(particles)))
+  const std::vector<int> neighbours = neighbours_of(rank_of(comm), grid, slabs);
+  const Leaving leaving = leaving_particles(rank_of(comm), neighbours, particles.*position, grid, slabs);
+  std::array<int, 2> any{0, leaving.far};
+  for (const std::vector<LocalId>& some : leaving.to) any[0] = std::max(any[0], some.empty() ? 0 : 1);
+  all_reduce(comm, any.data(), 2, MPI_INT, MPI_MAX);
+  if (any[1] > 0) return send_to_owners(comm, particles, owners_of(particles.*position, grid, slabs));
+  if (any[0] == 0) return 0;
+  std::vector<std::vector<std::byte>> outgoing;
+  for (const std::vector<LocalId>& some : leaving.to) outgoing.push_back(pack(particles, some));
+  const std::size_t left = remove_leaving(particles, leaving);
+  for (const std::vector<std::byte>& buffer : exchange(comm, neighbours, outgoing, bytes_per_particle(particles)))
     append(particles, buffer);
-  return static_cast<GlobalId>(leaving.to[0].size() + leaving.to[1].size());
+  return static_cast<GlobalId>(left);
 }
 
 }  // namespace trevi

@@ -1,5 +1,5 @@
-// Sends each particle to the rank that owns its cell plane, over any distance: to the neighbour slabs where that is all
-// (nearly always), else in one exchange of all ranks with all (send_to_owners.hpp). The order on arrival does not
+// Sends each particle to the rank that owns its cell, over any distance: to the ranks around where that is all (nearly
+// always), else in one exchange of all ranks with all (send_to_owners.hpp). The order on arrival does not
 // matter, as the cell order sorts by id. Collective.
 #pragma once
 

@@ -2,32 +2,30 @@
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
+#include "trevi/session.hpp"
 
 namespace trevi {
 
 template <class T>
 Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
-    : order_(grid), halo_(comm, grid.is_periodic(0)), encoding_(origin, h) {
+    : comm_(comm), order_(grid), halo_(comm, grid.is_periodic(0)), encoding_(origin, h) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (grid.is_periodic(a)) encoding_.count_cells(grid.axis(a), grid.length(a) / grid.count(a), grid.count(a));
   }
 }
 
 template <class T>
-void Neighbourhood<T>::rebuild(Particles& particles, const Planes& planes, Velocities velocities) {
+void Neighbourhood<T>::rebuild(Particles& particles, const Slabs& slabs, Velocities velocities) {
   {
     const ScopedEvent timed(sort_event_);
-    order_.sort(particles, planes, velocities);
+    order_.sort(particles, slabs.window(rank_of(comm_), order_.grid().rows()), velocities);
   }
   {
     const ScopedEvent timed(halo_event_);
-    halo_.rebuild(order_);
+    halo_.rebuild(order_, slabs.cuts());
     resize_tightly(records_, static_cast<std::size_t>(order_.size()));
     constexpr LocalId part_size = 2048;
     for_each_part(all(), part_size, [&](Range part) { encode(particles.predicted, part); });
-    const CellGrid& grid = order_.grid();
-    first_ = grid.is_periodic(0) && planes.first == 0;
-    last_ = grid.is_periodic(0) && planes.last == grid.planes();
     start_positions();
     finish_positions();
   }
@@ -49,11 +47,11 @@ template <class T>
 void Neighbourhood<T>::finish_positions() {
   halo_.template finish_part<Coordinates>(records_, 0);
   const CellGrid& grid = order_.grid();
-  const LocalId low = order_.low_ghosts(), high = low + order_.owned(), end = high + order_.high_ghosts();
+  const LocalId low = order_.low_ghosts(), high = low + order_.owned();
+  const LocalId end = high + order_.high_ghosts() + order_.row_ghosts()[0] + order_.row_ghosts()[1];
   for (const Range& ghosts : {Range{0, low}, Range{high, end}})
     for_each_index(ghosts, [this](std::size_t i) { records_[i].w = 0; });
-  if (first_) move_ghosts({0, low}, -1);
-  if (last_) move_ghosts({high, end}, 1);
+  move_ghosts_from_beyond();
   const std::span<const CellOrder::Copy> copies = order_.copies();
   constexpr LocalId part_size = 64;
   for_each_part({0, static_cast<LocalId>(copies.size())}, part_size, [&](Range part) {
@@ -81,22 +79,60 @@ void Neighbourhood<T>::finish_scalars() {
 }
 
 template <class T>
-void Neighbourhood<T>::move_ghosts(Range range, Real turns) {
-  const Real units = turns * order_.grid().count(0) * Packed<T>::units_per_h;
-  for_each_index(range, [this, units](std::size_t i) { move(records_[i], order_.grid().axis(0), units); });
+void Neighbourhood<T>::move_ghosts(std::size_t direction, Range range, Real turns) {
+  const Real units = turns * order_.grid().count(direction) * Packed<T>::units_per_h;
+  const int axis = order_.grid().axis(direction);
+  for_each_index(range, [this, axis, units](std::size_t i) { move(records_[i], axis, units); });
+}
+
+// Ghosts that come from beyond an end of the box, to the place where they are neighbours.
+template <class T>
+void Neighbourhood<T>::move_ghosts_from_beyond() {
+  const CellGrid& grid = order_.grid();
+  const LocalId planes = order_.planes(), rows = order_.rows();
+  const auto is_first = [&](const Range& own) { return own.begin == 0; };
+  const auto is_last = [&](const Range& own, std::size_t a) { return own.end == grid.count(a); };
+  const CellWindow& window = order_.window();
+  for (const bool upper : {false, true}) {
+    if (grid.is_periodic(0) && (upper ? is_last(window.planes, 0) : is_first(window.planes))) {
+      const LocalId k = upper ? planes + 1 : 0;
+      move_ghosts(0, {order_.row(k, 0).begin, order_.row(k, rows - 1).end}, upper ? 1 : -1);
+      if (order_.rows_are_cut()) {
+        for (const LocalId r : {-1, rows}) move_ghosts(0, order_.row(k, r), upper ? 1 : -1);
+      }
+    }
+    if (grid.is_periodic(1) && order_.rows_are_cut() && (upper ? is_last(window.rows, 1) : is_first(window.rows))) {
+      const LocalId r = upper ? rows : -1;
+      move_ghosts(1, {order_.row(0, r).begin, order_.row(planes + 1, r).end}, upper ? 1 : -1);
+    }
+  }
 }
 
 template <class T>
 std::vector<Range> Neighbourhood<T>::boundary() const {
-  const Range first = order_.owned_range(0, 1), last = order_.owned_range(order_.planes() - 1, order_.planes());
-  if (order_.planes() == 1) return {first};
-  return {first, last};
+  std::vector<Range> ranges;
+  LocalId begin = 0;
+  for (const Range& inner : interior()) {
+    ranges.push_back({begin, inner.begin});
+    begin = inner.end;
+  }
+  ranges.push_back({begin, order_.owned()});
+  return ranges;
 }
 
 template <class T>
-Range Neighbourhood<T>::interior() const {
-  if (order_.planes() <= 2) return {};
-  return order_.owned_range(1, order_.planes() - 1);
+std::vector<Range> Neighbourhood<T>::interior() const {
+  const LocalId planes = order_.planes(), rows = order_.rows();
+  if (planes <= 2) return {};
+  if (!order_.rows_are_cut()) return {order_.owned_range(1, planes - 1)};
+  const LocalId first = order_.rows_beside(0).begin < 0 ? 1 : 0;
+  const LocalId last = order_.rows_beside(rows - 1).end > rows ? rows - 1 : rows;
+  std::vector<Range> ranges;
+  for (LocalId k = 2; k < planes && first < last; ++k) {
+    const LocalId low = order_.low_ghosts();
+    ranges.push_back({order_.row(k, first).begin - low, order_.row(k, last - 1).end - low});
+  }
+  return ranges;
 }
 
 template class Neighbourhood<float>;

@@ -22,9 +22,10 @@ class Neighbourhood {
   Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
-  /// particles must be in the planes. Where a particle has too many neighbours (list().first_overfull_particle(), on
-  /// its rank alone), the rows of it and of those after it are empty; collective calls remain possible.
-  void rebuild(Particles& particles, const Planes& planes, Velocities velocities = Velocities::discard);
+  /// particles must be in this rank's window. Where a particle has too many neighbours
+  /// (list().first_overfull_particle(), on its rank alone), the rows of it and of those after it are empty; collective
+  /// calls remain possible.
+  void rebuild(Particles& particles, const Slabs& slabs, Velocities velocities = Velocities::discard);
 
   /// Writes the positions of the owned particles of the range into their records, on this thread; the scalar is set to
   /// zero.
@@ -64,10 +65,10 @@ class Neighbourhood {
     copy(field);
   }
 
-  /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane;
-  /// interior(): all others.
+  /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane, and
+  /// of the rows at cuts in the others; interior(): all others. In ranges as long as they get, in their order.
   std::vector<Range> boundary() const;
-  Range interior() const;
+  std::vector<Range> interior() const;
   Range all() const { return {0, order_.owned()}; }
 
   std::size_t bytes() const {
@@ -82,11 +83,12 @@ class Neighbourhood {
     for (const CellOrder::Copy& copy : order_.copies())
       std::copy_n(field.begin() + copy.from, copy.count, field.begin() + copy.to);
   }
-  void move_ghosts(Range range, Real turns);
+  void move_ghosts(std::size_t direction, Range range, Real turns);
+  void move_ghosts_from_beyond();
 
+  MPI_Comm comm_;
   CellOrder order_;
   Halo halo_;
-  bool first_ = false, last_ = false;  // whether the ghosts below, or above, come from beyond the end of the box
   Encoding<T> encoding_;
   std::vector<Packed<T>> records_;
   std::vector<Vec4<T>> four_each_;

@@ -59,78 +59,122 @@ Real heaviest(std::span<const Real> before, std::span<const LocalId> cuts) {
   return weight;
 }
 
-}  // namespace
-
-Slabs::Slabs(std::span<const Real> weights, int ranks) {
-  const auto planes = static_cast<LocalId>(weights.size());
-  if (ranks > planes) {
-    throw InputError("the box has " + std::to_string(planes) + " cell planes along the slab axis, fewer than the " +
-                     std::to_string(ranks) + " ranks; use at most " + std::to_string(planes) +
-                     " ranks, another [domain] slab_axis, or a smaller kernel_radius");
-  }
-  std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all planes before this one
+// The cuts with the smallest possible value of the largest weight of a part.
+std::vector<LocalId> even_cuts(std::span<const Real> weights, int parts) {
+  const auto count = static_cast<LocalId>(weights.size());
+  std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all before this one
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
-  // The smallest possible value of the largest weight of a rank, by bisection down to rounding. It is at least the mean
-  // and exceeds that by a plane at most.
-  const Real mean = before.back() / ranks, heaviest_plane = *std::max_element(weights.begin(), weights.end());
+  // By bisection down to rounding. It is at least the mean and exceeds that by one weight at most.
+  const Real mean = before.back() / parts, heaviest_one = *std::max_element(weights.begin(), weights.end());
   constexpr Real rounding = 1e-13;
-  Real impossible = std::max(mean, heaviest_plane) * (1 - rounding), largest = before.back();
-  for (Real middle = (mean + heaviest_plane) * (1 + rounding); largest - impossible > rounding * largest;) {
-    (heaviest(before, min_cuts(before, ranks, middle)) <= middle ? largest : impossible) = middle;
+  Real impossible = std::max(mean, heaviest_one) * (1 - rounding), largest = before.back();
+  for (Real middle = (mean + heaviest_one) * (1 + rounding); largest - impossible > rounding * largest;) {
+    (heaviest(before, min_cuts(before, parts, middle)) <= middle ? largest : impossible) = middle;
     middle = (impossible + largest) / 2;
   }
   // Among the cuts with no larger weight, those nearest to equal parts.
-  const std::vector<LocalId> least = min_cuts(before, ranks, largest);
-  cuts_.assign(least.size(), 0);
-  cuts_.back() = planes;
-  for (int r = 1; r < ranks; ++r) {
+  const std::vector<LocalId> least = min_cuts(before, parts, largest);
+  std::vector<LocalId> cuts(least.size(), 0);
+  cuts.back() = count;
+  for (int r = 1; r < parts; ++r) {
     const auto k = static_cast<std::size_t>(r);
-    const LocalId low = std::max(least[k], cuts_[k - 1] + 1);
-    const LocalId most = cut_at(before, before[static_cast<std::size_t>(cuts_[k - 1])] + largest);
-    const LocalId high = std::max(low, std::min(most, planes - (ranks - r)));
-    cuts_[k] = std::clamp(nearest_cut(before, before.back() * r / ranks), low, high);
+    const LocalId low = std::max(least[k], cuts[k - 1] + 1);
+    const LocalId most = cut_at(before, before[static_cast<std::size_t>(cuts[k - 1])] + largest);
+    const LocalId high = std::max(low, std::min(most, count - (parts - r)));
+    cuts[k] = std::clamp(nearest_cut(before, before.back() * r / parts), low, high);
+  }
+  return cuts;
+}
+
+}  // namespace
+
+Slabs::Slabs(std::span<const Real> weights, int slabs) {
+  const auto planes = static_cast<LocalId>(weights.size());
+  if (slabs > planes) {
+    throw InputError("the box has " + std::to_string(planes) + " cell planes along the slab axis, fewer than the " +
+                     std::to_string(slabs) + " ranks; use at most " + std::to_string(planes) +
+                     " ranks, another [domain] slab_axis, or a smaller kernel_radius");
+  }
+  cuts_.planes = even_cuts(weights, slabs);
+  for (int k = 0; k < slabs; ++k) cuts_.rows.insert(cuts_.rows.end(), {0, 1});
+}
+
+void Slabs::cut_rows(std::span<const Real> weights, int parts) {
+  const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs());
+  if (static_cast<std::size_t>(parts) > rows) {
+    throw InputError(
+        fmt::format("[domain] ranks: planes have {} rows of cells, fewer than the {} parts of a slab; "
+                    "use at most {} parts, another [domain] slab_axis, or a smaller kernel_radius",
+                    rows, parts, rows));
+  }
+  cuts_.parts = parts;
+  const int slabs = cuts_.slabs();
+  cuts_.rows.clear();
+  for (int k = 0; k < slabs; ++k) {
+    const std::vector<LocalId> cuts = even_cuts(weights.subspan(static_cast<std::size_t>(k) * rows, rows), parts);
+    cuts_.rows.insert(cuts_.rows.end(), cuts.begin(), cuts.end());
   }
 }
 
 Real Slabs::imbalance(std::span<const Real> weights) const {
   std::vector<Real> before(weights.size() + 1, 0.0);
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
-  return before.back() > 0 ? heaviest(before, cuts_) * ranks() / before.back() : 1;
+  return before.back() > 0 ? heaviest(before, cuts_.planes) * slabs() / before.back() : 1;
 }
 
-Real Slabs::cells(int rank, LocalId cells_per_plane) const {
-  return static_cast<Real>(end_plane(rank) - first_plane(rank) + 2) * cells_per_plane;
+Real Slabs::imbalance_of_rows(std::span<const Real> weights) const {
+  const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs());
+  Real most = 0, all = 0;
+  for (int rank = 0; rank < ranks(); ++rank) {
+    const Range own = cuts_.window(rank).rows;
+    const auto first = weights.begin() + static_cast<std::ptrdiff_t>(slab(rank) * rows);
+    const Real weight = std::accumulate(first + own.begin, first + own.end, 0.0);
+    most = std::max(most, weight);
+    all += weight;
+  }
+  return all > 0 ? most * ranks() / all : 1;
 }
 
-bool Slabs::cells_fit(LocalId cells_per_plane) const {
+Real Slabs::cells(int rank, LocalId rows, LocalId columns) const {
+  const CellWindow own = window(rank, rows);
+  const LocalId ghost_rows = parts() == 1 ? 0 : 2;
+  return static_cast<Real>(own.planes.size() + 2) * (own.rows.size() + ghost_rows) * columns;
+}
+
+bool Slabs::cells_fit(LocalId rows, LocalId columns) const {
   for (int r = 0; r < ranks(); ++r) {
-    if (cells(r, cells_per_plane) > max_counted) return false;
+    if (cells(r, rows, columns) > max_counted) return false;
   }
   return true;
 }
 
-void Slabs::check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
+void Slabs::check_capacity(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
+                           std::size_t record_bytes) const {
   for (int r = 0; r < ranks(); ++r) {
     const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
     const auto last = std::min(static_cast<std::size_t>(end_plane(r)) + 1, weights.size());
     const Real particles = std::accumulate(weights.begin() + static_cast<std::ptrdiff_t>(first),
-                                           weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
-    const Real cells_of_rank = cells(r, cells_per_plane);
+                                           weights.begin() + static_cast<std::ptrdiff_t>(last), 0.0) /
+                           parts();
+    const Real cells_of_rank = cells(r, rows_and_columns[0], rows_and_columns[1]);
     if (particles <= max_counted && cells_of_rank <= max_counted) continue;
     throw InputError(
         fmt::format("rank {} of {} would hold {:.0f} particles and {:.0f} cells, where 2e9 can be counted; "
                     "use more ranks",
                     r, ranks(), particles, cells_of_rank));
   }
-  check_messages(weights, cells_per_plane, record_bytes);
+  check_messages(weights, rows_and_columns, record_bytes);
 }
 
 // The largest messages: the records of a plane's particles, or one number of the coarse grid for each of its cells.
-void Slabs::check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const {
-  for (int r = 1; r < ranks(); ++r) {
-    for (const LocalId plane : {first_plane(r) - 1, first_plane(r)}) {
+void Slabs::check_messages(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
+                           std::size_t record_bytes) const {
+  const Real cells_per_plane = static_cast<Real>(rows_and_columns[0]) * rows_and_columns[1];
+  for (int k = 1; k < slabs(); ++k) {
+    const LocalId cut = cuts_.planes[static_cast<std::size_t>(k)];
+    for (const LocalId plane : {cut - 1, cut}) {
       const Real records = weights[static_cast<std::size_t>(plane)] * static_cast<Real>(record_bytes);
-      const Real bytes = std::max(records, static_cast<Real>(cells_per_plane) * sizeof(Real));
+      const Real bytes = std::max(records, cells_per_plane * sizeof(Real)) / parts();
       if (bytes < max_message_bytes) continue;
       throw InputError(
           fmt::format("cell plane {} at a cut between two ranks would have {:.3g} GB to send, where a message holds 2; "
@@ -140,8 +184,15 @@ void Slabs::check_messages(std::span<const Real> weights, LocalId cells_per_plan
   }
 }
 
-int Slabs::owner(LocalId plane) const {
-  return static_cast<int>(std::upper_bound(cuts_.begin(), cuts_.end(), plane) - cuts_.begin()) - 1;
+int Slabs::slab_of(LocalId plane) const {
+  return static_cast<int>(std::upper_bound(cuts_.planes.begin(), cuts_.planes.end(), plane) - cuts_.planes.begin()) - 1;
+}
+
+int Slabs::owner(LocalId plane, LocalId row) const {
+  const int slab = slab_of(plane);
+  if (parts() == 1) return slab;
+  const auto first = cuts_.rows.begin() + std::ptrdiff_t{slab} * (parts() + 1);
+  return slab * parts() + static_cast<int>(std::upper_bound(first, first + parts(), row) - first) - 1;
 }
 
 }  // namespace trevi

@@ -1,11 +1,12 @@
-// Who owns which part of the box: each rank owns a run of cell planes along the slab axis, at least one.
-// Every rank knows all cuts (one number a rank), so ownership never needs a message. Not collective.
+// Who owns which part of the box: slabs are runs of cell planes along the slab axis, at least one each. A slab belongs
+// to one rank, or is cut into runs of rows for several ranks, as many in each slab, with cuts of its own. Every rank
+// knows all cuts (one or two numbers a rank), so ownership never needs a message. Not collective.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "trevi/types.hpp"
+#include "domain/cell_cuts.hpp"
 
 namespace trevi {
 
@@ -14,27 +15,47 @@ inline constexpr std::size_t max_message_bytes = std::size_t{1} << 31;
 
 class Slabs {
  public:
-  /// Cuts the planes so that the largest weight of a rank is as small as whole planes allow. `weights`: one per plane,
-  /// in any unit. Throws InputError when there are more ranks than planes.
-  Slabs(std::span<const Real> weights, int ranks);
+  /// Cuts the planes so that the largest weight of a slab is as small as whole planes allow. `weights`: one per plane,
+  /// in any unit. Throws InputError when there are more slabs than planes.
+  Slabs(std::span<const Real> weights, int slabs);
+  /// Cuts each slab into `parts` runs of rows likewise. `weights`: one for each row of each slab, slab by slab. Throws
+  /// InputError when there are more parts than rows.
+  void cut_rows(std::span<const Real> weights, int parts);
 
-  int ranks() const { return static_cast<int>(cuts_.size()) - 1; }
-  LocalId first_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank)]; }
-  LocalId end_plane(int rank) const { return cuts_[static_cast<std::size_t>(rank) + 1]; }  ///< one past
-  int owner(LocalId plane) const;
-  /// Largest sum of weights over ranks, divided by the mean; 1 where there is no weight. `weights`: one per plane.
+  const CellCuts& cuts() const { return cuts_; }
+  int ranks() const { return cuts_.ranks(); }
+  int slabs() const { return cuts_.slabs(); }
+  int parts() const { return cuts_.parts; }  ///< runs of rows of each slab
+  LocalId first_plane(int rank) const { return cuts_.planes[slab(rank)]; }
+  LocalId end_plane(int rank) const { return cuts_.planes[slab(rank) + 1]; }  ///< one past
+  /// What a rank owns of planes of `rows` rows.
+  CellWindow window(int rank, LocalId rows) const {
+    const CellWindow window = cuts_.window(rank);
+    return {window.planes, parts() == 1 ? Range{0, rows} : window.rows};
+  }
+  int slab_of(LocalId plane) const;
+  int owner(LocalId plane, LocalId row) const;
+  int owner(const CellGrid& grid, const Vec3& p) const { return owner(grid.plane_of(p), grid.row_of(p)); }
+  /// Largest sum of weights over slabs, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;
-  /// Whether each rank, with its ghost planes, can count its cells in a LocalId.
-  bool cells_fit(LocalId cells_per_plane) const;
+  /// The same over ranks. `weights`: one for each row of each slab.
+  Real imbalance_of_rows(std::span<const Real> weights) const;
+  /// Whether each rank, with its ghosts, can count its cells in a LocalId.
+  bool cells_fit(const CellGrid& grid) const { return cells_fit(grid.rows(), grid.columns()); }
+  bool cells_fit(LocalId rows, LocalId columns) const;
   /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts, or a
-  /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, `record_bytes` each.
-  void check_capacity(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
+  /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, `record_bytes` each, of
+  /// which each rank of a slab has an even share.
+  void check_capacity(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
+                      std::size_t record_bytes) const;
 
  private:
-  Real cells(int rank, LocalId cells_per_plane) const;  // ghost planes included
-  void check_messages(std::span<const Real> weights, LocalId cells_per_plane, std::size_t record_bytes) const;
+  std::size_t slab(int rank) const { return static_cast<std::size_t>(rank / cuts_.parts); }
+  Real cells(int rank, LocalId rows, LocalId columns) const;  // ghosts included
+  void check_messages(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
+                      std::size_t record_bytes) const;
 
-  std::vector<LocalId> cuts_;  // ranks + 1
+  CellCuts cuts_;  // of rows {0, 1} where they are not cut
 };
 
 }  // namespace trevi

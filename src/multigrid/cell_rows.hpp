@@ -15,30 +15,31 @@ inline LocalId rows_at_a_time(LocalId columns) { return std::max(4096 / (columns
 /// Whether a grid goes on at its other end beyond the last plane, row and column.
 using Repeats = std::array<bool, 3>;
 
-/// Planes of `rows` rows of `columns` cells.
+/// Planes of `rows` rows of `columns` cells, from row number `first_row` on.
 struct CellRows {
   Range planes;
   LocalId rows, columns;
+  LocalId first_row = 0;
 };
 
 /// work(k, r) for each row r of each plane k.
 template <class Work>
 void for_each_row(const CellRows& cells, const Work& work) {
-  const LocalId rows = cells.rows;
+  const LocalId rows = cells.rows, first_row = cells.first_row;
   const Range all{cells.planes.begin * rows, cells.planes.end * rows};
   for_each_part(all, rows_at_a_time(cells.columns), [&](Range part) {
-    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, i % rows);
+    for (LocalId i = part.begin; i < part.end; ++i) work(i / rows, first_row + i % rows);
   });
 }
 
 /// work(state, k, r) likewise, with a State of its own for rows that come one after the other.
 template <class State, class Work>
 void for_each_row_with(const CellRows& cells, const Work& work) {
-  const LocalId rows = cells.rows;
+  const LocalId rows = cells.rows, first_row = cells.first_row;
   const Range all{cells.planes.begin * rows, cells.planes.end * rows};
   for_each_part(all, rows_at_a_time(cells.columns), [&](Range part) {
     State state;
-    for (LocalId i = part.begin; i < part.end; ++i) work(state, i / rows, i % rows);
+    for (LocalId i = part.begin; i < part.end; ++i) work(state, i / rows, first_row + i % rows);
   });
 }
 

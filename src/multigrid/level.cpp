@@ -186,12 +186,12 @@ void MultigridLevel::repeat(std::vector<Real>& field) const {
     std::copy_n(field.begin() + plane, plane, field.end() - plane);
   }
   if (shape_.repeats[2]) repeat_columns(field, shape_.columns);
-  if (shape_.repeats[1]) repeat_rows(field, shape_.rows, shape_.columns);
+  if (shape_.repeats[1] && !shape_.rows_are_cut()) repeat_rows(field, shape_.rows, shape_.columns);
 }
 
 MultigridLevel::Children MultigridLevel::children_of(const LevelShape& coarse, LocalId k, LocalId r) const {
-  const LocalId plane = 2 * (k - 1 + coarse.first), row = 2 * r;
-  return {shape_.index(plane - shape_.first + 1, row, 0), row + 1 < shape_.rows ? 1.0 : 0.0,
+  const LocalId plane = 2 * (k - 1 + coarse.first), row = 2 * (r + coarse.first_row);
+  return {shape_.index(plane - shape_.first + 1, row - shape_.first_row, 0), row + 1 < shape_.all_rows ? 1.0 : 0.0,
           plane + 1 < shape_.all_planes ? 1.0 : 0.0};
 }
 
@@ -199,6 +199,12 @@ MultigridLevel::Children MultigridLevel::children_of(const LevelShape& coarse, L
 LocalId MultigridLevel::parent_of(const LevelShape& coarse, LocalId k) const {
   const LocalId plane = k - 1 + shape_.first;
   return (plane == shape_.all_planes ? coarse.all_planes + 1 : (plane + 2) / 2) - coarse.first;
+}
+
+// The same of rows.
+LocalId MultigridLevel::parent_row_of(const LevelShape& coarse, LocalId r) const {
+  const LocalId row = r + shape_.first_row;
+  return (row == shape_.all_rows ? coarse.all_rows : (row + 2) / 2 - 1) - coarse.first_row;
 }
 
 LocalId LevelShape::distance_below(std::size_t a, LocalId k) const {
@@ -215,13 +221,14 @@ Real MultigridLevel::fraction_of_link(const LevelShape& coarse, std::size_t a, L
   return static_cast<Real>(shape_.distance_below(a, 2 * k)) / coarse.distance_below(a, k);
 }
 
-void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
+void MultigridLevel::coarsen(MultigridLevel& coarse, const CellRows& made) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
-  for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
+  for_each_row(made, [&](LocalId k, LocalId r) {
     const Children of = children_of(to, k, r);
     const std::size_t at = to.index(k, r, 0);
-    const Real over_planes = fraction_of_link(to, 0, k - 1 + to.first), over_rows = fraction_of_link(to, 1, r);
+    const Real over_planes = fraction_of_link(to, 0, k - 1 + to.first),
+               over_rows = fraction_of_link(to, 1, r + to.first_row);
     const auto sum = [&](const std::vector<Real>& x, std::size_t i) {
       return (x[i] + of.rows * x[i + row]) + of.planes * (x[i + plane] + of.rows * x[i + plane + row]);
     };
@@ -235,10 +242,10 @@ void MultigridLevel::coarsen(MultigridLevel& coarse, Range planes) const {
   });
 }
 
-void MultigridLevel::restrict_residual(MultigridLevel& coarse, Range planes) const {
+void MultigridLevel::restrict_residual(MultigridLevel& coarse, const CellRows& made) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
-  for_each_row(to.rows_of(planes), [&](LocalId k, LocalId r) {
+  for_each_row(made, [&](LocalId k, LocalId r) {
     const Children of = children_of(to, k, r);
     const Real* from = next.data() + of.first;
     Real* y = coarse.rhs.data() + to.index(k, r, 0);
@@ -249,9 +256,13 @@ void MultigridLevel::restrict_residual(MultigridLevel& coarse, Range planes) con
 
 void MultigridLevel::add_correction(const MultigridLevel& coarse) {
   const LevelShape& from = coarse.shape_;
-  for_each_row(shape_.rows_of({0, shape_.planes + 2}), [&](LocalId k, LocalId r) {
-    const std::size_t at = shape_.index(k, r, 0), above = from.index(parent_of(from, k), r / 2, 0);
-    for (std::size_t c = 0; c < used(k, r); ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
+  const LocalId beside = shape_.rows_are_cut() ? 1 : 0;
+  const CellRows rows{{0, shape_.planes + 2}, shape_.rows + 2 * beside, shape_.columns, -beside};
+  for_each_row(rows, [&](LocalId k, LocalId r) {
+    const std::size_t at = shape_.index(k, r, 0), above = from.index(parent_of(from, k), parent_row_of(from, r), 0);
+    const bool is_own = r >= 0 && r < shape_.rows;
+    const std::size_t end = is_own ? used(k, r) : static_cast<std::size_t>(shape_.columns);
+    for (std::size_t c = 0; c < end; ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
   });
   repeat(phi);
 }

@@ -26,6 +26,7 @@ struct LevelShape {
   LocalId planes = 0, rows = 0, columns = 0;
   LocalId all_planes = 0;  // of the level, on all ranks
   Repeats repeats{};
+  LocalId first_row = 0, all_rows = 0;      // as those of planes
   std::array<LocalId, 2> last_width{1, 1};  // of the last plane and the last row; of others it is `width`
   LocalId width = 1;
 
@@ -42,7 +43,8 @@ struct LevelShape {
   CellRows rows_of(Range of) const { return {of, rows, columns}; }
   CellRows own_rows() const { return rows_of({1, planes + 1}); }
   bool is_whole() const { return planes == all_planes; }
-  LocalId count(std::size_t a) const { return a == 0 ? all_planes : rows; }
+  bool rows_are_cut() const { return rows != all_rows; }
+  LocalId count(std::size_t a) const { return a == 0 ? all_planes : all_rows; }
   /// Twice the distance from the middle of plane or row k of all to that of the one before, in cells of the finest
   /// level.
   LocalId distance_below(std::size_t a, LocalId k) const;
@@ -72,12 +74,12 @@ class MultigridLevel {
   /// Of a field whose own planes are new, and whose ghost planes have come if other ranks have them.
   void repeat(std::vector<Real>& field) const;
 
-  /// Links and Dirichlet diagonals of the own planes [planes) of `coarse`; needs those of the plane above the own ones
-  /// here.
-  void coarsen(MultigridLevel& coarse, Range planes) const;
-  /// rhs of the own planes [planes) of `coarse` from the residual in `next`, ghost planes included.
-  void restrict_residual(MultigridLevel& coarse, Range planes) const;
-  /// Adds phi of `coarse` to phi here, ghost planes included.
+  /// Links and Dirichlet diagonals of the cells `made` of `coarse`; needs those of the plane above the own ones here,
+  /// and of the row after them.
+  void coarsen(MultigridLevel& coarse, const CellRows& made) const;
+  /// rhs of the cells `made` of `coarse` from the residual in `next`, ghosts included.
+  void restrict_residual(MultigridLevel& coarse, const CellRows& made) const;
+  /// Adds phi of `coarse` to phi here, ghosts included.
   void add_correction(const MultigridLevel& coarse);
 
   std::size_t bytes() const;
@@ -98,6 +100,7 @@ class MultigridLevel {
   Children children_of(const LevelShape& coarse, LocalId k, LocalId r) const;
   Real fraction_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const;
   LocalId parent_of(const LevelShape& coarse, LocalId k) const;
+  LocalId parent_row_of(const LevelShape& coarse, LocalId r) const;
   // Cells of a column, from the floor up to the highest one of water.
   struct Column {
     std::size_t at, count;

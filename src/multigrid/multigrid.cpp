@@ -1,6 +1,7 @@
 #include "multigrid/multigrid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "parallel/waiting.hpp"
@@ -16,77 +17,114 @@ constexpr Real damping = 0.8;
 // to a fifth of an error; see tests/multigrid/test_multigrid.cpp.
 constexpr int sweeps = 2, coarsest_sweeps = 4;
 
-LocalId half(LocalId count) { return (count + 1) / 2; }
-
 }  // namespace
 
-void Multigrid::resize(LocalId planes, LocalId rows, LocalId columns, int depth) {
-  const auto ranks = static_cast<std::size_t>(size_of(comm_)), rank = static_cast<std::size_t>(rank_of(comm_));
-  cuts_.assign(ranks + 1, 0);
-  MPI_Allgather(&planes, 1, MPI_INT32_T, &cuts_[1], 1, MPI_INT32_T, comm_);
-  for (std::size_t r = 0; r < ranks; ++r) cuts_[r + 1] += cuts_[r];
+// From what each rank has: a slab ends with the rank whose rows are the last ones.
+void Multigrid::find_cuts(LocalId planes, LocalId rows, LocalId all_rows) {
+  const std::array<LocalId, 2> mine{planes, rows};
+  std::vector<std::array<LocalId, 2>> all(static_cast<std::size_t>(size_of(comm_)));
+  MPI_Allgather(mine.data(), 2, MPI_INT32_T, all.data(), 2, MPI_INT32_T, comm_);
+  cuts_ = {{0}, 0, {}};
+  LocalId row = 0;
+  int parts = 0;
+  for (const auto& [of_planes, of_rows] : all) {
+    cuts_.rows.push_back(row);
+    row += of_rows;
+    ++parts;
+    if (row < all_rows) continue;
+    cuts_.rows.push_back(row);
+    cuts_.planes.push_back(cuts_.planes.back() + of_planes);
+    cuts_.parts = parts;
+    row = parts = 0;
+  }
+}
+
+void Multigrid::resize(LocalId planes, LocalId rows, LocalId columns, int depth, const Rows& of_box) {
+  const CellCuts before = cuts_;
+  find_cuts(planes, rows, of_box.all_rows);
+  const LocalId all_planes = cuts_.planes.back();
   // Columns of the coarsest level are at least as wide as the water is deep.
-  const LocalId widest = std::max(cuts_.back(), rows);
+  const LocalId widest = std::max(all_planes, of_box.all_rows);
   const auto useful = 1 + std::bit_width(static_cast<unsigned>(std::max(depth, 1)));
   const auto possible = 1 + std::bit_width(static_cast<unsigned>(widest - 1));
-  levels_.resize(static_cast<std::size_t>(std::min(useful, possible)));
-  levels_[0].cells.resize({cuts_[rank], planes, rows, columns, cuts_.back(), repeats_});
-  for (std::size_t l = 0; l < levels_.size(); ++l) place_level(l);
+  const auto count = static_cast<std::size_t>(std::min(useful, possible));
+  const bool same_cuts = before == cuts_ && count == levels_.size();
+  levels_.resize(count);
+  const LocalId first = cuts_.window(rank_of(comm_)).planes.begin;
+  levels_[0].cells.resize({.first = first,
+                           .planes = planes,
+                           .rows = rows,
+                           .columns = columns,
+                           .all_planes = all_planes,
+                           .repeats = repeats_,
+                           .first_row = of_box.first_row,
+                           .all_rows = of_box.all_rows});
+  for (std::size_t l = 0; l < levels_.size(); ++l) place_level(l, same_cuts);
 }
 
 // Where this rank stands on a level.
-void Multigrid::place_level(std::size_t l) {
-  const auto rank = static_cast<std::size_t>(rank_of(comm_));
+void Multigrid::place_level(std::size_t l, bool same_cuts) {
   const int number = static_cast<int>(l);
   Level& level = levels_[l];
-  const LocalId first = first_on_level(cuts_[rank], number), end = first_on_level(cuts_[rank + 1], number);
-  const LocalId all = first_on_level(cuts_.back(), number);
-  level.gathered = false;
+  const CellWindow own = window_on_level(cuts_.window(rank_of(comm_)), number);
+  const LocalId planes = first_on_level(cuts_.planes.back(), number), rows = first_on_level(cuts_.all_rows(), number);
+  const bool was_gathered = level.gathered;
+  const LocalId columns = levels_[0].cells.shape().columns;
+  level.gathered = l > 0 && (levels_[l - 1].gathered || GlobalId{planes} * rows * columns <= gathered_);
   if (l > 0) {
-    const LevelShape& finer = levels_[l - 1].cells.shape();
-    const LocalId rows = half(finer.rows);
-    level.gathered = levels_[l - 1].gathered || GlobalId{all} * rows * finer.columns <= gathered_;
-    LevelShape shape{
-        level.gathered ? 0 : first, level.gathered ? all : end - first, rows, finer.columns, all, repeats_};
+    const CellWindow held = level.gathered ? CellWindow{{0, planes}, {0, rows}} : own;
+    LevelShape shape{.first = held.planes.begin,
+                     .planes = held.planes.size(),
+                     .rows = held.rows.size(),
+                     .columns = columns,
+                     .all_planes = planes,
+                     .repeats = repeats_,
+                     .first_row = held.rows.begin,
+                     .all_rows = rows};
     shape.width = LocalId{1} << number;
-    shape.last_width = {cuts_.back() - (all - 1) * shape.width,
-                        levels_[0].cells.shape().rows - (rows - 1) * shape.width};
+    shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width, cuts_.all_rows() - (rows - 1) * shape.width};
     level.cells.resize(shape);
   }
-  level.peers = level.gathered ? PlanePeers{} : peers_on_level(cuts_, rank_of(comm_), number, repeats_[0]);
-  const bool each = l > 0 && levels_[l - 1].gathered;
-  level.made = each ? Range{1, all + 1} : level.gathered ? Range{first + 1, end + 1} : Range{1, end - first + 1};
+  if (!same_cuts || level.gathered != was_gathered) {
+    level.peers = level.gathered ? CellPeers{} : cell_peers(cuts_, rank_of(comm_), number, {repeats_[0], repeats_[1]});
+  }
+  level.made = level.cells.shape().own_rows();
+  if (is_gathered_here(l))
+    level.made = {{own.planes.begin + 1, own.planes.end + 1}, own.rows.size(), columns, own.rows.begin};
 }
 
-// Of fields of a gathered level: the planes of all ranks, in their order. All fields go in one message.
+// Of fields of a gathered level: the cells of all ranks, in the order of the ranks. All fields go in one message.
 void Multigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields) {
-  const Level& level = levels_[l];
-  const std::size_t plane = level.cells.shape().step(0);
-  const auto all = static_cast<std::size_t>(level.cells.shape().planes);
+  const MultigridLevel& cells = levels_[l].cells;
+  const std::size_t row = cells.shape().step(1);
+  const int ranks = size_of(comm_), mine = rank_of(comm_);
   std::vector<int> counts, places;
-  for (std::size_t r = 0; r + 1 < cuts_.size(); ++r) {
-    const LocalId first = first_on_level(cuts_[r], static_cast<int>(l));
-    const LocalId end = first_on_level(cuts_[r + 1], static_cast<int>(l));
-    counts.push_back(static_cast<int>(static_cast<std::size_t>(end - first) * plane * fields.size()));
-    places.push_back(static_cast<int>(static_cast<std::size_t>(first) * plane * fields.size()));
+  int all = 0;
+  for (int r = 0; r < ranks; ++r) {
+    const CellWindow own = window_on_level(cuts_.window(r), static_cast<int>(l));
+    counts.push_back(own.planes.size() * own.rows.size() * static_cast<int>(row * fields.size()));
+    places.push_back(all);
+    all += counts.back();
   }
-  packed_.resize(all * plane * fields.size());
-  // Where plane k of the field, counted from 1, stands in the message.
-  const auto place = [&](std::size_t k, std::size_t field) { return ((k - 1) * fields.size() + field) * plane; };
-  for (auto k = static_cast<std::size_t>(level.made.begin); k < static_cast<std::size_t>(level.made.end); ++k) {
-    std::size_t number = 0;
-    for (const auto* field : fields) std::copy_n(field->data() + k * plane, plane, packed_.data() + place(k, number++));
-  }
+  packed_.resize(static_cast<std::size_t>(all));
+  // visit(where a row of a field is in it, and in the message) for those of a rank.
+  const auto for_each_row_of = [&](int r, const auto& visit) {
+    const CellWindow own = window_on_level(cuts_.window(r), static_cast<int>(l));
+    Real* packed = packed_.data() + places[static_cast<std::size_t>(r)];
+    for (auto* field : fields) {
+      for (LocalId k = own.planes.begin; k < own.planes.end; ++k) {
+        for (LocalId i = own.rows.begin; i < own.rows.end; ++i, packed += row)
+          visit(field->data() + cells.shape().index(k + 1, i, -1), packed);
+      }
+    }
+  };
+  for_each_row_of(mine, [&](Real* in_field, Real* packed) { std::copy_n(in_field, row, packed); });
   MPI_Request request;
   MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_.data(), counts.data(), places.data(), MPI_DOUBLE, comm_,
                   &request);
   wait_all({&request, 1});
-  std::size_t number = 0;
-  for (auto* field : fields) {
-    for (std::size_t k = 1; k <= all; ++k)
-      std::copy_n(packed_.data() + place(k, number), plane, field->data() + k * plane);
-    ++number;
-  }
+  for (int r = 0; r < ranks; ++r)
+    for_each_row_of(r, [&](Real* in_field, Real* packed) { std::copy_n(packed, row, in_field); });
 }
 
 // Fields of the coarse levels from those of the finest; and what levels do not know of their ghost planes.
@@ -98,25 +136,33 @@ void Multigrid::join_levels(Halo& halo) {
       complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.dirichlet}, halo);
     } else {
       complete(l, {&cells.dirichlet}, halo);
+      // Of the plane above links are known, of the row after the own ones those across their lower faces alone.
+      if (cells.shape().rows_are_cut()) complete(l, {&cells.link[0], &cells.link[1], &cells.link[2]}, halo);
     }
     for (auto& field : cells.link) cells.repeat(field);
     cells.factor();
-    halo.start_planes(cells.per_pivot, cells.shape().step(0), levels_[l].peers);
-    halo.finish();
-    cells.repeat(cells.per_pivot);
+    exchange(levels_[l], halo, cells.per_pivot);
   }
 }
 
-// Finds the planes of fields that other ranks have made and this one needs.
+void Multigrid::exchange(Level& level, Halo& halo, std::vector<Real>& field) const {
+  halo.start_cells(field, level.cells.shape().step(0), level.peers);
+  halo.finish();
+  level.cells.repeat(field);
+}
+
+// Finds the cells of fields that other ranks have made and this one needs.
 void Multigrid::complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo) {
   if (is_gathered_here(l)) return gather(l, fields);
-  for (auto* field : fields) halo.start_planes(*field, levels_[l].cells.shape().step(0), downwards(levels_[l].peers));
+  const CellPeers upper = upper_zones(levels_[l].peers);
+  for (auto* field : fields) halo.start_cells(*field, levels_[l].cells.shape().step(0), upper);
   halo.finish();
 }
 
 void Multigrid::solve(Halo& halo, int cycles) {
   join_levels(halo);
   finest().repeat(finest().phi);
+  if (finest().shape().rows_are_cut()) exchange(levels_[0], halo, finest().phi);
   for (int k = 0; k < cycles; ++k) cycle(halo);
 }
 
@@ -126,7 +172,7 @@ void Multigrid::cycle(Halo& halo) {
     if (l > 0) sweep_from_zero(level, halo, damping);
     for (int s = l > 0 ? 1 : 0; s < sweeps; ++s) sweep(level, halo, damping);
     level.cells.find_residual();
-    halo.start_planes(level.cells.next, level.cells.shape().step(0), downwards(level.peers));
+    halo.start_cells(level.cells.next, level.cells.shape().step(0), upper_zones(level.peers));
     halo.finish();
     level.cells.restrict_residual(levels_[l + 1].cells, levels_[l + 1].made);
     if (is_gathered_here(l + 1)) gather(l + 1, {&levels_[l + 1].cells.rhs});
@@ -141,8 +187,7 @@ void Multigrid::cycle(Halo& halo) {
 // A single column is solved at once.
 void Multigrid::sweep_coarsest(Halo& halo) {
   Level& level = levels_.back();
-  const LocalId planes = first_on_level(cuts_.back(), static_cast<int>(levels_.size()) - 1);
-  const bool single = planes == 1 && level.cells.shape().rows == 1;
+  const bool single = level.cells.shape().all_planes == 1 && level.cells.shape().all_rows == 1;
   const int count = single ? 1 : coarsest_sweeps;
   const Real weight = single ? 1 : damping;
   if (levels_.size() > 1) sweep_from_zero(level, halo, weight);
@@ -152,21 +197,21 @@ void Multigrid::sweep_coarsest(Halo& halo) {
 // What the neighbours wait for goes first.
 void Multigrid::sweep(Level& level, Halo& halo, Real weight) const {
   const LocalId planes = level.cells.shape().planes;
-  const bool ahead = !level.gathered && planes > 1 && size_of(comm_) > 1;
+  const bool ahead = !level.gathered && planes > 1 && size_of(comm_) > 1 && cuts_.parts == 1;
   if (ahead) {
     level.cells.sweep({1, 2}, weight);
     level.cells.sweep({planes, planes + 1}, weight);
   } else {
     level.cells.sweep({1, planes + 1}, weight);
   }
-  halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
+  halo.start_cells(level.cells.next, level.cells.shape().step(0), level.peers);
   if (ahead) level.cells.sweep({2, planes}, weight);
   show_next(level, halo);
 }
 
 void Multigrid::sweep_from_zero(Level& level, Halo& halo, Real weight) const {
   level.cells.sweep_from_zero(weight);
-  halo.start_planes(level.cells.next, level.cells.shape().step(0), level.peers);
+  halo.start_cells(level.cells.next, level.cells.shape().step(0), level.peers);
   show_next(level, halo);
 }
 
@@ -177,7 +222,8 @@ void Multigrid::show_next(Level& level, Halo& halo) const {
 }
 
 std::size_t Multigrid::bytes() const {
-  std::size_t sum = cuts_.capacity() * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
+  std::size_t sum =
+      (cuts_.planes.capacity() + cuts_.rows.capacity()) * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
   for (const Level& level : levels_) sum += level.cells.bytes();
   return sum;
 }

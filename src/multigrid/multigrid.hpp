@@ -6,8 +6,8 @@
 //
 // Nothing here depends on the ranks: levels are counted from the start of the box, each cell has one formula, and no
 // sum goes over more than the cells that a coarse cell stands for. A level with few cells is gathered to all ranks in
-// the order of its planes, and it and those below are worked out by each of them; above that, ranks hold the planes
-// that begin in their slab (plane_peers.hpp). Collective.
+// the order of its planes, and it and those below are worked out by each of them; above that, ranks hold the cells
+// that begin in their window (cell_peers.hpp). Collective.
 #pragma once
 
 #include <initializer_list>
@@ -23,8 +23,15 @@ class Multigrid {
   explicit Multigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = 4096)
       : comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
-  /// For own planes of `rows` x `columns` cells, all of them of every rank, with water `depth` cells deep.
-  void resize(LocalId planes, LocalId rows, LocalId columns, int depth);
+  /// For own planes of `rows` x `columns` cells, with water `depth` cells deep. `first_row`, `all_rows`: where other
+  /// ranks have rows of the same planes, the number of the first own one, and of all; else 0 and `rows`.
+  struct Rows {
+    LocalId first_row = 0, all_rows = 0;
+  };
+  void resize(LocalId planes, LocalId rows, LocalId columns, int depth, const Rows& of_box);
+  void resize(LocalId planes, LocalId rows, LocalId columns, int depth) {
+    resize(planes, rows, columns, depth, {0, rows});
+  }
   /// Holds the equation and the start, phi with its ghost planes. Links are known in the plane above the own ones, too.
   /// Where the box repeats, halo exchanges are those of a ring.
   MultigridLevel& finest() { return levels_.front().cells; }
@@ -38,11 +45,13 @@ class Multigrid {
  private:
   struct Level {
     MultigridLevel cells;
-    PlanePeers peers;
-    Range made;             // planes that this rank makes from the finer level
-    bool gathered = false;  // all planes are on all ranks
+    CellPeers peers;
+    CellRows made{};        // cells that this rank makes from the finer level
+    bool gathered = false;  // all cells are on all ranks
   };
-  void place_level(std::size_t l);
+  void find_cuts(LocalId planes, LocalId rows, LocalId all_rows);
+  void place_level(std::size_t l, bool same_cuts);
+  void exchange(Level& level, Halo& halo, std::vector<Real>& field) const;
   bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
   void join_levels(Halo& halo);
   void complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo);
@@ -56,7 +65,7 @@ class Multigrid {
   MPI_Comm comm_;
   Repeats repeats_;
   GlobalId gathered_;
-  std::vector<LocalId> cuts_;  // first planes of all ranks on the finest level, and the number of planes
+  CellCuts cuts_;  // of the finest level
   std::vector<Level> levels_{1};
   std::vector<Real> packed_;  // what is gathered
 };

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/range.hpp"
 #include "trevi/types.hpp"
 
 namespace trevi {
@@ -18,6 +19,11 @@ inline bool is_whole_period(Real length, Real h) {
   const Real cells = std::round(length / h);
   return cells >= 3 && std::abs(length / h - cells) <= 1e-9 * cells;
 }
+
+/// A run of planes, and of rows in each of them: what a rank owns. Counted from the start of the box.
+struct CellWindow {
+  Range planes, rows;
+};
 
 class CellGrid {
  public:

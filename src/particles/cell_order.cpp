@@ -23,8 +23,8 @@ struct CellOrder::RowScratch {
 
 // Fills order_ with the particles row by row of cells, within a row in the order in which they are stored. Each part of
 // the particles is counted and placed by one thread.
-void CellOrder::sort_by_rows(const Particles& particles, LocalId first) {
-  const LocalId rows = planes_ * grid_.rows();
+void CellOrder::sort_by_rows(const Particles& particles) {
+  const LocalId own_rows = this->rows(), rows = planes() * own_rows;
   // As many counters as particles at the most.
   const LocalId parts = std::clamp(owned_ / rows, 1, thread_count());
   std::vector<LocalId> next(static_cast<std::size_t>(parts) * static_cast<std::size_t>(rows), 0);
@@ -36,9 +36,10 @@ void CellOrder::sort_by_rows(const Particles& particles, LocalId first) {
   for_each_part({0, owned_}, size, [&](Range part) {
     LocalId* count = counters(part.begin / size);
     for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
-      const LocalId plane = grid_.plane_of(particles.predicted[i]) - first;
-      assert(plane >= 0 && plane < planes_);
-      const LocalId row = plane * grid_.rows() + grid_.row_of(particles.predicted[i]);
+      const LocalId plane = grid_.plane_of(particles.predicted[i]) - window_.planes.begin;
+      const LocalId row_in_plane = grid_.row_of(particles.predicted[i]) - window_.rows.begin;
+      assert(plane >= 0 && plane < planes() && row_in_plane >= 0 && row_in_plane < own_rows);
+      const LocalId row = plane * own_rows + row_in_plane;
       // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
       cell_[i] = row * grid_.columns() + grid_.column_of(particles.predicted[i]);
       ++count[row];
@@ -93,13 +94,13 @@ void CellOrder::apply(std::vector<T>& field, std::vector<T>& scratch) const {
   std::swap(scratch, field);
 }
 
-void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velocities) {
-  planes_ = planes.last - planes.first;
+void CellOrder::sort(Particles& particles, const CellWindow& window, Velocities velocities) {
+  window_ = window;
   owned_ = particles.size();
-  sort_by_rows(particles, planes.first);
-  counts_.resize(static_cast<std::size_t>(planes_) * cells());
+  sort_by_rows(particles);
+  counts_.resize(static_cast<std::size_t>(planes()) * cells());
   PerThread<RowScratch> scratch;
-  for_each_part(planes_ * grid_.rows(), [&](LocalId row) { sort_row(particles, row, scratch.mine()); });
+  for_each_part(planes() * rows(), [&](LocalId row) { sort_row(particles, row, scratch.mine()); });
   std::vector<Vec3> own;
   std::vector<Vec3>& vectors = velocities == Velocities::discard ? particles.velocity : own;
   particles.for_each_kept_field([&]<class T>(std::vector<T>& field) {
@@ -112,33 +113,39 @@ void CellOrder::sort(Particles& particles, const Planes& planes, Velocities velo
   if (velocities == Velocities::preserve) apply(particles.velocity, own);
 }
 
-std::span<const LocalId> CellOrder::first_plane_counts() const { return {counts_.data(), cells()}; }
-
-std::span<const LocalId> CellOrder::high_plane_counts() const {
-  return {counts_.data() + (static_cast<std::size_t>(planes_) - 1) * cells(), cells()};
-}
-
-void CellOrder::add_ghosts(std::span<const LocalId> low_counts, std::span<const LocalId> high_counts) {
-  low_ghosts_ = std::reduce(low_counts.begin(), low_counts.end(), 0);
-  high_ghosts_ = std::reduce(high_counts.begin(), high_counts.end(), 0);
-  start_.resize((static_cast<std::size_t>(planes_) + 2) * cells() + 1);
-  for_each_part(planes_ + 2, [&](LocalId k) {
+void CellOrder::add_ghosts(const GhostCounts& counts) {
+  low_ghosts_ = std::reduce(counts.low.begin(), counts.low.end(), 0);
+  high_ghosts_ = std::reduce(counts.high.begin(), counts.high.end(), 0);
+  start_.resize((static_cast<std::size_t>(planes()) + 2) * cells() + 1);
+  for_each_part(planes() + 2, [&](LocalId k) {
     const std::size_t at = static_cast<std::size_t>(k) * cells();
-    if (k == 0) return add_plane(low_counts, 0, at);
-    if (k == planes_ + 1) return add_plane(high_counts, low_ghosts_ + owned_, at);
-    const auto row = (static_cast<std::size_t>(k) - 1) * static_cast<std::size_t>(grid_.rows());
+    if (k == 0) return add_plane(counts.low, 0, at);
+    if (k == planes() + 1) return add_plane(counts.high, low_ghosts_ + owned_, at);
+    const auto row = (static_cast<std::size_t>(k) - 1) * static_cast<std::size_t>(rows());
     add_plane({counts_.data() + at - cells(), cells()}, low_ghosts_ + row_start_[row], at);
   });
   copied_ = 0;
-  start_.back() = size();
-  if (grid_.is_periodic(1) || grid_.is_periodic(2)) add_copies();
+  start_.back() = low_ghosts_ + owned_ + high_ghosts_;
+  for (auto& starts : row_start_ghosts_) starts.clear();
+  add_row_ghosts(counts.row_before, 0);
+  add_row_ghosts(counts.row_after, 1);
+  if (has_copies()) add_copies();
+}
+
+void CellOrder::add_row_ghosts(std::span<const LocalId> counts, std::size_t side) {
+  if (counts.empty()) return;
+  const LocalId first = size();
+  std::vector<LocalId>& starts = row_start_ghosts_[side];
+  starts.resize(counts.size() + 1);
+  std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), first);
+  starts.back() = starts[counts.size() - 1] + counts.back();
 }
 
 void CellOrder::add_copies() {
   copies_.clear();
-  const LocalId rows = grid_.rows(), columns = grid_.columns();
-  around_.assign((static_cast<std::size_t>(planes_) + 2) * static_cast<std::size_t>((rows + 2) * (columns + 2)), {});
-  for (LocalId k = 0; k < planes_ + 2; ++k) {
+  const LocalId rows = this->rows(), columns = grid_.columns();
+  around_.assign((static_cast<std::size_t>(planes()) + 2) * static_cast<std::size_t>((rows + 2) * (columns + 2)), {});
+  for (LocalId k = 0; k < planes() + 2; ++k) {
     for (LocalId r = -1; r <= rows; ++r) {
       for (LocalId c = -1; c <= columns; ++c) add_copy(k, r, c);
     }
@@ -147,11 +154,13 @@ void CellOrder::add_copies() {
 
 // Enters cell (k, r, c), which may be outside of the plane, into around_.
 void CellOrder::add_copy(LocalId k, LocalId r, LocalId c) {
-  const LocalId rows = grid_.rows(), columns = grid_.columns();
-  const int row_turn = r < 0 ? -1 : r == rows ? 1 : 0, column_turn = c < 0 ? -1 : c == columns ? 1 : 0;
-  if ((row_turn != 0 && !grid_.is_periodic(1)) || (column_turn != 0 && !grid_.is_periodic(2))) return;
-  const LocalId cell = (r - row_turn * rows) * columns + c - column_turn * columns;
-  Range range{start(k, cell), start(k, cell + 1)};
+  const LocalId rows = this->rows(), columns = grid_.columns();
+  const bool beyond = r < 0 || r == rows;
+  if ((beyond && !grid_.is_periodic(1) && !rows_are_cut()) || ((c < 0 || c == columns) && !grid_.is_periodic(2)))
+    return;
+  const int row_turn = !beyond || !rows_wrap() ? 0 : r < 0 ? -1 : 1, column_turn = c < 0 ? -1 : c == columns ? 1 : 0;
+  const LocalId column = c - column_turn * columns;
+  Range range = run(k, r - row_turn * rows, {column, column + 1});
   if (row_turn != 0 || column_turn != 0) {
     const LocalId to = size();
     if (range.size() > 0) copies_.push_back({range.begin, range.size(), to, {row_turn, column_turn}});
@@ -176,9 +185,9 @@ Range CellOrder::owned_range(LocalId k, LocalId l) const {
 }
 
 std::size_t CellOrder::bytes() const {
-  std::size_t bytes =
-      (counts_.capacity() + start_.capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
-      sizeof(LocalId);
+  std::size_t bytes = (counts_.capacity() + start_.capacity() + row_start_ghosts_[0].capacity() +
+                       row_start_ghosts_[1].capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
+                      sizeof(LocalId);
   bytes += copies_.capacity() * sizeof(Copy) + around_.capacity() * sizeof(Range);
   std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;

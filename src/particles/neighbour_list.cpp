@@ -124,11 +124,11 @@ class Runs {
 inline Runs cells_around(const CellOrder& order, LocalId k, LocalId c) {
   const CellGrid& grid = order.grid();
   const LocalId row = c / grid.columns(), column = c % grid.columns();
-  const auto near = [&](std::size_t direction, LocalId at, LocalId count) {
-    const bool periodic = grid.is_periodic(direction);
-    return Range{periodic ? at - 1 : std::max(at - 1, 0), periodic ? at + 2 : std::min(at + 2, count)};
+  const auto near = [](bool go_on, LocalId at, LocalId count) {
+    return Range{go_on ? at - 1 : std::max(at - 1, 0), go_on ? at + 2 : std::min(at + 2, count)};
   };
-  const Range rows = near(1, row, grid.rows()), columns = near(2, column, grid.columns());
+  const Range rows = near(grid.is_periodic(1) || order.rows_are_cut(), row, order.rows());
+  const Range columns = near(grid.is_periodic(2), column, grid.columns());
   Runs runs;
   for (LocalId plane = k - 1; plane <= k + 1; ++plane) {
     for (LocalId r = rows.begin; r < rows.end; ++r) {
@@ -141,14 +141,15 @@ inline Runs cells_around(const CellOrder& order, LocalId k, LocalId c) {
 
 // The rows of cells around cell c of plane k (0 is the low ghost plane).
 inline Runs runs_around(const CellOrder& order, LocalId k, LocalId c) {
-  if (order.grid().is_periodic(1) || order.grid().is_periodic(2)) return cells_around(order, k, c);
-  const LocalId columns = order.grid().columns(), rows = order.grid().rows();
-  const LocalId row = c / columns, column = c % columns;
-  const LocalId first = std::max(column - 1, 0), last = std::min(column + 1, columns - 1);
+  if (order.has_copies()) return cells_around(order, k, c);
+  const LocalId columns = order.grid().columns(), row = c / columns, column = c % columns;
+  const Range of_row{std::max(column - 1, 0), std::min(column + 2, columns)}, rows = order.rows_beside(row);
   Runs runs;
   for (LocalId plane = k - 1; plane <= k + 1; ++plane) {
-    for (LocalId r = std::max(row - 1, 0); r <= std::min(row + 1, rows - 1); ++r)
-      runs.add(order.start(plane, r * columns + first), order.start(plane, r * columns + last + 1));
+    for (LocalId r = rows.begin; r < rows.end; ++r) {
+      const Range run = order.run(plane, r, of_row);
+      runs.add(run.begin, run.end);
+    }
   }
   return runs;
 }
@@ -237,7 +238,7 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
 
 template <class T>
 void search(const SearchInput<T>& in, SearchResult& result) {
-  const LocalId rows = in.order.grid().rows(), columns = in.order.grid().columns();
+  const LocalId rows = in.order.rows(), columns = in.order.grid().columns();
   PerThread<Worker<T>> workers;
   for_each_part(in.order.planes() * rows, [&](LocalId part) {
     const LocalId k = part / rows + 1, first = part % rows * columns;

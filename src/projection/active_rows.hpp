@@ -28,26 +28,29 @@ class ActiveRows {
   /// Cells of row r of plane k that can be water: up to the one above the highest cell around that has a surface.
   /// Planes are counted from 0, the low ghost plane.
   LocalId wet_columns(LocalId k, LocalId r) const { return wet_[index(k, r)]; }
-  /// Cells to look at: all that are next to one that can be water. Not known of the ghost planes' rows in full.
+  /// Cells to look at: all that are next to one that can be water. Not known in full of ghost planes and ghost rows.
   LocalId columns(LocalId k, LocalId r) const { return near_[index(k, r)]; }
   std::size_t bytes() const { return (surface_.capacity() + wet_.capacity() + near_.capacity()) * sizeof(LocalId); }
 
  private:
   std::size_t index(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
+    return static_cast<std::size_t>(k) * (static_cast<std::size_t>(rows_) + 2) + static_cast<std::size_t>(r + 1);
   }
   void look_at_row(const CellOrder& order, LocalId k, LocalId r, int& depth);
   LocalId find_max_columns() const;
   // As many cells a row as a loop of threads gives a part of 64 rows.
   CellRows rows_of(Range planes) const { return {planes, rows_, 62}; }
-  void spread(const std::vector<LocalId>& from, Range planes, std::vector<LocalId>& to) const;
+  CellRows rows_and_ghosts_of(Range planes) const {
+    return rows_are_cut_ ? CellRows{planes, rows_ + 2, 62, -1} : rows_of(planes);
+  }
+  void spread(const std::vector<LocalId>& from, const CellRows& rows, std::vector<LocalId>& to) const;
 
   MPI_Comm comm_;
   Least least_;
   LocalId planes_ = 0, rows_ = 0, max_columns_ = 0;
-  bool rows_repeat_ = false;
+  bool rows_wrap_ = false, rows_are_cut_ = false;
   int depth_ = 0;
-  std::vector<LocalId> surface_, wet_, near_;  // of each row, ghost planes included
+  std::vector<LocalId> surface_, wet_, near_;  // of each row, ghosts included
 };
 
 }  // namespace trevi

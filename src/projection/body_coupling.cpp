@@ -35,7 +35,7 @@ void BodyCoupling::solve(Pressure& pressure, const FreeSurface& surface, Halo& h
     pressure.improve(halo, projection::cycles_per_answer);
   }
   bodies.hear(pressed(surface, record));
-  pressure.finish(surface);
+  pressure.finish(surface, halo);
 }
 
 }  // namespace trevi

@@ -119,9 +119,15 @@ class CellFields {
 
   /// Memory of one whole row.
   std::size_t per_row() const { return storage_->per_row() * numbers_; }
-  /// To exchange planes.
-  std::span<EightCells> values() { return {values_.get(), storage_->exchanged() * numbers_}; }
-  std::size_t per_plane() const { return storage_->per_plane() * numbers_; }
+  /// Begins to exchange boundary planes, and rows where these are cut.
+  void start(Halo& halo) {
+    const std::size_t per_plane = storage_->per_plane() * numbers_;
+    halo.start_planes(std::span(values_.get(), storage_->whole_planes() * numbers_), per_plane);
+    if (!halo.rows_are_cut()) return;
+    const LocalId planes = storage_->shape().cells.planes.end - 2;
+    halo.start_rows({planes, per_row() * sizeof(EightCells)},
+                    [this](LocalId k, LocalId r, int) { return values_.get() + storage_->places(k, r)[0] * numbers_; });
+  }
   std::size_t numbers() const { return numbers_; }
   std::size_t bytes() const { return capacity_ * sizeof(EightCells); }
 
@@ -140,7 +146,12 @@ class CellFields {
 template <class State, class Work, class Send>
 void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, const Work& work, const Send& send) {
   const LocalId rows = grid.rows(), last = grid.planes();
-  if (!halo.has_neighbours()) return for_each_row_with<State>(grid.rows_of({1, last + 1}), work);
+  if (!halo.has_neighbours() || grid.rows_are_cut()) {
+    for_each_row_with<State>(grid.rows_of({1, last + 1}), work);
+    if (!halo.has_neighbours()) return;
+    send();
+    return halo.finish();
+  }
   constexpr LocalId part_size = 16;  // a plane has few rows for all threads
   for_each_part({0, std::min(last, 2) * rows}, part_size, [&](Range part) {
     State state;
@@ -152,7 +163,7 @@ void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, const Work& w
 }
 template <class State, class Work>
 void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, CellFields& field, const Work& work) {
-  for_each_row_and_send<State>(grid, halo, work, [&] { halo.start_planes(field.values(), field.per_plane()); });
+  for_each_row_and_send<State>(grid, halo, work, [&] { field.start(halo); });
 }
 
 }  // namespace trevi

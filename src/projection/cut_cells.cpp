@@ -30,7 +30,7 @@ Vec3 CutCells::place(const Vec3& in_cells) const {
   for (std::size_t a = 0; a < 3; ++a) {
     const auto b = static_cast<Eigen::Index>(a);
     // Counted from the start of the box first, which is exact: the same place on whatever rank.
-    p[axis_[a]] = origin_[b] + (in_cells[b] + (a == 0 ? first_ - 1 : 0)) * size_[b];
+    p[axis_[a]] = origin_[b] + (in_cells[b] + (a == 0 ? first_ - 1 : a == 1 ? first_row_ : 0)) * size_[b];
   }
   return p;
 }
@@ -105,8 +105,8 @@ CutCells::Zone CutCells::zone_of(const Body& body) const {
 void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const {
   ranges.clear();
   for (const Zone& zone : zones) {
-    const LocalId plane = row.plane - 1 + first_;
-    if (plane < zone.low[0] || plane > zone.high[0] || row.row < zone.low[1] || row.row > zone.high[1]) continue;
+    if (row.plane < zone.low[0] || row.plane > zone.high[0] || row.row < zone.low[1] || row.row > zone.high[1])
+      continue;
     const Range range{std::max(zone.low[2], 0), std::min(zone.high[2], row.columns - 1) + 1};
     if (range.begin < range.end) ranges.push_back(range);
   }
@@ -122,41 +122,48 @@ void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::
   if (!ranges.empty()) ranges.resize(last + 1);
 }
 
-// visit(k, r, candidates, columns) for the ranges of each row of owned and ghost planes.
+// visit(k, r, candidates, columns) for the ranges of each row, ghosts included.
 template <class Visit>
 void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
-  for_each_part((grid.planes() + 2) * grid.rows(), [&](LocalId row) {
-    const LocalId k = row / grid.rows(), r = row % grid.rows();
+  const CellRows rows = grid.rows_and_ghosts_of({0, grid.planes() + 2});
+  for_each_part((grid.planes() + 2) * rows.rows, [&](LocalId row) {
+    const LocalId k = row / rows.rows, r = rows.first_row + row % rows.rows;
+    if (!grid.has_row(r)) return;
     Candidates& own = candidates_.mine();
-    find_ranges({plane_of(grid, k), r, grid.columns()}, zones, own.ranges);
+    const Vec3 first = corner_of(grid, k, r, 0);
+    find_ranges(
+        {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
+        zones, own.ranges);
     for (const Range& columns : own.ranges) {
       const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
-      keep_near(place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, 0.5 * (columns.begin + columns.end))), reach, all_bodies_,
-                own.of_row, own.distance);
+      const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));
+      keep_near(place(middle), reach, all_bodies_, own.of_row, own.distance);
       visit(k, r, own, columns);
     }
   });
 }
 
-// The plane whose cells those of plane k are like: for a ghost plane beyond the end of a periodic box, that at its
-// other end.
-LocalId CutCells::plane_of(const ProjectionGrid& grid, LocalId k) const {
-  const LocalId all = grid.count(0);
-  return grid.repeats()[0] ? (k - 1 + first_ + all) % all - first_ + 1 : k;
+// For a ghost beyond the end of a periodic box that of the cell at its other end, which it is like.
+Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const {
+  const LocalId planes = grid.count(0), rows = grid.count(1);
+  if (grid.repeats()[0]) k = (k - 1 + first_ + planes) % planes - first_ + 1;
+  if (grid.repeats()[1]) r = (r + first_row_ + rows) % rows - first_row_;
+  return Vec3(k, r, c);
 }
 
 void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c)
-      cells[grid.index(k, r, c)] = cell_at(Vec3(plane_of(grid, k), r, c), near);
+      cells[grid.index(k, r, c)] = cell_at(corner_of(grid, k, r, c), near);
   });
   grid.repeat(cells);
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
-        const bool low_closed = (a > 0 || k > 0) && cells[at - grid.step(a)].open == 0;
+        const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0);
+        const bool low_closed = has_below && cells[at - grid.step(a)].open == 0;
         if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
       }
     }
@@ -175,7 +182,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone
       moved_[at] = {0, 0, 0};
       for (std::size_t a = 0; a < 3; ++a) {
         if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) continue;  // nothing moves across a layer
-        Vec3 p = place(Vec3(plane_of(grid, k) + 0.5, r + 0.5, c + 0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
+        Vec3 p = place(corner_of(grid, k, r, c) + Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
         const std::size_t nearest = nearest_at(p, near.of_row).body;
         const Body& body = obstacles_.body(nearest);
         const bool floats = floating != nullptr && floating->holds(nearest);
@@ -237,7 +244,7 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
 
 void CutCells::find_columns(const ProjectionGrid& grid) {
   ProjectionGrid whole = grid;
-  whole.resize(planes_, grid.count(2));
+  whole.resize(grid.window(), grid.count(2));
   cells_.resize(grid.cells());
   const auto length = static_cast<std::ptrdiff_t>(grid.columns()) + 2;
   for_each_part((grid.planes() + 2) * (grid.rows() + 2), [&](LocalId row) {
@@ -249,9 +256,8 @@ void CutCells::find_columns(const ProjectionGrid& grid) {
 
 // Faces of a row's upper neighbours are its own, too.
 void CutCells::find_cut_rows(const ProjectionGrid& grid) {
-  rows_ = grid.rows();
-  cuts_row_.assign(row_index(grid.planes() + 2, 0), 0);
-  for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
+  cuts_row_.assign(row_index(grid.planes() + 2, -1), 0);
+  for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     const auto is_cut = [&](std::size_t at) {
       const Cell& cell = cells_[at];
       return cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
@@ -259,15 +265,22 @@ void CutCells::find_cut_rows(const ProjectionGrid& grid) {
     bool cut = false;
     for (LocalId c = 0; c <= grid.columns(); ++c) {
       const std::size_t at = grid.index(k, r, c);
-      cut = cut || is_cut(at) || is_cut(at + grid.step(1)) || (k <= grid.planes() && is_cut(at + grid.step(0)));
+      cut = cut || is_cut(at) || (r < grid.rows() && is_cut(at + grid.step(1))) ||
+            (k <= grid.planes() && is_cut(at + grid.step(0)));
     }
     cuts_row_[row_index(k, r)] = cut ? 1 : 0;
   });
+  if (grid.rows_wrap()) {
+    for (LocalId k = 0; k < grid.planes() + 2; ++k) {
+      cuts_row_[row_index(k, -1)] = cuts_row_[row_index(k, rows_ - 1)];
+      cuts_row_[row_index(k, rows_)] = cuts_row_[row_index(k, 0)];
+    }
+  }
 }
 
 void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box) {
-  const auto first = static_cast<LocalId>(sum_over_lower_ranks(comm, grid.planes()));
-  const bool stays = first == first_ && grid.planes() == planes_;
+  const bool stays = grid.first_plane() == first_ && grid.planes() == planes_ && grid.first_row() == first_row_ &&
+                     grid.rows() == rows_;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto b = static_cast<Eigen::Index>(a);
     axis_[a] = static_cast<int>(grid.axis(a));
@@ -275,8 +288,10 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     origin_[b] = box.min[axis_[a]];
   }
   box_ = box;
-  first_ = first;
+  first_ = grid.first_plane();
   planes_ = grid.planes();
+  first_row_ = grid.first_row();
+  rows_ = grid.rows();
   if (obstacles_.moves()) {
     const bool known = stays && cells_.size() == grid.cells();
     std::vector<Zone> zones = known ? std::move(zones_) : std::vector<Zone>{everywhere};
@@ -293,7 +308,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
   }
   if (!stays) {
     ProjectionGrid whole = grid;
-    whole.resize(planes_, grid.count(2));
+    whole.resize(grid.window(), grid.count(2));
     all_.clear();
     measure_cells(whole, {everywhere}, all_);
   }

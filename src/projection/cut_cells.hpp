@@ -20,7 +20,7 @@ class CutCells {
  public:
   explicit CutCells(const Obstacles& obstacles);
 
-  /// For the planes and columns that `grid` has now.
+  /// For the window and columns that `grid` has now.
   void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box);
 
   /// Fraction of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
@@ -57,10 +57,9 @@ class CutCells {
   bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
   /// Whether a solid cuts a cell of the row, or of one of those around it.
   bool is_near_cut(LocalId k, LocalId r) const {
-    const auto rows = static_cast<LocalId>(rows_);
     for (LocalId i = k - 1; i <= k + 1; ++i) {
       for (LocalId j = r - 1; j <= r + 1; ++j) {
-        if (cuts_row_[row_index(i, (j + rows) % rows)] != 0) return true;
+        if (cuts_row_[row_index(i, j)] != 0) return true;
       }
     }
     return false;
@@ -73,8 +72,6 @@ class CutCells {
   Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest] * area(at); }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
-  /// Of the box, the number of the first plane that this rank owns.
-  LocalId first_plane() const { return first_; }
   /// The middle of a cell, m.
   Vec3 middle(LocalId k, LocalId r, LocalId c) const;
 
@@ -110,7 +107,7 @@ class CutCells {
   };
   static constexpr Zone everywhere{{-0x40000000, -0x40000000, -0x40000000}, {0x40000000, 0x40000000, 0x40000000}};
   struct Row {
-    LocalId plane, row, columns;
+    LocalId plane, row, columns;  // plane and row counted from the start of the box
   };
   Zone zone_of(const Body& body) const;
   void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
@@ -139,7 +136,8 @@ class CutCells {
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, const Bodies& bodies) const;
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
-  LocalId plane_of(const ProjectionGrid& grid, LocalId k) const;
+  // The corner of cell (k, r, c), counted from that of the first own cell.
+  Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
   void measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
   // Of the surface in a cell, in faces.
@@ -147,7 +145,7 @@ class CutCells {
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(r);
+    return static_cast<std::size_t>(k) * (static_cast<std::size_t>(rows_) + 2) + static_cast<std::size_t>(r + 1);
   }
 
   const Obstacles& obstacles_;
@@ -156,7 +154,7 @@ class CutCells {
   Box box_;
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
-  LocalId first_ = -1, planes_ = -1, rows_ = 0;
+  LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0;
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
@@ -168,7 +166,7 @@ class CutCells {
   std::array<std::size_t, 3> step_{};
   std::vector<Real> excess_;          // of each solid, cells for each face of its surface
   std::vector<BodyFace> body_faces_;  // of bodies that move freely
-  std::vector<char> cuts_row_;        // of the owned planes
+  std::vector<char> cuts_row_;        // of planes and rows with those beside them
 };
 
 }  // namespace trevi

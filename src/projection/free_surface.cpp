@@ -40,8 +40,8 @@ void FreeSurface::classify_cells(Halo& halo) {
     if (grid().columns(k, r) == grid().columns()) close_ceiling(k, r);
     find_tops(k, r);
   });
-  grid().repeat(wet_);
-  grid().repeat(height_);
+  grid().complete(halo, wet_);
+  grid().complete(halo, height_);
 }
 
 bool FreeSurface::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {

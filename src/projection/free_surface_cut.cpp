@@ -33,7 +33,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
       wet_[at] = !is_solid(at) && is_full_enough(at, c, upright() && on_floor) ? 1 : 0;
     }
   });
-  grid().repeat(wet_);
+  grid().complete(halo, wet_);
   joined_ = wet_;
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
@@ -53,8 +53,8 @@ void FreeSurface::classify_among_solids(Halo& halo) {
     close_ceiling(k, r);
     find_tops(k, r);
   });
-  grid().repeat(wet_);
-  grid().repeat(height_);
+  grid().complete(halo, wet_);
+  grid().complete(halo, height_);
   level_small_cells(halo);
 }
 
@@ -76,7 +76,7 @@ void FreeSurface::level_small_cells(Halo& halo) {
   });
   halo.start_planes(level_, grid().step(0));
   halo.finish();
-  grid().repeat(level_);
+  grid().complete(halo, level_);
   height_.swap(level_);
 }
 

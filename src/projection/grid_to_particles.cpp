@@ -44,8 +44,8 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   for_each_row_and_send<TentMemory>(grid, halo, noise_,
                                     [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); });
   const auto send = [&] {
-    halo.start_planes(noise_fit_.values(), noise_fit_.per_plane());
-    if (surface_.cuts() != nullptr) halo.start_planes(cut_fit_.values(), cut_fit_.per_plane());
+    noise_fit_.start(halo);
+    if (surface_.cuts() != nullptr) cut_fit_.start(halo);
   };
   for_each_row_and_send<TentMemory>(
       grid, halo, [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); }, send);

@@ -27,6 +27,11 @@ void for_each_cell_in(const ProjectionGrid& grid, const Box& bounds, const Visit
   }
 }
 
+// Whether row r of plane k is one of this rank or beside one of its own.
+bool is_known(const ProjectionGrid& grid, LocalId k, LocalId r) {
+  return k >= 0 && k <= grid.planes() + 1 && r >= -1 && r <= grid.rows();
+}
+
 // Samples of a cell that a drain takes, of two along each axis.
 int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, const Vec3& size) {
   int taken = 0;
@@ -103,10 +108,10 @@ void Openings::close_sides(const ProjectionGrid& grid, const std::vector<char>& 
   for (const std::size_t at : closed_at_) closed_[at] = 0;
   closed_at_.clear();
   for (const auto& [cell, out, up] : drained_cells_) {
-    const LocalId k = grid.own_plane(cell[0]), beyond = k + (up ? 1 : -1);
-    if (out < 0 || k < 0 || k > grid.planes() + 1 || cell[2] >= grid.columns()) continue;
-    if (out == 0 && (beyond < 0 || beyond > grid.planes() + 1)) continue;
-    const std::size_t at = grid.index(k, cell[1], cell[2]), step = grid.step(static_cast<std::size_t>(out));
+    const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]), towards = up ? 1 : -1;
+    if (out < 0 || !is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
+    if (!is_known(grid, k + (out == 0 ? towards : 0), r + (out == 1 ? towards : 0))) continue;
+    const std::size_t at = grid.index(k, r, cell[2]), step = grid.step(static_cast<std::size_t>(out));
     if (wet[up ? at + step : at - step] == 0) continue;
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t side = grid.step(a);
@@ -137,9 +142,9 @@ void Openings::measure(const ProjectionGrid& grid) {
   marked_.clear();
   faces_.clear();
   for (const Drained& drained : drained_cells_) {
-    const auto [plane, r, c] = drained.cell;
-    const LocalId k = grid.own_plane(plane);
-    if (k < 0 || k > grid.planes() + 1 || c >= grid.columns()) continue;
+    const auto [plane, row, c] = drained.cell;
+    const LocalId k = grid.own_plane(plane), r = grid.own_row(row);
+    if (!is_known(grid, k, r) || c >= grid.columns()) continue;
     marked_.push_back(grid.index(k, r, c));
     drained_[marked_.back()] = 1;
   }

@@ -67,7 +67,7 @@ ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing)
       cubes_(frame_of_cuboids(grid, spacing, 1)) {}
 
 void ParticlesToGrid::resize() {
-  filled_.assign(row_index(grid_.planes() + 2, 0), {});
+  filled_.assign(row_index(grid_.planes() + 2, -1), {});
   for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
 }
 
@@ -77,9 +77,12 @@ void ParticlesToGrid::store() {
 
 void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
   const std::size_t begin = grid_.index(k, r, 0);
+  // Of ghosts not all columns are known that their owner looked at.
+  const bool is_own = k > 0 && k <= grid_.planes() && r >= 0 && r < grid_.rows();
+  const LocalId columns = is_own ? grid_.columns(k, r) : grid_.columns();
   for (auto& u : displacement_) {
     const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto count = std::ptrdiff_t{grid_.columns(k, r)} + 1;
+    const auto count = std::ptrdiff_t{columns} + 1;
     std::fill_n(first, count, 0.0);
     if (r + 1 == grid_.rows()) std::fill_n(first + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
   }
@@ -87,16 +90,21 @@ void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
 
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
-  if (halo.has_neighbours()) {
+  if (grid_.rows_are_cut()) {
+    exchange_volumes(order, halo, motion, cuts);
+    sum_planes(order, {1, planes + 1}, motion, cuts);
+    sums_.start(halo);
+    halo.finish();
+  } else if (halo.has_neighbours()) {
     sum_planes(order, {1, 2}, motion, cuts);  // they travel while the others are summed
     if (planes > 1) sum_planes(order, {planes, planes + 1}, motion, cuts);
-    halo.start_planes(sums_.values(), sums_.per_plane());
+    sums_.start(halo);
     if (planes > 2) sum_planes(order, {2, planes}, motion, cuts);
     halo.finish();
   } else {
     sum_planes(order, {1, planes + 1}, motion, cuts);
   }
-  for_each_row(grid_.rows_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
+  for_each_row(grid_.rows_and_ghosts_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
   for_each_row_and_send<TentMemory>(grid_, halo, fit_,
                                     [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
@@ -111,6 +119,7 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
       if (k > planes) return;
       if (!grid_.is_layer()) find_empty_faces(1, k, r, *cuts);
       find_empty_faces(2, k, r, *cuts);
+      if (grid_.rows_are_cut() && r + 1 == grid_.rows()) find_empty_faces(1, k, r + 1, *cuts);
     });
   }
   grid_.repeat(displacement_[1]);
@@ -136,8 +145,9 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
 // rows in the same order, whatever the parts are.
 void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion,
                                const CutCells* cuts) {
-  const LocalId rows = grid_.rows(), beyond = grid_.repeats()[1] ? 1 : 0;
+  const LocalId rows = grid_.rows(), beyond = grid_.rows_wrap() ? 1 : 0;
   for (LocalId r = own.begin; r < own.end; ++r) sums_.clear(k, r);
+  if (grid_.rows_are_cut() && own.begin == 0 && grid_.has_row(-1)) add_ghost_row(k, 0);
   // Where rows repeat, the last one is also before the first, and the first beyond the last.
   const LocalId end = std::min(own.end + 1, rows + beyond);
   for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
@@ -148,6 +158,59 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
       const CellSums sums = sum_cell(cuts == nullptr ? frame_ : frame_of(*cuts, k, r, c), motion, cell);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
+    }
+  }
+  if (grid_.rows_are_cut() && own.end == rows && grid_.has_row(rows)) add_ghost_row(k, 1);
+}
+
+// What cells of the last row before a cut add to the first one after it, and the other way: particles of ghost cells
+// are not known.
+void ParticlesToGrid::exchange_volumes(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
+  const LocalId planes = grid_.planes();
+  for (std::size_t side : {0U, 1U}) {
+    given_[side].assign(beside_index(planes + 2, 0), {});
+    received_[side].assign(beside_index(planes + 2, 0), {});
+  }
+  for_each_part(2 * planes, [&](LocalId part) {
+    find_volumes_beside(order, motion, cuts, part / 2 + 1, static_cast<std::size_t>(part % 2));
+  });
+  const std::size_t bytes = static_cast<std::size_t>(grid_.columns()) * sizeof(VolumesBeside);
+  halo.start_rows({planes, bytes}, [&](LocalId k, LocalId r, int side) {
+    const bool is_own = r >= 0 && r < grid_.rows(), before = side < 0;
+    return &(is_own ? given_[before ? 1 : 0] : received_[before ? 0 : 1])[beside_index(k, 0)];
+  });
+  halo.finish();
+}
+
+void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& motion, const CutCells* cuts, LocalId k,
+                                          std::size_t side) {
+  const bool along_x = grid_.axis(0) == 0;
+  const LocalId r = side == 0 ? 0 : grid_.rows() - 1;
+  const std::size_t i = side == 0 ? 0 : 2;
+  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+    const CellParticles cell = particles_of(order, k, r, c);
+    if (cell.begin == cell.end) continue;
+    const CellSums sums = sum_cell(cuts == nullptr ? frame_ : frame_of(*cuts, k, r, c), motion, cell);
+    VolumesBeside& beside = given_[side][beside_index(k, c)];
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+      for (std::size_t j = 0; j < 3; ++j)
+        beside[3 * plane + j] = along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
+    }
+  }
+}
+
+// Adds what the row before the own ones, or after them, adds to the own row beside it, in the order of its cells.
+void ParticlesToGrid::add_ghost_row(LocalId k, std::size_t side) {
+  const bool repeats = grid_.repeats()[2];
+  const LocalId r = side == 0 ? 0 : grid_.rows() - 1, columns = grid_.columns(k, r);
+  for (LocalId c = 0; c < grid_.columns(); ++c) {
+    const VolumesBeside& volumes_beside = received_[side][beside_index(k, c)];
+    for (LocalId column = c - 1; column <= c + 1; ++column) {
+      if (!repeats && (column < 0 || column >= columns)) continue;
+      Real* const volume = &sums_.number(volumes, k, r, repeats ? (column + columns) % columns : column);
+      const auto j = static_cast<std::size_t>(column - c + 1);
+      for (std::size_t plane = 0; plane < 3; ++plane)
+        volume[plane * EightCells::count] += volumes_beside[3 * plane + j];
     }
   }
 }
@@ -192,13 +255,12 @@ void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
 // Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far
 // as there are particles beside them.
 void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
-  const LocalId rows = grid_.rows(), last_row = a == 1 && r + 1 == rows && !grid_.repeats()[1] ? r + 1 : r;
+  const LocalId last_row = a == 1 && r + 1 == grid_.rows() && !grid_.rows_wrap() ? r + 1 : r;
   static thread_local FaceMiddles middles;
   for (LocalId row = r; row <= last_row; ++row) {
     const LocalId plane_below = a == 0 ? k - 1 : k;
-    const LocalId row_below = a != 1 ? row : row == 0 && grid_.repeats()[1] ? rows - 1 : row - 1;
-    const Range cells =
-        joined(row < rows ? filled(k, row) : Range{}, row_below >= 0 ? filled(plane_below, row_below) : Range{});
+    const LocalId row_below = a != 1 ? row : grid_.row_beside(row - 1);
+    const Range cells = joined(filled(k, row), filled(plane_below, row_below));
     if (cells.size() == 0) continue;
     constexpr LocalId eight = EightCells::count;
     const bool whole = a == 2 && grid_.repeats()[2];
@@ -218,6 +280,8 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
 std::size_t ParticlesToGrid::bytes() const {
   std::size_t values = 0;
   for (const auto& u : displacement_) values += u.capacity();
+  for (std::size_t side : {0U, 1U})
+    values += (given_[side].capacity() + received_[side].capacity()) * sizeof(VolumesBeside) / sizeof(Real);
   return filled_.capacity() * sizeof(Range) + values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
 }
 

@@ -70,8 +70,17 @@ class ParticlesToGrid {
   void sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts);
   void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion, const CutCells* cuts);
   void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
+  // What the cells of a row add to the cells of the row beside it: by planes, then along the row.
+  using VolumesBeside = std::array<Real, 9>;
+  void exchange_volumes(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
+  void find_volumes_beside(const CellOrder& order, const Motion& motion, const CutCells* cuts, LocalId k,
+                           std::size_t side);
+  void add_ghost_row(LocalId k, std::size_t side);
+  std::size_t beside_index(LocalId k, LocalId c) const {
+    return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.columns()) + static_cast<std::size_t>(c);
+  }
   std::size_t row_index(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.rows()) + static_cast<std::size_t>(r);
+    return static_cast<std::size_t>(k) * (static_cast<std::size_t>(grid_.rows()) + 2) + static_cast<std::size_t>(r + 1);
   }
   template <class T>
   T cell_at(const CellFields& field, std::size_t at) const {
@@ -98,6 +107,8 @@ class ParticlesToGrid {
   CellFields sums_{volumes + 3}, spread_{numbers::map}, fit_{numbers::map};
   std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;
+  // Where rows are cut, of the first and the last own row, and of the rows before and after these.
+  std::array<std::vector<VolumesBeside>, 2> given_, received_;
 };
 
 }  // namespace trevi

@@ -74,9 +74,9 @@ void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, cons
 
 // Whether there is such a cell, whose number is made that of the other end of the box where rows repeat.
 bool ParticlesToGrid::exists(CellNumbers& cell) const {
-  if (grid_.repeats()[1]) cell[1] = (cell[1] + grid_.rows()) % grid_.rows();
-  return cell[0] >= 0 && cell[0] <= grid_.planes() + 1 && cell[1] >= 0 && cell[1] < grid_.rows() && cell[2] >= 0 &&
-         cell[2] < grid_.columns();
+  cell[1] = grid_.row_beside(cell[1]);
+  const bool is_known = cell[1] >= -1 && cell[1] <= grid_.rows() && grid_.has_row(cell[1]);
+  return is_known && cell[0] >= 0 && cell[0] <= grid_.planes() + 1 && cell[2] >= 0 && cell[2] < grid_.columns();
 }
 
 bool ParticlesToGrid::holds_any(const CellNumbers& cell) const {

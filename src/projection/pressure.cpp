@@ -8,19 +8,19 @@ using namespace projection;
 
 void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
   begin(surface, halo, step);
-  finish(surface);
+  finish(surface, halo);
 }
 
 void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
-  multigrid_.resize(planes, grid.rows(), grid.columns(), step.depth);
+  multigrid_.resize(planes, grid.rows(), grid.columns(), step.depth, {grid.first_row(), grid.count(1)});
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
     multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
   });
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { weigh_row(surface, k, r); });
-  grid.repeat(multigrid_.finest().link[1]);
+  grid.complete(halo, multigrid_.finest().link[1]);
   if (grid.repeats()[2]) grid.repeat(multigrid_.finest().link[2]);
   closed_ = has_no_surface(surface);
   for_each_row(grid.rows_of(own), [&](LocalId k, LocalId r) { find_sources(surface, step, k, r); });
@@ -39,14 +39,14 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
   if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
 }
 
-void Pressure::finish(const FreeSurface& surface) {
+void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
   if (closed_) set_origin(surface);
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
   });
-  grid.repeat(multigrid_.finest().phi);
+  grid.complete(halo, multigrid_.finest().phi);
 }
 
 // Where rows do not repeat, the one beyond the last has no water; its lower faces are walls, and stay without weight.

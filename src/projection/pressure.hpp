@@ -38,7 +38,7 @@ class Pressure {
   /// solve() in parts: the equation and its first cycles; more cycles; and what of the pressure is left.
   void begin(const FreeSurface& surface, Halo& halo, const Step& step);
   void improve(Halo& halo, int more) { multigrid_.solve(halo, more); }
-  void finish(const FreeSurface& surface);
+  void finish(const FreeSurface& surface, Halo& halo);
   /// In between: the solid goes further through the closed part of face (a, at) by `change` of the whole face, m.
   void move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change);
 

@@ -48,7 +48,9 @@ void probe_pressures(const FreeSurface& surface, const Pressure& pressure, Real 
       if (k < 1 || k > grid.planes()) continue;
       for (LocalId j = first_y; j <= first_y + 1; ++j) {
         const Real part = (1 - std::abs(x - i)) * (1 - std::abs(y - j));
-        const Sum sum = sum_at(surface, pressure, g_dt2, {k, in_box(grid, 1, j)}, height);
+        const LocalId r = grid.own_row(in_box(grid, 1, j));
+        if (r < 0 || r >= grid.rows()) continue;
+        const Sum sum = sum_at(surface, pressure, g_dt2, {k, r}, height);
         if (sum.weight > 0) probes.add(n, part * sum.weight, -std::min(sum.phi / sum.weight, 0.0));
       }
     }

@@ -22,7 +22,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
     : comm_(comm),
       model_(model),
       box_(box),
-      grid_(comm, grid, box),
+      grid_(grid, box),
       rows_(comm, min_particles(grid_, model.spacing, obstacles != nullptr)),
       cuts_(obstacles != nullptr ? std::make_unique<CutCells>(*obstacles) : nullptr),
       particles_to_grid_(grid_, model.spacing),
@@ -46,7 +46,6 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   const ScopedEvent timed(event_);
   const Real g_dt2 = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
   measure_rows(order, halo);
-  count_planes(order, motion.p);
   if (openings_ != nullptr) openings_->measure(grid_);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
@@ -78,13 +77,13 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   constexpr LocalId step = 4;
   rows_.measure(order, halo);
   const LocalId highest = grid_.repeats()[2] ? grid_.count(2) : (rows_.max_columns() + step - 1) / step * step;
-  if (grid_.resize(order.planes(), highest)) {
+  if (grid_.resize(order.window(), highest)) {
     particles_to_grid_.resize();
     surface_.resize();
     shift_filter_.resize();
   }
-  // The ghost planes, too: where the box ends nothing is received.
-  for_each_row(grid_.rows_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
+  // The ghosts, too: where the box ends nothing is received.
+  for_each_row(grid_.rows_and_ghosts_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
     const LocalId columns = cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r);
     clear_row(k, r);
     grid_.set_columns(k, r, columns);
@@ -93,14 +92,6 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   particles_to_grid_.store();
   grid_to_particles_.store();
   if (cuts_) cuts_->measure(comm_, grid_, box_);
-}
-
-// From the particles, which say in which plane of the box they are. Without any, nothing asks for it.
-void Projection::count_planes(const CellOrder& order, std::span<const Vec3> p) {
-  for (LocalId k = 1; k <= order.planes(); ++k) {
-    const Range plane = order.owned_range(k - 1, k);
-    if (plane.size() > 0) return grid_.set_plane(k, p[static_cast<std::size_t>(plane.begin)]);
-  }
 }
 
 void Projection::clear_row(LocalId k, LocalId r) {

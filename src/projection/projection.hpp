@@ -55,7 +55,6 @@ class Projection {
 
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
-  void count_planes(const CellOrder& order, std::span<const Vec3> p);
   void solve(Halo& halo, const Pressure::Step& step);
   void clear_row(LocalId k, LocalId r);
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }

@@ -113,9 +113,9 @@ void RecordForces::of_gauges(const Box& box) const {
     const GaugeSettings& gauge = gauges.gauge(g);
     const Vec3 before =
         (gauge.center + 0.5 * grid.size().minCoeff() * gauge.normal).cwiseMax(box.min).cwiseMin(box.max);
-    const LocalId k = grid.cell_of(before, 0) - surface_.cuts()->first_plane() + 1;
-    if (k >= 1 && k <= grid.planes())
-      gauges.add_phi(g, phi_at(k, grid.cell_of(before, 1), grid.cells_to(gauge.center, 2)));
+    const LocalId k = grid.own_plane(grid.cell_of(before, 0)), r = grid.own_row(grid.cell_of(before, 1));
+    if (k >= 1 && k <= grid.planes() && r >= 0 && r < grid.rows())
+      gauges.add_phi(g, phi_at(k, r, grid.cells_to(gauge.center, 2)));
   }
 }
 

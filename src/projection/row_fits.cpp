@@ -216,7 +216,6 @@ constexpr Real per_tent_of = 1 / ((axes == 2 ? 1 : 1 + 2 * projection::tent) * (
                                   (1 + 2 * projection::tent));
 
 RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory) {
-  const LocalId rows = grid.rows();
   const bool repeats = grid.repeats()[2];
   RowsAround around{{},
                     row.k,
@@ -230,7 +229,7 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
                     grid.is_layer() ? per_tent_of<2> : per_tent_of<3>,
                     grid.is_layer()};
   for (LocalId i = 0; i < 3; ++i) {
-    const LocalId r = grid.repeats()[1] ? (row.r - 1 + i + rows) % rows : row.r - 1 + i;
+    const LocalId r = grid.row_beside(row.r - 1 + i);
     for (LocalId j = 0; j < 3; ++j)
       around.rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = field.row(row.k - 1 + j, r);
   }

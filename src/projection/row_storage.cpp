@@ -14,9 +14,7 @@ void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<c
   held_.resize(rows * whole_);
   begin_.assign(rows, 0);
   place_whole_planes();
-  for_each_row(cells, [&](LocalId k, LocalId r) {
-    find_held(order, k, r, columns[static_cast<std::size_t>(k * cells.rows + r)]);
-  });
+  for_each_row(cells, [&](LocalId k, LocalId r) { find_held(order, k, r, columns[row_index(k, r)]); });
   for_each_row(cells, [&](LocalId k, LocalId r) {
     for (std::size_t e = 0; e < whole_; ++e) begin_[row_index(k, r)] += is_needed(k, r, e) ? 1U : 0U;
   });
@@ -34,10 +32,18 @@ void RowStorage::place_whole_planes() {
     const std::size_t first = row_index(k, -1) * whole_;
     for (std::size_t i = 0; i < per_plane(); ++i) places_[first + i] = nowhere_++;
   }
+  whole_planes_ = nowhere_;
+  for (LocalId k = 0; k < cells.planes.end; ++k) place_whole_rows(k);
   for (LocalId k = 0; k < cells.planes.end; ++k) {
-    if (is_whole(k)) continue;
-    std::fill_n(&places_[row_index(k, -1) * whole_], whole_, nowhere_);
-    std::fill_n(&places_[row_index(k, cells.rows) * whole_], whole_, nowhere_);
+    for (const LocalId r : {-1, cells.rows})
+      if (!is_whole(k, r)) std::fill_n(&places_[row_index(k, r) * whole_], whole_, nowhere_);
+  }
+}
+
+void RowStorage::place_whole_rows(LocalId k) {
+  if (is_whole(k) || !(shape_.rows_exchanged[0] || shape_.rows_exchanged[1])) return;
+  for (LocalId r = -1; r <= shape_.cells.rows; ++r) {
+    for (std::size_t e = 0; e < whole_ && is_whole(k, r); ++e) places_[row_index(k, r) * whole_ + e] = nowhere_++;
   }
 }
 
@@ -54,15 +60,16 @@ void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId
 }
 
 bool RowStorage::is_needed(LocalId k, LocalId r, std::size_t eight) const {
-  if (is_whole(k)) return false;
-  const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] ? 1 : 0;
+  if (is_whole(k, r)) return false;
+  const bool are_cut = shape_.rows_exchanged[0] || shape_.rows_exchanged[1];
+  const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] && !are_cut ? 1 : 0;
   for (LocalId row = std::max(r - 1, -beyond); row <= std::min(r + 1, rows - 1 + beyond); ++row)
     if (held_[row_index(k, (row + rows) % rows) * whole_ + eight] != 0) return true;
   return false;
 }
 
 void RowStorage::place_row(LocalId k, LocalId r) {
-  if (is_whole(k)) return;
+  if (is_whole(k, r)) return;
   std::uint32_t next = begin_[row_index(k, r)];
   std::uint32_t* const places = &places_[row_index(k, r) * whole_];
   for (std::size_t e = 0; e < whole_; ++e) places[e] = is_needed(k, r, e) ? next++ : nowhere_;

@@ -2,7 +2,8 @@
 // particles, or one beside such a cell in its plane, and all others are one and the same eight, which is 0 and never
 // written. Only planes at ends beyond which other ranks go on, the last own one and the ghost plane, which neighbours
 // exchange, have memory for all of their cells and for a ring of rows around them, one plane after another, so that
-// ranks agree on them without a word. Not collective.
+// ranks agree on them without a word; of the other planes the same rows have where slabs are cut inside, the last own
+// one and the ghost row. Not collective.
 #pragma once
 
 #include <cstddef>
@@ -17,26 +18,35 @@ namespace trevi {
 
 class RowStorage {
  public:
-  /// Planes of the grid, ghost planes included; at which ends planes are exchanged; where the grid repeats.
+  /// Planes of the grid, ghost planes included; at which ends planes are exchanged; where the grid repeats; at which
+  /// ends rows are exchanged.
   struct Shape {
     CellRows cells;
     std::array<bool, 2> exchanged;
     Repeats repeats;
+    std::array<bool, 2> rows_exchanged;
   };
-  /// `columns` of each row of each plane that are looked at: particles above them do not count.
+  /// `columns` of each row of each plane, with one row before and one after the own ones, that are looked at: particles
+  /// above them do not count.
   void lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns);
 
   /// Of row (k, r) the places of its eights in the memory; −1 and rows() are the rows of the ring.
   const std::uint32_t* places(LocalId k, LocalId r) const { return &places_[row_index(k, r) * whole_]; }
   /// The place of the eight that stands for all that there is no memory for.
   std::uint32_t nowhere() const { return nowhere_; }
-  /// Eights of a whole row, of a whole plane, of all whole planes, which come first, and of all.
+  /// Eights of a whole row, of a whole plane, of all whole planes, which come first, of these and all other whole rows,
+  /// which come next, and of all.
   std::size_t per_row() const { return whole_; }
   std::size_t per_plane() const { return (static_cast<std::size_t>(shape_.cells.rows) + 2) * whole_; }
+  std::size_t whole_planes() const { return whole_planes_; }
   std::size_t exchanged() const { return nowhere_; }
   std::size_t size() const { return size_; }
   bool is_whole(LocalId k) const {
     return (shape_.exchanged[0] && k <= 1) || (shape_.exchanged[1] && k + 2 >= shape_.cells.planes.end);
+  }
+  bool is_whole(LocalId k, LocalId r) const {
+    return is_whole(k) || (shape_.rows_exchanged[0] && r <= 0) ||
+           (shape_.rows_exchanged[1] && r + 1 >= shape_.cells.rows);
   }
   const Shape& shape() const { return shape_; }
   std::size_t bytes() const {
@@ -51,10 +61,11 @@ class RowStorage {
   void find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns);
   bool is_needed(LocalId k, LocalId r, std::size_t eight) const;
   void place_whole_planes();
+  void place_whole_rows(LocalId k);
   void place_row(LocalId k, LocalId r);
 
   Shape shape_{};
-  std::size_t whole_ = 0, size_ = 0;
+  std::size_t whole_ = 0, whole_planes_ = 0, size_ = 0;
   std::uint32_t nowhere_ = 0;
   std::vector<std::uint32_t> places_;
   std::vector<char> held_;            // of each eight, whether particles in or beside it are in its row

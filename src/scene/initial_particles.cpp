@@ -48,10 +48,12 @@ struct Block {
   GlobalId first_id;
 };
 
-void add_layer(Particles& particles, const Block& block, int axis, GlobalId layer) {
-  for_each_point(block.lattice, axis, layer, [&](GlobalId i, GlobalId j, GlobalId k) {
+// Those in the rows [rows) of cells.
+void add_layer(Particles& particles, const Block& block, const CellGrid& grid, GlobalId layer, const Range& rows) {
+  for_each_point(block.lattice, grid.slab_axis(), layer, [&](GlobalId i, GlobalId j, GlobalId k) {
     const Vec3 point = block.lattice.point(i, j, k);
-    if (!block.start.holds_water(point)) return;
+    const LocalId row = grid.row_of(point);
+    if (row < rows.begin || row >= rows.end || !block.start.holds_water(point)) return;
     add_particle(particles, block.first_id + block.lattice.id(i, j, k), point, block.start.velocity(point));
   });
 }
@@ -139,6 +141,14 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene, const FreePlaces& pl
   return result;
 }
 
+// What a scene begins with: sources of particles, and where they may be.
+struct Sources {
+  const Scene& scene;
+  const CellGrid& grid;
+  const FreePlaces& places;
+  const FileParticles& files;
+};
+
 // Calls visit(block, number of the source) for those sources that are blocks.
 template <class Visit>
 void for_each_block(const Scene& scene, const FreePlaces& places, const std::vector<GlobalId>& first_id,
@@ -172,16 +182,43 @@ std::vector<Real> block_weights(MPI_Comm comm, const Scene& scene, const CellGri
   return {count.begin(), count.end()};
 }
 
+// The same in each row of each slab.
+std::vector<Real> block_weights_of_rows(MPI_Comm comm, const Sources& sources, const Slabs& slabs) {
+  const CellGrid& grid = sources.grid;
+  const auto rows = static_cast<std::size_t>(grid.rows());
+  std::vector<GlobalId> count(static_cast<std::size_t>(slabs.slabs()) * rows, 0);
+  const int rank = rank_of(comm), ranks = size_of(comm);
+  all_or_none(comm, [&] {
+    for_each_block(sources.scene, sources.places, sources.files.first_id, [&](const Block& block) {
+      for_each_layer(block.lattice, grid, [&](GlobalId layer, LocalId plane) {
+        if (layer % ranks != rank) return;
+        GlobalId* const of_slab = &count[static_cast<std::size_t>(slabs.slab_of(plane)) * rows];
+        for_each_point(block.lattice, grid.slab_axis(), layer, [&](GlobalId i, GlobalId j, GlobalId k) {
+          const Vec3 point = block.lattice.point(i, j, k);
+          of_slab[grid.row_of(point)] += block.start.is_whole() || block.start.holds_water(point) ? 1 : 0;
+        });
+      });
+    });
+  });
+  count = sum_over_ranks(comm, count);
+  return {count.begin(), count.end()};
+}
+
 // The same with particles from files, which may be on any rank.
-std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places,
-                                 const FileParticles& files) {
+CellWeights source_weights(MPI_Comm comm, const Sources& sources) {
+  const auto& [scene, grid, places, files] = sources;
   std::vector<Real> weights = plane_weights(comm, grid, files.particles);
   const std::vector<Real> blocks = block_weights(comm, scene, grid, places, files.first_id);
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
   if (!scene.particles.empty() && std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
     throw InputError(scene.path +
                      ": [[particles]]: no particle is left outside of the obstacles and below the surface; move them");
-  return weights;
+  return {std::move(weights), [=, &sources](const Slabs& slabs) {
+            std::vector<Real> rows = row_weights(comm, sources.grid, slabs, sources.files.particles);
+            const std::vector<Real> of_blocks = block_weights_of_rows(comm, sources, slabs);
+            for (std::size_t k = 0; k < rows.size(); ++k) rows[k] += of_blocks[k];
+            return rows;
+          }};
 }
 
 }  // namespace
@@ -189,21 +226,25 @@ std::vector<Real> source_weights(MPI_Comm comm, const Scene& scene, const CellGr
 Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std::vector<Real>& weights) {
   const FreePlaces places(scene);
   const FileParticles files = read_files(comm, scene, places);
-  weights = source_weights(comm, scene, grid, places, files);
-  return first_slabs(scene, grid, weights, size_of(comm));
+  const Sources sources{scene, grid, places, files};
+  const CellWeights of_cells = source_weights(comm, sources);
+  weights = of_cells.planes;
+  return first_slabs(scene, grid, of_cells, size_of(comm));
 }
 
 Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   const CellGrid grid = cell_grid(scene, scene.domain);
   const FreePlaces places(scene);
   FileParticles files = read_files(comm, scene, places);
-  const std::vector<Real> weights = source_weights(comm, scene, grid, places, files);
+  const Sources sources{scene, grid, places, files};
+  const CellWeights weights = source_weights(comm, sources);
   const Slabs slabs = first_slabs(scene, grid, weights, size_of(comm));
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
-  const int rank = rank_of(comm);
+  const CellWindow own = slabs.window(rank_of(comm), grid.rows());
   const auto owned =
-      std::accumulate(weights.begin() + slabs.first_plane(rank), weights.begin() + slabs.end_plane(rank), 0.0);
+      std::accumulate(weights.planes.begin() + own.planes.begin, weights.planes.begin() + own.planes.end, 0.0) /
+      slabs.parts();
   const int sharers = ranks_of_machine(comm);
   all_or_none(comm, [&] {
     const double bytes_of_state = 3 * sizeof(Vec3) + sizeof(GlobalId);
@@ -217,7 +258,7 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   all_or_none(comm, [&] {
     for_each_block(scene, places, files.first_id, [&](const Block& block) {
       for_each_layer(block.lattice, grid, [&](GlobalId layer, LocalId plane) {
-        if (slabs.owner(plane) == rank) add_layer(particles, block, grid.slab_axis(), layer);
+        if (plane >= own.planes.begin && plane < own.planes.end) add_layer(particles, block, grid, layer, own.rows);
       });
     });
   });

@@ -87,7 +87,7 @@ Values values_of(SceneText scene) {
 }
 
 bool may_change(const std::string& path) {
-  if (path == "time.end") return true;
+  if (path == "time.end" || path == "domain.ranks") return true;
   for (const std::string_view table : {"output.", "colour.", "run."}) {
     if (path.starts_with(table)) return true;
   }

@@ -7,12 +7,20 @@
 
 #include "base/growth.hpp"
 #include "base/hash.hpp"
+#include "domain/plane_sums.hpp"
 #include "fluid/pairs/particle_loops.hpp"
-#include "parallel/reductions.hpp"
 
 namespace trevi {
 
 namespace {
+
+struct CompressionSums {
+  Real compression = 0, count = 0;
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    visit(compression), visit(count);
+  }
+};
 
 // Direction for a pair of ids, evenly distributed over the sphere, or over the circle in the plane of x and z: the
 // first of a sequence of hashed points in a cube that lies in the inscribed ball. The same bits on any machine, which
@@ -79,7 +87,7 @@ void DensityProblem<T>::compute_delta() {
 template <class T>
 void DensityProblem<T>::compute_delta_and_move(bool separate) {
   const LocalId planes = near_.order().planes();
-  if (!near_.halo().has_neighbours() || planes < 5) {
+  if (!near_.halo().has_neighbours() || planes < 5 || near_.order().rows_are_cut()) {
     compute_delta();
     if (separate) separate_coincident();
     return with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
@@ -98,7 +106,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   near_.start_positions();
   find({2, planes - 2});
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
-  collide_and_move(near_.interior());
+  for (const Range& part : near_.interior()) collide_and_move(part);
   near_.finish_positions();
 }
 
@@ -173,13 +181,12 @@ void DensityProblem<T>::note_sweep() {
 template <class T>
 std::vector<Range> DensityProblem<T>::rows_in_flight() const {
   const CellOrder& order = near_.order();
-  const LocalId rows = order.grid().rows(), columns = order.grid().columns(), planes = order.planes();
-  const auto range_of = [&](LocalId k, LocalId r) {
-    return Range{order.start(k, r * columns), order.start(k, (r + 1) * columns)};
-  };
-  std::vector<char> held(static_cast<std::size_t>(planes + 2) * static_cast<std::size_t>(rows), 0);
-  for_each_part((planes + 2) * rows, [&](LocalId row) {
-    const auto [begin, end] = range_of(row / rows, row % rows);
+  const LocalId rows = order.rows(), planes = order.planes();
+  // Rows are counted with one before them and one after them.
+  std::vector<char> held(static_cast<std::size_t>(planes + 2) * static_cast<std::size_t>(rows + 2), 0);
+  for_each_part((planes + 2) * (rows + 2), [&](LocalId row) {
+    const LocalId r = row % (rows + 2) - 1;
+    const auto [begin, end] = order.row(row / (rows + 2), order.rows_are_cut() ? r : (r + rows) % rows);
     const std::span<const Packed<T>> records = near_.records();
     for (LocalId i = begin; i < end; ++i)
       if (records[static_cast<std::size_t>(i)].w != 0) held[static_cast<std::size_t>(row)] = 1;
@@ -190,9 +197,9 @@ std::vector<Range> DensityProblem<T>::rows_in_flight() const {
       bool any = false;
       for (LocalId i = k - 1; i <= k + 1; ++i) {
         for (LocalId j = r - 1; j <= r + 1; ++j)
-          any = any || held[static_cast<std::size_t>(i * rows + (j + rows) % rows)] != 0;
+          any = any || held[static_cast<std::size_t>(i * (rows + 2) + j + 1)] != 0;
       }
-      const auto [begin, end] = range_of(k, r);
+      const auto [begin, end] = order.row(k, r);
       const Range owned{begin - order.low_ghosts(), end - order.low_ghosts()};
       if (!any || owned.size() == 0) continue;
       if (!found.empty() && found.back().end == owned.begin) {
@@ -250,7 +257,7 @@ void DensityProblem<T>::separate_coincident(Range planes) {
     field_.add_to_shift(j, -away);
   };
   const CellOrder& order = near_.order();
-  const LocalId rows = order.grid().rows(), columns = order.grid().columns();
+  const LocalId rows = order.rows(), columns = order.grid().columns();
   for_each_part(planes.size() * rows, [&](LocalId row) {
     const LocalId k = planes.begin + row / rows + 1, first = row % rows * columns;
     for (LocalId c = first; c < first + columns; ++c) {
@@ -279,26 +286,20 @@ void DensityProblem<T>::look_at_density() {
 
 template <class T>
 Compression DensityProblem<T>::compression() const {
-  constexpr std::size_t columns = 2;  // sum, count
-  std::vector<Real> partial(columns * static_cast<std::size_t>(near_.order().planes()));
   PerThread<Real> largest;
-  for_each_part(near_.order().planes(), [&](LocalId plane) {
-    const Range range = near_.order().owned_range(plane, plane + 1);
-    Real sum = 0, most = 0;
+  const auto total = sum_over_planes<CompressionSums>(comm_, near_.order(), [&](CompressionSums& sums, Range range) {
+    Real most = 0;
     for (LocalId i = range.begin; i < range.end; ++i) {
       const Real c = std::max(rho_[static_cast<std::size_t>(i)] / constraint_.model().rest_density - 1, 0.0);
-      sum += c;
+      sums.compression += c;
       most = std::max(most, c);
     }
-    const std::size_t row = columns * static_cast<std::size_t>(plane);
-    partial[row] = sum;
-    partial[row + 1] = range.size();
+    sums.count += range.size();
     largest.mine() = std::max(largest.mine(), most);
   });
-  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
   Real most = 0;
   largest.for_each([&](Real one) { most = std::max(most, one); });
-  return {total[1] > 0 ? total[0] / total[1] : 0, max_over_ranks(comm_, most)};
+  return {total.count > 0 ? total.compression / total.count : 0, max_over_ranks(comm_, most)};
 }
 
 template class DensityProblem<float>;

@@ -37,7 +37,7 @@ class DensityProblem {
   /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
   void start(Particles& particles, Real dt);
 
-  /// Calls work(part) for the boundary planes, sends the scalars of their records, or with Phase::move their positions,
+  /// Calls work(part) for the boundary, sends the scalars of their records, or with Phase::move their positions,
   /// calls work(interior) and receives those of the ghosts.
   template <class Work>
   void with_halo(Phase phase, Work&& work);
@@ -140,11 +140,11 @@ void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   for (const Range& part : near_.boundary()) work(part);
   if (phase == Phase::lambda) {
     near_.start_scalars();
-    work(near_.interior());
+    for (const Range& part : near_.interior()) work(part);
     near_.finish_scalars();
   } else {
     near_.start_positions();
-    work(near_.interior());
+    for (const Range& part : near_.interior()) work(part);
     near_.finish_positions();
   }
 }

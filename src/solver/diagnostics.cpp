@@ -7,7 +7,7 @@
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
-#include "parallel/reductions.hpp"
+#include "domain/plane_sums.hpp"
 #include "parallel/waiting.hpp"
 #include "trevi/session.hpp"
 
@@ -42,8 +42,7 @@ bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
          ((walls_.max - p).array() > model_.h).all();
 }
 
-DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, Range range) const {
-  Plane sum;
+void DiagnosticsSum::add(const DiagnosticsInput& input, Range range, Plane& sum) const {
   for (LocalId i = range.begin; i < range.end; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Vec3 &p = input.particles.position[k], &v = input.particles.velocity[k];
@@ -61,7 +60,6 @@ DiagnosticsSum::Plane DiagnosticsSum::sum_plane(const DiagnosticsInput& input, R
     sum.momentum += v;
     sum.position += p;
   }
-  return sum;
 }
 
 void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row) const {
@@ -87,11 +85,8 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
 }
 
 Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
-  std::vector<Plane> partial(static_cast<std::size_t>(input.order.planes()));
-  for_each_part(input.order.planes(), [&](LocalId plane) {
-    partial[static_cast<std::size_t>(plane)] = sum_plane(input, input.order.owned_range(plane, plane + 1));
-  });
-  const Plane sum = sum_over_planes(comm_, partial);
+  const auto sum =
+      sum_over_planes<Plane>(comm_, input.order, [&](Plane& plane, Range range) { add(input, range, plane); });
   Diagnostics row;
   row.particles = static_cast<GlobalId>(sum.count);
   row.density_mean = sum.rho / sum.count;

@@ -40,7 +40,7 @@ class DiagnosticsSum {
 
  private:
   struct Plane;
-  Plane sum_plane(const DiagnosticsInput& input, Range range) const;
+  void add(const DiagnosticsInput& input, Range range, Plane& sum) const;
   bool interior(const Vec3& p, LocalId neighbours) const;
   void add_maxima(const DiagnosticsInput& input, Diagnostics& row) const;
 

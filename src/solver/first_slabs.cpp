@@ -57,12 +57,36 @@ std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Parti
   return weights;
 }
 
-Slabs first_slabs(const Settings& settings, const CellGrid& grid, const std::vector<Real>& weights, int ranks) {
-  const std::vector<Real> ones(weights.size(), 1);
-  Slabs slabs(settings.slabs == SlabCuts::equal ? ones : weights, ranks);
-  check_unknowns(settings, weights);
+std::vector<Real> row_weights(MPI_Comm comm, const CellGrid& grid, const Slabs& slabs, const Particles& particles) {
+  const auto rows = static_cast<std::size_t>(grid.rows());
+  std::vector<Real> weights(static_cast<std::size_t>(slabs.slabs()) * rows, 0.0);
+  for (const Vec3& p : particles.position) {
+    const auto slab = static_cast<std::size_t>(slabs.slab_of(grid.plane_of(p)));
+    weights[slab * rows + static_cast<std::size_t>(grid.row_of(p))] += 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, weights.data(), static_cast<int>(weights.size()), MPI_DOUBLE, MPI_SUM, comm);
+  return weights;
+}
+
+Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks) {
+  const auto [slabs_of_all, parts] = settings.ranks.value_or(std::array<int, 2>{ranks, 1});
+  if (std::int64_t{slabs_of_all} * parts != ranks) {
+    throw InputError(fmt::format(
+        "[domain] ranks = [{}, {}] are {} ranks, and this run has {}; start it on {}, or set domain.ranks "
+        "to two numbers whose product is {}",
+        slabs_of_all, parts, std::int64_t{slabs_of_all} * parts, ranks, std::int64_t{slabs_of_all} * parts, ranks));
+  }
+  const bool are_equal = settings.slabs == SlabCuts::equal;
+  const std::vector<Real> ones(weights.planes.size(), 1);
+  Slabs slabs(are_equal ? ones : weights.planes, slabs_of_all);
+  if (parts > 1) {
+    const std::vector<Real> of_rows = weights.rows(slabs), equal(of_rows.size(), 1);
+    slabs.cut_rows(are_equal ? equal : of_rows, parts);
+  }
+  check_unknowns(settings, weights.planes);
   const bool single = settings.density.precision == Precision::single;
-  slabs.check_capacity(weights, grid.cells_per_plane(), single ? sizeof(Packed<float>) : sizeof(Packed<double>));
+  slabs.check_capacity(weights.planes, {grid.rows(), grid.columns()},
+                       single ? sizeof(Packed<float>) : sizeof(Packed<double>));
   return slabs;
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <vector>
 
 #include "domain/slabs.hpp"
 #include "particles/cell_grid.hpp"
@@ -22,8 +24,16 @@ std::array<LocalId, 3> first_cell(MPI_Comm comm, const Settings& settings, const
 /// Number of particles in each plane, over all ranks.
 std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles);
 
-/// Throws InputError where there are more ranks than planes, more particles or cells than a rank can count, or, with
-/// the method anderson, more unknowns than PETSc can count.
-Slabs first_slabs(const Settings& settings, const CellGrid& grid, const std::vector<Real>& weights, int ranks);
+/// The same in each row of each slab, slab by slab.
+std::vector<Real> row_weights(MPI_Comm comm, const CellGrid& grid, const Slabs& slabs, const Particles& particles);
+
+/// Particles of each plane, and what finds those of the rows of slabs, where these are cut inside; collective.
+struct CellWeights {
+  std::vector<Real> planes;
+  std::function<std::vector<Real>(const Slabs&)> rows;
+};
+/// Throws InputError where settings.ranks are not so many, where there are more ranks than planes and rows, more
+/// particles or cells than a rank can count, or, with the method anderson, more unknowns than PETSc can count.
+Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks);
 
 }  // namespace trevi

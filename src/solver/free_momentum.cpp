@@ -5,7 +5,7 @@
 
 #include "base/threads.hpp"
 #include "boundary/obstacles/obstacles.hpp"
-#include "parallel/reductions.hpp"
+#include "domain/plane_sums.hpp"
 
 namespace trevi {
 
@@ -45,11 +45,8 @@ template <class T>
 template <class Velocity>
 typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& problem, const Velocity& velocity) const {
   const Particles& particles = problem.particles();
-  std::vector<Sums> partial(static_cast<std::size_t>(problem.order().planes()));
-  for_each_part(problem.order().planes(), [&](LocalId plane) {
-    Sums& sums = partial[static_cast<std::size_t>(plane)];
-    const auto [begin, end] = problem.order().owned_range(plane, plane + 1);
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+  return sum_over_planes<Sums>(comm_, problem.order(), [&](Sums& sums, Range range) {
+    for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
       const Vec3 &p = particles.predicted[i], v = velocity(i);
       sums.count += 1;
       const bool free = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
@@ -60,7 +57,6 @@ typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& probl
       sums.pp += p * p.transpose();
     }
   });
-  return sum_over_planes(comm_, partial);
 }
 
 template <class T>

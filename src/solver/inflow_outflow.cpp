@@ -272,7 +272,7 @@ InflowOutflow::Made InflowOutflow::make(const Layers& layers, Water& water, Step
     for (auto place = begin; place != end; ++place) {
       if (*place != open) continue;
       const Vec3 position = lattice.position(place - begin, ahead);
-      if (water.slabs.owner(water.grid.plane_of(position)) == rank_of(comm_))
+      if (water.slabs.owner(water.grid, position) == rank_of(comm_))
         add(water, position, layers.inlet.velocity(layers.speed, state_.next_id, water.info) + fallen);
       count(change, state_.next_id++, 1);
     }

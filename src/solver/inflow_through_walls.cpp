@@ -79,7 +79,7 @@ void InflowOutflow::run_rows(std::size_t k, Water& water, StepState& change) {
       const bool solid = covers(inlet.lattice().position(due[n].place, 0), position);
       (solid ? stream.covered : is_free[n] != 0 ? stream.made : blocked[row]) += 1;
       if (solid || is_free[n] == 0) continue;
-      if (water.slabs.owner(water.grid.plane_of(position)) == rank_of(comm_))
+      if (water.slabs.owner(water.grid, position) == rank_of(comm_))
         add(water, position, inlet.velocity(speeds[row], state_.next_id, water.info));
       count(change, state_.next_id++, 1);
       ++state_.inflow;

@@ -199,8 +199,7 @@ void PbfSolver<T>::migrate_particles(std::vector<Vec3> Particles::*position) {
 
 template <class T>
 void PbfSolver<T>::find_neighbours(Velocities velocities) {
-  const int rank = rank_of(*parts_.comm);
-  near_.rebuild(parts_.particles, {parts_.slabs->first_plane(rank), parts_.slabs->end_plane(rank)}, velocities);
+  near_.rebuild(parts_.particles, *parts_.slabs, velocities);
   if (const LocalId i = near_.list().first_overfull_particle();
       i >= 0) {  // on this rank alone: thrown when all ranks agree on failures
     guard_.note(

@@ -59,7 +59,7 @@ void expect_sound(const std::vector<Real>& weights, int ranks) {
   for (int r = 0; r < ranks; ++r) {
     EXPECT_LT(slabs.first_plane(r), slabs.end_plane(r)) << "rank " << r << " owns no plane";
     EXPECT_EQ(slabs.first_plane(r), r == 0 ? 0 : slabs.end_plane(r - 1));
-    for (LocalId plane = slabs.first_plane(r); plane < slabs.end_plane(r); ++plane) EXPECT_EQ(slabs.owner(plane), r);
+    for (LocalId plane = slabs.first_plane(r); plane < slabs.end_plane(r); ++plane) EXPECT_EQ(slabs.owner(plane, 0), r);
   }
 }
 

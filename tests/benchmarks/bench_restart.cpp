@@ -44,7 +44,7 @@ Particles water(const Session& session, const Tank& tank) {
   Particles particles;
   for (GlobalId x = 0; x < tank.side; ++x) {
     const Real px = (static_cast<Real>(x) + 0.5) * spacing;
-    if (slabs.owner(grid.plane_of(Vec3(px, 0, 0))) != session.rank()) continue;
+    if (slabs.owner(grid, Vec3(px, 0, 0)) != session.rank()) continue;
     for (GlobalId y = 0; y < tank.side; ++y) {
       for (GlobalId z = 0; z < tank.side; ++z) {
         particles.id.push_back((z * tank.side + y) * tank.side + x);

@@ -56,7 +56,7 @@ struct Water {
     }
   }
 
-  void rebuild() { near.rebuild(particles, {0, grid.planes()}); }
+  void rebuild() { near.rebuild(particles, {std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), 1}); }
   Pairs<T> pairs() const { return {near.records(), near.list(), near.order().low_ghosts()}; }
   Range all() const { return {0, near.order().owned()}; }
 

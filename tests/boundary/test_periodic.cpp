@@ -8,7 +8,7 @@
 #include "boundary/periodic_domain.hpp"
 #include "domain/migrate.hpp"
 #include "domain/neighbourhood.hpp"
-#include "support/cloud.hpp"
+#include "support/distributed.hpp"
 #include "support/tank.hpp"
 #include "trevi/error.hpp"
 
@@ -34,19 +34,23 @@ Vec3 nearest_way(const Vec3& a, const Vec3& b, const Axes& periodic) {
   return way;
 }
 
+Axes axes_of(const CellGrid& grid) {
+  Axes periodic;
+  for (std::size_t a = 0; a < 3; ++a) periodic[static_cast<std::size_t>(grid.axis(a))] = grid.is_periodic(a);
+  return periodic;
+}
+
 template <class T>
-void expect_neighbours(const Cloud& cloud, const Axes& periodic, int slab_axis) {
-  const CellGrid grid(box.min, box.max, h, slab_axis, periodic);
-  const int ranks = std::min(size_of(world), static_cast<int>(grid.planes()));
-  ASSERT_EQ(ranks, size_of(world));
-  const Slabs slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), ranks);
-  const Cloud mine = slice_of(cloud, rank_of(world), ranks);
+void expect_neighbours(const Cloud& cloud, const CellGrid& grid, int parts) {
+  const Axes periodic = axes_of(grid);
+  const Slabs slabs = even_slabs(grid, parts);
+  const Cloud mine = slice_of(cloud, rank_of(world), size_of(world));
   Particles particles;
   particles.id = mine.id;
   particles.position = particles.predicted = particles.velocity = mine.position;
   migrate(world, particles, &Particles::predicted, grid, slabs);
   Neighbourhood<T> near(world, grid, box.min, h);
-  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
+  near.rebuild(particles, slabs);
   std::vector<GlobalId> id(static_cast<std::size_t>(near.order().size()));
   std::copy(particles.id.begin(), particles.id.end(), id.begin() + near.order().low_ghosts());
   near.exchange(id);
@@ -69,8 +73,12 @@ TEST(Periodic, NeighboursAreThoseOfTheNearestImages) {
   for (const Axes& periodic : all_axes()) {
     for (const int slab_axis : {0, 1}) {
       SCOPED_TRACE(fmt::format("periodic {} {} {}, slabs along {}", periodic[0], periodic[1], periodic[2], slab_axis));
-      expect_neighbours<double>(cloud, periodic, slab_axis);
-      expect_neighbours<float>(cloud, periodic, slab_axis);
+      const CellGrid grid(box.min, box.max, h, slab_axis, periodic);
+      for (const int parts : parts_of_slabs(grid)) {
+        SCOPED_TRACE(parts);
+        expect_neighbours<double>(cloud, grid, parts);
+        expect_neighbours<float>(cloud, grid, parts);
+      }
     }
   }
 }
@@ -101,14 +109,18 @@ TEST(Periodic, SameBitsOnAnyRanks) {
       SCOPED_TRACE(fmt::format("{} {}", axes, more));
       const Scene scene = scene_with(endless, {fmt::format("domain.periodic={}", axes), more, "time.cfl=0"});
       const Cloud cloud = random_cloud(900, box, 2);
-      const std::unique_ptr<Solver> many = solver_of(world, scene, cloud), one = solver_of(MPI_COMM_SELF, scene, cloud);
-      many->start();
+      const std::unique_ptr<Solver> one = solver_of(MPI_COMM_SELF, scene, cloud);
       one->start();
-      for (int k = 0; k < 8; ++k) {
-        many->step();
-        one->step();
+      for (int k = 0; k < 8; ++k) one->step();
+      for (const int parts : {1, size_of(world) % 2 == 0 ? 2 : size_of(world)}) {
+        SCOPED_TRACE(parts);
+        Scene shared = scene;
+        shared.ranks = {size_of(world) / parts, parts};
+        const std::unique_ptr<Solver> many = solver_of(world, shared, cloud);
+        many->start();
+        for (int k = 0; k < 8; ++k) many->step();
+        expect_same_bits(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
       }
-      expect_same_bits(gathered(world, many->particles()), gathered(MPI_COMM_SELF, one->particles()));
     }
   }
 }

@@ -37,7 +37,7 @@ TEST(SendToOwners, ARestartIsOneExchangeAndNobodyReceivesMoreThanItsOwn) {
   if (size_of(world) > 2) {
     EXPECT_EQ(all_received, all_sent * particle_bytes);
   }
-  for (const Vec3& p : particles.position) EXPECT_EQ(slabs.owner(grid.plane_of(p)), rank_of(world));
+  for (const Vec3& p : particles.position) EXPECT_EQ(slabs.owner(grid, p), rank_of(world));
   const Cloud found = gathered(world, particles);
   EXPECT_EQ(found.id, all.id);
   EXPECT_EQ(found.position, all.position);
@@ -50,7 +50,7 @@ TEST(SendToOwners, ThoseThatStayKeepTheirOrder) {
   Particles particles = particles_of(as_in_a_checkpoint());
   std::vector<GlobalId> staying;
   for (std::size_t i = 0; i < particles.id.size(); ++i)
-    if (slabs.owner(grid.plane_of(particles.position[i])) == rank_of(world)) staying.push_back(particles.id[i]);
+    if (slabs.owner(grid, particles.position[i]) == rank_of(world)) staying.push_back(particles.id[i]);
   migrate(world, particles, &Particles::position, grid, slabs);
   if (size_of(world) < 3) return;
   ASSERT_GE(particles.id.size(), staying.size());
@@ -66,7 +66,7 @@ TEST(SendToOwners, WhatMovesOneSlabGoesToTheNeighbourOnly) {
   for (Vec3& p : particles.position) p.x() += 0.1;
   migrate(world, particles, &Particles::position, grid, slabs);
   EXPECT_EQ(received.exchanges, 0);
-  for (const Vec3& p : particles.position) EXPECT_EQ(slabs.owner(grid.plane_of(p)), rank_of(world));
+  for (const Vec3& p : particles.position) EXPECT_EQ(slabs.owner(grid, p), rank_of(world));
 }
 
 }  // namespace

@@ -46,9 +46,29 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, 
   // what holds phi at 0, and the residual of each cycle. Coarser levels are small enough to be gathered.
   const int cycles = 3, both_ways = 1 + 1 + 4 * cycles, one_way = 1 + cycles;
   const std::int64_t cell = 8 * both_ways + 4 * one_way;
-  const std::int64_t heights = 4 * rows;  // of the water
+  const std::int64_t heights = 4 * (rows + 2);  // of the water
   return messages * (counts + (3 * places_sent + scalars_sent) * particles_per_plane * record / 4 +
                      (projected ? heights + coarse_cells_per_plane * cell + field_cells_per_plane * field_cell : 0));
+}
+
+/// The same where `parts` ranks share each slab of a box with twice the rows, under gravity.
+std::int64_t formula_of_parts(int ranks, int parts, std::int64_t record, int iterations) {
+  constexpr int planes = 17, all_rows = 2 * rows, cycles = 3;
+  const std::int64_t slabs = ranks / parts;
+  // Rows of a plane that are sent to the slabs beside, to the ranks of the same slab, and across corners.
+  const std::int64_t to_slabs = 2 * (slabs - 1) * all_rows, in_slabs = 2 * (parts - 1) * planes;
+  const std::int64_t across = 4 * (slabs - 1) * (parts - 1);
+  const std::int64_t beside_rows = in_slabs + across, around = to_slabs + beside_rows;
+  const std::int64_t upper = to_slabs / 2 + in_slabs / 2 + across / 4;
+  const std::int64_t particles = 8 * water_columns, cells = coarse_columns + 2, eights = (coarse_columns + 7) / 8 * 8;
+  const std::int64_t records = (3 * (2 + iterations) + iterations) * particles * record / 4;
+  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1 + volumes;
+  const std::int64_t fields = 8 * (2 * moments + 3 * fit + flow);
+  // The fill of ghost planes; beside rows volumes, wetness, heights of the surface, links across rows, the last phi.
+  const std::int64_t once = to_slabs * 8 * cells + beside_rows * (72 * coarse_columns + cells + 3 * 8 * cells);
+  // The pivot, the first phi and that of each sweep; what holds phi at 0, links, and residuals.
+  const std::int64_t multigrid = 8 * cells * ((2 + 4 * cycles) * around + (4 + cycles) * upper);
+  return around * (4 * columns + records + 4 + eights * fields) + once + multigrid;
 }
 
 class Traffic : public Output {
@@ -77,6 +97,14 @@ TEST_F(Traffic, IsAsTheFormulaSays) {
             formula(ranks, 16, 4, Grid::none));
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
             formula(ranks, 16, 4, Grid::upright, true));
+}
+
+TEST_F(Traffic, OfSlabsThatAreSharedIsAsTheFormulaSays) {
+  const int ranks = size_of(world), parts = 2;
+  const std::string shape = "domain.ranks=[" + std::to_string(ranks / parts) + ", " + std::to_string(parts) + "]";
+  const std::vector<std::string> wide = {"domain.max=[3.4, 0.8, 1.6]", "particles.0.max=[3.4, 0.8, 1.0]",
+                                         "density.precision='single'", shape};
+  EXPECT_EQ(bytes_per_step(wide), formula_of_parts(ranks, parts, 16, 4));
 }
 
 TEST_F(Traffic, NoiseIsThatOfGravityAlone) {

@@ -63,7 +63,7 @@ Slowed slowed(const Scene& scene, Wave&& wave) {
   particles.position = particles.predicted = particles.velocity = mine.position;
   migrate(world, particles, &Particles::predicted, grid, slabs);
   Neighbourhood<T> near(world, grid, scene.domain.min, h);
-  near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
+  near.rebuild(particles, slabs);
   // Only now, as the sort uses their memory.
   std::transform(particles.predicted.begin(), particles.predicted.end(), particles.velocity.begin(), wave);
   particles.position = particles.predicted;

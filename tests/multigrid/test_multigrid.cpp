@@ -53,8 +53,9 @@ struct Lake {
 void fill(MultigridLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId c) {
   const LevelShape& shape = cells.shape();
   LocalId plane = k - 1 + shape.first;
-  lake.wrap(plane, r);
   const std::size_t at = shape.index(k, r, c);
+  r += shape.first_row;
+  lake.wrap(plane, r);
   const bool wet = lake.is_wet(plane, r, c);
   cells.phi[at] = wet ? Lake::chance(plane, r, c, 7) - 0.5 : 0;
   cells.rhs[at] = wet ? 100 * (Lake::chance(plane, r, c, 8) - 0.5) : 0;
@@ -78,6 +79,18 @@ struct Tank {
     for (LocalId k = 0; k <= own_planes + 1; ++k)
       for (LocalId r = 0; r < lake.rows; ++r)
         for (LocalId c = 0; c < lake.columns; ++c) fill(multigrid.finest(), lake, k, r, c);
+  }
+  /// The same where ranks share slabs.
+  Tank(const Lake& lake, LocalId own_planes, const Range& rows, GlobalId gathered)
+      : halo(world, lake.repeats[0]), multigrid(world, lake.repeats, gathered) {
+    multigrid.resize(own_planes, rows.size(), lake.columns, lake.depth, {rows.begin, lake.rows});
+    for (LocalId k = 1; k <= own_planes; ++k)
+      for (LocalId r = 0; r < rows.size(); ++r)
+        for (LocalId c = 0; c < lake.columns; ++c) fill(multigrid.finest(), lake, k, r, c);
+    MultigridLevel& cells = multigrid.finest();
+    // What is beside the own cells comes from their owners, but for links of the plane above.
+    for (LocalId r = 0; r < rows.size(); ++r)
+      for (LocalId c = 0; c < lake.columns; ++c) fill(cells, lake, own_planes + 1, r, c);
   }
   Halo halo;
   Multigrid multigrid;
@@ -141,9 +154,8 @@ TEST(Multigrid, AFullBoxIsHarmless) {
   }
 }
 
-/// Own planes of this rank: all the same, or as different as can be.
-LocalId planes_of_rank(LocalId planes, int kind) {
-  const int ranks = size_of(world), rank = rank_of(world);
+/// Own planes of a rank: all the same, or as different as can be.
+LocalId planes_of_rank(LocalId planes, int kind, int rank = rank_of(world), int ranks = size_of(world)) {
   if (kind == 0) return planes * (rank + 1) / ranks - planes * rank / ranks;
   const int large = kind == 1 ? 0 : ranks - 1;
   return rank == large ? planes - (ranks - 1) : 1;
@@ -158,6 +170,44 @@ void expect_same_as_alone(const Lake& lake, int kind, GlobalId gathered) {
   const auto first = static_cast<std::size_t>(mine.shape().first);
   const std::size_t plane = mine.shape().step(0), values = mine.phi.size();
   EXPECT_EQ(std::memcmp(mine.phi.data(), one.multigrid.finest().phi.data() + first * plane, values * sizeof(Real)), 0);
+}
+
+/// With slabs that `parts` ranks share, cut elsewhere in each.
+void expect_same_in_parts(const Lake& lake, int kind, GlobalId gathered, int parts) {
+  const int slab = rank_of(world) / parts, part = rank_of(world) % parts;
+  const LocalId planes = planes_of_rank(lake.planes, kind, slab, size_of(world) / parts);
+  Range rows{0, 0};
+  for (int k = 0; k <= part; ++k) rows = {rows.end, rows.end + planes_of_rank(lake.rows, (kind + slab) % 3, k, parts)};
+  Tank many(lake, planes, rows, gathered), one(MPI_COMM_SELF, lake, lake.planes);
+  many.multigrid.solve(many.halo, 2);
+  one.multigrid.solve(one.halo, 2);
+  const MultigridLevel &mine = many.multigrid.finest(), &all = one.multigrid.finest();
+  for (LocalId k = 0; k < planes + 2; ++k) {
+    for (LocalId r = -1; r <= rows.size(); ++r) {
+      const Real* found = &mine.phi[mine.shape().index(k, r, 0)];
+      const Real* expected = &all.phi[all.shape().index(k + mine.shape().first, r + rows.begin, 0)];
+      ASSERT_EQ(std::memcmp(found, expected, static_cast<std::size_t>(lake.columns) * sizeof(Real)), 0)
+          << "row " << r << " of plane " << k;
+    }
+  }
+}
+
+TEST(Multigrid, SameBitsWithCutsInSlabs) {
+  for (int parts = 2; parts <= size_of(world); ++parts) {
+    if (size_of(world) % parts != 0) continue;
+    for (const LocalId planes : {5, 8, 23}) {
+      for (const int kind : {0, 1, 2}) {
+        for (const GlobalId gathered : {0, 100, 4096}) {
+          SCOPED_TRACE(std::to_string(planes) + " planes, " + std::to_string(parts) + " parts, cuts " +
+                       std::to_string(kind) + ", " + std::to_string(gathered));
+          expect_same_in_parts({planes, 7, 14, 11, 6, 0.1}, kind, gathered, parts);
+          expect_same_in_parts({planes, 20, 60, 50, 6, 0.1}, kind, gathered, parts);
+          expect_same_in_parts({planes, 7, 14, 11, 6, 0.1, {true, true}}, kind, gathered, parts);
+          expect_same_in_parts({planes, 12, 60, 50, 6, 0, {false, true}}, kind, gathered, parts);
+        }
+      }
+    }
+  }
 }
 
 TEST(Multigrid, SameBitsOnAnyRanksCutsAndThreads) {

@@ -51,23 +51,24 @@ TEST(LargeCounts, PlanesAreWeighedAndCutWithoutParticles) {
   EXPECT_THROW(initial_slabs(world, larger, grid_of(larger), weights), InputError);
   EXPECT_EQ(std::accumulate(weights.begin(), weights.end(), 0.0), 1e11);
   const Slabs slabs(weights, 200);
-  EXPECT_NO_THROW(slabs.check_capacity(weights, grid_of(larger).cells_per_plane(), 16));
+  EXPECT_NO_THROW(slabs.check_capacity(weights, {grid_of(larger).rows(), grid_of(larger).columns()}, 16));
   EXPECT_DOUBLE_EQ(slabs.imbalance(weights), 1);
 }
 
 TEST(LargeCounts, WhatARankCannotCountIsRefused) {
   const std::vector<Real> weights(100, 1e8);
-  EXPECT_NO_THROW(Slabs(weights, 10).check_capacity(weights, 1000, 16));
-  EXPECT_THROW(Slabs(weights, 5).check_capacity(weights, 1000, 16), InputError) << "with its ghosts it has 2.2e9";
-  EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, 200'000'000, 16), InputError) << "2.4e9 cells with ghosts";
+  EXPECT_NO_THROW(Slabs(weights, 10).check_capacity(weights, {1, 1000}, 16));
+  EXPECT_THROW(Slabs(weights, 5).check_capacity(weights, {1, 1000}, 16), InputError) << "with its ghosts it has 2.2e9";
+  EXPECT_THROW(Slabs(weights, 10).check_capacity(weights, {1, 200'000'000}, 16), InputError)
+      << "2.4e9 cells with ghosts";
 }
 
 TEST(LargeCounts, CutsAreNotMovedToWhereCellsCannotBeCounted) {
   std::vector<Real> gathered(100, 0);
   gathered[0] = gathered[1] = 1;  // the second of two ranks gets 99 planes
-  EXPECT_TRUE(Slabs(gathered, 2).cells_fit(19'000'000)) << "1.92e9 with its ghosts";
-  EXPECT_FALSE(Slabs(gathered, 2).cells_fit(21'000'000)) << "2.1e9";
-  EXPECT_TRUE(Slabs(std::vector<Real>(100, 1), 2).cells_fit(21'000'000));
+  EXPECT_TRUE(Slabs(gathered, 2).cells_fit(1, 19'000'000)) << "1.92e9 with its ghosts";
+  EXPECT_FALSE(Slabs(gathered, 2).cells_fit(1, 21'000'000)) << "2.1e9";
+  EXPECT_TRUE(Slabs(std::vector<Real>(100, 1), 2).cells_fit(1, 21'000'000));
 }
 
 TEST(LargeCounts, SolversOfPetscCountUnknownsIn32Bits) {
@@ -85,9 +86,10 @@ TEST(LargeCounts, SolversOfPetscCountUnknownsIn32Bits) {
 
 TEST(LargeCounts, PlanesThatNoMessageHoldsAreRefused) {
   const std::vector<Real> weights(8, 1e8);
-  EXPECT_THROW(Slabs(weights, 2).check_capacity(weights, 1000, 32), InputError) << "3.2 GB of records";
-  EXPECT_THROW(Slabs(weights, 4).check_capacity(weights, 300'000'000, 16), InputError) << "2.4 GB of the coarse grid";
-  EXPECT_NO_THROW(Slabs(weights, 1).check_capacity(weights, 1000, 32)) << "nothing is sent";
+  EXPECT_THROW(Slabs(weights, 2).check_capacity(weights, {1, 1000}, 32), InputError) << "3.2 GB of records";
+  EXPECT_THROW(Slabs(weights, 4).check_capacity(weights, {1, 300'000'000}, 16), InputError)
+      << "2.4 GB of the coarse grid";
+  EXPECT_NO_THROW(Slabs(weights, 1).check_capacity(weights, {1, 1000}, 32)) << "nothing is sent";
 }
 
 TEST(LargeCounts, RandomNumbersSeeTheUpperHalfOfAnId) {

@@ -37,13 +37,8 @@ struct Water {
     migrate(world, particles, &Particles::predicted, grid, slabs);
     sort();
   }
-  void sort() { near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))}); }
+  void sort() { near.rebuild(particles, slabs); }
   Motion motion() const { return {particles.position, particles.predicted}; }
-  /// The middle of the first plane of this rank.
-  Vec3 in_first_plane() const {
-    return box.min +
-           (slabs.first_plane(rank_of(world)) + 0.5) * (box.max.x() - box.min.x()) / grid.planes() * Vec3::UnitX();
-  }
 
   Box box;
   CellGrid grid;
@@ -77,13 +72,12 @@ struct Water {
 /// What Projection has, up to the pressure, without obstacles or among them.
 struct Stages {
   Stages(Water& of, Real spacing, Obstacles* obstacles = nullptr)
-      : water(of), grid(world, water.grid, water.box), transfer(grid, spacing) {
+      : water(of), grid(water.grid, water.box), transfer(grid, spacing) {
     if (obstacles != nullptr) cuts.emplace(*obstacles);
     surface.emplace(FreeSurface::Sources{grid, rows, transfer, cuts ? &*cuts : nullptr, true});
     back.emplace(*surface, transfer.free_spreads(), spacing, 2 * spacing);
     rows.measure(water.near.order(), water.near.halo());
-    grid.resize(water.near.order().planes(), water.grid.columns());
-    grid.set_plane(1, water.in_first_plane());
+    grid.resize(water.near.order().window(), water.grid.columns());
     if (cuts) cuts->measure(world, grid, water.box);
     transfer.resize();
     surface->resize();

@@ -13,6 +13,12 @@ namespace {
 constexpr Real h = 0.2;
 constexpr LocalId planes_a_rank = 6;
 
+/// Of this rank, where each has as many planes.
+CellWindow window_of(const ProjectionGrid& grid, LocalId planes) {
+  const LocalId first = rank_of(world) * planes;
+  return {{first, first + planes}, {0, grid.count(1)}};
+}
+
 // Balls and turned boxes at the places of a loose lattice, none in another, some cut by walls.
 Settings many_solids(MPI_Comm comm) {
   Settings settings;
@@ -39,10 +45,10 @@ struct Measured {
   AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
   CutCells solids{obstacles};
-  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+  ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
 
   Measured() {
-    grid.resize(planes_a_rank, 10);
+    grid.resize(window_of(grid, planes_a_rank), 10);
     solids.measure(world, grid, settings.domain);
   }
   std::pair<Real, std::size_t> nearest(const Vec3& p) const {
@@ -111,8 +117,8 @@ TEST(CutCells, OfSolidsThatMoveAreThoseCutAtOnce) {
   settings = resolved(settings);
   const AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
-  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
-  grid.resize(planes_a_rank, 10);
+  ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+  grid.resize(window_of(grid, planes_a_rank), 10);
   CutCells step_by_step(obstacles);
   for (int k = 0; k <= 20; ++k) {
     obstacles.move(0.02 * k, 0.02 * (k + 1));
@@ -143,10 +149,10 @@ struct Vessel {
   AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
   Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
   CutCells cuts{obstacles};
-  ProjectionGrid grid{world, CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+  ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
 
   Vessel(ShapeKind shape, Real radius, const Vec3& centre) : settings(settings_of(shape, radius, centre)) {
-    grid.resize(planes / size_of(world), 10);
+    grid.resize(window_of(grid, planes / size_of(world)), 10);
     cuts.measure(world, grid, settings.domain);
   }
   static Settings settings_of(ShapeKind shape, Real radius, const Vec3& centre) {

@@ -48,11 +48,13 @@ class Faults:
         runs.run_well(1, self.scene, self.straight, "--steps", STEPS)
 
     def run(self, ranks, kind, fault, **more):
-        """Exit code, what was told, where it struck (nothing: nowhere), and the folder of a run with a fault."""
+        """Exit code, what was told, where it struck (nothing: nowhere), and the folder of a run with a fault. Four
+        ranks share two slabs."""
+        shared = ["--set", "domain.ranks=[2, 2]"] if ranks == 4 else []
         output = self.folder.path(re.sub(r"[^a-z0-9_]", "_", f"{kind}_{fault}"))
         shim = {"LD_PRELOAD": sys.argv[1], "TREVI_FAULT": fault, "TREVI_FAULT_FOLDER": str(output),
                 **{f"TREVI_FAULT_{key.upper()}": str(value) for key, value in more.items()}}
-        code, told = runs.finish(runs.start(ranks, self.scene, output, "--steps", STEPS, extra=shim))
+        code, told = runs.finish(runs.start(ranks, self.scene, output, "--steps", STEPS, *shared, extra=shim))
         strike = re.search(STRIKE, told)
         counts = self.struck.setdefault(kind, [0, 0])
         counts[0] += strike is not None
@@ -152,8 +154,9 @@ def main():
         faults = Faults(folder)
         try_disks(faults, calls, writers)
         try_delays(faults, writers)
-        reached = try_losses(faults, kills)
-    print("ranks lost at", ", ".join(f"{call}: {n}" for call, n in sorted(reached.items(), key=str)))
+        reached = [try_losses(faults, kills, ranks) for ranks in (3, 4)]
+    for ranks, of_ranks in zip((3, 4), reached):
+        print(f"of {ranks} ranks lost at", ", ".join(f"{call}: {n}" for call, n in sorted(of_ranks.items(), key=str)))
     print("runs struck:", ", ".join(f"{kind} {struck} of {tried}" for kind, (struck, tried) in faults.struck.items()))
     failed = faults.failed + faults.never_struck()
     print("\n".join(failed))

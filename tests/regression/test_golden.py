@@ -3,7 +3,8 @@
 fused multiply-add that this machine has: particles of the last checkpoint, and series.csv but for times.
 
 After a change that is meant to change results TREVI_WRITE_GOLDEN=1 makes it write golden.txt anew; the commit says why.
-TREVI_GOLDEN_CASES names the runs to do in place of all, TREVI_GOLDEN_SHAPES their ranks x threads: "1x2 5x1".
+TREVI_GOLDEN_CASES names the runs to do in place of all, TREVI_GOLDEN_SHAPES their ranks x threads: "1x2 5x1", where
+"3*2x1" are 3 slabs of 2 ranks each.
 """
 
 import hashlib
@@ -26,7 +27,19 @@ GOLDEN = Path(__file__).with_name("golden.txt")
 CASES = os.environ.get("TREVI_GOLDEN_CASES", "").split()
 ALL_SHAPES = "1x1 1x2 1x4 2x1 2x4 3x1 3x2 3x4 5x1 5x2 5x4 2x2"  # the last for all cases, the others for "everything"
 ONE_SET = "TREVI_GOLDEN_ONE_SET" in os.environ  # the best alone
-SHAPES = [tuple(map(int, shape.split("x"))) for shape in os.environ.get("TREVI_GOLDEN_SHAPES", ALL_SHAPES).split()]
+
+def shapes_of(text):
+    """Slabs, ranks of each and threads of each rank."""
+    shapes = []
+    for shape in text.split():
+        ranks, threads = shape.split("x")
+        slabs, _, parts = ranks.partition("*")
+        shapes.append((int(slabs), int(parts or 1), int(threads)))
+    return shapes
+
+
+SHAPES = shapes_of(os.environ.get("TREVI_GOLDEN_SHAPES", ALL_SHAPES))
+CUT_SHAPES = shapes_of("" if "TREVI_GOLDEN_SHAPES" in os.environ else "1*2x1 2*4x1 3*2x1 2*2x2")  # as ALL_SHAPES
 ROUNDED = {"SSE2", "SSSE3", "SSE4"}  # without a fused multiply-add: to rounding only
 
 # Everything that a scene may have, and enough of it that all of it acts: jets through a pool, drops that meet walls.
@@ -186,12 +199,15 @@ class Golden(ProgramTest):
         super().setUp()
         self.trevi = self.program  # each run names its instruction set itself
 
-    def hash_of(self, case, instruction_set, ranks, threads):
+    def hash_of(self, case, instruction_set, shape):
         _, scene, overrides = case
+        slabs, parts, threads = shape
         sets = [*overrides, f"run.instruction_set='{instruction_set}'", "output.series.every_steps=1",
                 "output.checkpoint.every_steps=1000000"]
+        if parts > 1:
+            sets.append(f"domain.ranks=[{slabs}, {parts}]")
         with tempfile.TemporaryDirectory() as out:
-            self.run_well(ranks, scene, "--steps", 60, "--output", f"{out}/run", "--threads", threads,
+            self.run_well(slabs * parts, scene, "--steps", 60, "--output", f"{out}/run", "--threads", threads,
                           *(f"--set={o}" for o in sets))
             return digest(Path(out) / "run")
 
@@ -205,10 +221,13 @@ class Golden(ProgramTest):
     def runs_of(number, name, sets):
         """(set, shape): scenes in the last shape on each set; "everything" in each shape on the best set, and on another
         set in a quarter of them, which differs among its four cases. So each set has met each shape."""
+        has_rows = "plane" not in name  # of cells across a scene of two dimensions there is one
         if not name.startswith("everything"):
-            return itertools.product(sets, SHAPES[-1:])
+            cut = CUT_SHAPES[-1:] if has_rows else []
+            return [*itertools.product(sets, SHAPES[-1:]), *itertools.product(sets[:1], cut)]
         rest = SHAPES[number % 4::4] or SHAPES[-1:]
-        return [*itertools.product(sets[:1], SHAPES), *itertools.product(sets[1:], rest)]
+        cut = CUT_SHAPES if has_rows else []
+        return [*itertools.product(sets[:1], [*SHAPES, *cut]), *itertools.product(sets[1:], rest)]
 
     def test_bits(self):
         golden = dict(line.split() for line in GOLDEN.read_text().splitlines() if not line.startswith("#"))
@@ -217,18 +236,19 @@ class Golden(ProgramTest):
             self.skipTest("no instruction set of this machine has a fused multiply-add")
         self.assertLessEqual(set(CASES), set(golden), "TREVI_GOLDEN_CASES")
         for number, case in enumerate(case for case in cases(self.folder) if not CASES or case[0] in CASES):
-            for instruction_set, (ranks, threads) in self.runs_of(number, case[0], sets):
-                with self.subTest(case[0], instruction_set=instruction_set, ranks=ranks, threads=threads):
-                    found = self.hash_of(case, instruction_set, ranks, threads)
+            for instruction_set, shape in self.runs_of(number, case[0], sets):
+                with self.subTest(case[0], instruction_set=instruction_set, shape=shape):
+                    found = self.hash_of(case, instruction_set, shape)
                     verdict = "as" if found == golden[case[0]] else "NOT as"
-                    print(f"{case[0]}, {instruction_set}, {ranks} x {threads}: {found}, {verdict} in golden.txt",
-                          flush=True)
+                    slabs, parts, threads = shape
+                    print(f"{case[0]}, {instruction_set}, {slabs} * {parts} x {threads}: {found}, {verdict} in "
+                          "golden.txt", flush=True)
                     self.assertEqual(found, golden[case[0]])
 
     @unittest.skipUnless(os.environ.get("TREVI_WRITE_GOLDEN"), "only after a change that is meant to change results")
     def test_write(self):
         best = self.instruction_sets()[0]
-        lines = [f"{case[0]} {self.hash_of(case, best, 1, 1)}" for case in cases(self.folder)]
+        lines = [f"{case[0]} {self.hash_of(case, best, (1, 1, 1))}" for case in cases(self.folder)]
         GOLDEN.write_text("# Hashes of small runs after 60 steps; test_golden.py says of what.\n" + "\n".join(lines) + "\n")
 
 

@@ -42,7 +42,7 @@ struct Block {
       particles.velocity.push_back(Vec3::Zero());
     }
     migrate(world, particles, &Particles::predicted, grid, slabs);
-    near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
+    near.rebuild(particles, slabs);
   }
   void solve() {
     DensityProblem<double> problem(world, near, constraint, *boundary);

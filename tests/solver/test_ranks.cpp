@@ -105,10 +105,14 @@ class Ranks : public Output {
             solver->counters().balance.moves};
   }
 
-  void expect_same_on_one_rank(const std::string& text, const std::vector<std::string>& overrides) const {
+  /// `parts`: ranks that share each slab.
+  void expect_same_on_one_rank(const std::string& text, const std::vector<std::string>& overrides,
+                               int parts = 1) const {
     const Scene scene = scene_with(text, overrides);
+    std::vector<std::string> shared = overrides;
+    if (parts > 1) shared.push_back(fmt::format("domain.ranks=[{}, {}]", size_of(world) / parts, parts));
     constexpr int steps = 20;
-    const Run many = run(world, scene, steps), one = run(MPI_COMM_SELF, scene, steps);
+    const Run many = run(world, scene_with(text, shared), steps), one = run(MPI_COMM_SELF, scene, steps);
     expect_same_bits(many.particles, one.particles);
     EXPECT_EQ(many.series, one.series);
     EXPECT_EQ(std::count(one.series.begin(), one.series.end(), '\n'), steps + 1);
@@ -127,6 +131,40 @@ TEST_F(Ranks, CubeInFlightTakesTheCutsAlong) {
   expect_same_on_one_rank(cube_scene, {"density.precision='double'", "domain.max=[3.2, 1.1, 1.4]",
                                        "gravity.acceleration=[0, 0, 0]", "particles.0.velocity=[6, 0, 0]"});
   EXPECT_EQ(cut_moves > 0, size_of(world) > 1);
+}
+
+// On its way the cube goes through the corners of windows, whose cuts follow it.
+TEST_F(Ranks, SlabsThatAreShared) {
+  for (int parts = 2; parts <= size_of(world); ++parts) {
+    if (size_of(world) % parts != 0) continue;
+    for (const char* precision : {"double", "single"}) {
+      SCOPED_TRACE(fmt::format("{} ranks a slab, {}", parts, precision));
+      const std::string key = fmt::format("density.precision='{}'", precision);
+      cut_moves = 0;
+      expect_same_on_one_rank(cube_scene, {key}, parts);
+      EXPECT_GT(cut_moves, 0);
+      expect_same_on_one_rank(fountain_scene, {key}, parts);
+      expect_same_on_one_rank(default_pool_scene,
+                              {key, "gravity.acceleration=[4, -2.5, -9.8]", "particles.0.min=[0, 0, 0]",
+                               "particles.0.max=[1.6, 1.6, 0.5]", "particles.0.velocity=[0, 0, 0]"},
+                              parts);
+    }
+    expect_same_on_one_rank(cube_scene, {"density.preset='report'"}, parts);
+  }
+}
+
+TEST_F(Ranks, RanksThatAreNotSoMany) {
+  const auto told = [](const std::string& shape) {
+    try {
+      initial_particles(world, scene_with(cube_scene, {"domain.ranks=" + shape}));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  const int ranks = size_of(world);
+  EXPECT_NE(told(fmt::format("[{}, 3]", ranks)).find(fmt::format("this run has {}", ranks)), std::string::npos);
+  EXPECT_NE(told("[2.5, 1]").find("two whole numbers"), std::string::npos);
 }
 
 TEST_F(Ranks, FallingCubeInSinglePrecision) { expect_same_on_one_rank(cube_scene, {"density.precision='single'"}); }

@@ -16,9 +16,23 @@ inline const Box cloud_box{Vec3(-0.3, 0.2, 0.1), Vec3(1.2, 1.25, 1.0)};
 
 inline CellGrid cloud_grid(int slab_axis = 0) { return {cloud_box.min, cloud_box.max, radius, slab_axis}; }
 
-/// The same number of planes for each rank, however the particles are spread.
-inline Slabs even_slabs(const CellGrid& grid) {
-  return {std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), size_of(world)};
+/// Numbers of ranks that may share a slab, with at least a row of `grid` each.
+inline std::vector<int> parts_of_slabs(const CellGrid& grid) {
+  std::vector<int> parts;
+  for (int k = 1; k <= std::min<int>(size_of(world), grid.rows()); ++k)
+    if (size_of(world) % k == 0 && size_of(world) / k <= grid.planes()) parts.push_back(k);
+  return parts;
+}
+
+/// The same number of planes for each slab, however the particles are spread; each cut into parts elsewhere.
+inline Slabs even_slabs(const CellGrid& grid, int parts = 1) {
+  Slabs slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), size_of(world) / parts);
+  if (parts == 1) return slabs;
+  std::vector<Real> weights;
+  for (int slab = 0; slab < slabs.slabs(); ++slab)
+    for (LocalId row = 0; row < grid.rows(); ++row) weights.push_back((slab + row) % 3 + 1);
+  slabs.cut_rows(weights, parts);
+  return slabs;
 }
 
 /// This rank's slice, not yet where it belongs; predicted = position.
@@ -33,15 +47,15 @@ inline Particles particles_of(const Cloud& all) {
 
 template <class T>
 struct Distributed {
-  explicit Distributed(const Cloud& all, int slab_axis = 0)
-      : grid(cloud_grid(slab_axis)), slabs(even_slabs(grid)), near(world, grid, cloud_box.min, radius) {
+  explicit Distributed(const Cloud& all, int slab_axis = 0, int parts = 1)
+      : grid(cloud_grid(slab_axis)), slabs(even_slabs(grid, parts)), near(world, grid, cloud_box.min, radius) {
     rebuild(all);
   }
 
   void rebuild(const Cloud& all) {
     particles = particles_of(all);
     migrate(world, particles, &Particles::predicted, grid, slabs);
-    near.rebuild(particles, {slabs.first_plane(rank_of(world)), slabs.end_plane(rank_of(world))});
+    near.rebuild(particles, slabs);
     id = with_ghosts(particles.id);
   }
 

@@ -92,16 +92,22 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
   const BytesEach bytes = bytes_each(scene);
   std::string text;
   for (int r = 0; r < ranks; ++r) {
-    const auto first = weights.begin() + slabs.first_plane(r), last = weights.begin() + slabs.end_plane(r);
-    const Real owned = std::accumulate(first, last, 0.0);
-    const Real ghosts = (r > 0 ? *(first - 1) : 0) + (r + 1 < ranks ? *last : 0);
+    const CellWindow own = slabs.window(r, grid.rows());
+    const auto first = weights.begin() + own.planes.begin, last = weights.begin() + own.planes.end;
+    // Where a slab is shared: as if its water stood equally high in all rows.
+    const Real share = static_cast<Real>(own.rows.size()) / grid.rows(), planes = own.planes.size();
+    const Real owned = std::accumulate(first, last, 0.0) * share;
+    const Real beside = (first > weights.begin() ? *(first - 1) : 0) + (last < weights.end() ? *last : 0);
+    const LocalId rows_beside = (own.rows.begin > 0 ? 1 : 0) + (own.rows.end < grid.rows() ? 1 : 0);
+    const Real ghosts = beside * share + (owned + beside * share) * rows_beside / own.rows.size();
     // The coarse grid has a ring of empty cells around each plane.
-    const double cells = (grid.rows() + 2.0) * (grid.columns() + 2.0) * static_cast<double>(last - first + 2);
-    const double coarse = coarse_bytes(scene, grid) * static_cast<double>(last - first + 2);
+    const double cells = (own.rows.size() + 2.0) * (grid.columns() + 2.0) * (planes + 2);
+    const double coarse = coarse_bytes(scene, grid) * (planes + 2) * (own.rows.size() + 2.0) / (grid.rows() + 2.0);
     const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + coarse;
-    text += fmt::format("  rank {:<4} planes {} to {}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
-                        slabs.first_plane(r), slabs.end_plane(r) - 1, owned, ghosts,
-                        owned > 0 ? 100 * ghosts / owned : 0, memory / 1e6);
+    const std::string rows = slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
+    text += fmt::format("  rank {:<4} planes {} to {}{}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
+                        own.planes.begin, own.planes.end - 1, rows, owned, ghosts, owned > 0 ? 100 * ghosts / owned : 0,
+                        memory / 1e6);
   }
   return text;
 }
@@ -175,7 +181,8 @@ double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
   double most = 0;
   for (int r = 0; r < slabs.ranks(); ++r)
     most = std::max(most,
-                    std::accumulate(weights.begin() + slabs.first_plane(r), weights.begin() + slabs.end_plane(r), 0.0));
+                    std::accumulate(weights.begin() + slabs.first_plane(r), weights.begin() + slabs.end_plane(r), 0.0) /
+                        slabs.parts());
   return most;
 }
 

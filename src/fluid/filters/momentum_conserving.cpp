@@ -2,9 +2,23 @@
 
 #include "base/growth.hpp"
 #include "base/threads.hpp"
-#include "parallel/reductions.hpp"
+#include "domain/plane_sums.hpp"
 
 namespace trevi {
+
+namespace {
+
+struct Changes {
+  Vec3 sum = Vec3::Zero();
+  Real count = 0;
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    for (Real& one : sum) visit(one);
+    visit(count);
+  }
+};
+
+}  // namespace
 
 template <class T>
 void MomentumConserving<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
@@ -25,19 +39,12 @@ void MomentumConserving<T>::keep(const std::vector<Vec3>& velocity) {
 
 template <class T>
 Vec3 MomentumConserving<T>::mean_change(const CellOrder& order, const std::vector<Vec3>& velocity) const {
-  constexpr std::size_t columns = 4;  // sum of the changes, count
-  std::vector<Real> partial(columns * static_cast<std::size_t>(order.planes()));
-  for_each_part(order.planes(), [&](LocalId plane) {
-    const Range range = order.owned_range(plane, plane + 1);
-    Vec3 sum = Vec3::Zero();
+  const auto total = sum_over_planes<Changes>(comm_, order, [&](Changes& changes, Range range) {
     for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i)
-      sum += velocity[i] - before_[i];
-    Real* row = &partial[columns * static_cast<std::size_t>(plane)];
-    for (Eigen::Index a = 0; a < 3; ++a) row[a] = sum[a];
-    row[3] = range.size();
+      changes.sum += velocity[i] - before_[i];
+    changes.count += range.size();
   });
-  const std::vector<Real> total = sum_over_planes(comm_, partial, columns);
-  return total[3] > 0 ? Vec3(Vec3(total[0], total[1], total[2]) / total[3]) : Vec3(Vec3::Zero());
+  return total.count > 0 ? Vec3(total.sum / total.count) : Vec3(Vec3::Zero());
 }
 
 template class MomentumConserving<float>;

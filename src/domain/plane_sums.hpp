@@ -1,0 +1,43 @@
+// Sums over particles that do not depend on the ranks: those of a plane are added in the order of its particles, planes
+// in theirs (parallel/reductions.hpp). Where slabs are cut inside, the sums of its planes pass through the ranks of a
+// slab in the order of their rows, and each goes on where the one before has stopped. Collective.
+#pragma once
+
+#include <mpi.h>
+
+#include <type_traits>
+#include <vector>
+
+#include "base/threads.hpp"
+#include "parallel/reductions.hpp"
+#include "parallel/waiting.hpp"
+#include "particles/cell_order.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+/// add(sums, particles) adds the owned particles of a range to `sums`; Sums::for_each(visit) calls visit(number) for
+/// each of them.
+template <class Sums, class Add>
+Sums sum_over_planes(MPI_Comm comm, const CellOrder& order, const Add& add) {
+  static_assert(std::is_trivially_copyable_v<Sums> || std::is_standard_layout_v<Sums>);
+  std::vector<Sums> sums(static_cast<std::size_t>(order.planes()));
+  const int bytes = static_cast<int>(sums.size() * sizeof(Sums)), rank = rank_of(comm);
+  MPI_Request request;
+  if (order.window().rows.begin > 0) {
+    MPI_Irecv(sums.data(), bytes, MPI_BYTE, rank - 1, 0, comm, &request);
+    wait_all({&request, 1});
+  }
+  for_each_part(order.planes(), [&](LocalId plane) {
+    add(sums[static_cast<std::size_t>(plane)], order.owned_range(plane, plane + 1));
+  });
+  const bool passes_on = order.window().rows.end < order.grid().rows();
+  if (passes_on) {
+    MPI_Isend(sums.data(), bytes, MPI_BYTE, rank + 1, 0, comm, &request);
+    wait_all({&request, 1});
+    sums.clear();
+  }
+  return sum_over_planes(comm, sums);
+}
+
+}  // namespace trevi
