@@ -155,21 +155,6 @@ radius = 0.1
         self.assertEqual(runs.particles(straight / "checkpoint_000020.h5"),
                          runs.particles(other / "checkpoint_000020.h5"))
 
-    def test_a_checkpoint_of_1_0_0(self):
-        """It is gone on with. Later versions only wrote more, which is taken away here."""
-        known = {"particles", "checksums", "scene", "music", "flow", "streams"}
-        for text in CUBE, FLOW:
-            folder = Folder()
-            self.addCleanup(folder.cleanup)
-            scene, output = folder.scene(text + CHECKPOINTS.format(20, 10)), folder.path("out")
-            runs.run_well(1, scene, output, "--steps", 20)
-            with h5py.File(output / "checkpoint_000020.h5", "r+") as file:
-                for name in set(file) - known:
-                    del file[name]
-                file.attrs["program_version"] = "1.0.0"
-            runs.run_well(2, scene, output, "--steps", 30, "--restart", "latest")
-            self.assertEqual(runs.column(output, "step")[-1], 30)
-
     def test_later_files_are_set_aside(self):
         folder = Folder()
         self.addCleanup(folder.cleanup)

@@ -279,8 +279,9 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   const Hdf5Reader& file = source.file;
   source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
   CheckpointState state;
+  const std::int64_t format = file.integer_attribute("format");
   state.info.program_version = file.text_attribute("program_version");
-  if (const std::int64_t format = file.integer_attribute("format"); format != format_version)
+  if (format != format_version)
     throw InputError(
         fmt::format("{}: attribute format: {}, but only {} is known here; restart with trevi {}, which wrote it", path,
                     format, format_version, state.info.program_version));
