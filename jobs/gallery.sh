@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # usage: jobs/gallery.sh [SCENE ...] [--runs RUNS]
 #
-# Runs the scenes of inputs/gallery, all of them or those that are named, and makes their pictures anew:
+# Runs the scenes of inputs/gallery, all of them or those that are named, and makes their pictures and films anew:
 # postprocess/results/gallery/SCENE.webp. Runs that are in RUNS (default out/gallery) are not made again. On two cores each
-# scene takes one to ten minutes, and its picture one.
+# scene takes one to ten minutes, its picture half a minute, and a film up to ten.
 #
 #   jobs/gallery.sh
 #   jobs/gallery.sh vortex drop
@@ -12,26 +12,27 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 trevi_packages+=(xvfb xauth python3-scipy python3-pil)
 
-# How each picture is taken: the script, the time (s), and where the camera looks at.
+# How each picture is taken: the script, the time (s), or times of a film, and where the camera looks at.
 declare -A pictures=(
-  [stone_fountain]="surface.py --time 3.5 --azimuth -72 --elevation 18 --box -5 -3.3 0 5 3.3 6.4"
-  [breaking_wave]="surface.py --time 3.8 --azimuth -58 --elevation 9 --box 16.6 0 0.8 20 1.2 2.2"
+  [stone_fountain]="surface.py --time 3.5 --azimuth -72 --elevation 22 --box -4.8 -3.1 0 4.8 3.1 6.1"
+  [breaking_wave]="surface.py --times 3.0 4.12 --slow 1.5 --azimuth -58 --elevation 9 --box 16.6 0 0.8 20 1.2 2.2"
   [dam_and_pillar]="surface.py --time 0.85 --azimuth -55 --elevation 16 --box 0.2 0 0 5.4 2.88 1.7"
   [vortex]="surface.py --time 2.75 --azimuth -60 --elevation 46 --box -1.3 -1.3 0.9 1.3 1.3 2.3"
   [spout]="surface.py --time 2.0 --azimuth -62 --elevation 14 --box 0 -1.1 0.1 3.6 1.1 1.9"
   [weir]="surface.py --time 3.5 --azimuth -52 --elevation 20 --box 0.6 0 0 7.6 2.6 1.3"
-  [drop]="surface.py --time 0.25 --azimuth -105 --elevation 18 --box 0.9 0.9 0.2 2.7 2.7 1.1"
-  [rainbow_cube]="render.py --time 0.8 --elevation 20 --box 0.2 0.2 0 7.2 7 2.8"
+  [drop]="surface.py --times 0.06 0.8 --slow 2 --azimuth -105 --elevation 18 --box 0.9 0.9 0.2 2.7 2.7 1.1"
+  [rainbow_cube]="render.py --times 0 0.92 --slow 2 --elevation 20 --box 0.2 0.2 0 6.8 6.8 4.1"
 )
 scenes=(stone_fountain breaking_wave dam_and_pillar vortex spout weir drop rainbow_cube)
 
 # picture SCENE RUN
 picture() {
-  local words script light=()
+  local words script light=() size=(960 640)
   read -ra words <<<"${pictures[$1]}"
   script="${words[0]}"
   [[ $script != surface.py ]] || light=(--light day)
-  xvfb-run -a /usr/bin/python3 "postprocess/$script" "$2" --size 960 640 "${light[@]}" "${words[@]:1}" \
+  [[ ${words[1]} != --times ]] || size=(600 400)
+  xvfb-run -a /usr/bin/python3 "postprocess/$script" "$2" --size "${size[@]}" "${light[@]}" "${words[@]:1}" \
     --output "postprocess/results/gallery/$1.webp"
 }
 

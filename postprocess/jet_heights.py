@@ -10,7 +10,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import h5py
 import matplotlib
 
 matplotlib.use("Agg")
@@ -18,6 +17,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 from study import GRAVITY, STRESS, launch, parser_of  # noqa: E402
+from trevi_run import Run  # noqa: E402
 
 SPEEDS = (6, 8, 10, 12, 14)  # m/s
 BASIN = ["particles.0.min=[0.0,0.0,0.0]", "density.precision='single'", "time.end=6.0"]
@@ -31,11 +31,8 @@ KINDS = {  # settings, and height of the nozzle, m
 def greatest_heights(run, speed):
     """Height (m) that each launched particle reaches, by the frames of a run."""
     top, launched = None, None
-    for frame in sorted(run.glob("particles_*.hdf")):
-        with h5py.File(frame) as file:
-            data = file["VTKHDF"]
-            order = np.argsort(data["PointData/id"][:])
-            height, rise = data["Points"][:, 2][order], data["PointData/velocity"][:, 2][order]
+    for frame in Run(run).vtkhdf:
+        height, rise = frame.position[:, 2], frame.velocity[:, 2]
         if top is None:
             top, launched = height, np.zeros(len(height), bool)
         top, launched = np.maximum(top, height), launched | (rise > 0.8 * speed)

@@ -24,9 +24,9 @@ from functools import partial
 from pathlib import Path
 from typing import Callable, NamedTuple
 
-import h5py
 import numpy as np
 
+import trevi_run
 from known_water import rest_figures, wave_figures, zeros_of
 from study import GRAVITY, columns_of, energies, launch, mass_of, mean, start_of, states_of
 
@@ -55,16 +55,8 @@ def run_motion(trevi, motion, settings=(), time_limit=600):
         scene.write_text(motion.scene, encoding="utf-8")
         code, message = launch(trevi, scene, output, [*motion.settings, *start_of(motion.cloud, folder), *settings],
                                time_limit)
-        return (Run(columns_of(output / "series.csv"), states_of(output), times_of(output),
+        return (Run(columns_of(output / "series.csv"), states_of(output), trevi_run.Run(output).checkpoints.times,
                     columns_of(output / "obstacles.csv")), code, message)
-
-
-def times_of(output):
-    times = []
-    for file in sorted(output.glob("checkpoint_*.h5")):
-        with h5py.File(file) as stream:
-            times.append(float(stream.attrs["time"]))
-    return np.array(times)
 
 
 def plain(numbers):

@@ -7,7 +7,6 @@ in one drawing, each in its own colour.
 """
 
 import argparse
-import csv
 import math
 import re
 import sys
@@ -18,6 +17,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
+
+from trevi_run import RunError, Table  # noqa: E402
 
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]  # Okabe and Ito
 LINES = {
@@ -36,26 +37,16 @@ class BadInput(Exception):
 
 
 def read_series(path):
-    """Columns of a series.csv by name, as lists of float. A row cut short by a run that is still writing is omitted."""
+    """Columns of a series.csv by name."""
     file = path / "series.csv" if path.is_dir() else path
     try:
-        with open(file, newline="", encoding="utf-8") as stream:
-            header, *rows = [row for row in csv.reader(stream) if row] or [[]]
-    except OSError as error:
-        raise BadInput(f"{file}: {error.strerror}; was [output.series] in the scene?") from error
-    if not {"step", "density_mean"} <= set(header):
-        raise BadInput(f"{file}: {'is empty' if not header else 'has no columns step and density_mean'}")
-    if rows and len(rows[-1]) < len(header):
-        rows.pop()
-    if len(rows) < 2:
-        raise BadInput(f"{file}: {len(rows)} row(s); a curve needs at least two steps")
-    try:
-        columns = {name: [] for name in header}
-        for row in rows:
-            for name, cell in zip(header, row, strict=True):
-                columns[name].append(float(cell))
-    except ValueError as error:
-        raise BadInput(f"{file}: a row is not {len(header)} numbers ({error})") from error
+        columns = Table(file)
+    except RunError as error:
+        raise BadInput(f"{error}; a curve needs a run whose scene has [output.series]") from error
+    if not {"step", "density_mean"} <= set(columns):
+        raise BadInput(f"{file}: has no columns step and density_mean")
+    if len(columns["step"]) < 2:
+        raise BadInput(f"{file}: {len(columns['step'])} row(s); a curve needs at least two steps")
     if not has_values(columns, "density_mean"):
         raise BadInput(f"{file}: density_mean holds no number, only nan")
     return columns

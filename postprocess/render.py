@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Renders the particles of a run as shaded balls in their own colours, its obstacles as stone: a picture of one frame,
-or a film of all.
+or a film.
 
   jobs/render.sh render.py out/fountain --time 4 --output fountain.png
   jobs/render.sh render.py out/musical_fountain --sound inputs/ode_to_joy.wav --output fountain.mp4
+  jobs/render.sh render.py out/falling_cube --times 0 1 --slow 2 --output cube.webp
 
-A film runs in real time (H.264, with --sound AAC) and needs ffmpeg. Without a display start it through jobs/render.sh.
+A film is MP4 (H.264, with --sound AAC), of all frames or those between --times, and needs ffmpeg; or WebP. Without a display start it through jobs/render.sh.
 """
 
 import argparse
@@ -121,24 +122,29 @@ def seconds_of(sound):
         raise BadInput(f"{sound}: ffprobe cannot tell how long it is; {told.stderr.strip()}") from error
 
 
-def film(run, window, actors, options):
-    """Pipes the frames through ffmpeg, at the rate of the run's own clock; the last one stays while there is sound."""
+def frames_of(run, numbers, window, actors):
+    """The pictures of these frames, uint8 rows from the bottom."""
+    for number in numbers:
+        show(actors, run, number)
+        window.Render()
+        yield pixels(window)
+
+
+def film(pictures, count, milliseconds, options):
+    """Pipes the pictures through ffmpeg; the last one stays while there is sound."""
     if not shutil.which("ffmpeg"):
         raise BadInput("ffmpeg is not installed; jobs/render.sh installs it")
-    rate = (len(run.times) - 1) / (run.times[-1] - run.times[0])
-    width, height = options.size
+    rate, (width, height) = 1000 / milliseconds, options.size
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}",
                "-r", f"{rate:.6g}", "-i", "-"]
     command += ["-i", options.sound, "-c:a", "aac", "-b:a", "96k"] if options.sound else []
-    longer = max(0.0, seconds_of(options.sound) - len(run.times) / rate) if options.sound else 0
-    command += ["-vf", f"vflip,tpad=stop_mode=clone:stop_duration={longer:.3f}", "-c:v", "libx264", "-crf", str(options.crf), "-pix_fmt", "yuv420p",
-                "-movflags", "+faststart", options.output]
+    longer = max(0.0, seconds_of(options.sound) - count / rate) if options.sound else 0
+    command += ["-vf", f"vflip,tpad=stop_mode=clone:stop_duration={longer:.3f}", "-c:v", "libx264", "-crf",
+                str(options.crf), "-pix_fmt", "yuv420p", "-movflags", "+faststart", options.output]
     with subprocess.Popen(command, stdin=subprocess.PIPE) as encoder:
-        for number, time in enumerate(run.times):
-            show(actors, run, number)
-            window.Render()
-            encoder.stdin.write(pixels(window).tobytes())
-            print(f"\rframe {number + 1} of {len(run.times)}, {time:.2f} s", end="", file=sys.stderr, flush=True)
+        for done, picture in enumerate(pictures, 1):
+            encoder.stdin.write(picture.tobytes())
+            print(f"\rframe {done} of {count}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     if encoder.returncode:
         raise BadInput(f"ffmpeg failed with exit code {encoder.returncode}")
@@ -155,17 +161,17 @@ def main():
     try:
         if options.sound and not Path(options.sound).is_file():
             raise BadInput(f"{options.sound}: no such sound file")
-        is_film = checked_output(options.output, (".png", ".webp", ".mp4")) == ".mp4"
+        ending = checked_output(options, (".png", ".webp", ".mp4"))
         run = Run(options.run)
         options.radius = options.radius or 0.55 * run.spacing
-        numbers = range(len(run.times)) if is_film else [run.nearest(options.time)]
-        window, actors = stage(*run.bounds(numbers), options)
-        if is_film:
-            film(run, window, actors, options)
+        if ending == ".mp4" and not options.times:
+            options.times = run.times[0], run.times[-1]
+        numbers = run.chosen(options)
+        pictures = frames_of(run, numbers, *stage(*run.bounds(numbers), options))
+        if ending == ".mp4":
+            film(pictures, len(numbers), run.milliseconds(numbers, options), options)
         else:
-            show(actors, run, numbers[0])
-            window.Render()
-            save(pixels(window), options.output)
+            save(pictures, options.output, run.milliseconds(numbers, options))
     except (BadInput, OSError) as error:
         print(f"render.py: {error}", file=sys.stderr)
         return 2

@@ -5,36 +5,32 @@ The columns imbalance and wall_seconds do not count, as they are times. Exits 1 
 """
 
 import argparse
-import csv
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
+
+from trevi_run import Run, RunError
 
 NOT_STATE = {"imbalance", "wall_seconds"}
 
 
-def rows_of_series(folder):
-    with open(folder / "series.csv", newline="") as file:
-        return [{key: value for key, value in row.items() if key not in NOT_STATE} for row in csv.DictReader(file)]
+def rows_of_series(run):
+    columns = {name: column.tolist() for name, column in run.series.items() if name not in NOT_STATE}
+    return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
 
-def last_checkpoint(folder):
-    return max(folder.glob("checkpoint_*.h5"), key=lambda path: int(path.stem.split("_")[1]))
-
-
-def last_particles(folder):
-    with h5py.File(last_checkpoint(folder)) as file:
-        return {name: table[()] for name, table in file["particles"].items() if "checksum" not in name}
+def last_particles(run):
+    frame = run.checkpoints[-1]
+    return {name: getattr(frame, name) for name in frame.fields}
 
 
 def differences(a, b):
-    """Lines that say where two folders of output differ; none for the same bits."""
+    """Lines that say where two runs differ; none for the same bits."""
     first, second = rows_of_series(a), rows_of_series(b)
     for number, (one, two) in enumerate(zip(first, second)):
-        if one != two:
-            keys = [key for key in one if one[key] != two.get(key)]
+        keys = [key for key in one if repr(one[key]) != repr(two.get(key))]  # as text, in which nan equals nan
+        if keys or set(one) != set(two):
             yield f"series.csv row {number}: {', '.join(f'{k} {one[k]} and {two.get(k)}' for k in keys[:3])}"
             break
     if len(first) != len(second):
@@ -56,7 +52,11 @@ def main():
     parser.add_argument("first", type=Path, help="folder of output with series.csv and checkpoint_*.h5")
     parser.add_argument("second", type=Path)
     arguments = parser.parse_args()
-    found = list(differences(arguments.first, arguments.second))
+    try:
+        found = list(differences(Run(arguments.first), Run(arguments.second)))
+    except RunError as error:
+        print(f"same_bits.py: {error}", file=sys.stderr)
+        return 2
     print("\n".join(found) or "the same bits")
     return 1 if found else 0
 

@@ -9,7 +9,6 @@ of 64 cores, and the two ways to exchange ghosts.
 
 import argparse
 import csv
-import json
 import math
 import re
 import statistics
@@ -26,6 +25,7 @@ from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
 from scaling_model import (CYCLES, EXCHANGES, SCALAR, SWEEPS, Basin, Costs, Node, efficiency,  # noqa: E402
                            exchange_bytes, messages, node_bytes, rebuild_bytes, redundant_lambda, slabs)
 from study import columns_of, write_table  # noqa: E402
+from trevi_run import Run, RunError  # noqa: E402
 
 TIMED = ("strong", "weak")
 # The basins of jobs/scaling.sh, in layers of particles.
@@ -58,12 +58,12 @@ def read_runs(folder):
     runs = []
     for path in sorted(folder.glob("*/*/np*-*/run.json")):
         try:
-            run = json.loads(path.read_text(encoding="utf-8"))
+            run = Run(path.parent).report
             run["study"], run["case"], place = path.parts[-4:-1]
             run["ranks"], run["threads"] = (int(n) for n in re.match(r"np(\d+)(?:x(\d+))?-", place).groups(default=1))
             run["ms"] = 1e3 * run["wall_seconds"] / run["steps"]
             run["wait"] = statistics.mean(run["halo_wait_seconds"]) / run["wall_seconds"]
-        except (ValueError, KeyError, TypeError, ZeroDivisionError) as error:
+        except (RunError, AttributeError, KeyError, TypeError, ZeroDivisionError) as error:
             raise BadInput(f"{path}: not the report of a run that ended ({error}); run it again") from error
         run["series"] = columns_of(path.parent / "series.csv")
         runs.append(run)

@@ -20,7 +20,8 @@ import trevi_run
 from solid_colours import coloured_solids
 
 BLUE = (40, 120, 220)
-QUALITY = 82  # of WebP, of 100
+QUALITY, QUALITY_OF_FILMS = 82, 60  # of WebP, of 100
+FILMS = (".webp", ".mp4")
 
 
 class BadInput(Exception):
@@ -49,6 +50,23 @@ class Run:
     def nearest(self, time):
         """Number of the frame nearest a time; the last one without a time."""
         return len(self.times) - 1 if time is None else int(np.argmin(np.abs(np.array(self.times) - time)))
+
+    def chosen(self, options):
+        """Numbers of the frames that are asked for: those between the two times of a film, else one."""
+        if not options.times:
+            return [self.nearest(options.time)]
+        first, last = options.times
+        numbers = [number for number, time in enumerate(self.times) if first - 1e-6 <= time <= last + 1e-6]
+        if len(numbers) < 2:
+            raise BadInput(f"--times {first} {last}: a film needs two frames; the run has them from {self.times[0]:.6g} to "
+                           f"{self.times[-1]:.6g} s")
+        return numbers
+
+    def milliseconds(self, numbers, options):
+        """Of a frame of a film."""
+        if len(numbers) < 2:
+            return 0
+        return 1000 * options.slow * (self.times[numbers[-1]] - self.times[numbers[0]]) / (len(numbers) - 1)
 
     def read(self, number):
         """Positions (m), colours (uint8, blue where the run has none), and velocities (m/s, zero where it has none)."""
@@ -138,15 +156,17 @@ def pixels(window, depth=False):
     return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)
 
 
-def save(picture, path):
-    """Writes uint8 rows from the bottom as PNG or, with Pillow, as WebP."""
+def save(pictures, path, milliseconds=0):
+    """Writes uint8 rows from the bottom as PNG or, with Pillow, as WebP, of which several are a film that repeats."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     if path.endswith(".webp"):
         from PIL import Image  # pylint: disable=import-outside-toplevel
-        Image.fromarray(np.ascontiguousarray(picture[::-1])).save(path, quality=QUALITY, method=6)
+        images = [Image.fromarray(np.ascontiguousarray(picture[::-1])) for picture in pictures]
+        film = {"save_all": True, "append_images": images[1:], "duration": round(milliseconds), "loop": 0}
+        images[0].save(path, quality=QUALITY_OF_FILMS if milliseconds else QUALITY, method=6, **(film if milliseconds else {}))
         print(path)
         return
-    image = vtkImageData()
+    picture, image = next(iter(pictures)), vtkImageData()
     image.SetDimensions(picture.shape[1], picture.shape[0], 1)
     image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(picture.reshape(-1, 3)), deep=1))
     writer = vtkPNGWriter()
@@ -157,11 +177,15 @@ def save(picture, path):
     print(path)
 
 
-def checked_output(path, endings):
+def checked_output(options, endings):
     """The ending of a file that is to be made, one of those that there are."""
-    ending = Path(path).suffix.lower()
+    ending, films = Path(options.output).suffix.lower(), [end for end in endings if end in FILMS]
+    if options.times and ending not in films:
+        endings = films
     if ending not in endings:
-        raise BadInput(f"{path}: cannot be made; give --output a name that ends in {' or '.join(endings)}")
+        raise BadInput(f"{options.output}: cannot be made; give --output a name that ends in {' or '.join(endings)}")
+    if options.slow <= 0:
+        raise BadInput(f"--slow {options.slow:g}: must be above 0")
     return ending
 
 
@@ -185,6 +209,8 @@ def add_options(parser):
     parser.add_argument("run", help="a run's directory, with [output.vtu] or [output.vtkhdf] in its scene")
     parser.add_argument("--output", default="picture.png", help="what is made, by its ending (default %(default)s)")
     parser.add_argument("--time", type=float, help="of the frame, s (default: the last)")
+    parser.add_argument("--times", type=float, nargs=2, metavar=("FROM", "TO"), help="of the frames of a film, s")
+    parser.add_argument("--slow", type=float, default=1, help="how many times slower than real time a film runs (default 1)")
     parser.add_argument("--azimuth", type=float, default=-60, help="degrees around the vertical (default %(default)s)")
     parser.add_argument("--elevation", type=float, default=12, help="degrees above the horizon (default %(default)s)")
     parser.add_argument("--box", type=float, nargs=6, metavar=tuple("xyzXYZ"),

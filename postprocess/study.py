@@ -11,7 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
-import numpy as np
+
+import trevi_run
 
 ROOT = Path(__file__).resolve().parents[1]
 STRESS = ROOT / "inputs" / "stress"
@@ -69,11 +70,7 @@ def start_of(cloud, folder):
 
 
 def states_of(output):
-    states = []
-    for file in sorted(output.glob("checkpoint_*.h5")):
-        with h5py.File(file) as stream:
-            states.append((np.array(stream["particles/position"]), np.array(stream["particles/velocity"])))
-    return states
+    return [(state.position, state.velocity) for state in trevi_run.Run(output).checkpoints] if output.is_dir() else []
 
 
 def two_at_a_time(work, cases):
@@ -83,12 +80,8 @@ def two_at_a_time(work, cases):
 
 
 def columns_of(file):
-    if not file.exists():
-        return {}
-    with open(file, newline="", encoding="utf-8") as stream:
-        header, *rows = list(csv.reader(stream)) or [[]]
-    rows = [row for row in rows if len(row) == len(header)]
-    return {name: [float(row[k]) for row in rows] for k, name in enumerate(header)}
+    """Of a table of a run, lists of float by name; none where a run that failed has not written it."""
+    return {name: column.tolist() for name, column in trevi_run.Table(file).items()} if file.exists() else {}
 
 
 def mean(values):

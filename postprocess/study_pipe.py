@@ -9,7 +9,6 @@ from the exact ones by, m/s, and the mean over that of the exact ones; for cylin
 one in the second half of the run. The rows go to a CSV file.
 """
 
-import csv
 import tempfile
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import h5py
 import numpy as np
 
 from study import launch, parser_of, states_of, write_table
+from trevi_run import Run
 
 NU, WIDTH = 0.2, 1.0  # m²/s, m
 INNER = 0.2  # m, the radius of the cylinder that turns
@@ -88,8 +88,8 @@ def along_and_exact(flow, position, velocity):
 
 def torque_over_exact(folder, length):
     """The mean of the torque on the outer cylinder over that of Taylor and Couette."""
-    with open(folder / "obstacles.csv", encoding="utf-8") as stream:
-        torques = [float(row["torque_x_0"]) for row in csv.DictReader(stream) if float(row["time"]) > TIMES["cylinders"] / 2]
+    table = Run(folder).obstacles
+    torques = table["torque_x_0"][table["time"] > TIMES["cylinders"] / 2]
     outer = WIDTH / 2
     exact = 4 * np.pi * 1000 * NU * INNER * outer**2 / (outer**2 - INNER**2) * length
     return round(float(np.mean(torques)) / exact, 4)

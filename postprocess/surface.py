@@ -3,6 +3,7 @@
 
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.png
   jobs/render.sh surface.py out/dam_break_obstacle --time 1 --light day --output water.webp
+  jobs/render.sh surface.py out/dam_break_obstacle --times 0.5 1.5 --slow 2 --output water.webp   # a film
   jobs/render.sh surface.py out/musical_fountain --time 3.5 --output water.ply   # the surface itself, for Blender; or .obj
 
 Surface: where the share of water, spread by kernels that follow the water's shape, is that of which it holds its
@@ -296,6 +297,45 @@ def halved(image):
     return image.reshape(height // 2, 2, width // 2, 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
 
 
+def scene_of(run, number, mesh, spray, view, options):
+    """The picture of a frame, uint8 rows from the bottom. spray: places and whiteness of its particles."""
+    low, high, camera, size = view
+    light, stone = LIGHTS[options.light], run.solids(number)
+    solids = solids_of(stone, camera, size, light)
+    around = Surroundings(low, high, light, (spray[0], points_on(stone, run.box)))
+    linear, front = picture(mesh, solids, camera, size, around, options)
+    linear = add_specks(linear, front, camera, size, *specks(*spray, options.spacing), SPECK_SIZE * options.spacing)
+    return halved(developed(linear.reshape(size[1], size[0], 3)))
+
+
+def in_sight(position, camera, size, margin):
+    """Which points the picture shows, or would if it were wider by a margin, m."""
+    eye, _, axes = rays(camera, [1, 1])
+    x, y, back = ((position - eye) @ axes.T).T
+    height = margin - back * np.tan(np.radians(camera.GetViewAngle() / 2))
+    return (np.abs(y) < height) & (np.abs(x) < margin + (height - margin) * size[0] / size[1])
+
+
+def water_of(run, number, spacing, view=None):
+    """The surface of a frame, and the places and whiteness of its spray; in a view, of what is in sight only."""
+    position, rgb, velocity = run.read(number)
+    if view:
+        seen = in_sight(position, *view[2:], 20 * spacing)
+        if not seen.any():
+            raise BadInput(f"{run.times[number]:.6g} s: no water is in the picture; mind --box, --azimuth and --elevation")
+        position, rgb, velocity = position[seen], rgb[seen], velocity[seen]
+    whiteness, spray = white(position, velocity, spacing)
+    return coloured(surface_of(position, spacing), position, rgb, whiteness, spacing), (position[spray], whiteness[spray])
+
+
+def view_of(run, numbers, options):
+    """Corners of what is seen in all of these frames, the camera, and twice the size of the picture."""
+    low, high = run.bounds(numbers)
+    camera = camera_for(low - 0.3, high + 0.3, options)
+    clip(camera, low - 1, high + 1)
+    return low, high, camera, [2 * n for n in options.size]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     add_options(parser)
@@ -305,27 +345,16 @@ def main():
     parser.add_argument("--light", choices=LIGHTS, default="night", help="what lights the picture (default %(default)s)")
     options = parser.parse_args()
     try:
-        ending = checked_output(options.output, (".png", ".webp", ".ply", ".obj"))
+        ending = checked_output(options, (".png", ".webp", ".ply", ".obj"))
         run = Run(options.run)
-        spacing = options.spacing or run.spacing
-        number = run.nearest(options.time)
-        position, rgb, velocity = run.read(number)
-        whiteness, spray = white(position, velocity, spacing)
-        mesh = coloured(surface_of(position, spacing), position, rgb, whiteness, spacing)
+        options.spacing = options.spacing or run.spacing
+        numbers = run.chosen(options)
         if ending in (".ply", ".obj"):
-            write_mesh(mesh, options.output)
+            write_mesh(water_of(run, numbers[0], options.spacing)[0], options.output)
             return 0
-        low, high = run.bounds([number])
-        size, camera = [2 * n for n in options.size], camera_for(low - 0.3, high + 0.3, options)
-        clip(camera, low - 1, high + 1)
-        light = LIGHTS[options.light]
-        stone = run.solids(number)
-        solids = solids_of(stone, camera, size, light)
-        around = Surroundings(low, high, light, (position[spray], points_on(stone, run.box)))
-        linear, front = picture(mesh, solids, camera, size, around, options)
-        linear = add_specks(linear, front, camera, size, *specks(position[spray], whiteness[spray], spacing),
-                            SPECK_SIZE * spacing)
-        save(halved(developed(linear.reshape(size[1], size[0], 3))), options.output)
+        view = view_of(run, numbers, options)
+        waters = ((number, *water_of(run, number, options.spacing, view)) for number in numbers)
+        save((scene_of(run, *one, view, options) for one in waters), options.output, run.milliseconds(numbers, options))
     except (BadInput, OSError) as error:
         print(f"surface.py: {error}", file=sys.stderr)
         return 2

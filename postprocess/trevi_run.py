@@ -20,9 +20,9 @@ solids_to_vtk() need VTK's Python modules.
 
 import bisect
 import csv
+import importlib
 import json
 import re
-import tomllib
 import xml.etree.ElementTree as xml
 import zlib
 from functools import cached_property
@@ -38,15 +38,21 @@ class RunError(Exception):
 
 
 class Table(dict):
-    """Columns of a CSV file by their names, float64."""
+    """Columns of a CSV file by their names, float64. A row that a run is still writing, without the end of its line, is
+    left out."""
 
     def __init__(self, path):
         try:
-            with open(path, newline="") as file:
-                names, *rows = csv.reader(file)
-            columns = np.array(rows, float).reshape(len(rows), len(names)).T
+            text = Path(path).read_text(encoding="utf-8")
         except (OSError, ValueError) as error:
             raise RunError(f"{path}: {error}") from error
+        names, *rows = [row for row in csv.reader(text[:text.rfind("\n") + 1].splitlines()) if row] or [[]]
+        if not names:
+            raise RunError(f"{path}: is empty")
+        try:
+            columns = np.array(rows, float).reshape(len(rows), len(names)).T
+        except ValueError as error:
+            raise RunError(f"{path}: a row is not {len(names)} numbers ({error})") from error
         super().__init__(zip(names, columns))
 
 
@@ -95,7 +101,7 @@ class Frame:
 
     def to_vtk(self):
         """A vtkPolyData with a vertex for each particle, or a vtkImageData of cells, with the fields as arrays."""
-        from vtkmodules.util.numpy_support import numpy_to_vtk  # pylint: disable=import-outside-toplevel
+        numpy_to_vtk = _vtk("util.numpy_support").numpy_to_vtk
         arrays = dict(self._arrays)
         if "position" in arrays:
             data = _vertices(arrays.pop("position"))
@@ -111,11 +117,9 @@ class Frame:
 
     def solids_to_vtk(self):
         """The surfaces of obstacles and bodies as one vtkPolyData, whose cells have their numbers, `obstacle`."""
-        from vtkmodules.vtkFiltersCore import vtkAppendPolyData  # pylint: disable=import-outside-toplevel
-        from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # pylint: disable=import-outside-toplevel
-        together = vtkAppendPolyData()
+        together = _vtk("vtkFiltersCore").vtkAppendPolyData()
         for path in self.solids:
-            reader = vtkXMLPolyDataReader()
+            reader = _vtk("vtkIOXML").vtkXMLPolyDataReader()
             reader.SetFileName(str(path))
             together.AddInputConnection(reader.GetOutputPort())
         if self.solids:
@@ -243,6 +247,7 @@ def _hdf_frames(directory, name, read):
 
 def scene_of(text):
     """The tables of a scene's text, which ends with a line `# --set table.key=value` for each override."""
+    import tomllib  # pylint: disable=import-outside-toplevel  # Python 3.11; all else reads with older ones
     scene = tomllib.loads(text)
     for path, value in re.findall(r"^# --set ([^=\n]+)=(.*)$", text, re.MULTILINE):
         *tables, key = path.strip().split(".")
@@ -260,23 +265,27 @@ def scene_of(text):
     return scene
 
 
+def _vtk(module):
+    try:
+        return importlib.import_module("vtkmodules." + module)
+    except ImportError as error:
+        raise RunError(f"VTK's objects need its Python modules, the Debian package python3-vtk9 ({error})") from error
+
+
 def _vertices(position):
     """A vtkPolyData of points and nothing else."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray  # pylint: disable=import-outside-toplevel
-    from vtkmodules.vtkCommonCore import vtkPoints  # pylint: disable=import-outside-toplevel
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData  # pylint: disable=import-outside-toplevel
-    data, points, vertices = vtkPolyData(), vtkPoints(), vtkCellArray()
-    points.SetData(numpy_to_vtk(np.ascontiguousarray(position), deep=True))
+    arrays, model = _vtk("util.numpy_support"), _vtk("vtkCommonDataModel")
+    data, points, vertices = model.vtkPolyData(), _vtk("vtkCommonCore").vtkPoints(), model.vtkCellArray()
+    points.SetData(arrays.numpy_to_vtk(np.ascontiguousarray(position), deep=True))
     numbers = np.arange(len(position) + 1, dtype=np.int64)
-    vertices.SetData(numpy_to_vtkIdTypeArray(numbers, deep=True), numpy_to_vtkIdTypeArray(numbers[:-1], deep=True))
+    vertices.SetData(*(arrays.numpy_to_vtkIdTypeArray(part, deep=True) for part in (numbers, numbers[:-1])))
     data.SetPoints(points)
     data.SetVerts(vertices)
     return data
 
 
 def _grid(origin, spacing, shape):
-    from vtkmodules.vtkCommonDataModel import vtkImageData  # pylint: disable=import-outside-toplevel
-    data = vtkImageData()
+    data = _vtk("vtkCommonDataModel").vtkImageData()
     data.SetOrigin(*map(float, origin))
     data.SetSpacing(*map(float, spacing))
     data.SetDimensions(*map(int, shape))

@@ -86,6 +86,25 @@ class Pictures(ProgramTest):
                               check=True).stdout
         self.assertEqual(int(told.strip().split(",")[2]), written)
 
+    @unittest.skipUnless(importlib.util.find_spec("PIL"), "no Pillow here")
+    def test_a_film_of_some_frames_in_webp(self):
+        from PIL import Image  # pylint: disable=import-outside-toplevel
+        self.run_well(1, INPUTS / "falling_cube_small.toml", "--output", "run", "--steps", 24, "--set",
+                      "output.vtkhdf.every=0.1")
+        for script in ("render.py", "surface.py"):
+            result = self.draw(script, "run", "--output", "film.webp", "--size", 80, 60, "--times", 0.1, 0.3, "--slow", 2)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            film = Image.open(self.folder / "film.webp")
+            self.assertEqual((film.n_frames, film.size), (3, (80, 60)))
+            film.seek(1)
+            film.load()
+            self.assertEqual(film.info["duration"], 200)
+            for arguments, words in ((("--times", 3, 4), "the run has them from 0 to"), (("--slow", 0), "must be above 0"),
+                                     (("--times", 0, 1, "--output", "film.png"), "a name that ends in .webp")):
+                result = self.draw(script, "run", "--output", "film.webp", *arguments)
+                self.assertEqual(result.returncode, 2)
+                self.assertIn(words, result.stderr)
+
     @unittest.skipUnless(importlib.util.find_spec("scipy"), "no scipy here")
     def test_the_surface_holds_the_water(self):
         """Of blocks, sheets and drops: volume within 2 %, no open edge, in one piece or as many as there are."""

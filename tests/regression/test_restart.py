@@ -252,7 +252,7 @@ radius = 0.1
         newest.write_bytes(good)
         with h5py.File(newest, "r+") as file:
             file.attrs["format"] = 2
-        refuse("written by another version of trevi")
+        refuse(r"attribute format: 2, but only 1 is known here; restart with trevi \d\.\d\.\d, which wrote it")
         with h5py.File(newest, "r+") as file:
             file.attrs["format"] = 1
             del file["particles/position"]

@@ -4,15 +4,17 @@
 import base64
 import json
 import os
+import re
 import subprocess
 import sys
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from program import TIME_LIMIT, WITHOUT, ProgramTest, main
+from program import INPUTS, TIME_LIMIT, WITHOUT, ProgramTest, main
 from scenes import tank
 
 if "VTK" not in WITHOUT:
@@ -180,6 +182,34 @@ density = 400
         (self.run_folder / "series.csv").write_text("step,time\n1,2\n3\n")
         with self.assertRaisesRegex(RunError, "series.csv"):
             _ = run.series
+
+    def test_a_row_that_is_being_written_is_left_out(self):
+        with open(self.run_folder / "series.csv", "a") as series:
+            series.write("21,0.4")
+        self.assertEqual(Run(self.run_folder).series["step"].tolist(), list(range(21)))
+
+    def test_without_vtk(self):
+        with unittest.mock.patch.dict(sys.modules, {"vtkmodules.util.numpy_support": None}):
+            with self.assertRaisesRegex(RunError, "python3-vtk9"):
+                Run(self.run_folder).checkpoints[0].to_vtk()
+
+    def test_scripts_read_runs_by_the_reader_only(self):
+        """No script but the reader opens HDF5 to read it, parses XML, or names a table of a run in open()."""
+        others = [path for path in POSTPROCESS.glob("*.py") if path.name != "trevi_run.py"]
+        self.assertGreater(len(others), 20)
+        for path in others:
+            with self.subTest(path.name):
+                self.assertNotRegex(path.read_text(encoding="utf-8"), r'h5py\.File\((?![^)\n]*"w")|ElementTree|UnstructuredGridReader|'
+                                    r'(open|json\.load)[^\n]*(series|obstacles|bodies|gauges|run|np)\.(csv|json)')
+
+    def test_the_plot_of_the_first_page(self):
+        code, = re.findall(r"```python\n(.*?)```", (POSTPROCESS.parent / "README.md").read_text(), re.DOTALL)
+        for name in re.findall(r'"(\w+)"', code.split(":")[0]):
+            self.run_well(1, INPUTS / "fountain_small.toml", "--output", f"out/{name}", "--steps", 6)
+        (self.folder / "plot.py").write_text(code)
+        subprocess.run(["/usr/bin/python3", "plot.py"], env=os.environ | {"PYTHONPATH": str(POSTPROCESS)}, cwd=self.folder,
+                       timeout=TIME_LIMIT, check=True)
+        self.assertGreater((self.folder / "plot.png").stat().st_size, 5000)
 
     def test_overrides(self):
         text = "[a]\nb = 1\n[[c]]\nd = [1, 2]\n# --set a.b=two\n# --set c.0.d=[3]\n# --set e.f.g=1.5\n"

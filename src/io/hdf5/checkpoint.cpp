@@ -279,15 +279,17 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   const Hdf5Reader& file = source.file;
   source.slice = equal_slice(file.rows<Vec3>("/particles/position"), rank, size, rows_per_block);
   CheckpointState state;
-  if (file.integer_attribute("format") != format_version) {
-    throw InputError(path + ": written by another version of trevi, in a format that this one does not know");
-  }
+  const std::int64_t format = file.integer_attribute("format");
+  state.info.program_version = file.text_attribute("program_version");
+  if (format != format_version)
+    throw InputError(
+        fmt::format("{}: attribute format: {}, but only {} is known here; restart with trevi {}, which wrote it", path,
+                    format, format_version, state.info.program_version));
   state.step = file.integer_attribute("step");
   state.dt = file.real_attribute("dt");
   state.time = file.real_attribute("time");
   state.substeps = static_cast<int>(file.integer_attribute("substeps"));
   state.info.seed = file.integer_attribute("seed");
-  state.info.program_version = file.text_attribute("program_version");
   state.info.scene_text = file.text("/scene");
   state.info.scene_overrides = file.integer_attribute("scene_overrides");
   state.info.music = read_checksums(file, "/music");
