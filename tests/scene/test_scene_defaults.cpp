@@ -77,6 +77,7 @@ std::string label_of(const std::string& assignment) {
 // A new key has a line in scene_defaults.hpp, or here.
 TEST(SceneDefaults, EveryKeyIsAmongThem) {
   std::set<std::string> known = {"[domain] periodic",
+                                 "[domain] ranks",
                                  "[density] tolerance",
                                  "[viscosity] nu",
                                  "[[fountain]] music",

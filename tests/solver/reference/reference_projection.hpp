@@ -293,7 +293,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
-    const Real faded = std::clamp((below + 0.25) / 2 + 1, 0.0, 1.0);
+    const Real faded = std::clamp((below - 0.25) / 2 + 1, 0.0, 1.0);
     return {faded * u, faded};
   }
 
