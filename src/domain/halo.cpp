@@ -129,8 +129,8 @@ void Halo::find_slices(const CellOrder& order) {
   const LocalId planes = order.planes();
   from_.resize(peers_.from.size());
   to_.resize(peers_.to.size());
-  const auto particles = [&](LocalId first_plane, LocalId last_plane, const Range& rows) {
-    return Range{order.row(first_plane, rows.begin).begin, order.row(last_plane, rows.end - 1).end};
+  const auto particles = [&](LocalId first_plane, LocalId last, const Range& rows) {
+    return Range{order.row(first_plane, rows.begin).begin, order.row(last, rows.end - 1).end};
   };
   const auto rows_of = [&](const CellPiece& piece) {
     return peers_.rows_are_cut ? piece.rows : Range{0, order.rows()};
