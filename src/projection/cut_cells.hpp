@@ -45,9 +45,9 @@ class CutCells {
   void move_faces(const Visit& visit) {
     for (const BodyFace& face : body_faces_) {
       const Body& body = obstacles_.body(face.body);
-      const Vec3 way = face.p - body.before().into_world(body.now().into_body(face.p));
+      const Vec3 path = face.p - body.before().into_world(body.now().into_body(face.p));
       float& moved = moved_[face.at][face.a];
-      const auto now = static_cast<float>(way[axis_[face.a]]);
+      const auto now = static_cast<float>(path[axis_[face.a]]);
       const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
       moved = now;
       if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);

@@ -44,12 +44,12 @@ class Body {
   Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats = false);
 
   /// From `begin` to `end`, s.
-  void move(Real begin, Real end) { place(motion_.at(begin, way_before_), motion_.at(end, way_now_)); }
+  void move(Real begin, Real end) { place(motion_.at(begin, offset_before_), motion_.at(end, offset_now_)); }
   /// Where it is at the start of the substep and at its end.
   void place(const Pose& before, const Pose& now);
-  /// How far a paddle is from where it would be by its own motion at the ends of the next move, m.
-  void add_way(Real begin, Real end) { way_before_ = begin, way_now_ = end; }
-  Real way() const { return way_now_; }
+  /// Of a paddle from the stroke of its own waves at the ends of the next move, m.
+  void set_paddle_offset(Real begin, Real end) { offset_before_ = begin, offset_now_ = end; }
+  Real paddle_offset() const { return offset_now_; }
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
@@ -143,10 +143,10 @@ class Body {
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
   Pose before_, now_;
-  Real way_before_ = 0, way_now_ = 0;  // of a paddle that absorbs, m
-  Box swept_box_;                      // near_box_ at the start of the substep and at its end
-  Real turned_ = 0, went_ = 0;         // in the substep, by more than the angle, and of the centre, m
-  Box near_box_, beside_;              // beside_: the first places that are not in near_box_
+  Real offset_before_ = 0, offset_now_ = 0;  // of a paddle that absorbs, m
+  Box swept_box_;                            // near_box_ at the start of the substep and at its end
+  Real turned_ = 0, went_ = 0;               // in the substep, by more than the angle, and of the centre, m
+  Box near_box_, beside_;                    // beside_: the first places that are not in near_box_
   std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh
 };

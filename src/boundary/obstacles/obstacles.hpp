@@ -24,8 +24,8 @@ class Obstacles {
   /// Without `law` obstacles have no density, as walls without one have none.
   Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law);
 
-  /// See Body::add_way().
-  void add_way(std::size_t k, Real begin, Real end) { bodies_[k]->add_way(begin, end); }
+  /// See Body::set_paddle_offset().
+  void set_paddle_offset(std::size_t k, Real begin, Real end) { bodies_[k]->set_paddle_offset(begin, end); }
   /// Takes all obstacles to where they are from `begin` to `end`, and bodies to where they are expected.
   void move(Real begin, Real end);
   /// The bodies among them that move freely; null where there are none.
