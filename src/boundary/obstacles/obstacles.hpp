@@ -40,7 +40,9 @@ class Obstacles {
 
   /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
   /// none.
-  Box open_box(std::span<const Vec3> p) const;
+  Box open_box(std::span<const Vec3> p, Extent extent) const;
+  /// As many as it is well asked for.
+  static constexpr LocalId at_once = 64;
   /// Whether p is so near to an obstacle that it may contribute to its density.
   bool is_near(const Vec3& p) const {
     return law_ && index_->any(index_->at(p), [&](std::size_t k) { return bodies_[k]->is_near(p); });
