@@ -61,6 +61,12 @@ def joined(distances, blend):
     return -blend * np.log(sum(np.exp(-distance / blend) for distance in distances))
 
 
+def duck_distance(places):
+    """About the distance from its surface, m; below 0 inside."""
+    parts = [distance_to(places, *part) for part in DUCK.values()]
+    return joined([joined(parts[:4], BLEND), *parts[4:]], BLEND_OF_BILL)
+
+
 def duck():
     """Points, triangles, and the colour of each point."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy  # only the duck needs VTK
@@ -69,8 +75,7 @@ def duck():
 
     low, size = np.array([-0.55, -0.35, -0.25]), np.array([83, 57, 57])
     places = low + GRID * np.stack(np.meshgrid(*map(np.arange, size[::-1]), indexing="ij")[::-1], axis=-1)
-    parts = [distance_to(places, *part) for part in DUCK.values()]
-    distance = joined([joined(parts[:4], BLEND), *parts[4:]], BLEND_OF_BILL)
+    distance = duck_distance(places)
     grid, contour, fewer = vtkImageData(), vtkFlyingEdges3D(), vtkQuadricDecimation()
     grid.SetOrigin(*low)
     grid.SetSpacing(GRID, GRID, GRID)

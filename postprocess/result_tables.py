@@ -124,6 +124,13 @@ def channels():
         yield [row["case"], row["spacing"], row["quantity"], fixed(row["theory"], 4), fixed(row["measured"], 4)]
 
 
+def bodies():
+    yield ["case", "quantity", "unit", "expected", "measured"]
+    for row in rows_of("bodies"):
+        yield [row["case"], row["quantity"], "" if row["unit"] == "1" else row["unit"],
+               "" if row["expected"] == "nan" else row["expected"], row["measured"]]
+
+
 def planes(kind, heads):
     """Rows of two_dimensions.csv of a kind, each with columns (head, name, how it is written)."""
     yield ["case", "dimensions", "particles", *(head for head, _, _ in heads), "CPU s a second"]
@@ -163,7 +170,7 @@ PLANES = {
 }
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-    "frames": frames, "channels": channels, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
+    "frames": frames, "channels": channels, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
     "leaks": leaks}
 
 

@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 """Bodies that float, against what is known of them: heave of half a cylinder of water (Ito, 1977) and roll of a barge against linear
-theory in the same tank, draughts of cylinders, a ball of the water's density, a light ball that is let go under water, free fall, and
-the energy of a raft.
+theory in the same tank, draughts of cylinders, logs that float on a side or on an edge, plates thinner than a cell, a duck, a ball of
+the water's density, a light ball that is let go under water, balls that collide, moorings, free fall, and the energy of what floats.
 
-One row for each case and quantity: what is expected, and what the run has. Theory of heave and roll is that of small motions of water
-without viscosity (Maskell & Ursell, J. Fluid Mech. 44, 1970), here by boundary elements on the tank's own walls, half of it by symmetry.
+One row for each case and quantity: what is expected, and what the run has. Theory of heave and roll is in known_floating.py.
 """
 
 import csv
@@ -18,7 +17,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from study import GRAVITY, columns_of, launch, parser_of
+from known_floating import decay
+from make_gallery import duck_distance
+from study import GRAVITY, ROOT, columns_of, launch, parser_of
 
 RESULTS = Path(__file__).resolve().parent / "results"
 SCENE = """
@@ -34,113 +35,24 @@ max = {water}
 dt = {dt}
 end = {end}
 {gravity}
-[[body]]
-{body}
+{bodies}
 [output.series]
-every_steps = 1
+every_steps = {every}
 """
 
 
-def run(trevi, body, *, box, depth, spacing, dt, end, gravity="[gravity]"):
-    """Columns of series.csv and bodies.csv of a tank with water up to `depth` and one body."""
+def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every=1):
+    """Columns of series.csv and bodies.csv of a tank with water up to `depth` and bodies; a row every so many steps."""
     with tempfile.TemporaryDirectory() as folder:
         scene, output = Path(folder) / "scene.toml", Path(folder) / "run"
-        lines = "\n".join(f"{key} = {value}" for key, value in body.items())
+        lines = "\n".join("[[body]]\n" + "\n".join(f"{key} = {value}" for key, value in body.items()) for body in bodies)
         scene.write_text(SCENE.format(box=list(map(float, box)), water=[*map(float, box[:2]), float(depth)], spacing=spacing, dt=dt,
-                                      end=end, gravity=gravity, body=lines), encoding="utf-8")
+                                      end=end, gravity=gravity, bodies=lines, every=every), encoding="utf-8")
         code, message = launch(trevi, scene, output, (), 1800)
         if code != 0:
             raise SystemExit(f"study_bodies: {message}")
         series, bodies = columns_of(output / "series.csv"), columns_of(output / "bodies.csv")
         return {k: np.array(v) for k, v in series.items()}, {k: np.array(v) for k, v in bodies.items()}
-
-
-# ---- linear theory
-
-def panels_between(corners, lengths):
-    """Panels along straight lines through corners, each of about that length: ends as rows x, z, x, z."""
-    rows = []
-    for (a, b), length in zip(zip(corners, corners[1:]), lengths):
-        n = max(1, round(math.dist(a, b) / length))
-        points = np.array(a) + np.linspace(0, 1, n + 1)[:, None] * (np.array(b) - np.array(a))
-        rows += [[*p, *q] for p, q in zip(points, points[1:])]
-    return rows
-
-
-def influence(place, panels):
-    """Integrals over panels of ln r and of its derivative along their normal (to the right of their direction), seen from places."""
-    a, b = panels[:, :2], panels[:, 2:]
-    length = np.linalg.norm(b - a, axis=1)
-    along = (b - a) / length[:, None]
-    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    off = a[None] - place[:, None]
-    s = np.einsum("ijk,jk->ij", off, along)
-    d = np.einsum("ijk,jk->ij", off, normal)
-    e = s + length
-    angle = np.arctan2(e, d) - np.arctan2(s, d)
-    angle = np.where(np.abs(d) < 1e-12, 0, np.arctan(e / np.where(d == 0, 1, d)) - np.arctan(s / np.where(d == 0, 1, d)))
-    log = lambda x: x * np.log(np.maximum(np.hypot(x, d), 1e-300)) - x
-    return log(e) - log(s) + d * angle, angle
-
-
-def decay(hull, *, half_length, depth, about, inertia, stiffness, start, seconds, dt=0.005):
-    """Times and positions of a body in heave (about None) or in roll about a point of the line of symmetry, m and s, per metre
-    of its length and per density of water, let go at `start`. hull: corners from the keel to the water line."""
-    surface = panels_between([hull[-1], (half_length, 0)], [0.05])
-    body = panels_between(hull, [0.03] * (len(hull) - 1))
-    fixed = panels_between([(half_length, 0), (half_length, -depth), (0, -depth)], [0.1, 0.1])
-    panels = np.array(body + surface + fixed)
-    n_body, n_surface = len(body), len(surface)
-    middle = (panels[:, :2] + panels[:, 2:]) / 2
-    mirrored = panels[:, [2, 3, 0, 1]] * [-1, 1, -1, 1]
-    sign = 1 if about is None else -1
-    g1, h1 = influence(middle, panels)
-    g2, h2 = influence(middle, mirrored)
-    np.fill_diagonal(h1, np.diag(h1) - (h1 + h2).sum(axis=1))  # where all have the same potential nothing flows
-    g, h = g1 + sign * g2, h1 + sign * h2
-    is_surface = np.zeros(len(panels), bool)
-    is_surface[n_body:n_body + n_surface] = True
-    # Unknown: the flux on the surface, the potential elsewhere.
-    matrix = np.where(is_surface[None], g, -h)
-    inverse = np.linalg.inv(matrix)
-    length = np.linalg.norm(panels[:, 2:] - panels[:, :2], axis=1)
-    t = (panels[:, 2:] - panels[:, :2]) / length[:, None]
-    normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
-    arm = normal[:, 1] if about is None else (middle[:, 1] - about) * normal[:, 0] - middle[:, 0] * normal[:, 1]
-    arm = np.where(np.arange(len(panels)) < n_body, arm, 0)
-
-    def solve(potential, flux):
-        known = np.where(is_surface[None], h, -g) @ np.where(is_surface, potential, flux)
-        found = inverse @ known
-        return np.where(is_surface, potential, found), np.where(is_surface, found, flux)
-
-    def force_of(potential_rate):
-        return 2 * np.sum((potential_rate * arm * length)[:n_body])
-
-    # Normals point into the water, so that pressure pushes against them.
-    added = -force_of(solve(np.zeros(len(panels)), arm)[0])
-    eta, phi = np.zeros(n_surface), np.zeros(n_surface)
-
-    def rates(state):
-        y, v, eta, phi = state
-        whole = np.zeros(len(panels))
-        whole[is_surface] = phi
-        rise = solve(whole, v * arm)[1][is_surface] * normal[is_surface, 1]
-        whole[is_surface] = -GRAVITY * eta
-        pressure = solve(whole, np.zeros(len(panels)))[0]
-        force = force_of(solve(whole, np.zeros(len(panels)))[0])
-        return [v, (force - stiffness * y) / (inertia + added), rise, -GRAVITY * eta]
-
-    state, times, places = [start, 0.0, eta, phi], [0.0], [start]
-    for _ in range(round(seconds / dt)):
-        k1 = rates(state)
-        k2 = rates([x + dt / 2 * r for x, r in zip(state, k1)])
-        k3 = rates([x + dt / 2 * r for x, r in zip(state, k2)])
-        k4 = rates([x + dt * r for x, r in zip(state, k3)])
-        state = [x + dt / 6 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4)]
-        times.append(times[-1] + dt)
-        places.append(state[0])
-    return np.array(times), np.array(places), added
 
 
 # ---- cases: each gives rows of quantity, unit, expected, measured, and curves to draw
@@ -205,10 +117,23 @@ def draught(trevi, density):
 
 
 def neutral(trevi, spacing=0.05):
-    body = {"type": '"sphere"', "radius": 3 * spacing, "center": [0.5, 0.5, 0.5], "density": 1000}
-    _, found = run(trevi, body, box=(1.0, 1.0, 1.3), depth=1.0, spacing=spacing, dt=1 / 60, end=20.0)
-    way = np.sqrt(sum((found[f"{a}_0"] - 0.5) ** 2 for a in "xyz"))
-    return [("largest way in 20 s", "spacings", 0, way.max() / spacing)], None
+    rows = []
+    for center in ([0.5, 0.5, 0.5], [0.51, 0.48, 0.52], [0.53, 0.53, 0.4]):
+        body = {"type": '"sphere"', "radius": 3 * spacing, "center": center, "density": 1000}
+        _, found = run(trevi, body, box=(1.0, 1.0, 1.3), depth=1.0, spacing=spacing, dt=1 / 60, end=20.0, every=5)
+        off = np.sqrt(sum((found[f"{a}_0"] - x) ** 2 for a, x in zip("xyz", center)))
+        rows += [(f"largest distance from {center} m in 20 s", "spacings", 0, off.max() / spacing),
+                 ("fastest turn on the way", "rad/s", 0, np.linalg.norm(spin_of(found), axis=1).max())]
+    return rows, None
+
+
+def afloat(trevi, spacing=0.05, radius=0.15, density=500):
+    """A ball that lies still at the surface."""
+    body = {"type": '"sphere"', "radius": radius, "center": [0.51, 0.48, 1.0], "density": density}
+    series, found = run(trevi, body, box=(1.0, 1.0, 1.3), depth=1.0, spacing=spacing, dt=1 / 60, end=30.0, every=5)
+    mass = density * 4 / 3 * math.pi * radius**3
+    return [("fastest turn in 30 s", "rad/s", 0, np.linalg.norm(spin_of(found), axis=1).max()),
+            *rises(energy(series, found, mass, 0.4 * mass * radius**2), found["time"], 15)], None
 
 
 def light(trevi, spacing=0.05):
@@ -233,21 +158,136 @@ def fall(trevi):
     off = np.hypot(found["x_0"] - 0.6 - 0.3 * t, found["z_0"] - 4 + GRAVITY / 2 * t * t)
     spin = 0.5 * 0.3 * 0.5 * 0.2 / 12 * 1000 * np.array([0.5**2 + 0.2**2, 0.3**2 + 0.2**2, 0.3**2 + 0.5**2])
     start = np.linalg.norm(spin * [5, 0.5, 0.5])
-    q = np.stack([found[f"q{a}_0"] for a in "wxyz"], axis=1)
-    w = np.stack([found[f"w{a}_0"] for a in "xyz"], axis=1)
-    u = q[:, 1:]
-    turned = w - 2 * np.cross(u, q[:, :1] * w) + 2 * np.cross(u, np.cross(u, w))  # into the frame of the body
-    moment = np.linalg.norm(turned * spin, axis=1)
+    moment = np.linalg.norm(in_frame(found, spin_of(found)) * spin, axis=1)
     return [("off the parabola", "m", 0, off.max()), ("change of angular momentum, of itself", "1", 0, np.abs(moment / start - 1).max())
             ], None
 
 
+def spin_of(found):
+    return np.stack([found[f"w{a}_0"] for a in "xyz"], axis=1)
+
+
+def in_frame(found, vectors):
+    """Vectors of the world, a row for each of the body's, in the frame of its shape."""
+    q = np.stack([found[f"q{a}_0"] for a in "wxyz"], axis=1)
+    u = q[:, 1:]
+    return vectors - 2 * np.cross(u, q[:, :1] * vectors) + 2 * np.cross(u, np.cross(u, vectors))
+
+
+def energy(series, found, mass, moments):
+    """J, of the water and of the body."""
+    speed = sum(found[f"v{a}_0"] ** 2 for a in "xyz")
+    spin = np.sum(in_frame(found, spin_of(found)) ** 2 * moments, axis=1)
+    return series["kinetic_energy"] + series["potential_energy"] + mass * (speed / 2 + GRAVITY * found["z_0"]) + spin / 2
+
+
+def rises(total, time, rest):
+    """Of an energy that should never rise: its largest rise above what it was before, and its trend from `rest` on, J/s."""
+    late = time > rest
+    return [("largest rise of the energy in all above its lowest so far", "J", 0, np.max(total - np.minimum.accumulate(total))),
+            (f"trend of the energy in all from {rest} s on", "J/s", 0, np.polyfit(time[late], total[late], 1)[0]),
+            ("loss of it by then", "J", math.nan, total[0] - total[late][0])]
+
+
 def raft(trevi, spacing=0.05):
-    body = {"type": '"box"', "size": [0.4, 0.3, 0.15], "center": [0.6, 0.4, 0.54], "rotate": [0.0, 5.0, 0.0], "density": 500}
-    series, _ = run(trevi, body, box=(1.2, 0.8, 0.9), depth=0.45, spacing=spacing, dt=1 / 60, end=10.0)
-    energy = series["kinetic_energy"] + series["potential_energy"]
-    return [("change of the water's energy in all, from 4 s on", "J", math.nan, energy[-1] - energy[240]),
-            ("the same of its kinetic energy", "J", math.nan, series["kinetic_energy"][-1] - series["kinetic_energy"][240])], None
+    size, density = np.array([0.4, 0.3, 0.15]), 500
+    body = {"type": '"box"', "size": list(map(float, size)), "center": [0.6, 0.4, 0.54], "rotate": [0.0, 5.0, 0.0], "density": density}
+    series, found = run(trevi, body, box=(1.2, 0.8, 0.9), depth=0.45, spacing=spacing, dt=1 / 60, end=20.0)
+    mass = density * size.prod()
+    return rises(energy(series, found, mass, mass / 12 * (np.sum(size**2) - size**2)), found["time"], 10), None
+
+
+def level_of(series, area, displaced, spacing):
+    return (series["particles"][-1] * spacing**3 + displaced) / area
+
+
+def tilt(found):
+    """Of the axis z of the shape, degrees."""
+    return np.degrees(np.arccos(np.clip(1 - 2 * (found["qx_0"] ** 2 + found["qy_0"] ** 2), -1, 1)))
+
+
+def log(trevi, density, rest, spacing=0.04):
+    """A square log, let go at 10°."""
+    side, depth, width = 0.4, 0.8, 4 * spacing
+    body = {"type": '"box"', "size": [side, width, side], "center": [1.5, width / 2, depth + side * (0.5 - density / 1000)],
+            "rotate": [0.0, 10.0, 0.0], "density": density, "free": ["x", "z", "pitch"]}
+    _, found = run(trevi, body, box=(3.0, width, 1.6), depth=depth, spacing=spacing, dt=1 / 60, end=25.0, every=5)
+    late = found["time"] > 20
+    turned = np.degrees(2 * np.arctan2(found["qy_0"], found["qw_0"]))[late].mean()
+    return [("angle after 20 s", "°", rest, (turned - rest + 45) % 90 - 45 + rest)], None
+
+
+def plate(trevi, density, spacing=0.05):
+    size, area, depth = [0.6, 0.4, 0.03], 1.2 * 0.8, 0.5
+    body = {"type": '"box"', "size": size, "center": [0.6, 0.4, depth + 0.05 if density < 1000 else 0.3], "density": density}
+    series, found = run(trevi, body, box=(1.2, 0.8, 1.0), depth=depth, spacing=spacing, dt=1 / 60, end=20.0, every=5)
+    late = found["time"] > 10
+    lower = found["z_0"][late].mean() - size[2] / 2
+    wet = size[2] * min(1, density / 1000)
+    off = level_of(series, area, wet * 0.24, spacing) - lower - wet if density < 1000 else lower
+    what = "draught less Archimedes'" if density < 1000 else "height above the floor"
+    return [(what, "spacings", 0, off / spacing), ("largest tilt from 10 s on", "°", 0, tilt(found)[late].max())], None
+
+
+def bath_duck(trevi, density=200, scale=0.8, spacing=0.05):
+    step = 0.01
+    places = np.stack(np.meshgrid(*(np.arange(low, high, step) for low, high in ((-0.55, 0.5), (-0.35, 0.35), (-0.25, 0.5))),
+                                  indexing="ij"), axis=-1).reshape(-1, 3)
+    inside = scale * places[duck_distance(places) < 0]
+    body = {"type": '"mesh"', "path": f'"{ROOT / "inputs/gallery/duck.ply"}"', "scale": scale, "translate": [0.8, 0.6, 0.6],
+            "density": density}
+    series, found = run(trevi, body, box=(1.6, 1.2, 1.2), depth=0.5, spacing=spacing, dt=1 / 60, end=60.0, every=10)
+    late = np.flatnonzero(found["time"] > 40)
+    level = level_of(series, 1.6 * 1.2, density / 1000 * len(inside) * (scale * step) ** 3, spacing)
+    off = []
+    for n in late:  # where the level should be to bear it, seen from its centre of mass
+        up = in_frame({key: values[n:n + 1] for key, values in found.items()}, np.array([[0.0, 0.0, 1.0]]))[0]
+        off.append(level - found["z_0"][n] - np.quantile((inside - inside.mean(axis=0)) @ up, density / 1000))
+    return [("draught less Archimedes', 40 to 60 s", "spacings", 0, np.mean(off) / spacing),
+            ("largest tilt in 60 s", "°", math.nan, tilt(found).max()),
+            ("fastest from 40 s on", "m/s", 0, np.sqrt(sum(found[f"v{a}_0"][late] ** 2 for a in "xyz")).max()),
+            ("height from 40 s on, largest less least", "spacings", 0, np.ptp(found["z_0"][late]) / spacing)], None
+
+
+NO_GRAVITY = {"box": (2.0, 1.0, 1.2), "depth": 0.1, "spacing": 0.1, "gravity": ""}
+
+
+def collision(trevi, restitution=0.8):
+    balls = [{"type": '"sphere"', "radius": radius, "center": [x, 0.5, 0.7], "density": density, "velocity": [v, 0.0, 0.0],
+              "restitution": restitution} for radius, x, density, v in ((0.15, 0.4, 500, 1.0), (0.2, 1.0, 800, 0.0))]
+    _, found = run(trevi, *balls, **NO_GRAVITY, dt=1 / 60, end=0.9)
+    mass = [4 / 3 * math.pi * ball["radius"] ** 3 * ball["density"] for ball in balls]
+    momentum = sum(m * found[f"vx_{k}"] for k, m in enumerate(mass))
+    return [("speed apart, of the speed of approach", "1", restitution, found["vx_1"][-1] - found["vx_0"][-1]),
+            ("change of momentum, of itself", "1", 0, np.abs(momentum / mass[0] - 1).max())], None
+
+
+def spring(trevi, stiffness=100.0):
+    """A ball in the air that swings along a spring."""
+    radius, density = 0.15, 500
+    body = {"type": '"sphere"', "radius": radius, "center": [1.1, 0.5, 0.7], "density": density,
+            "mooring": f"{{ anchor = [0.4, 0.5, 0.7], stiffness = {stiffness}, length = 0.6 }}"}
+    _, found = run(trevi, body, **NO_GRAVITY, dt=1 / 60, end=10.0)
+    at = crossings(found["time"], found["x_0"] - 1.0)
+    swing = np.abs(found["x_0"] - 1.0)
+    half = len(swing) // 2
+    return [("period", "s", 2 * math.pi * math.sqrt(4 / 3 * math.pi * radius**3 * density / stiffness),
+             2 * (at[-1] - at[0]) / (len(at) - 1)),
+            ("amplitude of the last 5 s over that of the first", "1", 1, swing[half:].max() / swing[:half].max())], None
+
+
+def buoy(trevi, spacing=0.05, stiffness=2000.0):
+    """A ball under water on a line to the floor."""
+    radius, density = 0.15, 300
+    body = {"type": '"sphere"', "radius": radius, "center": [0.5, 0.5, 0.4], "density": density,
+            "mooring": f"{{ anchor = [0.5, 0.5, 0.0], stiffness = {stiffness}, damping = 20.0, length = 0.4, slack = true }}"}
+    _, found = run(trevi, body, box=(1.0, 1.0, 1.4), depth=1.0, spacing=spacing, dt=1 / 60, end=20.0, every=5)
+    late = found["time"] > 10
+    length = np.sqrt((found["x_0"] - 0.5) ** 2 + (found["y_0"] - 0.5) ** 2 + found["z_0"] ** 2)
+    pull = stiffness * (length[late].mean() - 0.4)
+    return [("pull of the line, 10 to 20 s", "N", (1000 - density) * 4 / 3 * math.pi * radius**3 * GRAVITY, pull),
+            ("farthest aside from 10 s on", "spacings", 0, np.hypot(found["x_0"] - 0.5, found["y_0"] - 0.5)[late].max() / spacing)
+            ], None
 
 
 def draw(curves, path):
@@ -269,7 +309,10 @@ def curve_of(curves, named):
     return [curve for case, curve in curves.items() if case.startswith(named)][-1]
 
 
-CASES = {"free fall": fall, "light ball": light, "ball of the water's density": neutral, "raft": raft,
+CASES = {"free fall": fall, "light ball": light, "ball of the water's density": neutral, "ball afloat": afloat, "raft": raft,
+         **{f"log of {d} kg/m³": (lambda trevi, d=d, rest=rest: log(trevi, d, rest)) for d, rest in ((150, 0), (500, 45))},
+         **{f"plate of {d} kg/m³, 0.6 spacings thick": (lambda trevi, d=d: plate(trevi, d)) for d in (500, 3000)},
+         "duck": bath_duck, "two balls that collide": collision, "ball on a spring in the air": spring, "buoy on a line": buoy,
          **{f"cylinder of {d} kg/m³": (lambda trevi, d=d: draught(trevi, d)) for d in (300, 500, 700)},
          **{f"heave, {n} spacings a radius": (lambda trevi, n=n: heave(trevi, 1 / n)) for n in (10, 20)},
          **{f"roll, {n} spacings of draught": (lambda trevi, n=n: roll(trevi, 0.5 / n)) for n in (10,)}}

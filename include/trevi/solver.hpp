@@ -88,9 +88,9 @@ struct SolverExtras {
   std::optional<std::array<LocalId, 3>> first_cell{};
   std::optional<FlowState> flow{};  ///< of the solver before, for a restart, as the next four
   ForceSums force_sums{};
-  Real supplied_energy = 0;         ///< J
-  std::vector<Real> paddle_ways{};  ///< of the frame before, for a restart with paddles that absorb
-  std::vector<BodyState> bodies{};  ///< empty: as the settings have them
+  Real supplied_energy = 0;            ///< J
+  std::vector<Real> paddle_offsets{};  ///< of the frame before, for a restart with paddles that absorb
+  std::vector<BodyState> bodies{};     ///< empty: as the settings have them
 };
 
 /// A solver for particles that may be on any rank, each of them once; ids are unique over all ranks, `predicted` may be

@@ -81,7 +81,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
     extras.first_cell = options.restart->first_cell;
     extras.force_sums = options.restart->force_sums;
     extras.supplied_energy = options.restart->supplied_energy;
-    extras.paddle_ways = options.restart->paddle_ways;
+    extras.paddle_offsets = options.restart->paddle_offsets;
     extras.bodies = options.restart->bodies;
   }
   extras.requests = options.requests;

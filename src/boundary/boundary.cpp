@@ -11,7 +11,7 @@ class WallBoundary : public Boundary {
   using Boundary::Boundary;
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return walls().predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return walls().collide(p, shift); }
-  Box open_box(std::span<const Vec3>) const override { return walls().box(); }
+  Box open_box(std::span<const Vec3>, Extent) const override { return walls().box(); }
   bool is_open_inside() const override { return true; }
 };
 
@@ -21,7 +21,7 @@ class ObstacleBoundary : public Boundary {
       : Boundary(walls), obstacles_(std::move(obstacles)) {}
   Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return obstacles_->collide(p, shift); }
-  Box open_box(std::span<const Vec3> p) const override { return obstacles_->open_box(p); }
+  Box open_box(std::span<const Vec3> p, Extent extent) const override { return obstacles_->open_box(p, extent); }
   void begin_step() override { obstacles_->begin_step(); }
   void settle_bodies(MPI_Comm comm, const Particles& particles, Real dt) override {
     obstacles_->settle(comm, particles.position, particles.velocity, dt);
@@ -44,7 +44,9 @@ class PeriodicBoundary : public Inside {
   explicit PeriodicBoundary(const PeriodicDomain& domain, Rest&&... rest)
       : Inside(std::forward<Rest>(rest)...), domain_(domain) {}
 
-  Box open_box(std::span<const Vec3>) const override { return {Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)}; }
+  Box open_box(std::span<const Vec3>, Extent) const override {
+    return {Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  }
   bool is_open_inside() const override { return false; }
 
   void round_positions(Particles& particles) const override {
@@ -121,6 +123,19 @@ std::unique_ptr<Boundary> make(BoundaryParts parts) {
 }
 
 }  // namespace
+
+void Boundary::predict(Particles& particles, Real dt) {
+  const std::vector<Vec3>&x = particles.position, &v = particles.velocity;
+  for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
+    const auto first = static_cast<std::size_t>(part.begin), end = static_cast<std::size_t>(part.end);
+    const Box open = open_box({&x[first], end - first}, Extent::path);
+    for (std::size_t i = first; i < end; ++i) {
+      const Vec3 straight = x[i] + v[i] * dt;
+      const bool free = open.contains(x[i]) && open.contains(straight);
+      particles.predicted[i] = free ? straight : predict(x[i], v[i], dt);
+    }
+  });
+}
 
 std::unique_ptr<Boundary> make_boundary(BoundaryParts parts) {
   return parts.layer ? make<Layer>(std::move(parts)) : make<AsItIs>(std::move(parts));

@@ -21,7 +21,7 @@ std::vector<Six> BodyCoupling::pressed(const FreeSurface& surface, const RecordF
   });
   const std::vector<TotalImpulse> all = pushes_.total(comm_);
   std::vector<Six> impulses;
-  for (std::size_t k = 0; k < all.size(); ++k) impulses.push_back(bodies.impulse_of(all[k]));
+  for (std::size_t k = 0; k < all.size(); ++k) impulses.push_back(bodies.pressure_of(k, all[k]));
   return impulses;
 }
 

@@ -40,32 +40,45 @@ bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodi
   return !meets_sheet(low, high, bodies);
 }
 
-// The part of the sample (i, j) of a square in which the distance is positive, linear about its middle.
+// The part of the sample (i, j) of a square in which the distance, in samples, is positive, linear about its middle.
 SquarePart CutCells::open_part(const SquareOfDistances& distance, int i, int j) const {
-  const Real width = size_.maxCoeff() / samples;
-  const auto at = [&](int k, int l) {
-    return distance[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)] / width;
-  };
+  const auto at = [&](int k, int l) { return distance[static_cast<std::size_t>(k * samples + l)]; };
   const int left = std::max(i - 1, 0), right = std::min(i + 1, samples - 1);
   const int low = std::max(j - 1, 0), high = std::min(j + 1, samples - 1);
   return clipped_square(at(i, j),
                         {(at(right, j) - at(left, j)) / (right - left), (at(i, high) - at(i, low)) / (high - low)});
 }
 
-// At the samples of a square across direction a of a cell, `along` cells from its corner.
-CutCells::SquareOfDistances CutCells::distances_on(const Vec3& corner, Eigen::Index a, Real along,
-                                                   const Bodies& bodies) const {
-  SquareOfDistances distance{};
-  for (int i = 0; i < samples; ++i) {
-    for (int j = 0; j < samples; ++j) {
-      Vec3 p = corner;
-      p[a] += along;
-      p[(a + 1) % 3] += sample(i);
-      p[(a + 2) % 3] += sample(j);
-      distance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = nearest_at(place(p), bodies).distance;
-    }
+// In samples, at those of squares across direction a of a cell, `along` cells from its corner, one after the other.
+void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
+                              std::span<Real> distance) const {
+  std::array<std::array<Real, samples>, 3> coordinate{};  // by direction
+  const auto put = [&](std::size_t b, std::size_t k, Real in_cell) {
+    coordinate[b][k] = in_box(axis_[b], place(b, corner[static_cast<Eigen::Index>(b)] + in_cell));
+  };
+  const std::size_t u = (a + 1) % 3, v = (a + 2) % 3, count = along.size() * samples * samples;
+  for (std::size_t k = 0; k < along.size(); ++k) put(a, k, along[k]);
+  for (std::size_t k = 0; k < samples; ++k) {
+    put(u, k, sample(static_cast<int>(k)));
+    put(v, k, sample(static_cast<int>(k)));
   }
-  return distance;
+  std::array<Vec3, samples * samples * samples> there;
+  std::array<Real, samples * samples * samples> own;
+  std::fill(distance.begin(), distance.end(), INFINITY);
+  for (const std::size_t body : bodies) {
+    const Pose& pose = obstacles_.body(body).now();
+    for (std::size_t n = 0; n < count; ++n) {
+      Vec3 p;
+      p[axis_[a]] = coordinate[a][n / (samples * samples)];
+      p[axis_[u]] = coordinate[u][n / samples % samples];
+      p[axis_[v]] = coordinate[v][n % samples];
+      there[n] = pose.into_body(p);
+    }
+    obstacles_.body(body).rough_distances({there.data(), count}, own);
+    for (std::size_t n = 0; n < count; ++n) distance[n] = std::min(distance[n], own[n]);
+  }
+  const Real width = size_.maxCoeff() / samples;
+  for (Real& one : distance) one /= width;
 }
 
 bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
@@ -90,7 +103,8 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
     cell.face[a] = far > 0 ? 1 : 0;
     return;
   }
-  const SquareOfDistances distance = distances_on(corner, b, 0, bodies);
+  SquareOfDistances distance;
+  find_distances(corner, a, std::array<Real, 1>{0}, bodies, distance);
   Real sum = 0;
   std::array<Real, 2> moment{};
   for (int i = 0; i < samples; ++i) {
@@ -128,15 +142,13 @@ Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
 
 // Linear in each sample, as the faces.
 Real CutCells::open_at(const Vec3& corner, const Bodies& bodies) const {
-  const Real width = size_.maxCoeff() / samples;
-  std::array<SquareOfDistances, samples> distance{};
-  for (int k = 0; k < samples; ++k) distance[static_cast<std::size_t>(k)] = distances_on(corner, 2, sample(k), bodies);
+  CubeOfDistances distance;
+  find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, bodies, distance);
   Real sum = 0;
   for (int i = 0; i < samples * samples * samples; ++i) {
     const std::array<int, 3> here{i / samples / samples, i / samples % samples, i % samples};
     const auto at = [&](const std::array<int, 3>& p) {
-      return distance[static_cast<std::size_t>(p[0])][static_cast<std::size_t>(p[1])][static_cast<std::size_t>(p[2])] /
-             width;
+      return distance[static_cast<std::size_t>((p[0] * samples + p[1]) * samples + p[2])];
     };
     std::array<Real, 3> slope{};
     for (std::size_t a = 0; a < 3; ++a) {

@@ -9,29 +9,19 @@
 
 namespace trevi {
 
-namespace {
-
-// Where the surface is, now.
-Box place_of(const Body& body) {
-  const Box bounds = body.shape().bounds();
-  const Vec3 middle = body.now().into_world((bounds.max + bounds.min) / 2);
-  const Vec3 half = body.now().turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
-  return {middle - half, middle + half};
-}
-
-}  // namespace
-
 CutCells::CutCells(const Obstacles& obstacles) : obstacles_(obstacles), all_bodies_(obstacles.count()) {
   std::iota(all_bodies_.begin(), all_bodies_.end(), std::size_t{0});
 }
 
+// Counted from the start of the box first, which is exact: the same place on whatever rank.
+Real CutCells::place(std::size_t a, Real in_cells) const {
+  const auto b = static_cast<Eigen::Index>(a);
+  return origin_[b] + (in_cells + (a == 0 ? first_ - 1 : a == 1 ? first_row_ : 0)) * size_[b];
+}
+
 Vec3 CutCells::place(const Vec3& in_cells) const {
   Vec3 p;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto b = static_cast<Eigen::Index>(a);
-    // Counted from the start of the box first, which is exact: the same place on whatever rank.
-    p[axis_[a]] = origin_[b] + (in_cells[b] + (a == 0 ? first_ - 1 : a == 1 ? first_row_ : 0)) * size_[b];
-  }
+  for (std::size_t a = 0; a < 3; ++a) p[axis_[a]] = place(a, in_cells[static_cast<Eigen::Index>(a)]);
   return p;
 }
 
@@ -47,10 +37,12 @@ Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cel
   return place(corner);
 }
 
-Vec3 CutCells::in_box(const Vec3& p) const {
-  const Vec3 gap = Vec3::Constant(size_.maxCoeff() / (2 * samples));
-  return p.cwiseMax(box_.min + gap).cwiseMin(box_.max - gap);
+Real CutCells::in_box(Eigen::Index axis, Real place) const {
+  const Real gap = size_.maxCoeff() / (2 * samples);
+  return std::min(std::max(place, box_.min[axis] + gap), box_.max[axis] - gap);
 }
+
+Vec3 CutCells::in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
 
 CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) const {
   Nearest nearest{INFINITY, 0};
@@ -85,7 +77,7 @@ void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& k
 // Cells of which anything is looked at in the solid: from their middles no place is further than 1.6 cells, and
 // in_box() takes it nearer by less than 0.7 at walls. A cell that the margin leaves out is half a cell further away.
 CutCells::Zone CutCells::zone_of(const Body& body) const {
-  const Box place = place_of(body);
+  const Box place = body.surface_box();
   const Vec3 far = Vec3::Constant(3 * size_.maxCoeff());
   const bool inside = box_.contains(place.min - far) && box_.contains(place.max + far);
   const Vec3 margin = Vec3::Constant((inside ? 1.25 : 2) * size_.maxCoeff());
@@ -200,46 +192,6 @@ void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone
   faces.for_each([&](const auto& some) { body_faces_.insert(body_faces_.end(), some.begin(), some.end()); });
   std::sort(body_faces_.begin(), body_faces_.end(),
             [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
-}
-
-Real CutCells::area(std::size_t at) const {
-  Real sum = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const Real rise = face(a, at + step_[a]) - face(a, at);
-    sum += rise * rise;
-  }
-  return std::sqrt(sum);
-}
-
-// In integers: no order is seen.
-void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
-  const RigidBodies& bodies = *obstacles_.floating();
-  step_ = {grid.step(0), grid.step(1), grid.step(2)};
-  excess_.assign(obstacles_.count(), 0);
-  PerThread<std::vector<GlobalId>> sums;
-  sums.for_each([&](auto& of) { of.assign(2 * bodies.count(), 0); });
-  constexpr Real fine = 1U << 30U;
-  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
-    if (!cuts_row(k, r)) return;
-    for (LocalId c = 0; c < grid.columns(); ++c) {
-      const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
-      if (open(at) == 1 || !bodies.holds(nearest)) continue;
-      GlobalId* const sum = &sums.mine()[2 * (nearest - bodies.first())];
-      sum[0] += std::llrint((1 - open(at)) * fine);
-      sum[1] += std::llrint(area(at) * fine);
-    }
-  });
-  const std::vector<GlobalId> all = sum_over_threads_and_ranks(comm, sums);
-  const Real cell = size_.prod(), ceiling = box_.min.z() + grid.columns() * size_[2];
-  for (std::size_t k = 0; k < bodies.count(); ++k) {
-    const Body& body = obstacles_.body(bodies.first() + k);
-    const Box place = place_of(body);
-    const bool all_seen =
-        box_.contains(place.min) && box_.contains(place.max) && place.max.z() <= ceiling && all[2 * k + 1] > 0;
-    if (all_seen)
-      excess_[bodies.first() + k] = (static_cast<Real>(all[2 * k]) / fine - bodies.body(k).volume() / cell) /
-                                    (static_cast<Real>(all[2 * k + 1]) / fine);
-  }
 }
 
 void CutCells::find_columns(const ProjectionGrid& grid) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "base/threads.hpp"
@@ -45,9 +46,9 @@ class CutCells {
   void move_faces(const Visit& visit) {
     for (const BodyFace& face : body_faces_) {
       const Body& body = obstacles_.body(face.body);
-      const Vec3 way = face.p - body.before().into_world(body.now().into_body(face.p));
+      const Vec3 path = face.p - body.before().into_world(body.now().into_body(face.p));
       float& moved = moved_[face.at][face.a];
-      const auto now = static_cast<float>(way[axis_[face.a]]);
+      const auto now = static_cast<float>(path[axis_[face.a]]);
       const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
       moved = now;
       if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);
@@ -68,8 +69,12 @@ class CutCells {
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
   /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of
   /// what is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's
-  /// own.
-  Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest] * area(at); }
+  /// own, and so is their centre of volume.
+  Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest].volume * area(at); }
+  /// The middle of that volume, m.
+  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
+    return middle_by_faces(cell, at) - excess_[cells_[at].nearest].middle;
+  }
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// The middle of a cell, m.
@@ -111,9 +116,12 @@ class CutCells {
   };
   Zone zone_of(const Body& body) const;
   void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
+  // Along direction a.
+  Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
-  Vec3 in_box(const Vec3& p) const;
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
+  Real in_box(Eigen::Index axis, Real place) const;
+  Vec3 in_box(const Vec3& p) const;
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
@@ -121,9 +129,11 @@ class CutCells {
   // In each direction of a cell.
   static constexpr int samples = 4;
   static Real sample(int k) { return (k + 0.5) / samples; }
-  // Signed distances at the samples of a square, m.
-  using SquareOfDistances = std::array<std::array<Real, samples>, samples>;
-  SquareOfDistances distances_on(const Vec3& corner, Eigen::Index a, Real along, const Bodies& bodies) const;
+  // Signed distances at the samples of a square and of a cube, in samples.
+  using SquareOfDistances = std::array<Real, samples * samples>;
+  using CubeOfDistances = std::array<Real, samples * samples * samples>;
+  void find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
+                      std::span<Real> distance) const;
   SquarePart open_part(const SquareOfDistances& distance, int i, int j) const;
   template <class Visit>
   void for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
@@ -140,6 +150,9 @@ class CutCells {
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
   void measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
+  std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
+  // About the middle of the solid in a cell, by the closed parts of its faces.
+  Vec3 middle_by_faces(const std::array<LocalId, 3>& cell, std::size_t at) const;
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
   void find_columns(const ProjectionGrid& grid);
@@ -164,7 +177,12 @@ class CutCells {
     Vec3 p;
   };
   std::array<std::size_t, 3> step_{};
-  std::vector<Real> excess_;          // of each solid, cells for each face of its surface
+  // Of each solid: cells for each face of its surface, and the way to the middle of its part in a cut cell, m.
+  struct Excess {
+    Real volume = 0;
+    Vec3 middle = Vec3::Zero();
+  };
+  std::vector<Excess> excess_;
   std::vector<BodyFace> body_faces_;  // of bodies that move freely
   std::vector<char> cuts_row_;        // of planes and rows with those beside them
 };

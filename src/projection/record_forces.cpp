@@ -74,8 +74,7 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
   if (!surface_.is_wet(at) || surface_.is_solid(at)) return pushes;
   const Real phi = pressure_.phi_so_far(at), middle = solids.middle(k, r, c).z();
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
-  Vec3 arms = Vec3::Zero();
-  Real sum = 0;
+  bool closes = false;
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       const std::size_t face = upper ? at + grid.step(a) : at;
@@ -87,11 +86,12 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
       const Real push =
           (phi + g_dt2_ * (arm.z() - middle)) * particles / grid.size()[static_cast<Eigen::Index>(a)] * closed;
       pushes.all[pushes.count++] = {(upper ? push : -push) * Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a))), arm};
-      arms += closed * arm;
-      sum += closed;
+      closes = true;
     }
   }
-  if (sum > 0) pushes.all[pushes.count++] = {-g_dt2_ * particles * solids.solid(at) * Vec3::UnitZ(), arms / sum};
+  if (closes)
+    pushes.all[pushes.count++] = {-g_dt2_ * particles * solids.solid(at) * Vec3::UnitZ(),
+                                  solids.middle_of_solid({k, r, c}, at)};
   return pushes;
 }
 

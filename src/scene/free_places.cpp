@@ -6,19 +6,19 @@ namespace trevi {
 
 FreePlaces::FreePlaces(const Scene& scene, Real time) {
   constexpr Real rounding = 1e-6;  // a lattice that fits just beside a solid stays whole
-  gap_ = (0.5 - rounding) * scene.fluid.spacing;
+  const Real gap = (0.5 - rounding) * scene.fluid.spacing;
   const auto is_known = [time](const ObstacleSettings& obstacle) {  // where a paddle that absorbs is, the water says
     return time == 0 || !obstacle.wavemaker || !obstacle.wavemaker->absorb;
   };
   for (const ObstacleSettings& obstacle : scene.obstacles)
-    if (is_known(obstacle)) solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time)});
+    if (is_known(obstacle)) solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(time), gap});
   if (time > 0) return;  // where bodies are then is not known
-  for (const BodySettings& body : scene.bodies) solids_.push_back({make_shape(body), BodyMotion(body).at(0)});
+  for (const BodySettings& body : scene.bodies) solids_.push_back({make_shape(body), BodyMotion(body).at(0), 0});
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {
   return std::all_of(solids_.begin(), solids_.end(),
-                     [&](const Solid& solid) { return solid.shape->distance(solid.pose.into_body(p)) >= gap_; });
+                     [&](const Solid& solid) { return solid.shape->distance(solid.pose.into_body(p)) >= solid.gap; });
 }
 
 int FreePlaces::solid_at(const Vec3& p, Real depth) const {

@@ -1,5 +1,6 @@
 // Where water can be at the start, or when a run goes on: not in an obstacle, nor nearer to one than half a spacing, as
-// at the walls of the box. Not collective.
+// at the walls of the box. A body leaves out just the water that it displaces: water that falls into a gap around it
+// takes it along. Not collective.
 #pragma once
 
 #include <memory>
@@ -25,9 +26,9 @@ class FreePlaces {
   struct Solid {
     std::unique_ptr<Shape> shape;
     Pose pose;
+    Real gap;  // m
   };
   std::vector<Solid> solids_;
-  Real gap_;  // m
 };
 
 /// Calls visit(i, j, k) for the points of a layer of a lattice across an axis, x fastest.

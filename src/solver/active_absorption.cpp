@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-constexpr Real return_periods = 8;  // in which a way falls to 1/e
+constexpr Real return_periods = 8;  // in which an offset falls to 1/e
 
 bool absorbs(const ObstacleSettings& obstacle) { return obstacle.wavemaker && obstacle.wavemaker->absorb; }
 
@@ -21,8 +21,8 @@ bool ActiveAbsorption::is_wanted(const Settings& settings) {
   return std::any_of(settings.obstacles.begin(), settings.obstacles.end(), absorbs);
 }
 
-ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> ways)
-    : ways_(std::move(ways)), spacing_(settings.fluid.spacing), strip_(4 * settings.fluid.spacing) {
+ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> offsets)
+    : offsets_(std::move(offsets)), spacing_(settings.fluid.spacing), strip_(4 * settings.fluid.spacing) {
   for (std::size_t k = 0; k < settings.obstacles.size(); ++k) {
     if (!absorbs(settings.obstacles[k])) continue;
     const WavemakerSettings& maker = *settings.obstacles[k].wavemaker;
@@ -33,11 +33,12 @@ ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> w
     paddles_.push_back({k, maker, PaddleMotion(maker), omega / biesel_transfer(maker.kind, kd),
                         (settings.domain.max - settings.domain.min)[1 - axis], std::max(0.0, room)});
   }
-  ways_.resize(paddles_.size(), 0);
+  offsets_.resize(paddles_.size(), 0);
 }
 
 void ActiveAbsorption::place(Obstacles& obstacles) const {
-  for (std::size_t n = 0; n < paddles_.size(); ++n) obstacles.add_way(paddles_[n].obstacle, ways_[n], ways_[n]);
+  for (std::size_t n = 0; n < paddles_.size(); ++n)
+    obstacles.set_paddle_offset(paddles_[n].obstacle, offsets_[n], offsets_[n]);
 }
 
 // m above the still water, in the mean over the strip. Particles are cubes, as for gauges of height.
@@ -62,13 +63,13 @@ void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const Ste
   for (std::size_t n = 0; n < paddles_.size(); ++n) {
     const Paddle& paddle = paddles_[n];
     const Eigen::Index axis = paddle.maker.direction.x() != 0 ? 0 : 1;
-    const Real own = paddle.motion.displacement(info.time), before = ways_[n];
+    const Real own = paddle.motion.displacement(info.time), before = offsets_[n];
     const Real face = paddle.maker.position + paddle.maker.direction[axis] * (own + before);
     const Real back = level_before(comm, paddle, face, particles) - paddle.motion.level(info.time);
     const Real kept = elementary::exp(-info.dt / (return_periods * paddle.maker.period));
-    const Real way = (before - info.dt * paddle.gain * back) * kept;
-    ways_[n] = std::clamp(way, -paddle.farthest, paddle.farthest);
-    obstacles.add_way(paddle.obstacle, before, ways_[n]);
+    const Real offset = (before - info.dt * paddle.gain * back) * kept;
+    offsets_[n] = std::clamp(offset, -paddle.farthest, paddle.farthest);
+    obstacles.set_paddle_offset(paddle.obstacle, before, offsets_[n]);
   }
 }
 

@@ -1,9 +1,9 @@
 // Paddles that absorb what comes back to them while they make waves. In each substep the mean level of the water in a
 // strip before the paddle is measured; what it has above the level of the paddle's own waves is a wave that comes back,
 // which the paddle takes in by going with it: v = −eta omega/(H/S), the speed at which it would make such a wave, or
-// sqrt(g/d) in shallow water (Schäffer & Klopman 2000). The way that adds up returns to 0 slowly, so that the paddle
-// does not drift. The level is a sum of integers, so that no number of ranks or threads is seen in it; the way is
-// state, which a checkpoint has. Collective: move().
+// sqrt(g/d) in shallow water (Schäffer & Klopman 2000). Its offset from the stroke of its own waves returns to 0
+// slowly, so that the paddle does not drift. The level is a sum of integers, so that no number of ranks or threads is
+// seen in it; the offset is state, which a checkpoint has. Collective: move().
 #pragma once
 
 #include <vector>
@@ -17,17 +17,17 @@ namespace trevi {
 
 class ActiveAbsorption {
  public:
-  /// `ways`: of the run that goes on, m; empty: 0.
-  ActiveAbsorption(const Settings& settings, std::vector<Real> ways);
+  /// `offsets`: of the run that goes on, m; empty: 0.
+  ActiveAbsorption(const Settings& settings, std::vector<Real> offsets);
 
   /// Whether any paddle absorbs.
   static bool is_wanted(const Settings& settings);
-  /// Where the paddles are, besides their own motion, at the start, m.
+  /// Tells the obstacles the offsets of their paddles at the start.
   void place(Obstacles& obstacles) const;
   /// Tells the obstacles where their paddles are in the substep, before they move.
   void move(MPI_Comm comm, const Particles& particles, const StepInfo& info, Obstacles& obstacles);
-  /// Of each absorbing paddle in the order of the obstacles, m.
-  const std::vector<Real>& ways() const { return ways_; }
+  /// From the stroke of its own waves, of each absorbing paddle in the order of the obstacles, m.
+  const std::vector<Real>& offsets() const { return offsets_; }
 
  private:
   struct Paddle {
@@ -41,7 +41,7 @@ class ActiveAbsorption {
   Real level_before(MPI_Comm comm, const Paddle& paddle, Real face, const Particles& particles);
 
   std::vector<Paddle> paddles_;
-  std::vector<Real> ways_;
+  std::vector<Real> offsets_;
   Real spacing_, strip_;  // m
   PerThread<std::vector<GlobalId>> sums_;
 };

@@ -115,12 +115,13 @@ void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
   for_each_part(part, moved_at_once, [&](Range few) {
     const auto open_to = [&](Range some) {
       return boundary_.open_box(
-          {&particles_->predicted[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())});
+          {&particles_->predicted[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())},
+          Extent::shift);
     };
     const Box open = open_to(few);
     if (!(open.min.array() > open.max.array()).any()) return move_in(open, few, relaxation);
     // Of a part that lies around an obstacle most pieces do not.
-    constexpr LocalId piece = 64;
+    constexpr LocalId piece = 16;
     for (LocalId begin = few.begin; begin < few.end; begin += piece) {
       const Range some{begin, std::min(begin + piece, few.end)};
       move_in(open_to(some), some, relaxation);

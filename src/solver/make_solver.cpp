@@ -100,7 +100,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   const Walls walls(box_of_walls(settings), settings.walls, 1e-6 * model.h);
   const std::shared_ptr<Obstacles> obstacles = make_obstacles(settings, walls, parts.clock.time(), parts.bodies);
   if (ActiveAbsorption::is_wanted(settings)) {
-    parts.absorption = std::make_unique<ActiveAbsorption>(settings, std::move(parts.paddle_ways));
+    parts.absorption = std::make_unique<ActiveAbsorption>(settings, std::move(parts.paddle_offsets));
     parts.absorption->place(*obstacles);
     obstacles->move(parts.clock.time(), parts.clock.time());
   }
@@ -174,7 +174,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
   parts.supplied_energy = extras.supplied_energy;
-  parts.paddle_ways = std::move(extras.paddle_ways);
+  parts.paddle_offsets = std::move(extras.paddle_offsets);
   parts.bodies = std::move(extras.bodies);
   parts.water_mass = water_mass(settings.fluid);
   parts.gravity = settings.gravity.value_or(Vec3::Zero());

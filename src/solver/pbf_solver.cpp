@@ -183,10 +183,9 @@ void PbfSolver<T>::predict_positions(Real dt) {
   Particles& particles = parts_.particles;
   Boundary& boundary = *parts_.boundary;
   boundary.round_positions(particles);  // new particles may be between the multiples of the quantum
-  const LocalId lost = first_index({0, particles.size()}, [&](std::size_t i) {
-    particles.predicted[i] = boundary.predict(particles.position[i], particles.velocity[i], dt);
-    return !boundary.walls().inside(particles.predicted[i]);
-  });
+  boundary.predict(particles, dt);
+  const LocalId lost = first_index({0, particles.size()},
+                                   [&](std::size_t i) { return !boundary.walls().inside(particles.predicted[i]); });
   if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);
   boundary.wrap_predicted(particles);
 }

@@ -56,9 +56,9 @@ struct SolverParts {
   SubstepRule substep_rule;
   ForceSums force_sums;  ///< of the solver before, as the next two
   std::vector<BodyState> bodies;
-  Real supplied_energy = 0;       ///< J
-  std::vector<Real> paddle_ways;  ///< of the solver before, m
-  Real water_mass = 0;            ///< of a particle, kg
+  Real supplied_energy = 0;          ///< J
+  std::vector<Real> paddle_offsets;  ///< of the solver before, m
+  Real water_mass = 0;               ///< of a particle, kg
   Vec3 gravity = Vec3::Zero();
   Real crush_limit = 0;
   Clock clock;

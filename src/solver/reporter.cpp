@@ -26,10 +26,10 @@ template <class T>
 void Reporter<T>::begin_step() {
   iterations_before_step_ = counters_.iterations;
   if (const RigidBodies* const floating = bodies()) bodies_had_ = floating->energy();
-  ways_.clear();
+  offsets_.clear();
   const Obstacles* const obstacles = state_.problem.obstacles();
   for (std::size_t k = 0; obstacles != nullptr && k < obstacles->count(); ++k)
-    ways_.push_back(obstacles->body(k).way());
+    offsets_.push_back(obstacles->body(k).paddle_offset());
 }
 
 template <class T>
@@ -130,7 +130,7 @@ Frame Reporter<T>::frame() {
           state_.first_cell,
           state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
           supplied_.joules(),
-          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->ways()) : std::span<const Real>(),
+          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->offsets()) : std::span<const Real>(),
           {},
           body_states_};
 }
@@ -167,7 +167,7 @@ void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) 
   for (std::size_t k = 0; k < (floating != nullptr ? floating->first() : obstacles.count()); ++k) {
     const Body& body = obstacles.body(k);
     if (!body.moves()) continue;
-    const Pose from = body.motion().at(begin, ways_[k]), to = body.motion().at(end, body.way());
+    const Pose from = body.motion().at(begin, offsets_[k]), to = body.motion().at(end, body.paddle_offset());
     const Eigen::AngleAxisd rotation(to.turn * from.turn.transpose());
     supplied_.add(per * (impulses[k].shift.dot(to.center - from.center) +
                          impulses[k].moment.dot(rotation.angle() * rotation.axis())));

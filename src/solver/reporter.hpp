@@ -95,7 +95,7 @@ class Reporter {
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
   ForceSums sums_, means_;
-  std::vector<Real> ways_;  // of obstacles (Body::way()) at the start of the step
+  std::vector<Real> offsets_;  // of obstacles (Body::paddle_offset()) at the start of the step
   std::vector<Real> probed_;
   std::vector<BodyState> body_states_;  // as those of fountains
   Real bodies_had_ = 0;                 // J, at the start of the step

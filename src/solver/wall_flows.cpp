@@ -258,7 +258,7 @@ int WallFlows::taker(const Vec3& position, const Vec3& velocity, Real dt) const 
     const Real sign = one.wall.at_max ? 1 : -1,
                wall = one.wall.at_max ? settings_.domain.max[axis] : settings_.domain.min[axis];
     const Real speed = sign * velocity[axis], left = sign * (wall - position[axis]) - speed * dt;
-    if (speed > 0 && left < taken_before * spacing_ && position[other] >= one.across[0] &&
+    if (one.speeds[0] > 0 && speed > 0 && left < taken_before * spacing_ && position[other] >= one.across[0] &&
         position[other] <= one.across[1] && position.z() >= one.bottom && position.z() <= one.top)
       return n;
     ++n;

@@ -47,7 +47,8 @@ class WallFlows {
   bool any() const { return !openings_.empty(); }
   /// How fast the water goes in the substep, from where it stands. `state` is that of the flow.
   void measure(MPI_Comm comm, const Particles& particles, const StepInfo& info, FlowState& state);
-  /// The number among drains of that which a particle leaves by in the time dt, or -1.
+  /// The number among drains of that which a particle leaves by in the time dt, or -1. By one that draws nothing none
+  /// leaves: what is still trembles, and would be lost particle by particle.
   int taker(const Vec3& position, const Vec3& velocity, Real dt) const;
   /// `mine`: particles that each drain took on this rank.
   void note_taken(MPI_Comm comm, std::vector<GlobalId> mine, FlowState& state) const;

@@ -61,6 +61,49 @@ TEST(Paths, TheIndexForgetsNobody) {
   EXPECT_GT(near, 1000);
 }
 
+// A shift or a path that begins and ends in what is open to its particles meets nothing, as few particles as it is
+// asked for and wherever the rest of them are.
+TEST(Paths, InAnOpenBoxMeetNothing) {
+  std::mt19937 generator(12);
+  std::uniform_real_distribution<Real> number(-1, 1);
+  Settings settings;
+  settings.domain = {Vec3(-3, -3, -3), Vec3(3, 3, 3)};
+  settings.fluid.spacing = h / 2;
+  for (int k = 0; k < 40; ++k) {
+    ObstacleSettings one;
+    if (k % 2 == 0) one.shape = ShapeKind::box;
+    one.radius = 0.2;
+    one.size = {0.5, 0.2, 0.3};
+    one.rotate = {30.0 * k, 10.0 * k, 0};
+    one.center = random_point(generator, 2.5);
+    if (k % 3 == 0) one.velocity = random_point(generator, 1);
+    if (k % 6 == 0) one.angular_velocity = {0, 3 * number(generator), 0};
+    settings.obstacles.push_back(one);
+  }
+  settings = resolved(settings);
+  const AnalyticWallDensity law(settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions);
+  Obstacles obstacles(settings, Walls(settings.domain, settings.walls, 1e-6 * h), law);
+  constexpr Real dt = 0.05;
+  obstacles.move(0, dt);
+  int open_ones = 0;
+  for (int cluster = 0; cluster < 4000; ++cluster) {
+    const Vec3 middle = random_point(generator, 2.8);
+    std::vector<Vec3> p;
+    for (int k = 0; k < 20; ++k) p.push_back(middle + random_point(generator, 0.15));
+    for (const Extent extent : {Extent::shift, Extent::path}) {
+      const Box open = obstacles.open_box(p, extent);
+      for (const Vec3& from : p) {
+        const Vec3 step = random_point(generator, 0.2), to = from + step, path = from + step / dt * dt;
+        if (!open.contains(from) || !open.contains(to) || !open.contains(path)) continue;
+        ++open_ones;
+        EXPECT_EQ(extent == Extent::shift ? obstacles.collide(from, step) : obstacles.predict(from, step / dt, dt),
+                  extent == Extent::shift ? to : path);
+      }
+    }
+  }
+  EXPECT_GT(open_ones, 20000);
+}
+
 // Answers that are noise do not make of the added mass what is none: of the shape's own at least what is forgotten in a
 // substep is there.
 TEST(AddedMass, StaysPositive) {

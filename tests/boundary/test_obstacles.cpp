@@ -375,7 +375,7 @@ TEST(Paths, NothingIsMetInTheOpen) {
   std::mt19937 generator(9);
   for (int ways = 0; ways < 2000;) {
     const std::array<Vec3, 2> p{random_point(generator, 2.9), random_point(generator, 2.9)};
-    const Box open = tank.obstacles->open_box(p);
+    const Box open = tank.obstacles->open_box(p, Extent::density);
     if (!open.contains(p[0]) || !open.contains(p[1])) continue;
     EXPECT_FALSE(tank.obstacles->is_near(p[0]));
     EXPECT_EQ(tank.obstacles->collide(p[0], p[1] - p[0]), p[0] + (p[1] - p[0]));

@@ -84,11 +84,13 @@ TEST_F(WaveTank, SameBitsOnAnyRanksAndNothingLeaks) {
 }
 
 // Where the paddles that absorb are at the end of a step.
-struct Ways : Observer {
-  std::vector<Real>& ways;
-  explicit Ways(std::vector<Real>& w) : ways(w) {}
+struct Offsets : Observer {
+  std::vector<Real>& offsets;
+  explicit Offsets(std::vector<Real>& w) : offsets(w) {}
   bool due(const Clock&) const override { return true; }
-  void observe(const Frame& frame) override { ways.assign(frame.paddle_ways.begin(), frame.paddle_ways.end()); }
+  void observe(const Frame& frame) override {
+    offsets.assign(frame.paddle_offsets.begin(), frame.paddle_offsets.end());
+  }
 };
 
 // A run that goes on from step 20 has the bits of one that did not stop, and takes a paddle that absorbs from where it
@@ -97,19 +99,19 @@ TEST_F(WaveTank, ARestartIsExact) {
   for (const bool absorb : {false, true}) {
     Scene scene = parse_scene("test.toml", tank(piston), {});
     scene.obstacles.front().wavemaker->absorb = absorb;
-    std::vector<Real> ways;
+    std::vector<Real> offsets;
     SolverExtras first, second;
-    first.observers.push_back(std::make_unique<Ways>(ways));
+    first.observers.push_back(std::make_unique<Offsets>(offsets));
     auto whole = make_solver(world, scene, initial_particles(world, scene), std::move(first));
     whole->start();
     for (int n = 0; n < 20; ++n) whole->step();
-    EXPECT_EQ(ways.size(), absorb ? 1u : 0u);
+    EXPECT_EQ(offsets.size(), absorb ? 1u : 0u);
     if (absorb) {
-      EXPECT_NE(ways[0], 0);
+      EXPECT_NE(offsets[0], 0);
     }
     second.step = 20;
     second.substeps = whole->clock().substeps;
-    second.paddle_ways = ways;
+    second.paddle_offsets = offsets;
     auto rest = make_solver(world, scene, whole->particles(), std::move(second));
     for (int n = 0; n < 20; ++n) {
       whole->step();

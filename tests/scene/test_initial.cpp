@@ -67,6 +67,23 @@ TEST(InitialParticles, FillABlockUpToItsSurface) {
   }
 }
 
+// A body takes as much as it displaces, in the mean over its places: no gap is around it.
+TEST(InitialParticles, LeaveOutWhatABodyDisplaces) {
+  GlobalId taken = 0;
+  constexpr int places = 40;
+  constexpr Real radius = 0.3;
+  for (int k = 0; k < places; ++k) {
+    const Vec3 middle(0.9 + 0.0137 * (k % 7), 0.45 + 0.0119 * (k % 5), 0.45 + 0.0113 * (k % 11));
+    taken += 2000 - static_cast<GlobalId>(
+                        start_of(fmt::format("[[body]]\ntype = \"sphere\"\ncenter = [{}, {}, {}]\nradius = {}\n"
+                                             "density = 500\n",
+                                             middle.x(), middle.y(), middle.z(), radius))
+                            .id.size());
+  }
+  const Real displaced = 4.0 / 3 * std::numbers::pi * std::pow(radius / 0.1, 3);
+  EXPECT_NEAR(static_cast<Real>(taken) / places, displaced, 0.03 * displaced);
+}
+
 // Where the expression is no number on one rank alone, too.
 TEST(InitialParticles, RefuseAnExpressionThatIsNoNumberOnAllRanks) {
   for (const char* key : {"velocity = [\"sqrt(1.9-x)\", \"0\", \"0\"]\n", "surface = \"sqrt(1.9-x)\"\n"}) {

@@ -81,8 +81,8 @@ BodyMotion::BodyMotion(const ObstacleSettings& obstacle)
   if (turns_per_second_ > 0) spin_axis_ = obstacle.angular_velocity / obstacle.angular_velocity.norm();
 }
 
-Pose BodyMotion::at(Real time, Real more) const {
-  if (paddle_) return paddle_->at({center_, start_}, time, more);
+Pose BodyMotion::at(Real time, Real offset) const {
+  if (paddle_) return paddle_->at({center_, start_}, time, offset);
   if (oscillation_) {
     const auto& [amplitude, rotation, period, ramp] = *oscillation_;
     const Real u = ramp > 0 ? std::clamp(time / ramp, 0.0, 1.0) : 1;

@@ -32,8 +32,8 @@ Rotation turn_about(const Vec3& axis, Real turns);
 class BodyMotion {
  public:
   explicit BodyMotion(const ObstacleSettings& obstacle);
-  /// `more`: how far a paddle is from where it would be by its own motion, m.
-  Pose at(Real time, Real more = 0) const;
+  /// `offset`: of a paddle from the stroke of its own waves, m.
+  Pose at(Real time, Real offset = 0) const;
   /// The largest speed that a point of the obstacle within `radius` of its centre has in between, m/s.
   Real fastest(Real begin, Real end, Real radius) const;
 

@@ -14,7 +14,17 @@ std::unique_ptr<Shape> make_extruded(const ObstacleSettings& obstacle);
 
 Real radial(const Vec3& p) { return std::sqrt(p.x() * p.x() + p.y() * p.y()); }
 
-class Sphere : public Shape {
+// The shape's own distance() is in the loop over places, without a call for each.
+template <class Own>
+class ShapeOf : public Shape {
+ public:
+  void distances(std::span<const Vec3> p, std::span<Real> found) const final {
+    const Own& own = static_cast<const Own&>(*this);
+    for (std::size_t k = 0; k < p.size(); ++k) found[k] = own.Own::distance(p[k]);
+  }
+};
+
+class Sphere : public ShapeOf<Sphere> {
  public:
   explicit Sphere(Real radius) : radius_(radius) {}
   Real distance(const Vec3& p) const override { return p.norm() - radius_; }
@@ -26,7 +36,7 @@ class Sphere : public Shape {
   Real radius_;
 };
 
-class Cuboid : public Shape {
+class Cuboid : public ShapeOf<Cuboid> {
  public:
   explicit Cuboid(const Vec3& size) : half_(size / 2) {}
   Real distance(const Vec3& p) const override {
@@ -41,7 +51,7 @@ class Cuboid : public Shape {
   Vec3 half_;
 };
 
-class Cylinder : public Shape {
+class Cylinder : public ShapeOf<Cylinder> {
  public:
   Cylinder(Real radius, Real height) : radius_(radius), half_(height / 2) {}
   Real distance(const Vec3& p) const override {
@@ -59,7 +69,7 @@ class Cylinder : public Shape {
   Real radius_, half_;
 };
 
-class Capsule : public Shape {
+class Capsule : public ShapeOf<Capsule> {
  public:
   Capsule(Real radius, Real height) : radius_(radius), straight_(height / 2 - radius) {}
   Real distance(const Vec3& p) const override {
@@ -76,7 +86,7 @@ class Capsule : public Shape {
   Real radius_, straight_;
 };
 
-class Torus : public Shape {
+class Torus : public ShapeOf<Torus> {
  public:
   Torus(Real radius, Real tube) : radius_(radius), tube_(tube) {}
   Real distance(const Vec3& p) const override {
@@ -101,7 +111,7 @@ Real open_distance(Real hull, Real cavity, Real nearest_part) {
 }
 
 // Upright, around a space of this radius and height with its middle at the origin.
-class RoundBasin : public Shape {
+class RoundBasin : public ShapeOf<RoundBasin> {
  public:
   RoundBasin(Real radius, Real height, Real wall) : radius_(radius), half_(height / 2), wall_(wall) {}
   Real distance(const Vec3& p) const override {
@@ -131,7 +141,7 @@ class RoundBasin : public Shape {
 };
 
 // The same around a box.
-class BoxBasin : public Shape {
+class BoxBasin : public ShapeOf<BoxBasin> {
  public:
   BoxBasin(const Vec3& size, Real wall) : half_(size / 2), wall_(wall) {}
   Real distance(const Vec3& p) const override {
@@ -165,7 +175,7 @@ class BoxBasin : public Shape {
 
 // What goes on without end along a coordinate: its distance is that in the cut through the middle of a shape whose ends
 // are so far away that they are never the nearest of its surface.
-class Extruded : public Shape {
+class Extruded : public ShapeOf<Extruded> {
  public:
   /// `shown`: the same, as long as pictures are to show it.
   Extruded(std::unique_ptr<Shape> shape, std::unique_ptr<Shape> shown, Eigen::Index along)
@@ -185,7 +195,7 @@ class Extruded : public Shape {
 };
 
 // The rest of the world.
-class Outside : public Shape {
+class Outside : public ShapeOf<Outside> {
  public:
   explicit Outside(std::unique_ptr<Shape> shape) : shape_(std::move(shape)) {}
   Real distance(const Vec3& p) const override { return -shape_->distance(p); }

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "trevi/box.hpp"
 #include "trevi/obstacle.hpp"
@@ -26,6 +27,10 @@ class Shape {
  public:
   virtual ~Shape() = default;
   virtual Real distance(const Vec3& p) const = 0;
+  /// The same of many places.
+  virtual void distances(std::span<const Vec3> p, std::span<Real> found) const {
+    for (std::size_t k = 0; k < p.size(); ++k) found[k] = distance(p[k]);
+  }
   /// The distance where its magnitude is below `reach`; elsewhere that, or just `reach`.
   virtual Real distance_within(const Vec3& p, Real) const { return distance(p); }
   /// Of the surface, not of a vessel's solid, which has no bounds.

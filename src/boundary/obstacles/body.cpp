@@ -22,6 +22,7 @@ Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds
 
 Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats)
     : shape_(make_shape(obstacle)),
+      surface_(shape_->bounds()),
       motion_(obstacle),
       floats_(floats),
       moves_(floats || obstacle.moves()),
@@ -31,7 +32,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       tolerance_(contact * rules.h),
       restitution_(obstacle.restitution.value_or(rules.walls.restitution)),
       friction_(obstacle.friction),
-      radius_(radius_of(shape_->bounds())),
+      radius_(radius_of(surface_)),
       wall_extension_(extension * rules.h),
       inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_} {
   move(0, 0);
@@ -41,53 +42,66 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
   if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
 }
 
+Box Body::box_at(const Pose& pose, Real margin) const {
+  const Vec3 half = (surface_.max - surface_.min) / 2, middle = pose.into_world((surface_.max + surface_.min) / 2);
+  const Vec3 extent = (pose.turn.cwiseAbs() * half).array() + margin;
+  return {middle - extent, middle + extent};
+}
+
 void Body::place(const Pose& before, const Pose& now) {
   before_ = before;
   now_ = now;
-  const Box bounds = shape_->bounds();
-  const Vec3 half = (bounds.max - bounds.min) / 2, middle = now_.into_world((bounds.max + bounds.min) / 2);
-  const Vec3 extent = (now_.turn.cwiseAbs() * half).array() + density_reach * h_;
-  near_box_ = {middle - extent, middle + extent};
-  const Vec3 was = before_.into_world((bounds.max + bounds.min) / 2);
-  const Vec3 had = (before_.turn.cwiseAbs() * half).array() + density_reach * h_;
-  swept_box_ = {near_box_.min.cwiseMin(was - had), near_box_.max.cwiseMax(was + had)};
+  const Box near = box_at(now_, density_reach * h_), was = box_at(before_, density_reach * h_);
+  set_bounds(Extent::density, near);
+  set_bounds(Extent::shift, box_at(now_, 2 * wall_extension_));
+  set_bounds(Extent::path, {near.min.cwiseMin(was.min), near.max.cwiseMax(was.max)});
   turned_ = (now_.turn - before_.turn).norm();
   went_ = (now_.center - before_.center).norm();
+}
+
+void Body::set_bounds(Extent extent, const Box& box) {
+  Bounds& bounds = bounds_[static_cast<std::size_t>(extent)];
+  bounds.box = box;
   for (Eigen::Index a = 0; a < 3; ++a) {
-    beside_.min[a] = std::nextafter(near_box_.min[a], -INFINITY);
-    beside_.max[a] = std::nextafter(near_box_.max[a], INFINITY);
+    bounds.beside.min[a] = std::nextafter(box.min[a], -INFINITY);
+    bounds.beside.max[a] = std::nextafter(box.max[a], INFINITY);
   }
 }
 
-bool Body::leave_open(const Box& water, Box& open) const {
-  const Vec3 up = near_box_.min - water.max, down = water.min - near_box_.max;
+void Body::rough_distances(std::span<const Vec3> p, std::span<Real> found) const {
+  if (!rough_) return shape_->distances(p, found);
+  for (std::size_t k = 0; k < p.size(); ++k) found[k] = rough_->at(p[k]).distance;
+}
+
+bool Body::leave_open(Extent extent, const Box& water, Box& open) const {
+  if (extent == Extent::path && turned_ != 0 && !floats_) return false;  // it goes by the length of a path
+  const auto& [box, beside] = bounds_of(extent);
+  const Vec3 up = box.min - water.max, down = water.min - box.max;
   Eigen::Index above = 0, below = 0;
   const Real gap_above = up.maxCoeff(&above), gap_below = down.maxCoeff(&below);
   if (vessel_ || !(std::max(gap_above, gap_below) > 0)) return false;
   if (gap_above > gap_below) {
-    open.max[above] = std::min(open.max[above], beside_.min[above]);
+    open.max[above] = std::min(open.max[above], beside.min[above]);
   } else {
-    open.min[below] = std::max(open.min[below], beside_.max[below]);
+    open.min[below] = std::max(open.min[below], beside.max[below]);
   }
   return true;
 }
 
 bool Body::may_meet(const Vec3& from, const Vec3& to) const {
   const Real segment = (to - from).norm(), margin = 2 * wall_extension_;
-  const Box bounds = shape_->bounds();
   const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
   if (!vessel_ &&
-      ((low.array() > bounds.max.array() + margin).any() || (high.array() < bounds.min.array() - margin).any()))
+      ((low.array() > surface_.max.array() + margin).any() || (high.array() < surface_.min.array() - margin).any()))
     return false;
   // Blocks that are not near are 2 h from the surface.
-  return (segment >= h_ || map_->is_near(to)) && !is_beyond(from, segment);
+  return !is_beyond(from, segment) && (segment >= h_ || map_->is_near(to));
 }
 
 bool Body::may_meet(const Vec3& from, Real length) const {
-  const Box bounds = shape_->bounds();
-  const Vec3 off = (bounds.min - from).cwiseMax(from - bounds.max);
+  const Vec3 off = (surface_.min - from).cwiseMax(from - surface_.max);
   if (!vessel_ && off.maxCoeff() > length + 2 * wall_extension_) return false;
-  return (length >= h_ || map_->is_near(from)) && !is_beyond(from, length);
+  return !is_beyond(from, length) && (length >= h_ || map_->is_near(from));
 }
 
 bool Body::is_beyond(const Vec3& p, Real segment) const {
@@ -105,7 +119,7 @@ Real Body::distance(const ContactPoint& point, Real reach) const {
 
 Vec3 Body::normal(const ContactPoint& point) const {
   if (inner_.contains(point.in_world)) return shape_->normal(point.in_body);
-  return slope_of(shape_->bounds(), [&](const Vec3& step) {
+  return slope_of(surface_, [&](const Vec3& step) {
     return distance({point.in_body + step, point.in_world + now_.turn * step}, std::numeric_limits<Real>::max());
   });
 }
@@ -184,10 +198,13 @@ std::optional<Vec3> Body::shift_inside(const ContactPoint& end, const Vec3& norm
   return Vec3(high * normal);
 }
 
-bool Body::is_clear(const ContactPoint& point) const { return distance(point, h_) >= tolerance_ / 2; }
+bool Body::is_clear(const ContactPoint& point) const {
+  return is_off(point.in_body) || distance(point, h_) >= tolerance_ / 2;
+}
 
 Vec3 Body::exit_shift(const ContactPoint& point) const {
   Vec3 out = Vec3::Zero();
+  if (is_off(point.in_body)) return out;
   constexpr int most = 8;  // one will do where the nearest surface is a plane or a ball
   for (int k = 0; k < most; ++k) {
     const ContactPoint there{point.in_body + out, point.in_world + now_.turn * out};

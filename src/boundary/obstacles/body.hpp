@@ -6,8 +6,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "boundary/geometry/distance_grid.hpp"
 #include "boundary/volume_map/volume_map.hpp"
@@ -38,56 +40,68 @@ struct Segment {
   }
 };
 
+/// What an obstacle may reach: places whose density it adds to; what a shift may meet, with the obstacle where it is
+/// now; and what a path of the substep may meet, from where the obstacle is at its start to where it is at its end.
+enum class Extent { density, shift, path };
+
 class Body {
  public:
   /// `floats`: it is one that others place().
   Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats = false);
 
   /// From `begin` to `end`, s.
-  void move(Real begin, Real end) { place(motion_.at(begin, way_before_), motion_.at(end, way_now_)); }
+  void move(Real begin, Real end) { place(motion_.at(begin, offset_before_), motion_.at(end, offset_now_)); }
   /// Where it is at the start of the substep and at its end.
   void place(const Pose& before, const Pose& now);
-  /// How far a paddle is from where it would be by its own motion at the ends of the next move, m.
-  void add_way(Real begin, Real end) { way_before_ = begin, way_now_ = end; }
-  Real way() const { return way_now_; }
+  /// Of a paddle from the stroke of its own waves at the ends of the next move, m.
+  void set_paddle_offset(Real begin, Real end) { offset_before_ = begin, offset_now_ = end; }
+  Real paddle_offset() const { return offset_now_; }
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
   const Shape& shape() const { return *shape_; }
   const VolumeMap& map() const { return *map_; }
   const BodyMotion& motion() const { return motion_; }
+  /// Where the surface is, now.
+  Box surface_box() const { return box_at(now_, 0); }
   Real radius() const { return radius_; }  ///< of the ball around the centre that holds the surface, m
   bool moves() const { return moves_; }
   bool is_vessel() const { return vessel_; }
   Real restitution() const { return restitution_; }
 
   /// Whether p may have a contribution to its density or a collision within reach, by the bounds alone.
-  bool may_reach(const Vec3& p) const { return vessel_ || near_box_.contains(p); }
+  bool may_reach(const Vec3& p) const { return vessel_ || bounds_of(Extent::density).box.contains(p); }
   /// Whether p, in its frame, is so far from the surface that the density has nothing of it, as far as that is quickly
   /// told.
   bool is_out_of_reach(const Vec3& p) const {
     constexpr Real far = 1.4;  // of h: the reach, and a little for what lies between the nodes of the map
     return !rough_ && shape_->distance(p) > far * h_;
   }
-  /// Whether a straight path in the world, the obstacle where it is now, stays on one side of all that it may reach.
+  /// Whether a straight path in the world, the obstacle where it is now, stays on one side of its surface.
   bool is_passed_by(const Vec3& from, const Vec3& to) const {
-    const auto low = from.cwiseMax(to).array() < near_box_.min.array();
-    const auto high = from.cwiseMin(to).array() > near_box_.max.array();
+    const Box& surface = bounds_of(Extent::shift).box;
+    const auto low = from.cwiseMax(to).array() < surface.min.array();
+    const auto high = from.cwiseMin(to).array() > surface.max.array();
     return !vessel_ && (low.any() || high.any());
   }
   /// Whether a straight path in the world cannot meet it in the substep, wherever it is in between.
   bool is_out_of_way(const Vec3& from, const Vec3& to) const {
-    const auto low = from.cwiseMax(to).array() < swept_box_.min.array();
-    const auto high = from.cwiseMin(to).array() > swept_box_.max.array();
+    const auto low = from.cwiseMax(to).array() < reach().min.array();
+    const auto high = from.cwiseMin(to).array() > reach().max.array();
     return !vessel_ && (low.any() || high.any()) && turns_little((to - from).norm());
   }
   /// What holds all that it may reach in the substep; has_bounds(): that a path of up to `length` along each axis
   /// outside of it cannot meet the surface.
-  const Box& reach() const { return swept_box_; }
+  const Box& reach() const { return bounds_of(Extent::path).box; }
   bool has_bounds(Real length) const { return !vessel_ && turns_little(1.75 * length); }
-  /// Takes from `open` what it may reach, and all beyond, where `water` is on one side of that; else false.
-  bool leave_open(const Box& water, Box& open) const;
-  bool is_near(const Vec3& p) const { return may_reach(p) && map_->is_near(now_.into_body(p)); }
+  /// Takes from `open` what it may reach, and all beyond, where `water` is on one side of that; else false. A path
+  /// that begins and ends in what is left meets nothing.
+  bool leave_open(Extent extent, const Box& water, Box& open) const;
+  bool is_near(const Vec3& p) const {
+    if (!may_reach(p)) return false;
+    const Vec3 there = now_.into_body(p);
+    return !is_out_of_reach(there) && map_->is_near(there);
+  }
   /// Whether a straight path, in the frame of the body, may meet the surface; and whether any path of that length may.
   bool may_meet(const Vec3& from, const Vec3& to) const;
   bool may_meet(const Vec3& from, Real length) const;
@@ -97,6 +111,7 @@ class Body {
   /// The signed distance of p in the frame of the body, for the coarse grid: near the surface to a twelfth of h where
   /// exact ones take long (meshes), and further away enough to tell that it is.
   Real rough_distance(const Vec3& p) const { return rough_ ? rough_->at(p).distance : shape_->distance(p); }
+  void rough_distances(std::span<const Vec3> p, std::span<Real> found) const;
   /// Whether that is not the distance itself.
   bool is_rough() const { return rough_ != nullptr; }
   /// Whether the straight segment in between may come to the surface; true where that is not known.
@@ -130,6 +145,10 @@ class Body {
   bool turns_little(Real length) const {
     return turned_ == 0 || floats_ || (turned_ < 0.1 && turned_ * (1.2 * (length + went_) + 0.2 * radius_) < h_);
   }
+  // Whether a place is so far out of the bounds that its distance is more than contacts are.
+  bool is_off(const Vec3& p) const {
+    return !vessel_ && (surface_.min - p).cwiseMax(p - surface_.max).maxCoeff() > 2 * wall_extension_;
+  }
   // Whether p is in the open, and further than that from the surface.
   bool is_beyond(const Vec3& p, Real segment) const;
   // Distance to the surface, that which goes on to the walls included; just `reach` where it is as far.
@@ -137,16 +156,22 @@ class Body {
   Real step_from(const Segment& segment, Real s, Real d, Real threshold) const;
 
   std::unique_ptr<Shape> shape_;
+  Box surface_;  // its bounds, in the frame of the body
   BodyMotion motion_;
   bool floats_, moves_, vessel_, whole_;
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
   Pose before_, now_;
-  Real way_before_ = 0, way_now_ = 0;  // of a paddle that absorbs, m
-  Box swept_box_;                      // near_box_ at the start of the substep and at its end
-  Real turned_ = 0, went_ = 0;         // in the substep, by more than the angle, and of the centre, m
-  Box near_box_, beside_;              // beside_: the first places that are not in near_box_
+  Real offset_before_ = 0, offset_now_ = 0;  // of a paddle that absorbs, m
+  Real turned_ = 0, went_ = 0;               // in the substep, by more than the angle, and of the centre, m
+  struct Bounds {
+    Box box, beside;  // beside: the first places that are not in the box
+  };
+  const Bounds& bounds_of(Extent extent) const { return bounds_[static_cast<std::size_t>(extent)]; }
+  void set_bounds(Extent extent, const Box& box);
+  Box box_at(const Pose& pose, Real margin) const;
+  std::array<Bounds, 3> bounds_;  // by extent
   std::unique_ptr<VolumeMap> map_;
   std::unique_ptr<DistanceGrid> rough_;  // of a mesh
 };

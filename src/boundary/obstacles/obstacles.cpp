@@ -66,7 +66,7 @@ Real Obstacles::fastest(Real begin, Real end) const {
 }
 
 // Where they are is told by a few of them.
-Box Obstacles::open_box(std::span<const Vec3> p) const {
+Box Obstacles::open_box(std::span<const Vec3> p, Extent extent) const {
   constexpr std::size_t parts = 4;
   Box water{p.back(), p.back()}, open = walls_.box();
   for (std::size_t k = 0; k < p.size(); k += p.size() / parts + 1) {
@@ -79,7 +79,7 @@ Box Obstacles::open_box(std::span<const Vec3> p) const {
     open.min = open.min.cwiseMax(water.min - Vec3::Constant(index_->longest_path()));
     open.max = open.max.cwiseMin(water.max + Vec3::Constant(index_->longest_path()));
   }
-  const bool beside = !index_->any(bits, [&](std::size_t k) { return !bodies_[k]->leave_open(water, open); });
+  const bool beside = !index_->any(bits, [&](std::size_t k) { return !bodies_[k]->leave_open(extent, water, open); });
   return beside ? open : Box{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
 }
 
@@ -180,8 +180,14 @@ void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const V
   const bool recorded = std::exchange(recording_, false);
   sounding_ = true;
   for (int round = 0; round < 2; ++round) {
-    for_each_index({0, static_cast<LocalId>(p.size())}, [&](std::size_t i) {
-      if (is_near_floating(p[i], p[i] + v[i] * dt)) predict_among(p[i], v[i], dt);
+    for_each_part({0, static_cast<LocalId>(p.size())}, at_once, [&](Range part) {
+      const Box open = open_box(p.subspan(static_cast<std::size_t>(part.begin), static_cast<std::size_t>(part.size())),
+                                Extent::path);
+      for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+        const Vec3 straight = p[i] + v[i] * dt;
+        if (open.contains(p[i]) && open.contains(straight)) continue;
+        if (is_near_floating(p[i], straight)) predict_among(p[i], v[i], dt);
+      }
     });
     if (!floating_->settle(comm)) break;
   }

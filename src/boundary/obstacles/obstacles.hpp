@@ -24,8 +24,8 @@ class Obstacles {
   /// Without `law` obstacles have no density, as walls without one have none.
   Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law);
 
-  /// See Body::add_way().
-  void add_way(std::size_t k, Real begin, Real end) { bodies_[k]->add_way(begin, end); }
+  /// See Body::set_paddle_offset().
+  void set_paddle_offset(std::size_t k, Real begin, Real end) { bodies_[k]->set_paddle_offset(begin, end); }
   /// Takes all obstacles to where they are from `begin` to `end`, and bodies to where they are expected.
   void move(Real begin, Real end);
   /// The bodies among them that move freely; null where there are none.
@@ -40,7 +40,9 @@ class Obstacles {
 
   /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
   /// none.
-  Box open_box(std::span<const Vec3> p) const;
+  Box open_box(std::span<const Vec3> p, Extent extent) const;
+  /// As many as it is well asked for.
+  static constexpr LocalId at_once = 64;
   /// Whether p is so near to an obstacle that it may contribute to its density.
   bool is_near(const Vec3& p) const {
     return law_ && index_->any(index_->at(p), [&](std::size_t k) { return bodies_[k]->is_near(p); });

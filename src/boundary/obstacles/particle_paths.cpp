@@ -111,13 +111,12 @@ Vec3 Obstacles::predict_among(const Vec3& p, const Vec3& v, Real dt) {
   const Vec3 straight = p + v * dt;
   if (!straight.allFinite()) return straight;  // the guard of the run reports it
   const bool bounces = !walls_.inside(straight);
-  bool met = false;
-  for (const auto& body : bodies_) {
-    if (!bounces && body->is_out_of_way(p, straight)) continue;
-    const Vec3 from = body->before().into_body(p), to = body->now().into_body(straight);
-    met =
-        met || (bounces ? body->may_meet(from, (straight - p).norm() + (to - from).norm()) : body->may_meet(from, to));
-  }
+  const bool met = index_->any(bounces ? index_->all() : along(p, straight), [&](std::size_t k) {
+    const Body& body = *bodies_[k];
+    if (!bounces && body.is_out_of_way(p, straight)) return false;
+    const Vec3 from = body.before().into_body(p), to = body.now().into_body(straight);
+    return bounces ? body.may_meet(from, (straight - p).norm() + (to - from).norm()) : body.may_meet(from, to);
+  });
   if (met) return among(p, v, dt);
   if (!bounces) return straight;
   const Vec3 end = walls_.predict(p, v, dt);

@@ -29,6 +29,7 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
     bodies_.emplace_back(body, all[first_ + bodies_.size()]->shape(), settings.gravity.value_or(Vec3::Zero()),
                          settings.fluid.rest_density);
   given_.resize(bodies_.size());
+  moved_.resize(bodies_.size(), Vec3::Zero());
   expected_.resize(bodies_.size());
   met_.for_each([&](auto& sums) { sums.assign(numbers * bodies_.size(), 0); });
   begin(0);
@@ -120,8 +121,13 @@ Six RigidBodies::impulse_of(const TotalImpulse& given) const {
   return plus({}, six_of(given.shift, given.moment), -water_mass_ / dt_);
 }
 
+Six RigidBodies::about_end(std::size_t k, const Six& impulse) const {
+  return six_of(along_of(impulse), about_of(impulse) - moved_[k].cross(along_of(impulse)));
+}
+
 void RigidBodies::give(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    moved_[k] = bodies_[k].end_position() - bodies_[k].state().position;
     given_[k] = impulse_of(all[first_ + k]);
     bodies_[k].give(given_[k]);
   }
@@ -145,7 +151,7 @@ void RigidBodies::hear(std::span<const Six> pressure) {
 void RigidBodies::finish(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Six total = impulse_of(all[first_ + k]);
-    bodies_[k].give(plus(total, given_[k], -1));
+    bodies_[k].give(about_end(k, plus(total, given_[k], -1)));
     bodies_[k].finish(dot(total, total) > 0 || contacts_.touches(k));
   }
 }

@@ -59,10 +59,15 @@ class RigidBodies {
   /// Of all that the ledger has of the substep.
   void finish(std::span<const TotalImpulse> all);
 
-  /// N s and N m s, of what an account of the ledger has of the substep.
-  Six impulse_of(const TotalImpulse& given) const;
+  /// N s and N m s, of what the pressure has in the ledger of body k, about where its centre is when cells are cut: it
+  /// pushes at their faces. About the start of the substep a body that moves would turn by itself, as gravity and the
+  /// pressure would not meet in one point.
+  Six pressure_of(std::size_t k, const TotalImpulse& pushes) const { return about_end(k, impulse_of(pushes)); }
 
  private:
+  // Of an account of the ledger, about the centre at the start of the substep.
+  Six impulse_of(const TotalImpulse& given) const;
+  Six about_end(std::size_t k, const Six& impulse) const;
   void place();
 
   const std::vector<std::unique_ptr<Body>>* all_;
@@ -72,6 +77,7 @@ class RigidBodies {
   Real h_, dt_ = 0;
   std::vector<RigidBody> bodies_;
   std::vector<Six> given_;     // by the ledger before the projection
+  std::vector<Vec3> moved_;    // of the centres in the substep, as cells are cut, m
   std::vector<Six> expected_;  // twists without the particles that bounce
   Contacts contacts_;
   static constexpr std::size_t numbers = 27;  // of what a body meets: 6 sums, and 21 of a symmetric matrix

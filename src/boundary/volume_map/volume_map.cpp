@@ -237,20 +237,23 @@ EquivalentPlane VolumeMap::interpolated(const Nodes& here, const Vec3& in_nodes)
   for (int a = 0; a < 3; ++a)
     cell[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(in_nodes[a]), 0, block - 1);
   const Spline sx(in_nodes.x() - cell[0]), sy(in_nodes.y() - cell[1]), sz(in_nodes.z() - cell[2]);
+  using Pair = Eigen::Array2d;
+  const std::array<Pair, 4> x{Pair(sx.value[0], sx.slope[0]), Pair(sx.value[1], sx.slope[1]),
+                              Pair(sx.value[2], sx.slope[2]), Pair(sx.value[3], sx.slope[3])};
   Real value = 0;
   Vec3 slope = Vec3::Zero();
   for (std::size_t k = 0; k < 4; ++k) {
-    Real plane = 0, plane_x = 0, plane_y = 0;
+    Pair plane = Pair::Zero();  // and its slope along x
+    Real plane_y = 0;
     for (std::size_t j = 0; j < 4; ++j) {
       const std::size_t row = (static_cast<std::size_t>(cell[2]) + k) * nodes + static_cast<std::size_t>(cell[1]) + j;
       const Real* d = here.distance.data() + row * nodes + cell[0];
-      const Real line = (sx.value[0] * d[0] + sx.value[1] * d[1]) + (sx.value[2] * d[2] + sx.value[3] * d[3]);
+      const Pair line = (x[0] * d[0] + x[1] * d[1]) + (x[2] * d[2] + x[3] * d[3]);
       plane += sy.value[j] * line;
-      plane_x += sy.value[j] * ((sx.slope[0] * d[0] + sx.slope[1] * d[1]) + (sx.slope[2] * d[2] + sx.slope[3] * d[3]));
-      plane_y += sy.slope[j] * line;
+      plane_y += sy.slope[j] * line[0];
     }
-    value += sz.value[k] * plane;
-    slope += Vec3(sz.value[k] * plane_x, sz.value[k] * plane_y, sz.slope[k] * plane);
+    value += sz.value[k] * plane[0];
+    slope += Vec3(sz.value[k] * plane[1], sz.value[k] * plane_y, sz.slope[k] * plane[0]);
   }
   return {value, slope / node_};
 }

@@ -19,7 +19,7 @@ class PaddleMotion {
   /// Where a body that is at `rest` without waves is by such a displacement: shifted by a piston, turned about its
   /// hinge by a flap.
   Pose pose(const Pose& rest, Real displacement) const;
-  Pose at(const Pose& rest, Real time, Real more) const { return pose(rest, displacement(time) + more); }
+  Pose at(const Pose& rest, Real time, Real offset) const { return pose(rest, displacement(time) + offset); }
   /// What the waves of linear theory that it makes have at the paddle, m above the still water: each is in phase with
   /// the speed of the paddle. The near field, a tenth of that in quadrature, is left out. Not for a solitary wave.
   Real level(Real time) const;

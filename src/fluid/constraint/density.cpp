@@ -56,7 +56,7 @@ void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3>
     for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), Wall::box);
     return;
   }
-  const Box open = obstacles_->open_box(here);
+  const Box open = obstacles_->open_box(here, Extent::density);
   const std::size_t count = find_outside(common(open, interior), here, near.data());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = first + static_cast<std::size_t>(near[k]);

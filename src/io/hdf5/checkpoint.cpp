@@ -174,8 +174,9 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   if (!frame.bodies.empty()) write_on_root(comm, file, "/bodies", numbers_of(frame.bodies));
   if (frame.supplied_energy != 0)
     write_on_root(comm, file, "/supplied_energy", std::vector<Real>{frame.supplied_energy});
-  if (!frame.paddle_ways.empty())
-    write_on_root(comm, file, "/paddle_ways", std::vector<Real>(frame.paddle_ways.begin(), frame.paddle_ways.end()));
+  if (!frame.paddle_offsets.empty())
+    write_on_root(comm, file, "/paddle_offsets",
+                  std::vector<Real>(frame.paddle_offsets.begin(), frame.paddle_offsets.end()));
   if (frame.first_cell != std::array<LocalId, 3>{}) {
     write_on_root(comm, file, "/first_cell",
                   std::vector<std::int64_t>(frame.first_cell.begin(), frame.first_cell.end()));
@@ -265,8 +266,8 @@ void check_header(const std::string& path, const CheckpointState& state) {
   if (state.step < 0) refuse("step", state.step);
   if (!(state.dt > 0) || !std::isfinite(state.dt)) refuse("dt", state.dt);
   if (state.substeps < 1) refuse("substeps", state.substeps);
-  for (const Real way : state.paddle_ways)
-    if (!std::isfinite(way)) refuse("paddle_ways", way);
+  for (const Real offset : state.paddle_offsets)
+    if (!std::isfinite(offset)) refuse("paddle_offsets", offset);
   if (!std::isfinite(state.supplied_energy)) refuse("supplied_energy", state.supplied_energy);
   const auto& text = state.info.scene_text;
   const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -299,9 +300,11 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.force_sums = read_force_sums(path, file);
   if (file.has("/bodies")) state.bodies = bodies_of(path, file);
   if (file.has("/supplied_energy")) state.supplied_energy = file.read<Real>("/supplied_energy", {0, 1, 1})[0];
-  if (file.has("/paddle_ways")) {
-    const std::int64_t paddles = file.rows<Real>("/paddle_ways");
-    state.paddle_ways = file.read<Real>("/paddle_ways", {0, paddles, paddles});
+  if (file.has("/paddle_ways"))
+    throw InputError(path + ": /paddle_ways: written by a version before 2.0.0; start the scene anew");
+  if (file.has("/paddle_offsets")) {
+    const std::int64_t paddles = file.rows<Real>("/paddle_offsets");
+    state.paddle_offsets = file.read<Real>("/paddle_offsets", {0, paddles, paddles});
   }
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);

@@ -41,8 +41,8 @@ struct CheckpointState {
   std::optional<FlowState> flow;  ///< with inlets or drains only
   std::array<LocalId, 3> first_cell{};
   ForceSums force_sums;
-  Real supplied_energy = 0;       ///< J
-  std::vector<Real> paddle_ways;  ///< m, of paddles that absorb
+  Real supplied_energy = 0;          ///< J
+  std::vector<Real> paddle_offsets;  ///< m, of paddles that absorb
   std::vector<BodyState> bodies;
 };
 

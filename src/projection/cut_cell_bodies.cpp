@@ -1,0 +1,85 @@
+// What the cells have of a body that moves freely: its volume and its centre of volume, which samples of a round
+// surface would otherwise not quite be.
+#include <cmath>
+
+#include "parallel/reductions.hpp"
+#include "projection/cut_cells.hpp"
+
+namespace trevi {
+
+Real CutCells::area(std::size_t at) const {
+  Real sum = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real rise = face(a, at + step_[a]) - face(a, at);
+    sum += rise * rise;
+  }
+  return std::sqrt(sum);
+}
+
+Vec3 CutCells::middle_by_faces(const std::array<LocalId, 3>& cell, std::size_t at) const {
+  Vec3 sum = Vec3::Zero();
+  Real weight = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const bool upper : {false, true}) {
+      const std::size_t face_at = upper ? at + step_[a] : at;
+      const Real closed = 1 - face(a, face_at);
+      if (closed == 0) continue;
+      std::array<LocalId, 3> above = cell;
+      if (upper) ++above[a];
+      sum += closed * middle_of_closed(a, above, face_at);
+      weight += closed;
+    }
+  }
+  return weight > 0 ? Vec3(sum / weight) : middle(cell[0], cell[1], cell[2]);
+}
+
+namespace {
+
+// Of a body: volume, area, volume of cells that water is in, and the moments of the first two about its centre.
+constexpr std::size_t sums_of_body = 9;
+constexpr Real fine = 1U << 30U;
+
+}  // namespace
+
+// In integers, cells: no order is seen.
+std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const {
+  const RigidBodies& bodies = *obstacles_.floating();
+  PerThread<std::vector<GlobalId>> sums;
+  sums.for_each([&](auto& of) { of.assign(sums_of_body * bodies.count(), 0); });
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    if (!cuts_row(k, r)) return;
+    for (LocalId c = 0; c < grid.columns(); ++c) {
+      const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
+      if (open(at) == 1 || !bodies.holds(nearest)) continue;
+      const std::size_t body = nearest - bodies.first();
+      const Vec3 arm = (middle_by_faces({k, r, c}, at) - bodies.body(body).end_position()) / size_.maxCoeff();
+      const Real volume = 1 - open(at), surface = area(at);
+      GlobalId* sum = &sums.mine()[sums_of_body * body];
+      for (const Real one : {volume, surface, open(at) > 0 ? volume : 0, volume * arm.x(), volume * arm.y(),
+                             volume * arm.z(), surface * arm.x(), surface * arm.y(), surface * arm.z()})
+        *sum++ += std::llrint(one * fine);
+    }
+  });
+  return sum_over_threads_and_ranks(comm, sums);
+}
+
+void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
+  const RigidBodies& bodies = *obstacles_.floating();
+  step_ = {grid.step(0), grid.step(1), grid.step(2)};
+  excess_.assign(obstacles_.count(), {});
+  const std::vector<GlobalId> all = sums_of_bodies(comm, grid);
+  const Real cell = size_.prod(), ceiling = box_.min.z() + grid.columns() * size_[2];
+  for (std::size_t k = 0; k < bodies.count(); ++k) {
+    const Box place = obstacles_.body(bodies.first() + k).surface_box();
+    std::array<Real, sums_of_body> sum{};
+    for (std::size_t n = 0; n < sums_of_body; ++n) sum[n] = static_cast<Real>(all[sums_of_body * k + n]) / fine;
+    if (!box_.contains(place.min) || !box_.contains(place.max) || place.max.z() > ceiling || !(sum[1] > 0)) continue;
+    Excess& excess = excess_[bodies.first() + k];
+    excess.volume = (sum[0] - bodies.body(k).volume() / cell) / sum[1];
+    const Vec3 moment = Vec3(sum[3], sum[4], sum[5]) - excess.volume * Vec3(sum[6], sum[7], sum[8]);
+    const Real cut = sum[2] - excess.volume * sum[1];
+    if (cut > 0) excess.middle = moment * size_.maxCoeff() / cut;
+  }
+}
+
+}  // namespace trevi
