@@ -31,7 +31,7 @@ class Restart(unittest.TestCase):
         straight, parted = folder.path("straight"), folder.path("parted")
         runs.run_well(1, scene, straight, "--steps", 60, *settings)
         # Ranks that share slabs first, where there are rows of cells to share, then slabs.
-        shared = set_to(["domain.ranks=[2, 2]"]) if "dimensions" not in text else []
+        shared = set_to(["domain.ranks=[2, 2]"]) if "domain.dimensions=2" not in settings else []
         runs.run_well(4 if shared else 2, scene, parted, "--steps", 30, *settings, *shared)
         runs.run_well(3, scene, parted, "--steps", 60, "--restart", "latest", *settings)
         self.assertEqual(runs.differences(straight, parted), [])
