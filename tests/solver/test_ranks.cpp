@@ -142,7 +142,9 @@ TEST_F(Ranks, SlabsThatAreShared) {
       const std::string key = fmt::format("density.precision='{}'", precision);
       cut_moves = 0;
       expect_same_on_one_rank(cube_scene, {key}, parts);
-      EXPECT_GT(cut_moves, 0);
+      // There are five rows of cells: two ranks share them as they begin, and five have one each.
+      const bool can_move = size_of(world) == 3 || size_of(world) == 4;
+      EXPECT_EQ(cut_moves > 0, can_move);
       expect_same_on_one_rank(fountain_scene, {key}, parts);
       expect_same_on_one_rank(default_pool_scene,
                               {key, "gravity.acceleration=[4, -2.5, -9.8]", "particles.0.min=[0, 0, 0]",
