@@ -195,6 +195,8 @@ class Outputs(ProgramTest):
             result = self.run_well(ranks, CUBE, "--dry-run")
             self.assertIn("3072", result.stdout.replace(",", ""))
             self.assertEqual(self.contents(), {})
+        result = self.run_well(4, CUBE, "--dry-run", "--set", "domain.ranks=[2, 2]")
+        self.assertRegex(result.stdout, r"rank 3 +planes \d+ to \d+, rows \d+ to \d+:")
 
     def test_dry_run_draws_the_scene(self):
         water, stone, arrow, drain = (0.25, 0.55, 0.95), (0.62, 0.58, 0.54), (0.95, 0.5, 0.1), (0.8, 0.15, 0.3)
