@@ -300,11 +300,10 @@ CheckpointState read_slice(const std::string& path, int rank, int size, int read
   state.force_sums = read_force_sums(path, file);
   if (file.has("/bodies")) state.bodies = bodies_of(path, file);
   if (file.has("/supplied_energy")) state.supplied_energy = file.read<Real>("/supplied_energy", {0, 1, 1})[0];
-  if (file.has("/paddle_ways"))
-    throw InputError(path + ": /paddle_ways: written by a version before 2.0.0; start the scene anew");
-  if (file.has("/paddle_offsets")) {
-    const std::int64_t paddles = file.rows<Real>("/paddle_offsets");
-    state.paddle_offsets = file.read<Real>("/paddle_offsets", {0, paddles, paddles});
+  for (const char* name : {"/paddle_offsets", "/paddle_ways"}) {  // the second by version 2.0.0
+    if (!file.has(name)) continue;
+    const std::int64_t paddles = file.rows<Real>(name);
+    state.paddle_offsets = file.read<Real>(name, {0, paddles, paddles});
   }
   if (checksum(state.info.scene_text) != file.integer_attribute("scene_checksum")) fail_damaged(path, "/scene");
   check_header(path, state);
