@@ -76,6 +76,7 @@ void Halo::rebuild(CellOrder& order, const CellCuts& cuts) {
   find_peers(order, cuts);
   exchange_counts(order);
   find_slices(order);
+  size_ = order.size();
 }
 
 void Halo::find_peers(const CellOrder& order, const CellCuts& cuts) {

@@ -41,6 +41,7 @@ class Halo {
   template <class T>
   void start(std::vector<T>& field) {
     static_assert(std::is_trivially_copyable_v<T>);
+    assert(field.size() == static_cast<std::size_t>(size_));
     start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(T));
   }
   /// Sends a part of each record, sizeof(Part) bytes from `offset` on; finish_part() receives that of the ghosts. Owned
@@ -160,6 +161,7 @@ class Halo {
   CellPeers peers_;
   std::vector<Boundary> to_;
   std::vector<Ghosts> from_;
+  LocalId size_ = 0;  // of an array with ghosts
   std::vector<MPI_Request> requests_;
   std::int64_t bytes_ = 0, messages_ = 0;
   Event wait_event_{"HaloWait"};
