@@ -3,8 +3,8 @@
 // along the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays over cells
 // have a ring of cells around each plane and a ghost plane on either side, so that every cell has six neighbours; the
 // ring is empty, but where the box repeats along rows or columns it holds copies of those at the other end, and where
-// other ranks own rows of the same planes theirs. Face (a,
-// at) is the lower face of the cell with index `at` in direction a. Not collective, except for complete().
+// other ranks own rows of the same planes theirs. Face (a, at) is the lower face of the cell with index `at` in
+// direction a. Not collective, except for complete().
 #pragma once
 
 #include <algorithm>

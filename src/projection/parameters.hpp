@@ -22,10 +22,10 @@ constexpr Real max_half_path = 0.5, max_path = 0.25;
 /// say how the face moves.
 constexpr Real min_face_weight = 0.05;
 
-/// Horizontal edges, spacings, of the cuboid over which the volume of a particle is spread, but never wider than a
-/// cell; it is one spacing high. Beside an obstacle it is a cube. With cubes everywhere the few particles of a cell
-/// make its level noisy, the level's pressure makes noise of the layers below, and damping takes it: a wave 3 spacings
-/// high lost 2.6 % of its amplitude a period, with 2 1.0 %.
+/// Horizontal edges, spacings, of the cuboid over which the volume of a particle is spread; it is one spacing high, and
+/// a cube where it would reach into an obstacle, or where cells are less wide, as a lattice of 1.5 spacings would melt.
+/// With cubes everywhere the few particles of a cell make its level noisy, the level's pressure makes noise of the
+/// layers below, and damping takes it: a wave 3 spacings high lost 2.6 % of its amplitude a period, with 2 1.0 %.
 constexpr Real spread = 2;
 
 // ---- free surface

@@ -25,15 +25,16 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
   return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
-// Particles as cuboids one spacing high and `spread` spacings wide, at most a cell.
+// Particles as cuboids one spacing high and `spread` spacings wide, or cubes where cells are less wide than that.
 CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing, Real spread) {
+  constexpr Real rounding = 1e-9;
   CellFrame frame{};
   frame.per_length = grid.per_length();
   frame.per_full = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
     const Real edge = spacing * frame.per_length[b];
-    const Real half = a == 2 ? edge / 2 : std::min(spread * edge, 1.0) / 2;
+    const Real half = a == 2 || spread * edge > 1 + rounding ? edge / 2 : std::min(spread * edge, 1.0) / 2;
     frame.half[0][b] = frame.half[1][b] = half;
     frame.nearest[b] = grid.repeats()[a] ? -INFINITY : half;
     frame.farthest[b] = grid.repeats()[a] ? INFINITY : grid.count(a) - half;
@@ -152,10 +153,12 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
   const LocalId end = std::min(own.end + 1, rows + beyond);
   for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
     const LocalId r = (row + rows) % rows;
+    const CutCells* const near = cuts != nullptr && cuts->is_near_cut(k, r) ? cuts : nullptr;
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
-      const CellSums sums = sum_cell(cuts == nullptr ? frame_ : frame_of(*cuts, k, r, c), motion, cell);
+      const CellSums sums =
+          near == nullptr ? sum_cell(frame_, motion, cell) : sum_cell(frame_of(*near, k, r, c), motion, cell);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
@@ -187,10 +190,12 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
   const bool along_x = grid_.axis(0) == 0;
   const LocalId r = side == 0 ? 0 : grid_.rows() - 1;
   const std::size_t i = side == 0 ? 0 : 2;
+  const CutCells* const near = cuts != nullptr && cuts->is_near_cut(k, r) ? cuts : nullptr;
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const CellParticles cell = particles_of(order, k, r, c);
     if (cell.begin == cell.end) continue;
-    const CellSums sums = sum_cell(cuts == nullptr ? frame_ : frame_of(*cuts, k, r, c), motion, cell);
+    const CellSums sums =
+        near == nullptr ? sum_cell(frame_, motion, cell) : sum_cell(frame_of(*near, k, r, c), motion, cell);
     VolumesBeside& beside = given_[side][beside_index(k, c)];
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (std::size_t j = 0; j < 3; ++j)

@@ -31,10 +31,10 @@ bool touches_solid(const ProjectionGrid& grid, const CutCells& cuts, std::size_t
 
 }  // namespace
 
-// The two cells beside a face see the same there: what the one gives the other gives back, and the level stays.
+// Of rows near a solid. The two cells beside a face see the same there: what the one gives the other gives back, and
+// the level stays.
 CellFrame ParticlesToGrid::frame_of(const CutCells& cuts, LocalId k, LocalId r, LocalId c) const {
   CellFrame frame = frame_;
-  if (!cuts.is_near_cut(k, r)) return frame;
   for (std::size_t a = 0; a < 2; ++a) {
     const std::size_t b = grid_.axis(a);
     if (touches_solid(grid_, cuts, a, {k, r, c})) {

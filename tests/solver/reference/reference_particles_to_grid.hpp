@@ -173,7 +173,7 @@ class ReferenceParticlesToGrid {
       if (i.in_flight) continue;
       Real part = 1;
       for (int a = 0; a < 3; ++a) {
-        const Real edge = s_ / size_[a], half = a == 2 ? edge / 2 : std::min(2 * edge, 1.0) / 2;
+        const Real edge = s_ / size_[a], half = a == 2 || edge > 0.5 + 1e-9 ? edge / 2 : std::min(edge, 0.5);
         const Real inside = cells_.repeats(a) ? i.surface[a] : std::clamp(i.surface[a], half, count_[a] - half);
         const Real middle = cells_.way(a, inside, c[a] + 0.5) + 0.5;  // in cells from the corner of the cell
         part *= edge / (2 * half) * std::max(0.0, std::min(middle + half, 1.0) - std::max(middle - half, 0.0));
