@@ -6,7 +6,8 @@ or a film.
   jobs/render.sh render.py out/musical_fountain --sound inputs/ode_to_joy.wav --output fountain.mp4
   jobs/render.sh render.py out/falling_cube --times 0 1 --slow 2 --output cube.webp
 
-A film is MP4 (H.264, with --sound AAC), of all frames or those between --times, and needs ffmpeg; or WebP. Without a display start it through jobs/render.sh.
+A film is MP4 (H.264, with --sound AAC), of all frames or those between --times, and needs ffmpeg; or WebP. Without a
+display start it through jobs/render.sh.
 """
 
 import argparse
