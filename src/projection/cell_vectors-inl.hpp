@@ -44,6 +44,10 @@ HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const C
   constexpr Real max_half = projection::max_half_path, most = projection::max_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
   Particles8 particles{zeros(), zeros(), zeros(), zeros()};
+  V longest = set(most);
+  for (std::size_t a = 0; a < 3; ++a)
+    longest = hn::Max(longest, hn::Abs(hn::Mul(hn::Sub(p[a], x[a]), set(frame.per_length[a]))));
+  const V back = hn::Div(set(most), longest);
   for (std::size_t a = 0; a < 3; ++a) {
     const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
     const V here = hn::Sub(in_cells, set(cell.place.corner[a]));
@@ -51,7 +55,7 @@ HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const C
     const V half = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -max_half, max_half);
     particles.y[a] = hn::Sub(here, half);
     particles.f[a] = hn::Sub(particles.y[a], half);
-    particles.surface[a] = hn::Sub(here, clamp(hn::Add(half, half), -most, most));
+    particles.surface[a] = hn::NegMulAdd(hn::Mul(particles.path[a], set(frame.per_length[a])), back, here);
   }
   return particles;
 }

@@ -140,10 +140,12 @@ Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
   return weight > 0 ? sum / weight : 0;
 }
 
-// Linear in each sample, as the faces.
-Real CutCells::open_at(const Vec3& corner, const Bodies& bodies) const {
+// Linear in each sample, as the faces; shares of what is open of a sample are those of its middle.
+Real CutCells::open_at(const Vec3& corner, const Bodies& bodies, Shares& shares) const {
   CubeOfDistances distance;
   find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, bodies, distance);
+  const auto of_samples = shares_of_samples(corner);
+  std::array<Real, 27> shared{};
   Real sum = 0;
   for (int i = 0; i < samples * samples * samples; ++i) {
     const std::array<int, 3> here{i / samples / samples, i / samples % samples, i % samples};
@@ -157,12 +159,20 @@ Real CutCells::open_at(const Vec3& corner, const Bodies& bodies) const {
       high[a] = std::min(high[a] + 1, samples - 1);
       slope[a] = (at(high) - at(low)) / (high[a] - low[a]);
     }
-    sum += clipped_cube(at(here), slope);
+    const Real part = clipped_cube(at(here), slope);
+    sum += part;
+    // `here` counts samples upwards first, then along planes and rows.
+    const SharesAlong &u = of_samples[0][static_cast<std::size_t>(here[1])],
+                      &v = of_samples[1][static_cast<std::size_t>(here[2])],
+                      &w = of_samples[2][static_cast<std::size_t>(here[0])];
+    for (std::size_t n = 0; n < shared.size() && part > 0; ++n) shared[n] += part * u[n / 9] * v[n / 3 % 3] * w[n % 3];
   }
-  return sum / (samples * samples * samples);
+  constexpr int all = samples * samples * samples;
+  for (std::size_t n = 0; n < shared.size(); ++n) shares[n] = static_cast<float>(shared[n] / all);
+  return sum / all;
 }
 
-CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) const {
+CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates, Shares& shares) const {
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
@@ -184,7 +194,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
     cell.open = far.distance > 0 ? 1 : 0;
     return cell;
   }
-  const Real open = open_at(corner, bodies);
+  const Real open = open_at(corner, bodies, shares);
   cell.open = open < min_open ? 0 : static_cast<float>(open);
   return cell;
 }

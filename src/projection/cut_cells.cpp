@@ -145,9 +145,15 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
 
 void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
+  if (shares_size_ != grid.cells()) {
+    shares_size_ = grid.cells();
+    shares_.reset(new Shares[shares_size_]);  // not cleared: there is memory for those that are written
+  }
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
-    for (LocalId c = columns.begin; c < columns.end; ++c)
-      cells[grid.index(k, r, c)] = cell_at(corner_of(grid, k, r, c), near);
+    for (LocalId c = columns.begin; c < columns.end; ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      cells[at] = cell_at(corner_of(grid, k, r, c), near, shares_[at]);
+    }
   });
   grid.repeat(cells);
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
@@ -161,6 +167,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
     }
   });
   grid.repeat(cells);
+  measure_capacities(grid, zones, cells);
 }
 
 // Of the solid that is nearest to the middle of each face.
@@ -230,7 +237,7 @@ void CutCells::find_cut_rows(const ProjectionGrid& grid) {
   }
 }
 
-void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box) {
+void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box, const CellFrame& frame) {
   const bool stays = grid.first_plane() == first_ && grid.planes() == planes_ && grid.first_row() == first_row_ &&
                      grid.rows() == rows_;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -240,6 +247,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     origin_[b] = box.min[axis_[a]];
   }
   box_ = box;
+  frame_ = frame;
   first_ = grid.first_plane();
   planes_ = grid.planes();
   first_row_ = grid.first_row();
@@ -263,6 +271,8 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     whole.resize(grid.window(), grid.count(2));
     all_.clear();
     measure_cells(whole, {everywhere}, all_);
+    shares_.reset();
+    shares_size_ = 0;
   }
   if (stays && cells_.size() == grid.cells()) return;
   find_columns(grid);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,11 +22,16 @@ class CutCells {
  public:
   explicit CutCells(const Obstacles& obstacles);
 
-  /// For the window and columns that `grid` has now.
-  void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box);
+  /// For the window and columns that `grid` has now; `frame` is that of the cuboids by which particles fill cells.
+  void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box, const CellFrame& frame);
 
   /// Fraction of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
   Real open(std::size_t at) const { return cells_[at].open; }
+  /// What uniform water fills of a cell, in cells, where each particle is spread over its cuboid; more or less than
+  /// what is open, as cuboids reach into solids and out of neighbours.
+  Real capacity(std::size_t at) const { return cells_[at].capacity; }
+  /// That frame for particles of cell (k, r, c): a cuboid stays on its own side of a sheet.
+  CellFrame beside_sheets(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
   /// Fraction of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
   /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
@@ -91,7 +97,7 @@ class CutCells {
     std::array<float, 3> face{1, 1, 1};
     std::array<std::array<float, 2>, 3> middle{
         {{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
-    float surface = 0;
+    float surface = 0, capacity = 1;
     std::uint32_t nearest = 0;
   };
   struct Nearest {
@@ -126,6 +132,10 @@ class CutCells {
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
   static constexpr Real looked_at = 1.7;
+  // Shares of what is open of a cell in itself, (1, 1, 1), and in the 26 around it, in cells.
+  using Shares = std::array<float, 27>;
+  // Along a direction: those of a place in a cell in the cell below, itself, and the one above.
+  using SharesAlong = std::array<Real, 3>;
   // In each direction of a cell.
   static constexpr int samples = 4;
   static Real sample(int k) { return (k + 0.5) / samples; }
@@ -139,12 +149,20 @@ class CutCells {
   void for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
   void measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
-  Cell cell_at(const Vec3& corner, Candidates& candidates) const;
+  Cell cell_at(const Vec3& corner, Candidates& candidates, Shares& shares) const;
   void measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const;
   // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
-  Real open_at(const Vec3& corner, const Bodies& bodies) const;
+  Real open_at(const Vec3& corner, const Bodies& bodies, Shares& shares) const;
+  // See cut_cell_capacity.cpp.
+  void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
+  Real capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
+                   const std::vector<Cell>& cells) const;
+  Shares shares_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
+                   const std::vector<Cell>& cells) const;
+  SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
+  std::array<std::array<SharesAlong, samples>, 3> shares_of_samples(const Vec3& corner) const;
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   // The corner of cell (k, r, c), counted from that of the first own cell.
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
@@ -168,7 +186,10 @@ class CutCells {
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0;
-  std::vector<Cell> all_;  // of all columns of the box
+  CellFrame frame_{};
+  std::vector<Cell> all_;             // of all columns of the box
+  std::unique_ptr<Shares[]> shares_;  // of cells that solids cut, by index; of others not written
+  std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
   std::vector<Zone> zones_;  // of what moves, as measured last

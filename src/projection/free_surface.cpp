@@ -23,6 +23,7 @@ void FreeSurface::classify(Halo& halo) {
   for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
     water().find_volumes(k, r, {&fill_[grid().index(k, r, 0)], static_cast<std::size_t>(grid().columns(k, r))});
   });
+  if (cuts() != nullptr) fill_open_parts();
   halo.start_planes(fill_, grid().step(0));
   halo.finish();
   classify_cells(halo);

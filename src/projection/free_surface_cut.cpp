@@ -14,18 +14,16 @@ namespace trevi {
 using namespace projection;
 
 void FreeSurface::fill_open_parts() {
-  for_each_part({0, grid().planes() + 2}, 1, [&](Range k) {
-    const std::size_t begin = static_cast<std::size_t>(k.begin) * grid().step(0);
-    for (std::size_t at = begin; at < begin + grid().step(0); ++at) {
-      const Real open = cuts()->open(at);
-      fill_[at] = open > 0 ? fill_[at] / open : 1;
+  for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid().columns(); ++c) {
+      const std::size_t at = grid().index(k, r, c);
+      fill_[at] = is_solid(at) ? 1 : fill_[at] / cuts()->capacity(at);
     }
   });
 }
 
 void FreeSurface::classify_among_solids(Halo& halo) {
   const Range all{0, grid().planes() + 2}, own{1, grid().planes() + 1};
-  fill_open_parts();
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);

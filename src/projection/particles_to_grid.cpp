@@ -26,7 +26,7 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
 }
 
 // Particles as cuboids one spacing high and `spread` spacings wide, or cubes where cells are less wide than that.
-CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing, Real spread) {
+CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing) {
   constexpr Real rounding = 1e-9;
   CellFrame frame{};
   frame.per_length = grid.per_length();
@@ -34,7 +34,8 @@ CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing, Real spread
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
     const Real edge = spacing * frame.per_length[b];
-    const Real half = a == 2 || spread * edge > 1 + rounding ? edge / 2 : std::min(spread * edge, 1.0) / 2;
+    const Real wide = projection::spread * edge;
+    const Real half = a == 2 || wide > 1 + rounding ? edge / 2 : std::min(wide, 1.0) / 2;
     frame.half[0][b] = frame.half[1][b] = half;
     frame.nearest[b] = grid.repeats()[a] ? -INFINITY : half;
     frame.farthest[b] = grid.repeats()[a] ? INFINITY : grid.count(a) - half;
@@ -63,9 +64,7 @@ class FaceMiddles {
 }  // namespace
 
 ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing)
-    : grid_(grid),
-      frame_(frame_of_cuboids(grid, spacing, projection::spread)),
-      cubes_(frame_of_cuboids(grid, spacing, 1)) {}
+    : grid_(grid), frame_(frame_of_cuboids(grid, spacing)) {}
 
 void ParticlesToGrid::resize() {
   filled_.assign(row_index(grid_.planes() + 2, -1), {});
@@ -157,8 +156,8 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
-      const CellSums sums =
-          near == nullptr ? sum_cell(frame_, motion, cell) : sum_cell(frame_of(*near, k, r, c), motion, cell);
+      const CellSums sums = near == nullptr ? sum_cell(frame_, motion, cell)
+                                            : sum_cell(near->beside_sheets(frame_, grid_, {k, r, c}), motion, cell);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
@@ -194,8 +193,8 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const CellParticles cell = particles_of(order, k, r, c);
     if (cell.begin == cell.end) continue;
-    const CellSums sums =
-        near == nullptr ? sum_cell(frame_, motion, cell) : sum_cell(frame_of(*near, k, r, c), motion, cell);
+    const CellSums sums = near == nullptr ? sum_cell(frame_, motion, cell)
+                                          : sum_cell(near->beside_sheets(frame_, grid_, {k, r, c}), motion, cell);
     VolumesBeside& beside = given_[side][beside_index(k, c)];
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (std::size_t j = 0; j < 3; ++j)

@@ -96,14 +96,13 @@ class ParticlesToGrid {
   struct FittedMean {
     Real sum = 0, weight = 0;
   };
-  CellFrame frame_of(const CutCells& cuts, LocalId k, LocalId r, LocalId c) const;
   void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts);
   bool exists(CellNumbers& cell) const;
   bool holds_any(const CellNumbers& cell) const;
   void add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place, FittedMean& mean) const;
 
   const ProjectionGrid& grid_;
-  CellFrame frame_, cubes_;
+  CellFrame frame_;
   CellFields sums_{volumes + 3}, spread_{numbers::map}, fit_{numbers::map};
   std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;

@@ -1,53 +1,10 @@
-// Volumes and faces beside obstacles.
-//
-// What a wide cuboid holds of water would lie within the solid, and the level beside it would be too low: in a tank
-// that an obstacle makes, turned by 20 degrees, the third swing had 0.43 of the height that it has in a box. There the
-// volume of a particle stays a cube.
-//
-// Where a solid leaves a part of a cell there may be no particle in it, though it counts as
+// Faces beside obstacles. Where a solid leaves a part of a cell there may be no particle in it, though it counts as
 // water (free_surface_cut.cpp): a lattice leaves out what is within half a spacing of a curved wall. A face between two
 // such cells moves as the fits of the cells around say. As long as such faces stood still, water that turned had a
 // divergence there, and pressure braked it: in a cylinder of R = 10 spacings by an eighth in the first turn.
 #include "projection/particles_to_grid.hpp"
 
 namespace trevi {
-
-namespace {
-
-// Whether a solid cuts the lower face (a, cell), one of the cells beside it, or one of those around these along it.
-bool touches_solid(const ProjectionGrid& grid, const CutCells& cuts, std::size_t a,
-                   const std::array<LocalId, 3>& cell) {
-  const auto [k, r, c] = cell;
-  if (cuts.face(a, grid.index(k, r, c)) < 1) return true;
-  for (LocalId plane = k - 1; plane <= k + (a == 0 ? 0 : 1); ++plane) {
-    for (LocalId row = r - 1; row <= r + (a == 1 ? 0 : 1); ++row) {
-      for (LocalId column = c - 1; column <= c + 1; ++column) {
-        if (cuts.open(grid.index(plane, row, column)) < 1) return true;
-      }
-    }
-  }
-  return false;
-}
-
-}  // namespace
-
-// Of rows near a solid. The two cells beside a face see the same there: what the one gives the other gives back, and
-// the level stays.
-CellFrame ParticlesToGrid::frame_of(const CutCells& cuts, LocalId k, LocalId r, LocalId c) const {
-  CellFrame frame = frame_;
-  for (std::size_t a = 0; a < 2; ++a) {
-    const std::size_t b = grid_.axis(a);
-    if (touches_solid(grid_, cuts, a, {k, r, c})) {
-      frame.half[0][b] = cubes_.half[0][b];
-      frame.nearest[b] = cubes_.nearest[b];
-    }
-    if (touches_solid(grid_, cuts, a, {k + (a == 0), r + (a == 1), c})) {
-      frame.half[1][b] = cubes_.half[1][b];
-      frame.farthest[b] = cubes_.farthest[b];
-    }
-  }
-  return frame;
-}
 
 void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts) {
   CellNumbers row_below{k, r, 0};

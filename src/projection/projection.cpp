@@ -91,7 +91,7 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   grid_.store_rows(order);
   particles_to_grid_.store();
   grid_to_particles_.store();
-  if (cuts_) cuts_->measure(comm_, grid_, box_);
+  if (cuts_) cuts_->measure(comm_, grid_, box_, particles_to_grid_.frame());
 }
 
 void Projection::clear_row(LocalId k, LocalId r) {

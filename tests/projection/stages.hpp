@@ -78,7 +78,7 @@ struct Stages {
     back.emplace(*surface, transfer.free_spreads(), spacing, 2 * spacing);
     rows.measure(water.near.order(), water.near.halo());
     grid.resize(water.near.order().window(), water.grid.columns());
-    if (cuts) cuts->measure(world, grid, water.box);
+    if (cuts) cuts->measure(world, grid, water.box, transfer.frame());
     transfer.resize();
     surface->resize();
     grid.store_rows(water.near.order());

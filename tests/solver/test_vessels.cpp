@@ -180,7 +180,8 @@ std::vector<Swing> swings_of(const VesselRun& run, Real middle) {
 }
 
 // The walls of the obstacle go through cells of the coarse grid, those of the box do not. As long as cells at upright
-// walls counted as ones on the floor, the third swing was an eighth of that in the box, or two fifths.
+// walls counted as ones on the floor, the third swing was an eighth of that in the box, or two fifths. Six cells a length
+// are few: with the walls between faces of cells a swing takes some 4 % longer.
 TEST(Vessels, ATankMadeOfAnObstacleSloshesAsTheBox) {
   const auto tank = [](const char* box, const char* obstacle) {
     return std::string("[domain]\n") + box + R"(
@@ -210,8 +211,10 @@ end = 3
     const std::vector<Swing> held = swings_of(vessel, 0.6);
     ASSERT_GE(std::min(free.size(), held.size()), 3U) << around;
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_NEAR(held[k].time / free[k].time, 1, 0.06) << around << k;
-      EXPECT_GT(held[k].far / free[k].far, 0.55) << around << k;
+      std::printf("swing %zu: %.3f s and %.3f of those in the box\n", k, held[k].time / free[k].time,
+                  held[k].far / free[k].far);
+      EXPECT_NEAR(held[k].time / free[k].time, 1, 0.08) << around << k;
+      EXPECT_GT(held[k].far / free[k].far, 0.9) << around << k;
     }
   }
 }

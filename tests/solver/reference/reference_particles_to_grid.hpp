@@ -89,8 +89,9 @@ class ReferenceParticlesToGrid {
       const Vec3 place = (p[i] - min_).cwiseQuotient(size_), y = midway(p[i], one.way);
       for (int a = 0; a < 3; ++a) {
         one.cell[a] = std::clamp(static_cast<int>(std::floor(place[a])), 0, count_[a] - 1);
-        one.surface[a] = place[a] - std::clamp(one.way[a] / size_[a], -0.25, 0.25);
       }
+      const Vec3 way = one.way.cwiseQuotient(size_);
+      one.surface = place - way * std::min(1.0, 0.5 / std::max(way.cwiseAbs().maxCoeff(), 1e-300));
       one.y = y - one.cell.cast<Real>();
       one.f = one.y + (y - place);
       particles_.push_back(one);
