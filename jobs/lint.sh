@@ -17,7 +17,7 @@ project_files() {
 
 # tidy FILE...: the sources among the files; headers are checked through the sources that include them.
 tidy() {
-  local sources shim="$trevi_root/tests/regression/source_location.hpp"
+  local sources
   cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null || return 1
   mapfile -t sources < <(printf '%s\n' "$@" | grep '\.cpp$' | while read -r file; do
     if grep -q "\"file\": \".*/$file\"" build/tidy/compile_commands.json; then
@@ -29,7 +29,7 @@ tidy() {
   [[ ${#sources[@]} -gt 0 ]] || return 0
   printf '%s\0' "${sources[@]}" |
     xargs -0 -n 1 -P "$(build_jobs)" clang-tidy --quiet -p build/tidy --extra-arg=-Wno-unknown-warning-option \
-      --extra-arg=-Wno-ignored-optimization-argument --extra-arg=-include --extra-arg="$shim" \
+      --extra-arg=-Wno-ignored-optimization-argument \
       2> >(grep -v 'warnings\? generated\|warnings\? and [0-9]* errors\? generated' >&2)
 }
 

@@ -77,8 +77,10 @@ choose_launch() {
   launch=(mpirun -np "$ranks")
   if [[ -n ${OMPI_MCA_hwloc_base_binding_policy:-}${OMPI_MCA_rmaps_base_mapping_policy:-} ]]; then
     return 0 # as the user says
-  elif [[ $nodes -gt 1 ]]; then
+  elif [[ $nodes -gt 1 && $(mpirun --version) == *"Open MPI"* ]]; then
     launch+=(--map-by numa --bind-to numa:overload-allowed)
+  elif [[ $nodes -gt 1 ]]; then
+    launch+=(--bind-to numa) # MPICH, which places them one after the other on the nodes
   else
     launch+=(--bind-to none)
   fi

@@ -4,7 +4,6 @@
 // not errors.
 #pragma once
 
-#include <source_location>
 #include <stdexcept>
 #include <string>
 
@@ -46,10 +45,11 @@ class BlowUp : public RunError {
   explicit BlowUp(const std::string& message) : RunError(message, Reach::all_ranks) {}
 };
 
-/// Throws RunError with the place of the call unless `condition` holds.
-inline void require(bool condition, const std::string& message,
-                    std::source_location where = std::source_location::current()) {
-  if (!condition) throw RunError(message + " [" + where.file_name() + ":" + std::to_string(where.line()) + "]");
+/// Throws RunError with the place of the call unless `condition` holds. Clang before 16 has no std::source_location,
+/// but what it is made of.
+inline void require(bool condition, const std::string& message, const char* file = __builtin_FILE(),
+                    int line = __builtin_LINE()) {
+  if (!condition) throw RunError(message + " [" + file + ":" + std::to_string(line) + "]");
 }
 
 }  // namespace trevi

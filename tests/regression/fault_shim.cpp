@@ -34,6 +34,12 @@ std::string variable(const char* name) {
   return value != nullptr ? value : "";
 }
 
+// As mpirun of Open MPI or of MPICH tells it; also before MPI has begun.
+std::string own_rank() {
+  const std::string rank = variable("OMPI_COMM_WORLD_RANK");
+  return rank.empty() ? variable("PMI_RANK") : rank;
+}
+
 struct Fault {
   std::string call, folder, file;
   long number = 0;
@@ -51,7 +57,7 @@ const Fault& fault() {
     read.folder = variable("TREVI_FAULT_FOLDER");
     read.file = variable("TREVI_FAULT_FILE");
     if (!error.empty()) read.error = std::atoi(error.c_str());
-    read.this_rank = variable("TREVI_FAULT_RANK") == variable("OMPI_COMM_WORLD_RANK");
+    read.this_rank = variable("TREVI_FAULT_RANK") == own_rank();
     return read;
   }();
   return the_one;
@@ -223,7 +229,6 @@ TREVI_COUNTED(MPI_File_sync, (MPI_File f), (f))
 TREVI_COUNTED(MPI_File_close, (MPI_File * f), (f))
 
 extern "C" int MPI_Finalize() {
-  if (fault().call == "calls")
-    std::fprintf(stderr, "rank %s: %ld calls of MPI\n", variable("OMPI_COMM_WORLD_RANK").c_str(), calls_of_mpi);
+  if (fault().call == "calls") std::fprintf(stderr, "rank %s: %ld calls of MPI\n", own_rank().c_str(), calls_of_mpi);
   return PMPI_Finalize();
 }

@@ -2,9 +2,10 @@
 add_test(NAME layering COMMAND ${PROJECT_SOURCE_DIR}/tests/layering.py ${PROJECT_SOURCE_DIR})
 add_test(NAME layering_self_test COMMAND ${PROJECT_SOURCE_DIR}/tests/layering.py --self-test)
 add_test(NAME scaling COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_scaling.py)
+add_test(NAME spack COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_spack.py)
 add_test(NAME plot_series COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_plot_series.py)
 add_test(NAME setup COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_setup.py ${CMAKE_COMMAND})
-set_tests_properties(layering layering_self_test plot_series scaling setup PROPERTIES TIMEOUT 300 LABELS script)
+set_tests_properties(layering layering_self_test plot_series scaling setup spack PROPERTIES TIMEOUT 300 LABELS script)
 
 # The whole program, as a user runs it.
 set(program_tests golden program threads inputs jets bad_input stability documents pages trevi_run)

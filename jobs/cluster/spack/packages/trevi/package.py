@@ -51,5 +51,6 @@ class Trevi(CMakePackage):
     def cmake_args(self):
         parts = ("vtk", "view", "music", "sound", "live")
         return [self.define_from_variant(f"TREVI_WITH_{part.upper()}", part) for part in parts] + [
-            self.define("TREVI_TESTS", False)
+            self.define("TREVI_WITH_PYTHON", False),
+            self.define("TREVI_TESTS", False),
         ]
