@@ -168,10 +168,20 @@ PLANES = {
                                           ("shear: energy after 1 turn", "energy_1", lambda x: fixed(x, 3)),
                                           ("after 3", "energy_3", lambda x: fixed(x, 3))]),
 }
+def shapes():
+    columns = {"particles": "particles", "nodes": "nodes", "ranks_a_node": "ranks a node", "slabs": "slabs", "parts": "parts of each",
+               "planes_x_rows": "planes x rows a rank", "ms_a_step": "ms a step", "efficiency": "efficiency",
+               "efficiency_of_slabs": "slabs alone", "halo_percent": "halo %", "GB_a_node": "GB a node",
+               "s_a_frame": "s a frame", "s_a_checkpoint": "s a checkpoint", "s_of_restart": "s of a restart"}
+    yield ["", *columns.values()]
+    for row in rows_of("scaling_shapes"):
+        yield [row["study"]] + [row[key] or "\N{EN DASH}" for key in columns]
+
+
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
     "frames": frames, "channels": channels, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
-    "leaks": leaks}
+    "leaks": leaks, "scaling_shapes": shapes}
 
 
 def markdown(rows):

@@ -3,12 +3,13 @@
 
 scaling.py DIR reads DIR/STUDY/CASE/npRANKS[xTHREADS]-NUMBER/run.json (and series.csv) and DIR/network/*.csv, prints the
 tables as Markdown and writes DIR/scaling.csv and DIR/scaling.png. With runs of the strong study on one core and the
-network at hand it goes on to the model: DIR/model.csv and model.png, its error on the runs, its predictions for nodes
+network at hand it goes on to the model: DIR/constants.json, model.csv and model.png, its error on the runs, its predictions for nodes
 of 64 cores, and the two ways to exchange ghosts.
 """
 
 import argparse
 import csv
+import json
 import math
 import re
 import statistics
@@ -249,7 +250,7 @@ def predictions(costs, between):
                     row[f"{name}_percent"] = f"{100 * seconds / step.total():.0f}"
                 row["mended_ms"] = f"{1e3 * other.total():.1f}"
                 row["mended_efficiency"] = f"{efficiency(basin, ranks, other, costs, threads):.2f}"
-                row["GB_a_node"] = f"{node_bytes(basin, ranks, node) / 1e9:.1f}"
+                row["GB_a_node"] = f"{node_bytes(basin, (ranks, 1), node) / 1e9:.1f}"
                 rows.append(row)
     return rows
 
@@ -309,6 +310,10 @@ def report_model(folder, groups, network):
           f"{1e6 * costs.reduction:.2f} us; {1e9 * costs.by_planes:.0f} ns a particle by planes; "
           f"{EXCHANGES} exchanges of particles a step")
     print_table("Model against the runs", check_model(groups, costs))
+    whole = costs.particle + costs.by_planes + costs.migration  # all by rows, as the program has them now
+    constants = {"particle": whole, "cell": costs.cell, "serial": costs.serial, "fork": costs.fork,
+                 "traffic": costs.traffic, "between": costs.bandwidth, "latency": costs.latency}
+    (folder / "constants.json").write_text(json.dumps(constants, indent=2) + "\n", encoding="utf-8")
     cluster = costs._replace(**CLUSTER)
     rows = predictions(cluster, costs.bandwidth)
     write_table(folder / "model.csv", rows)

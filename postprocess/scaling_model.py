@@ -1,4 +1,4 @@
-"""The performance model of slabs and threads: fitted to runs on one core and to a network, it tells the time of a step.
+"""The performance model of slabs, cuts inside them and threads: fitted to one core and a network, it tells a step's time.
 
 No program of its own; scaling.py prints and draws it, results/scaling.md explains it. Water is a basin at rest, a block
 of particles in lattice order, h = 2 spacings, so a cell plane is two layers thick. Seconds, bytes, particles.
@@ -13,11 +13,9 @@ ITERATIONS = 4  # of the default, the first on the coarse grid
 CYCLES = 3  # of the coarse grid's multigrid
 SWEEPS = 4  # in a cycle on each level
 GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
-MOMENTS, FIT = 10 + 12 + 1, 13  # numbers of a cell's particles, and of an affine fit
-# Bytes of a cell of the projection beside the multigrid: volumes and moments, fit; noise and its fit; shifts, in the memory
-# of moments, and theirs. And its fill.
-FIELDS, FILL = 8 * (2 * (3 + MOMENTS) + 3 * FIT + 12), 8
-WATER_EXCHANGES = 8  # heights of the water, and these
+MOMENTS, FIT, FLOW = 26, 13, 12  # numbers of a cell's particles with their volumes, of an affine fit, of filtered flow
+FIELDS = 8 * (2 * (MOMENTS + FIT) + FLOW + FIT)  # bytes of a cell of the projection beside the multigrid
+FIELD_EXCHANGES = 1 + 4 + 2  # heights of the water; moments, fits, noise and its fits; shifts and theirs
 # Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2
 REDUCTIONS = 4  # depth of the water, guard, two migrations
@@ -42,27 +40,50 @@ class Basin(NamedTuple):
     def cells(self):
         return self.particles() / 8
 
+    def rows(self):
+        return math.ceil(self.width / 2)
+
     def columns(self):
         """Cells above one another that the coarse grid looks at."""
-        return min((self.depth + self.air) / 2, math.ceil(self.depth / 2) + 2)
+        return 4 * math.ceil((math.ceil(self.depth / 2) + 2) / 4)
 
     def level_count(self):
-        widest = max(self.planes(), math.ceil(self.width / 2))
-        return min(1 + math.ceil(self.depth / 2).bit_length(), 1 + (widest - 1).bit_length())
+        widest = max(self.planes(), self.rows())
+        return 1 + min(math.ceil(self.depth / 2).bit_length(), (widest - 1).bit_length())
 
     def levels(self):
-        """Rows of cells on each level of the multigrid that is not gathered, and what an exchange of all that a step
-        sends on it counts, in planes and per direction; what goes one way only counts half."""
-        planes, rows, found = self.planes(), math.ceil(self.width / 2), []
-        number = self.level_count()
-        for level in range(number):
+        """Of levels of the multigrid that are not gathered, the finest first: whether there is a coarser one."""
+        planes, rows, found = self.planes(), self.rows(), []
+        for level in range(self.level_count()):
             if level > 0 and planes * rows * self.columns() <= GATHERED_CELLS:
                 break
-            fields = 1 if level == 0 else 4  # known to one side: sinks, and links
-            residuals = CYCLES if level + 1 < number else 0
-            found.append((rows, 1 + CYCLES * SWEEPS + (fields + residuals) / 2))
+            found.append(level + 1 < self.level_count())
             planes, rows = math.ceil(planes / 2), math.ceil(rows / 2)
         return found
+
+
+class Block(NamedTuple):
+    """Cells that one rank has, those of a node, or of all ranks, and what is sent from there."""
+    slab_sides: float  # on which there is another rank
+    part_sides: float  # the same within slabs
+    planes: int
+    rows: int
+    slabs: int = 1  # ranks side by side along these sides
+    parts: int = 1
+    cut: bool = False  # whether slabs are cut inside
+
+
+class Zones(NamedTuple):
+    """Rows of planes that are sent, or messages: to slabs beside, within slabs, across corners."""
+    beside: float
+    within: float
+    across: float
+
+    def upper(self):
+        return self.beside / 2 + self.within / 2 + self.across / 4
+
+    def of_rows(self):
+        return self.within + self.across
 
 
 class Costs(NamedTuple):
@@ -85,6 +106,10 @@ class Node(NamedTuple):
     between: float = math.inf  # bytes/s from rank to rank
 
 
+# Of the rule for [domain] ranks = "auto", which the program has, too: a node of a cluster as scaling.md assumes it.
+CHOICE = (Costs(particle=465e-9, cell=0.0, latency=2e-6, bandwidth=12e9, reduction=0.0), Node(ranks=64, between=8.1e9))
+
+
 class Step(NamedTuple):
     rows: float  # s in loops over particles and rows of cells, in the fullest rank
     planes: float  # s in loops over planes
@@ -99,15 +124,37 @@ class Step(NamedTuple):
         return sum(self)
 
 
+def traffic(basin, block, filters=0):
+    """Bytes and messages of a step, as solver/halo_traffic.cpp has them. `filters`: exchanges of the velocity filters."""
+    def zones(planes, rows):
+        return Zones(block.slab_sides * rows, block.part_sides * planes, block.slab_sides * block.part_sides)
+
+    across = block.slab_sides * block.part_sides
+    pieces = Zones(block.slab_sides * block.parts, block.part_sides * block.slabs, across)
+    # Where rows are not cut, planes are sent with the ring around them.
+    ring, cells = 0 if block.cut else 2, basin.columns() + 2
+    particles = basin.particles() / basin.planes() / basin.rows()  # of a row
+    records = (ITERATIONS + 2) * PLACE + ITERATIONS * SCALAR + FILTERS[filters]
+    size = sum(zones(block.planes, block.rows)) * (4 * (basin.depth + basin.air) / 2 + particles * records)
+    rows = zones(block.planes, block.rows + ring)
+    size += sum(rows) * (4 + FIELDS * math.ceil(basin.columns() / 8) * 8) + rows.beside * 8 * cells
+    size += rows.of_rows() * (72 * basin.columns() + 25 * cells)
+    messages = sum(pieces) * (1 + EXCHANGES + filters + FIELD_EXCHANGES) + pieces.beside + 5 * pieces.of_rows()
+    planes, rows = block.planes, block.rows
+    for level, coarser in enumerate(basin.levels()):
+        first = level == 0 and block.cut
+        both = 1 + CYCLES * SWEEPS + (1 if first else 0)
+        upper = (4 if level > 0 or first else 1) + (CYCLES if coarser else 0)  # known to one side: sinks, links, residuals
+        sent = zones(planes, rows + ring)
+        size += 8 * cells * (both * sum(sent) + upper * sent.upper())
+        messages += both * sum(pieces) + upper * pieces.upper()
+        planes, rows = math.ceil(planes / 2), math.ceil(rows / 2)
+    return size, messages
+
+
 def exchange_bytes(basin, filters=0):
-    """Bytes through one cut in one direction and step: counts, records, coarse planes. The same formula as in
-    tests/domain/test_traffic.cpp, in the mean of both directions. `filters`: exchanges of the velocity filters."""
-    rows = basin.width / 2 + 2
-    fields = FIELDS * rows * math.ceil(basin.columns() / 8) * 8  # columns eight at a time
-    coarse = FILL * rows + sum(8 * planes * (rows + 2) for rows, planes in basin.levels())
-    heights = 4 * basin.width / 2
-    records = (ITERATIONS + 1) * PLACE + ITERATIONS * SCALAR + FILTERS[filters]
-    return rebuild_bytes(basin) + plane_particles(basin) * records + heights + fields + coarse * (basin.columns() + 2)
+    """Bytes through one cut between slabs in one direction and step, in the mean of both directions."""
+    return traffic(basin, Block(1, 0, basin.planes(), basin.rows()), filters)[0]
 
 
 def rebuild_bytes(basin):
@@ -121,7 +168,7 @@ def plane_particles(basin):
 
 def messages(basin, filters=0):
     """Through one cut in one direction and step, in the mean of both; two of them at the start of a run."""
-    return 1 + EXCHANGES + filters + WATER_EXCHANGES + sum(planes for _, planes in basin.levels())
+    return traffic(basin, Block(1, 0, basin.planes(), basin.rows()), filters)[1]
 
 
 def share(parts, threads):
@@ -129,38 +176,72 @@ def share(parts, threads):
     return math.ceil(parts / threads) / parts
 
 
-def slabs(basin, ranks, costs, threads=1, node=Node()):
-    """The time of a step, None where there are more ranks than planes. Nothing is taken to be hidden."""
-    planes, rows = basin.planes(), math.ceil(basin.width / 2)
-    if ranks > planes:
+def blocks(basin, shape, node_ranks):
+    """What the rank with the most cells has, and a node. Ranks of a slab follow one another, and so do those of a node."""
+    (slabs_in_all, parts), cut = shape, shape[1] > 1
+    planes, rows = math.ceil(basin.planes() / slabs_in_all), math.ceil(basin.rows() / parts)
+    node_parts = min(parts, node_ranks)
+    node_slabs = min(slabs_in_all, max(node_ranks // parts, 1))
+    return (Block(sides(slabs_in_all), sides(parts), planes, rows, cut=cut),
+            Block(sides(math.ceil(slabs_in_all / node_slabs)), sides(math.ceil(parts / node_parts)),
+                  min(planes * node_slabs, basin.planes()), min(rows * node_parts, basin.rows()), node_slabs, node_parts,
+                  cut))
+
+
+def sides(pieces):
+    return min(pieces - 1, 2)
+
+
+def windows(basin, shape, costs, threads=1, node=Node()):
+    """The time of a step with `shape` slabs and parts of each, None where there are more than planes and rows. Nothing
+    is taken to be hidden."""
+    planes, ranks = basin.planes(), math.prod(shape)
+    if shape[0] > planes or shape[1] > basin.rows():
         return None
-    own = math.ceil(planes / ranks)  # planes of the fullest rank
-    particles = own / planes * basin.particles()
-    sides = min(ranks - 1, 2)  # neighbours, whose messages share the way out
+    block, of_node = blocks(basin, shape, node.ranks)
+    particles = block.planes * block.rows / planes / basin.rows() * basin.particles()
     rounds = math.log2(ranks)
-    coarse, forks = coarse_grid(basin, ranks, costs, threads)
+    coarse, forks = coarse_grid(basin, shape, costs, threads)
     # Memory is busy while all threads are.
-    busy = particles * costs.particle * share(own * rows, threads)
+    busy = particles * costs.particle * share(block.planes * block.rows, threads)
     memory = particles * costs.traffic * node.ranks / node.memory
     look = (8 * planes / costs.bandwidth + rounds * costs.latency) / LOOK if ranks > 1 else 0
-    way_out = min(costs.bandwidth, node.between) if node.ranks > 1 else costs.bandwidth
-    return Step(max(busy, memory - coarse), particles * costs.by_planes * share(own, threads),
-                particles * (costs.serial + (costs.migration if sides else 0)), coarse,
-                forks + (LOOPS * costs.fork * threads if threads > 1 else 0),
-                (messages(basin) * costs.latency) if sides else 0, sides * exchange_bytes(basin) / way_out,
-                (REDUCTIONS + GATHERS) * rounds * costs.reduction + look)
+    (sent, count), (out, _) = traffic(basin, block), traffic(basin, of_node)
+    return Step(max(busy, memory - coarse), particles * costs.by_planes * share(block.planes, threads),
+                particles * (costs.serial + (costs.migration if ranks > 1 else 0)), coarse,
+                forks + (LOOPS * costs.fork * threads if threads > 1 else 0), count * costs.latency,
+                max(sent / node.between, out / costs.bandwidth), (REDUCTIONS + GATHERS) * rounds * costs.reduction + look)
 
 
-def coarse_grid(basin, ranks, costs, threads):
+def slabs(basin, ranks, costs, threads=1, node=Node()):
+    return windows(basin, (ranks, 1), costs, threads, node)
+
+
+def shapes(basin, ranks):
+    """All (slabs, parts) of so many ranks that fit."""
+    parts = (n for n in range(1, min(ranks, basin.rows()) + 1) if ranks % n == 0)
+    return [(ranks // n, n) for n in parts if ranks // n <= basin.planes()]
+
+
+def best_shape(basin, ranks):
+    """What [domain] ranks = "auto" takes (solver/ranks_by_model.cpp): particles, messages and their bytes alone."""
+    costs, node = CHOICE
+    def seconds(shape):
+        step = windows(basin, shape, costs, node=node)
+        return step.rows + step.latency + step.transfer
+    return min(shapes(basin, ranks), key=seconds, default=(ranks, 1))
+
+
+def coarse_grid(basin, shape, costs, threads):
     """Seconds of the sweeps of all levels, and of the starts and ends of their loops."""
-    planes, rows, columns = basin.planes(), math.ceil(basin.width / 2), basin.columns()
+    planes, rows, columns, ranks = basin.planes(), basin.rows(), basin.columns(), math.prod(shape)
     rows_of_a_part = max(4096 // (columns + 2), 1)
     work = forks = 0
     for level in range(basin.level_count()):
         gathered = level > 0 and planes * rows * columns <= GATHERED_CELLS
-        own = planes if gathered else math.ceil(planes / ranks)
-        parts = math.ceil(own * rows / rows_of_a_part)
-        work += CYCLES * SWEEPS * own * rows * basin.depth / 2 * costs.cell * share(parts, threads)
+        own, own_rows = (planes, rows) if gathered else (math.ceil(planes / shape[0]), math.ceil(rows / shape[1]))
+        parts = math.ceil(own * own_rows / rows_of_a_part)
+        work += CYCLES * SWEEPS * own * own_rows * basin.depth / 2 * costs.cell * share(parts, threads)
         ahead = 3 if ranks > 1 and own > 1 and not gathered else 1  # both ends and what is between them
         used = min(threads, parts)
         forks += (2 + CYCLES * (3 + SWEEPS * ahead)) * costs.fork * used if used > 1 else 0
@@ -168,10 +249,13 @@ def coarse_grid(basin, ranks, costs, threads):
     return work, forks
 
 
-def node_bytes(basin, ranks, node):
+def node_bytes(basin, shape, node):
     """Memory of a node."""
-    planes = math.ceil(basin.planes() / ranks)
-    return node.ranks * (planes * PARTICLE_BYTES + 2 * GHOST_BYTES) * 2 * basin.width * basin.depth
+    block, _ = blocks(basin, shape, 1)
+    beside = 0 if shape[1] == 1 else 2  # ghost rows
+    ghosts = (block.planes + 2) * (block.rows + beside) - block.planes * block.rows
+    particles = basin.particles() / basin.planes() / basin.rows()
+    return node.ranks * particles * (block.planes * block.rows * PARTICLE_BYTES + ghosts * GHOST_BYTES)
 
 
 def efficiency(basin, ranks, step, costs, threads=1):

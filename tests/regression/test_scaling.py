@@ -11,9 +11,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "postprocess"))
 
-from scaling_model import Basin, Costs, Node, efficiency, exchange_bytes, messages, slabs  # noqa: E402
+from scaling_model import (Basin, Block, Costs, Node, best_shape, efficiency, exchange_bytes, messages, slabs,  # noqa: E402
+                           traffic, windows)
 
 STUDY, TABLES = ROOT / "jobs" / "scaling.sh", ROOT / "postprocess" / "scaling.py"
+SHAPES = ROOT / "postprocess" / "scaling_shapes.py"
 
 
 def run(*command):
@@ -73,16 +75,44 @@ class Tables(unittest.TestCase):
         self.assertIn("run.json", result.stderr)
 
 
+    def test_constants_of_no_run_are_refused(self):
+        for text in ("{}", "[1]", "no json", '{"particle": "fast"}'):
+            (self.path / "constants.json").write_text(text, encoding="utf-8")
+            result = run(SHAPES, self.path / "a.csv", self.path / "a.png", "--constants", self.path / "constants.json")
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("constants.json", result.stderr)
+            self.assertFalse((self.path / "a.csv").exists())
+
+
 class Model(unittest.TestCase):
     COSTS = Costs(particle=500e-9, cell=1e-9, latency=2e-6, bandwidth=12e9, reduction=2e-6)
 
     def test_traffic_is_that_of_test_traffic_cpp(self):
         basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
-        coarse = 32 * 8 * 103 + 36 * (8 * 1 + 8 * 15)
-        heights = 4 * 2
+        coarse = 32 * 8 * 103 + 40 * (8 * 1 + 8 * 15)
+        heights = 4 * 4
         self.assertEqual(exchange_bytes(basin), 64 + 88 * 80 + heights + coarse)
         self.assertEqual(exchange_bytes(basin, filters=3), 64 + (88 + 28) * 80 + heights + coarse)
         self.assertEqual(messages(basin), 1 + 10 + 8 + 15)
+
+    def test_traffic_of_shared_slabs_is_that_of_test_traffic_cpp(self):
+        basin = Basin(length=34, width=8, depth=10, air=6)
+        slabs_beside, within, across = 2 * 1 * 4, 2 * 1 * 17, 4  # rows of planes, 2 slabs of 2 parts
+        around, upper = slabs_beside + within + across, slabs_beside / 2 + within / 2 + across / 4
+        size = around * (32 + 88 * 40 + 4 + 8 * 824 + 112 * 10) + upper * 56 * 10 + slabs_beside * 80
+        size += (within + across) * (72 * 8 + 25 * 10)
+        self.assertEqual(traffic(basin, Block(2, 2, 17, 4, 2, 2, True)), (size, 12 * (11 + 7 + 14) + 5 * 7 + 4 + 8 * 5))
+
+    def test_the_rule_for_ranks_is_that_of_the_program(self):
+        rows = [line.split(",") for line in (ROOT / "tests/solver/ranks_by_model.csv").read_text().splitlines()[1:]]
+        for length, width, depth, air, ranks, *shape in ((int(cell) for cell in row) for row in rows):
+            with self.subTest(length=length, ranks=ranks):
+                self.assertEqual(list(best_shape(Basin(length, width, depth, air), ranks)), shape)
+
+    def test_cuts_inside_slabs_go_on_where_slabs_end(self):
+        basin = Basin(100, 100, 100)
+        self.assertIsNone(slabs(basin, 100, self.COSTS))
+        self.assertLess(windows(basin, (20, 20), self.COSTS).total(), slabs(basin, 50, self.COSTS).total())
 
     def test_slabs_end_at_one_plane_a_rank(self):
         basin = Basin(100, 100, 100)
