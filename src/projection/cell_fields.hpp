@@ -50,39 +50,50 @@ struct EightsOfRow {
   Cells* operator[](std::size_t eight) const { return values + places[eight] * numbers; }
   /// Those from an eight on.
   EightsOfRow from(std::size_t eight) const { return {values, places + eight, nowhere, numbers}; }
+  /// Their numbers from one on.
+  EightsOfRow from_number(std::size_t q) const { return {values + q, places, nowhere, numbers}; }
   /// The same to read.
   operator EightsOfRow<const Cells>() const { return {values, places, nowhere, numbers}; }
 };
 using RowToRead = EightsOfRow<const EightCells>;
 using RowToWrite = EightsOfRow<EightCells>;
 
-/// Clears the first numbers of the cells [columns) of a row of which there is memory.
-inline void clear_cells(const RowToWrite& row, std::size_t numbers, Range columns) {
+/// Number q of cell c of a row.
+template <class Cells>
+auto* number_of(const EightsOfRow<Cells>& row, LocalId c, std::size_t q = 0) {
+  constexpr LocalId eight = EightCells::count;
+  return &row[static_cast<std::size_t>(c / eight)][q].of[c % eight];
+}
+
+/// Clears the cells [columns) of a row of which there is memory.
+inline void clear_cells(const RowToWrite& row, Range columns) {
   constexpr LocalId eight = EightCells::count;
   for (LocalId c = columns.begin; c < columns.end;) {
     const LocalId end = std::min(columns.end, (c / eight + 1) * eight);
     const auto e = static_cast<std::size_t>(c / eight);
-    for (std::size_t q = 0; q < numbers && row.has(e); ++q) std::fill_n(row[e][q].of + c % eight, end - c, 0.0);
+    for (std::size_t q = 0; q < row.numbers && row.has(e); ++q) std::fill_n(row[e][q].of + c % eight, end - c, 0.0);
     c = end;
   }
 }
 
 class CellFields {
  public:
-  /// `numbers` of each cell.
-  explicit CellFields(std::size_t numbers) : numbers_(numbers) {}
+  /// `numbers` of each cell, and `more` of those in whole rows, which are exchanged.
+  explicit CellFields(std::size_t numbers, std::size_t more = 0) : numbers_(numbers), in_whole_(numbers + more) {}
 
   /// Memory for the grid as it is now: 0 in planes that neighbours exchange; else not yet written.
-  void resize(const ProjectionGrid& grid) {
-    storage_ = &grid.storage();
-    const std::size_t size = storage_->size() * numbers_;
+  void resize(const RowStorage& storage) {
+    storage_ = &storage;
+    rest_ = storage_->exchanged() * (in_whole_ - numbers_);
+    const std::size_t size = rest_ + storage_->size() * numbers_;
     if (size > capacity_) {
       values_.reset();
       capacity_ = capacity_ == 0 ? size : size + size / 16;
       values_.reset(new EightCells[capacity_]);  // the threads that work on it write to it first
       cleared_ = 0;
     }
-    const std::size_t first = (storage_->exchanged() + 1) * numbers_;  // with the eight that stands for all others
+    const std::size_t first =
+        storage_->exchanged() * in_whole_ + numbers_;  // with the eight that stands for all others
     if (cleared_ == first) return;
     cleared_ = first;
     for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
@@ -90,18 +101,18 @@ class CellFields {
 
   /// Row (k, r); −1 and rows() are the rows of the ring.
   RowToWrite row(LocalId k, LocalId r) {
-    return {values_.get(), storage_->places(k, r), storage_->nowhere(), numbers_};
+    if (rest_ > 0 && storage_->is_whole(k, r))
+      return {values_.get(), storage_->places(k, r), storage_->nowhere(), in_whole_};
+    return {values_.get() + rest_, storage_->places(k, r), storage_->nowhere(), numbers_};
   }
-  RowToRead row(LocalId k, LocalId r) const {
-    return {values_.get(), storage_->places(k, r), storage_->nowhere(), numbers_};
-  }
+  RowToRead row(LocalId k, LocalId r) const { return const_cast<CellFields*>(this)->row(k, r); }
   /// Number q of a cell; one that there is memory for, to write it.
-  Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return row(k, r)[eight(c)][q].of[lane(c)]; }
-  Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return row(k, r)[eight(c)][q].of[lane(c)]; }
+  Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return *number_of(row(k, r), c, q); }
+  Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return *number_of(row(k, r), c, q); }
   /// Clears the cells of a row but for `kept`.
   void clear_around(LocalId k, LocalId r, Range kept) {
-    clear_cells(row(k, r), numbers_, {0, kept.begin});
-    clear_cells(row(k, r), numbers_, {kept.end, eight_cells * static_cast<LocalId>(storage_->per_row())});
+    clear_cells(row(k, r), {0, kept.begin});
+    clear_cells(row(k, r), {kept.end, eight_cells * static_cast<LocalId>(storage_->per_row())});
   }
   /// Clears a row.
   void clear(LocalId k, LocalId r) { clear_around(k, r, {0, 0}); }
@@ -117,16 +128,17 @@ class CellFields {
     for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
   }
 
-  /// Memory of one whole row.
+  /// Memory for `numbers` of the cells of one row.
   std::size_t per_row() const { return storage_->per_row() * numbers_; }
   /// Begins to exchange boundary planes, and rows where these are cut.
   void start(Halo& halo) {
-    const std::size_t per_plane = storage_->per_plane() * numbers_;
-    halo.start_planes(std::span(values_.get(), storage_->whole_planes() * numbers_), per_plane);
+    const std::size_t per_plane = storage_->per_plane() * in_whole_;
+    halo.start_planes(std::span(values_.get(), storage_->whole_planes() * in_whole_), per_plane);
     if (!halo.rows_are_cut()) return;
     const LocalId planes = storage_->shape().cells.planes.end - 2;
-    halo.start_rows({planes, per_row() * sizeof(EightCells)},
-                    [this](LocalId k, LocalId r, int) { return values_.get() + storage_->places(k, r)[0] * numbers_; });
+    halo.start_rows({planes, storage_->per_row() * in_whole_ * sizeof(EightCells)}, [this](LocalId k, LocalId r, int) {
+      return values_.get() + storage_->places(k, r)[0] * in_whole_;
+    });
   }
   std::size_t numbers() const { return numbers_; }
   std::size_t bytes() const { return capacity_ * sizeof(EightCells); }
@@ -136,7 +148,8 @@ class CellFields {
   static std::size_t eight(LocalId c) { return static_cast<std::size_t>(c / eight_cells); }
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
 
-  std::size_t numbers_, capacity_ = 0, cleared_ = 0;
+  std::size_t numbers_, in_whole_, capacity_ = 0, cleared_ = 0;
+  std::size_t rest_ = 0;  // where places in rows that are not whole are counted from
   const RowStorage* storage_ = nullptr;
   std::unique_ptr<EightCells[]> values_;
 };

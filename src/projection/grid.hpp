@@ -81,9 +81,13 @@ class ProjectionGrid {
   /// Makes room for the particles of `order` in those columns, once they are set of all rows, ghost planes included.
   void store_rows(const CellOrder& order) {
     const std::array<bool, 2> cut{rows_are_cut() && has_row(-1), rows_are_cut() && has_row(rows())};
-    storage_.lay_out({rows_of({0, planes() + 2}), {!wall_below(), !wall_above()}, repeats_, cut}, order, reach_);
+    const CellRows all = rows_of({0, planes() + 2});
+    storage_.lay_out({all, {!wall_below(), !wall_above()}, repeats_, cut}, order, reach_);
+    storage_beside_.lay_out({all, {}, repeats_, {}, true}, order, reach_);
   }
   const RowStorage& storage() const { return storage_; }
+  /// With the cells beside those that hold particles, and without whole rows.
+  const RowStorage& storage_beside() const { return storage_beside_; }
   /// Lengths of a cell, m.
   const Vec3& size() const { return size_; }
   /// Difference of index from a cell to its upper neighbour in direction a; step(0) is the number of cells in a plane.
@@ -166,7 +170,7 @@ class ProjectionGrid {
   LocalId columns_ = 0;
   std::array<std::size_t, 3> step_{};
   std::vector<LocalId> reach_;  // columns(k, r)
-  RowStorage storage_;
+  RowStorage storage_, storage_beside_;
 };
 
 }  // namespace trevi

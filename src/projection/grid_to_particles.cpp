@@ -21,8 +21,8 @@ AffineMap times(AffineMap map, Real factor) {
 
 void GridToParticles::store() {
   const ProjectionGrid& grid = surface_.grid();
-  noise_.resize(grid);
-  if (surface_.cuts() != nullptr) cut_fit_.resize(grid);
+  noise_.resize(grid.storage());
+  if (surface_.cuts() != nullptr) cut_fit_.resize(grid.storage());
 }
 
 // A dry cell right above water under gravity: the few particles in it follow the top cell.

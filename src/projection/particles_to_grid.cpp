@@ -72,7 +72,8 @@ void ParticlesToGrid::resize() {
 }
 
 void ParticlesToGrid::store() {
-  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_);
+  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_.storage());
+  volumes_.resize(grid_.storage_beside());
 }
 
 void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
@@ -146,7 +147,10 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
 void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion,
                                const CutCells* cuts) {
   const LocalId rows = grid_.rows(), beyond = grid_.rows_wrap() ? 1 : 0;
-  for (LocalId r = own.begin; r < own.end; ++r) sums_.clear(k, r);
+  for (LocalId r = own.begin; r < own.end; ++r) {
+    sums_.clear(k, r);
+    volumes_.clear(k, r);
+  }
   if (grid_.rows_are_cut() && own.begin == 0 && grid_.has_row(-1)) add_ghost_row(k, 0);
   // Where rows repeat, the last one is also before the first, and the first beyond the last.
   const LocalId end = std::min(own.end + 1, rows + beyond);
@@ -207,11 +211,12 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
 void ParticlesToGrid::add_ghost_row(LocalId k, std::size_t side) {
   const bool repeats = grid_.repeats()[2];
   const LocalId r = side == 0 ? 0 : grid_.rows() - 1, columns = grid_.columns(k, r);
+  const RowToWrite volumes_of_row = volumes_of(k, r);
   for (LocalId c = 0; c < grid_.columns(); ++c) {
     const VolumesBeside& volumes_beside = received_[side][beside_index(k, c)];
     for (LocalId column = c - 1; column <= c + 1; ++column) {
       if (!repeats && (column < 0 || column >= columns)) continue;
-      Real* const volume = &sums_.number(volumes, k, r, repeats ? (column + columns) % columns : column);
+      Real* const volume = number_of(volumes_of_row, repeats ? (column + columns) % columns : column);
       const auto j = static_cast<std::size_t>(column - c + 1);
       for (std::size_t plane = 0; plane < 3; ++plane)
         volume[plane * EightCells::count] += volumes_beside[3 * plane + j];
@@ -223,10 +228,11 @@ void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, Range rows, co
   const bool along_x = grid_.axis(0) == 0, repeats = grid_.repeats()[2];
   for (LocalId row = std::max(r - 1, rows.begin); row <= std::min(r + 1, rows.end - 1); ++row) {
     const LocalId columns = grid_.columns(k, row);
+    const RowToWrite volumes_of_row = volumes_of(k, row);
     const auto i = static_cast<std::size_t>(row - r + 1);
     for (LocalId column = c - 1; column <= c + 1; ++column) {
       if (!repeats && (column < 0 || column >= columns)) continue;
-      Real* const volume = &sums_.number(volumes, k, row, repeats ? (column + columns) % columns : column);
+      Real* const volume = number_of(volumes_of_row, repeats ? (column + columns) % columns : column);
       const auto j = static_cast<std::size_t>(column - c + 1);
       for (std::size_t plane = 0; plane < 3; ++plane)
         volume[plane * EightCells::count] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
@@ -235,10 +241,10 @@ void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, Range rows, co
 }
 
 void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes_of_row) const {
+  const RowToRead below = volumes_of(k - 1, r), own = volumes_of(k, r), above = volumes_of(k + 1, r);
   LocalId c = 0;
   for (Real& volume : volumes_of_row) {
-    volume = sums_.number(volumes + 2, k - 1, r, c) + sums_.number(volumes + 1, k, r, c) +
-             sums_.number(volumes, k + 1, r, c);
+    volume = *number_of(below, c, 2) + *number_of(own, c, 1) + *number_of(above, c, 0);
     ++c;
   }
 }

@@ -65,8 +65,13 @@ class ParticlesToGrid {
   std::size_t bytes() const;
 
  private:
-  // After the moments of a cell's particles: the volume that those of its plane add below it, to itself and above it.
-  static constexpr std::size_t volumes = numbers::moments;
+  // The volume that the particles of its plane add below a cell, to itself and above it: in whole rows after the
+  // moments of the cell's particles.
+  static constexpr std::size_t volumes = 3;
+  RowToWrite volumes_of(LocalId k, LocalId r) {
+    return grid_.storage().is_whole(k, r) ? sums_.row(k, r).from_number(numbers::moments) : volumes_.row(k, r);
+  }
+  RowToRead volumes_of(LocalId k, LocalId r) const { return const_cast<ParticlesToGrid*>(this)->volumes_of(k, r); }
   void sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts);
   void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion, const CutCells* cuts);
   void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
@@ -103,7 +108,7 @@ class ParticlesToGrid {
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
-  CellFields sums_{volumes + 3}, spread_{numbers::map}, fit_{numbers::map};
+  CellFields sums_{numbers::moments, volumes}, volumes_{volumes}, spread_{numbers::map}, fit_{numbers::map};
   std::vector<Range> filled_;  // filled(k, r)
   std::array<std::vector<Real>, 3> displacement_;
   // Where rows are cut, of the first and the last own row, and of the rows before and after these.

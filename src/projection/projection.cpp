@@ -146,9 +146,9 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
 }
 
 std::size_t Projection::bytes() const {
-  return rows_.bytes() + grid_.storage().bytes() + (openings_ != nullptr ? openings_->bytes() : 0) +
-         (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + surface_.bytes() + pressure_.bytes() +
-         grid_to_particles_.bytes() + shift_filter_.bytes();
+  return rows_.bytes() + grid_.storage().bytes() + grid_.storage_beside().bytes() +
+         (openings_ != nullptr ? openings_->bytes() : 0) + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() +
+         surface_.bytes() + pressure_.bytes() + grid_to_particles_.bytes() + shift_filter_.bytes();
 }
 
 template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);

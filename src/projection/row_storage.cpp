@@ -53,14 +53,16 @@ void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId
   const LocalId all = shape_.cells.columns, first = r * order.grid().columns();
   for (LocalId c = 0; c < columns; ++c) {
     if (order.start(k, first + c) == order.start(k, first + c + 1)) continue;
-    const bool repeats = shape_.repeats[2];
-    for (const LocalId beside : {c - 1, c, c + 1})
-      held[(repeats ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / 8] = 1;
+    held[c / 8] = 1;
+    for (const LocalId beside : {c - 1, c + 1}) {
+      if (shape_.beside) held[(shape_.repeats[2] ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / 8] = 1;
+    }
   }
 }
 
 bool RowStorage::is_needed(LocalId k, LocalId r, std::size_t eight) const {
   if (is_whole(k, r)) return false;
+  if (!shape_.beside) return held_[row_index(k, r) * whole_ + eight] != 0;
   const bool are_cut = shape_.rows_exchanged[0] || shape_.rows_exchanged[1];
   const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] && !are_cut ? 1 : 0;
   for (LocalId row = std::max(r - 1, -beyond); row <= std::min(r + 1, rows - 1 + beyond); ++row)

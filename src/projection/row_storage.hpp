@@ -1,9 +1,9 @@
 // Where CellFields keep the cells of rows, counted in eights of cells: there is memory for eights that hold a cell with
-// particles, or one beside such a cell in its plane, and all others are one and the same eight, which is 0 and never
-// written. Only planes at ends beyond which other ranks go on, the last own one and the ghost plane, which neighbours
-// exchange, have memory for all of their cells and for a ring of rows around them, one plane after another, so that
-// ranks agree on them without a word; of the other planes the same rows have where slabs are cut inside, the last own
-// one and the ghost row. Not collective.
+// particles, or for some fields also one beside such a cell in its plane, and all others are one and the same eight,
+// which is 0 and never written. Only planes at ends beyond which other ranks go on, the last own one and the ghost
+// plane, which neighbours exchange, have memory for all of their cells and for a ring of rows around them, one plane
+// after another, so that ranks agree on them without a word; of the other planes the same rows have where slabs are cut
+// inside, the last own one and the ghost row. Not collective.
 #pragma once
 
 #include <cstddef>
@@ -25,6 +25,7 @@ class RowStorage {
     std::array<bool, 2> exchanged;
     Repeats repeats;
     std::array<bool, 2> rows_exchanged;
+    bool beside = false;  // whether there is memory for the cells beside those with particles
   };
   /// `columns` of each row of each plane, with one row before and one after the own ones, that are looked at: particles
   /// above them do not count.
