@@ -145,9 +145,13 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
 
 void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
+  if (obstacles_.floating() != nullptr) solid_middles_.resize(grid.cells());
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
-    for (LocalId c = columns.begin; c < columns.end; ++c)
+    for (LocalId c = columns.begin; c < columns.end; ++c) {
+      near.solid_middle = {0.5F, 0.5F, 0.5F};
       cells[grid.index(k, r, c)] = cell_at(corner_of(grid, k, r, c), near);
+      if (obstacles_.floating() != nullptr) solid_middles_[grid.index(k, r, c)] = near.solid_middle;
+    }
   });
   grid.repeat(cells);
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {

@@ -73,8 +73,22 @@ class CutCells {
   Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest].volume * area(at); }
   /// The middle of that volume, m.
   Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
-    return middle_by_faces(cell, at) - excess_[cells_[at].nearest].middle;
+    const InCell& in_cell = solid_middles_[at];
+    return place(Vec3(cell[0] + in_cell[0], cell[1] + in_cell[1], cell[2] + in_cell[2])) -
+           excess_[cells_[at].nearest].middle;
   }
+  /// Pressure in a cell, at its middle and as it grows downwards: m² and m.
+  struct CellPressure {
+    Real phi, fall;
+  };
+  struct Pushes {
+    std::array<Impulse, 7> all;
+    std::size_t count = 0;
+  };
+  /// What the pressure of a cell gives to its water at each of its faces that a body closes, m, with places for arms:
+  /// the middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell. By
+  /// Gauss's theorem on the solid part of the cell, exact for water at rest however the body lies.
+  Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// The middle of a cell, m.
@@ -82,7 +96,7 @@ class CutCells {
 
   std::size_t bytes() const {
     return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]) +
-           cuts_row_.capacity();
+           solid_middles_.capacity() * sizeof(InCell) + cuts_row_.capacity();
   }
 
  private:
@@ -94,6 +108,7 @@ class CutCells {
     float surface = 0;
     std::uint32_t nearest = 0;
   };
+  using InCell = std::array<float, 3>;  // by direction, in cells from a corner
   struct Nearest {
     Real distance;
     std::size_t body;
@@ -102,7 +117,9 @@ class CutCells {
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
-    bool thick = false;  // those of the cell
+    bool thick = false;   // those of the cell
+    bool floats = false;  // the nearest to the cell
+    InCell solid_middle{0.5F, 0.5F, 0.5F};
     std::vector<Real> distance;
     std::vector<Range> ranges;
   };
@@ -144,15 +161,13 @@ class CutCells {
   // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
-  Real open_at(const Vec3& corner, const Bodies& bodies) const;
+  Real open_at(const Vec3& corner, Candidates& candidates) const;
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   // The corner of cell (k, r, c), counted from that of the first own cell.
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
   void measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
-  // About the middle of the solid in a cell, by the closed parts of its faces.
-  Vec3 middle_by_faces(const std::array<LocalId, 3>& cell, std::size_t at) const;
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
   void find_columns(const ProjectionGrid& grid);
@@ -171,7 +186,8 @@ class CutCells {
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
-  std::vector<Zone> zones_;  // of what moves, as measured last
+  std::vector<InCell> solid_middles_;  // where bodies move freely
+  std::vector<Zone> zones_;            // of what moves, as measured last
   struct BodyFace {
     std::size_t at, a, body;
     Vec3 p;
