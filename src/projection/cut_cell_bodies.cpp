@@ -30,8 +30,8 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
   PerThread<std::vector<GlobalId>> sums;
   sums.for_each([&](auto& of) { of.assign(sums_of_body * bodies.count(), 0); });
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
-    if (!cuts_row(k, r)) return;
-    for (LocalId c = 0; c < grid.columns(); ++c) {
+    const Range cut = cut_columns(k, r);
+    for (LocalId c = cut.begin; c < cut.end; ++c) {
       const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
       if (open(at) == 1 || !bodies.holds(nearest)) continue;
       const std::size_t body = nearest - bodies.first();

@@ -55,15 +55,21 @@ class CutCells {
     }
   }
   /// Whether a solid closes anything of a row's cells or of their faces.
-  bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
+  bool cuts_row(LocalId k, LocalId r) const { return cut_columns(k, r).size() != 0; }
+  /// All cells of a row of which that holds are among these columns.
+  Range cut_columns(LocalId k, LocalId r) const { return cut_columns_[row_index(k, r)]; }
   /// Whether a solid cuts a cell of the row, or of one of those around it.
-  bool is_near_cut(LocalId k, LocalId r) const {
+  bool is_near_cut(LocalId k, LocalId r) const { return columns_near_cut(k, r).size() != 0; }
+  /// All cells of a row that are cut, or beside ones that are, are among these columns.
+  Range columns_near_cut(LocalId k, LocalId r) const {
+    Range near{columns_, 0};
     for (LocalId i = k - 1; i <= k + 1; ++i) {
       for (LocalId j = r - 1; j <= r + 1; ++j) {
-        if (cuts_row_[row_index(i, j)] != 0) return true;
+        const Range cut = cut_columns_[row_index(i, j)];
+        if (cut.size() != 0) near = {std::min(near.begin, cut.begin - 1), std::max(near.end, cut.end + 1)};
       }
     }
-    return false;
+    return near.end == 0 ? Range{0, 0} : near;
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
@@ -72,11 +78,7 @@ class CutCells {
   /// own, and so is their centre of volume.
   Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest].volume * area(at); }
   /// The middle of that volume, m.
-  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
-    const InCell& in_cell = solid_middles_[at];
-    return place(Vec3(cell[0] + in_cell[0], cell[1] + in_cell[1], cell[2] + in_cell[2])) -
-           excess_[cells_[at].nearest].middle;
-  }
+  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const;
   /// Pressure in a cell, at its middle and as it grows downwards: m² and m.
   struct CellPressure {
     Real phi, fall;
@@ -96,7 +98,7 @@ class CutCells {
 
   std::size_t bytes() const {
     return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]) +
-           solid_middles_.capacity() * sizeof(InCell) + cuts_row_.capacity();
+           solid_middles_.capacity() * sizeof(InCell) + cut_columns_.capacity() * sizeof(Range);
   }
 
  private:
@@ -133,6 +135,7 @@ class CutCells {
   };
   Zone zone_of(const Body& body) const;
   void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
+  static Real countable(Real in_cell);
   // Along direction a.
   Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
@@ -182,7 +185,7 @@ class CutCells {
   Box box_;
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
-  LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0;
+  LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   std::vector<Cell> all_;  // of all columns of the box
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
@@ -200,7 +203,7 @@ class CutCells {
   };
   std::vector<Excess> excess_;
   std::vector<BodyFace> body_faces_;  // of bodies that move freely
-  std::vector<char> cuts_row_;        // of planes and rows with those beside them
+  std::vector<Range> cut_columns_;    // of planes and rows with those beside them
 };
 
 }  // namespace trevi

@@ -16,8 +16,8 @@ void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) 
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     if (beside_wall || grid.is_wall(2, k, r, c) || grid.is_wall(2, k, r, c + 1)) of_walls(k, r, c);
   }
-  if (!surface_.cuts()->cuts_row(k, r)) return;
-  for (LocalId c = 0; c < grid.columns(); ++c) of_cell(k, r, c);
+  const Range cut = surface_.cuts()->cut_columns(k, r);
+  for (LocalId c = cut.begin; c < cut.end; ++c) of_cell(k, r, c);
 }
 
 // The pressure of a cell on the walls of the box that it touches, at their height.

@@ -35,7 +35,12 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
                         kernels_of(settings.fluid).density, settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));
-  for (const BodySettings& body : settings.bodies) bodies_.push_back(std::make_unique<Body>(body, rules, true));
+  for (const BodySettings& body : settings.bodies) {
+    const auto alike =
+        std::find_if(settings.bodies.data(), &body, [&](const BodySettings& one) { return has_same_shape(one, body); });
+    const std::size_t k = settings.obstacles.size() + static_cast<std::size_t>(alike - settings.bodies.data());
+    bodies_.push_back(std::make_unique<Body>(body, rules, true, alike != &body ? bodies_[k].get() : nullptr));
+  }
   index_.emplace(settings.domain, settings.fluid.kernel_radius, bodies_);
   if (!settings.bodies.empty())
     floating_ = std::make_unique<RigidBodies>(settings, bodies_, [this] { index_->update(); });
