@@ -41,11 +41,12 @@ every_steps = {every}
 """
 
 
-def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every=1):
-    """Columns of series.csv and bodies.csv of a tank with water up to `depth` and bodies; a row every so many steps."""
+def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every=1, kind="body"):
+    """Columns of series.csv and bodies.csv of a tank with water up to `depth` and bodies; a row every so many steps. Of the kind
+    "obstacle" they stand."""
     with tempfile.TemporaryDirectory() as folder:
         scene, output = Path(folder) / "scene.toml", Path(folder) / "run"
-        lines = "\n".join("[[body]]\n" + "\n".join(f"{key} = {value}" for key, value in body.items()) for body in bodies)
+        lines = "\n".join(f"[[{kind}]]\n" + "\n".join(f"{key} = {value}" for key, value in body.items()) for body in bodies)
         scene.write_text(SCENE.format(box=list(map(float, box)), water=[*map(float, box[:2]), float(depth)], spacing=spacing, dt=dt,
                                       end=end, gravity=gravity, bodies=lines, every=every), encoding="utf-8")
         code, message = launch(trevi, scene, output, (), 1800)
@@ -136,6 +137,13 @@ def afloat(trevi, spacing=0.05, radius=0.15, density=500):
             *rises(energy(series, found, mass, 0.4 * mass * radius**2), found["time"], 15)], None
 
 
+def standing(trevi, spacing=0.05, radius=0.15):
+    """The same ball where it does not float: what the water's own energy does."""
+    ball = {"type": '"sphere"', "radius": radius, "center": [0.51, 0.48, 1.0]}
+    series, _ = run(trevi, ball, box=(1.0, 1.0, 1.3), depth=1.0, spacing=spacing, dt=1 / 60, end=30.0, every=5, kind="obstacle")
+    return rises(series["kinetic_energy"] + series["potential_energy"], series["time"], 15), None
+
+
 def light(trevi, spacing=0.05):
     radius = 2.4 * spacing
     body = {"type": '"sphere"', "radius": radius, "center": [0.5, 0.5, 0.4], "density": 50}
@@ -189,12 +197,15 @@ def rises(total, time, rest):
             ("loss of it by then", "J", math.nan, total[0] - total[late][0])]
 
 
-def raft(trevi, spacing=0.05):
-    size, density = np.array([0.4, 0.3, 0.15]), 500
-    body = {"type": '"box"', "size": list(map(float, size)), "center": [0.6, 0.4, 0.54], "rotate": [0.0, 5.0, 0.0], "density": density}
-    series, found = run(trevi, body, box=(1.2, 0.8, 0.9), depth=0.45, spacing=spacing, dt=1 / 60, end=20.0)
+def raft(trevi, layers, spacing=0.05):
+    size, density, depth = np.array([0.4, 0.3, 0.15]), 500, layers * spacing
+    body = {"type": '"box"', "size": list(map(float, size)), "center": [0.6, 0.4, depth + 0.09], "rotate": [0.0, 5.0, 0.0],
+            "density": density}
+    series, found = run(trevi, body, box=(1.2, 0.8, 2 * depth), depth=depth, spacing=spacing, dt=1 / 60, end=20.0)
     mass = density * size.prod()
-    return rises(energy(series, found, mass, mass / 12 * (np.sum(size**2) - size**2)), found["time"], 10), None
+    late = found["time"] > 10
+    return [*rises(energy(series, found, mass, mass / 12 * (np.sum(size**2) - size**2)), found["time"], 10),
+            ("kinetic energy of the water, mean from 10 s on", "J", 0, series["kinetic_energy"][late].mean())], None
 
 
 def level_of(series, area, displaced, spacing):
@@ -309,7 +320,8 @@ def curve_of(curves, named):
     return [curve for case, curve in curves.items() if case.startswith(named)][-1]
 
 
-CASES = {"free fall": fall, "light ball": light, "ball of the water's density": neutral, "ball afloat": afloat, "raft": raft,
+CASES = {"free fall": fall, "light ball": light, "ball of the water's density": neutral, "ball afloat": afloat, "ball that stands there": standing,
+         **{f"raft, {n} layers": (lambda trevi, n=n: raft(trevi, n)) for n in (9, 10)},
          **{f"log of {d} kg/m³": (lambda trevi, d=d, rest=rest: log(trevi, d, rest)) for d, rest in ((150, 0), (500, 45))},
          **{f"plate of {d} kg/m³, 0.6 spacings thick": (lambda trevi, d=d: plate(trevi, d)) for d in (500, 3000)},
          "duck": bath_duck, "two balls that collide": collision, "ball on a spring in the air": spring, "buoy on a line": buoy,

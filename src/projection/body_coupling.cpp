@@ -10,8 +10,8 @@ std::vector<Six> BodyCoupling::pressed(const FreeSurface& surface, const RecordF
   const RigidBodies& bodies = *obstacles_.floating();
   pushes_.clear();
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
-    if (!cuts_.cuts_row(k, r)) return;
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+    const Range cut = cuts_.cut_columns(k, r);
+    for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns(k, r)); ++c) {
       const std::size_t nearest = cuts_.nearest(grid.index(k, r, c));
       if (!bodies.holds(nearest)) continue;
       RecordForces::Pushes pushes = record.pushes_of_cell(k, r, c);

@@ -16,23 +16,6 @@ Real CutCells::area(std::size_t at) const {
   return std::sqrt(sum);
 }
 
-Vec3 CutCells::middle_by_faces(const std::array<LocalId, 3>& cell, std::size_t at) const {
-  Vec3 sum = Vec3::Zero();
-  Real weight = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (const bool upper : {false, true}) {
-      const std::size_t face_at = upper ? at + step_[a] : at;
-      const Real closed = 1 - face(a, face_at);
-      if (closed == 0) continue;
-      std::array<LocalId, 3> above = cell;
-      if (upper) ++above[a];
-      sum += closed * middle_of_closed(a, above, face_at);
-      weight += closed;
-    }
-  }
-  return weight > 0 ? Vec3(sum / weight) : middle(cell[0], cell[1], cell[2]);
-}
-
 namespace {
 
 // Of a body: volume, area, volume of cells that water is in, and the moments of the first two about its centre.
@@ -47,12 +30,12 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
   PerThread<std::vector<GlobalId>> sums;
   sums.for_each([&](auto& of) { of.assign(sums_of_body * bodies.count(), 0); });
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
-    if (!cuts_row(k, r)) return;
-    for (LocalId c = 0; c < grid.columns(); ++c) {
+    const Range cut = cut_columns(k, r);
+    for (LocalId c = cut.begin; c < cut.end; ++c) {
       const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
       if (open(at) == 1 || !bodies.holds(nearest)) continue;
       const std::size_t body = nearest - bodies.first();
-      const Vec3 arm = (middle_by_faces({k, r, c}, at) - bodies.body(body).end_position()) / size_.maxCoeff();
+      const Vec3 arm = (middle_of_solid({k, r, c}, at) - bodies.body(body).end_position()) / size_.maxCoeff();
       const Real volume = 1 - open(at), surface = area(at);
       GlobalId* sum = &sums.mine()[sums_of_body * body];
       for (const Real one : {volume, surface, open(at) > 0 ? volume : 0, volume * arm.x(), volume * arm.y(),
@@ -80,6 +63,28 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
     const Real cut = sum[2] - excess.volume * sum[1];
     if (cut > 0) excess.middle = moment * size_.maxCoeff() / cut;
   }
+}
+
+CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_t at,
+                                  const CellPressure& pressure) const {
+  Pushes pushes;
+  const Real level = middle(cell[0], cell[1], cell[2]).z();
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const bool upper : {false, true}) {
+      const std::size_t face_at = upper ? at + step_[a] : at;
+      const Real closed = 1 - face(a, face_at);
+      if (closed == 0) continue;
+      std::array<LocalId, 3> above = cell;
+      if (upper) ++above[a];
+      const Vec3 arm = middle_of_closed(a, above, face_at);
+      const Real push =
+          (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
+      pushes.all[pushes.count++] = {(upper ? push : -push) * Vec3::Unit(axis_[a]), arm};
+    }
+  }
+  if (pushes.count > 0)
+    pushes.all[pushes.count++] = {-pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at)};
+  return pushes;
 }
 
 }  // namespace trevi

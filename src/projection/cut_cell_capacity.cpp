@@ -16,6 +16,13 @@ constexpr std::size_t number_of(std::size_t i, std::size_t j, std::size_t k) { r
 
 }  // namespace
 
+// Not cleared: there is memory for those that are written.
+void CutCells::store_shares(std::size_t cells) {
+  if (shares_size_ == cells) return;
+  shares_size_ = cells;
+  shares_.reset(cells > 0 ? new Shares[cells] : nullptr);
+}
+
 // Of a cuboid at `place`, in cells from the corner of its cell, which is `corner` cells from that of the box.
 CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real corner) const {
   const auto b = static_cast<std::size_t>(axis_[a]);

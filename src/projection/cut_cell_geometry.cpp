@@ -140,14 +140,18 @@ Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
   return weight > 0 ? sum / weight : 0;
 }
 
-// Linear in each sample, as the faces; shares of what is open of a sample are those of its middle.
-Real CutCells::open_at(const Vec3& corner, const Bodies& bodies, Shares& shares) const {
+// Linear in each sample, as the faces; shares of what is open of a sample are those of its middle. The middle of the
+// solid is that of its parts in samples, which lie off the middles of these along the slope.
+Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
   CubeOfDistances distance;
-  find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, bodies, distance);
+  find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, candidates.of_cell,
+                 distance);
   const auto of_samples = shares_of_samples(corner);
   std::array<Real, 27> shared{};
-  Real sum = 0;
+  Real sum = 0, solid = 0;
+  std::array<Real, 3> moment{};
   for (int i = 0; i < samples * samples * samples; ++i) {
+    // Planes of samples across direction 2, then samples along 0 and 1.
     const std::array<int, 3> here{i / samples / samples, i / samples % samples, i % samples};
     const auto at = [&](const std::array<int, 3>& p) {
       return distance[static_cast<std::size_t>((p[0] * samples + p[1]) * samples + p[2])];
@@ -159,20 +163,24 @@ Real CutCells::open_at(const Vec3& corner, const Bodies& bodies, Shares& shares)
       high[a] = std::min(high[a] + 1, samples - 1);
       slope[a] = (at(high) - at(low)) / (high[a] - low[a]);
     }
-    const Real part = clipped_cube(at(here), slope);
-    sum += part;
-    // `here` counts samples upwards first, then along planes and rows.
+    const Real open = clipped_cube(at(here), slope), closed = 1 - open;
+    sum += open;
     const SharesAlong &u = of_samples[0][static_cast<std::size_t>(here[1])],
                       &v = of_samples[1][static_cast<std::size_t>(here[2])],
                       &w = of_samples[2][static_cast<std::size_t>(here[0])];
-    for (std::size_t n = 0; n < shared.size() && part > 0; ++n) shared[n] += part * u[n / 9] * v[n / 3 % 3] * w[n % 3];
+    for (std::size_t n = 0; n < shared.size() && open > 0; ++n) shared[n] += open * u[n / 9] * v[n / 3 % 3] * w[n % 3];
+    if (!candidates.floats || closed == 0) continue;
+    solid += closed;
+    const std::array<Real, 3> off = middle_below(closed, slope);
+    for (std::size_t a = 0; a < 3; ++a) moment[(a + 2) % 3] += closed * (sample(here[a]) + off[a] / samples);
   }
+  for (std::size_t a = 0; a < 3 && solid > 0; ++a) candidates.solid_middle[a] = static_cast<float>(moment[a] / solid);
   constexpr int all = samples * samples * samples;
-  for (std::size_t n = 0; n < shared.size(); ++n) shares[n] = static_cast<float>(shared[n] / all);
+  for (std::size_t n = 0; n < shared.size(); ++n) candidates.shares[n] = static_cast<float>(shared[n] / all);
   return sum / all;
 }
 
-CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates, Shares& shares) const {
+CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) const {
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
@@ -187,14 +195,14 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates, Sha
   candidates.thick = are_thick(middle, bodies);
   for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, candidates, cell);
   // Surfaces a little outside of the cell count where a face of it is closed.
-  const bool floats = obstacles_.floating() != nullptr && obstacles_.floating()->holds(far.body);
-  if (!floats && std::abs(far.distance) < 0.75 * size_.norm())
+  candidates.floats = obstacles_.floating() != nullptr && obstacles_.floating()->holds(far.body);
+  if (!candidates.floats && std::abs(far.distance) < 0.75 * size_.norm())
     cell.surface = static_cast<float>(surface_at(corner, bodies));
   if (std::abs(far.distance) > size_.norm() / 2) {
     cell.open = far.distance > 0 ? 1 : 0;
     return cell;
   }
-  const Real open = open_at(corner, bodies, shares);
+  const Real open = open_at(corner, candidates);
   cell.open = open < min_open ? 0 : static_cast<float>(open);
   return cell;
 }

@@ -27,12 +27,24 @@ Vec3 CutCells::place(const Vec3& in_cells) const {
 
 Vec3 CutCells::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
 
+// A multiple of 2⁻³⁰, to which whole cells are added without rounding: the same place on whatever rank.
+Real CutCells::countable(Real in_cell) {
+  constexpr Real parts = 1U << 30U;
+  return std::rint(in_cell * parts) / parts;
+}
+
+Vec3 CutCells::middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
+  Vec3 middle;
+  for (std::size_t a = 0; a < 3; ++a) middle[static_cast<Eigen::Index>(a)] = cell[a] + countable(solid_middles_[at][a]);
+  return place(middle) - excess_[cells_[at].nearest].middle;
+}
+
 Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const {
   Vec3 corner(cell[0], cell[1], cell[2]);
   const Real open = face(a, at);
   for (std::size_t i = 0; i < 2; ++i) {
     const Real middle = open < 1 ? (0.5 - open * cells_[at].middle[a][i]) / (1 - open) : 0.5;
-    corner[static_cast<Eigen::Index>((a + 1 + i) % 3)] += open > 0 ? std::clamp(middle, 0.0, 1.0) : 0.5;
+    corner[static_cast<Eigen::Index>((a + 1 + i) % 3)] += open > 0 ? countable(std::clamp(middle, 0.0, 1.0)) : 0.5;
   }
   return place(corner);
 }
@@ -145,14 +157,15 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
 
 void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
-  if (shares_size_ != grid.cells()) {
-    shares_size_ = grid.cells();
-    shares_.reset(new Shares[shares_size_]);  // not cleared: there is memory for those that are written
-  }
+  store_shares(grid.cells());
+  if (obstacles_.floating() != nullptr) solid_middles_.resize(grid.cells());
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
-      cells[at] = cell_at(corner_of(grid, k, r, c), near, shares_[at]);
+      near.solid_middle = {0.5F, 0.5F, 0.5F};
+      cells[at] = cell_at(corner_of(grid, k, r, c), near);
+      if (cells[at].open > 0 && cells[at].open < 1) shares_[at] = near.shares;
+      if (obstacles_.floating() != nullptr) solid_middles_[at] = near.solid_middle;
     }
   });
   grid.repeat(cells);
@@ -215,24 +228,27 @@ void CutCells::find_columns(const ProjectionGrid& grid) {
 
 // Faces of a row's upper neighbours are its own, too.
 void CutCells::find_cut_rows(const ProjectionGrid& grid) {
-  cuts_row_.assign(row_index(grid.planes() + 2, -1), 0);
+  columns_ = grid.columns();
+  cut_columns_.assign(row_index(grid.planes() + 2, -1), {0, 0});
   for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     const auto is_cut = [&](std::size_t at) {
       const Cell& cell = cells_[at];
       return cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
     };
-    bool cut = false;
-    for (LocalId c = 0; c <= grid.columns(); ++c) {
+    const auto is_cut_here = [&](LocalId c) {
       const std::size_t at = grid.index(k, r, c);
-      cut = cut || is_cut(at) || (r < grid.rows() && is_cut(at + grid.step(1))) ||
-            (k <= grid.planes() && is_cut(at + grid.step(0)));
-    }
-    cuts_row_[row_index(k, r)] = cut ? 1 : 0;
+      return is_cut(at) || (r < grid.rows() && is_cut(at + grid.step(1))) ||
+             (k <= grid.planes() && is_cut(at + grid.step(0)));
+    };
+    LocalId begin = 0, end = grid.columns();  // the last one is beyond the cells
+    while (begin <= end && !is_cut_here(begin)) ++begin;
+    while (end >= begin && !is_cut_here(end)) --end;
+    if (begin <= end) cut_columns_[row_index(k, r)] = {std::max(begin - 1, 0), std::min(end + 1, grid.columns())};
   });
   if (grid.rows_wrap()) {
     for (LocalId k = 0; k < grid.planes() + 2; ++k) {
-      cuts_row_[row_index(k, -1)] = cuts_row_[row_index(k, rows_ - 1)];
-      cuts_row_[row_index(k, rows_)] = cuts_row_[row_index(k, 0)];
+      cut_columns_[row_index(k, -1)] = cut_columns_[row_index(k, rows_ - 1)];
+      cut_columns_[row_index(k, rows_)] = cut_columns_[row_index(k, 0)];
     }
   }
 }
@@ -271,8 +287,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     whole.resize(grid.window(), grid.count(2));
     all_.clear();
     measure_cells(whole, {everywhere}, all_);
-    shares_.reset();
-    shares_size_ = 0;
+    store_shares(0);
   }
   if (stays && cells_.size() == grid.cells()) return;
   find_columns(grid);

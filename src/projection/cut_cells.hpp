@@ -61,15 +61,21 @@ class CutCells {
     }
   }
   /// Whether a solid closes anything of a row's cells or of their faces.
-  bool cuts_row(LocalId k, LocalId r) const { return cuts_row_[row_index(k, r)] != 0; }
+  bool cuts_row(LocalId k, LocalId r) const { return cut_columns(k, r).size() != 0; }
+  /// All cells of a row of which that holds are among these columns.
+  Range cut_columns(LocalId k, LocalId r) const { return cut_columns_[row_index(k, r)]; }
   /// Whether a solid cuts a cell of the row, or of one of those around it.
-  bool is_near_cut(LocalId k, LocalId r) const {
+  bool is_near_cut(LocalId k, LocalId r) const { return columns_near_cut(k, r).size() != 0; }
+  /// All cells of a row that are cut, or beside ones that are, are among these columns.
+  Range columns_near_cut(LocalId k, LocalId r) const {
+    Range near{columns_, 0};
     for (LocalId i = k - 1; i <= k + 1; ++i) {
       for (LocalId j = r - 1; j <= r + 1; ++j) {
-        if (cuts_row_[row_index(i, j)] != 0) return true;
+        const Range cut = cut_columns_[row_index(i, j)];
+        if (cut.size() != 0) near = {std::min(near.begin, cut.begin - 1), std::max(near.end, cut.end + 1)};
       }
     }
-    return false;
+    return near.end == 0 ? Range{0, 0} : near;
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
@@ -78,9 +84,19 @@ class CutCells {
   /// own, and so is their centre of volume.
   Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest].volume * area(at); }
   /// The middle of that volume, m.
-  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
-    return middle_by_faces(cell, at) - excess_[cells_[at].nearest].middle;
-  }
+  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const;
+  /// Pressure in a cell, at its middle and as it grows downwards: m² and m.
+  struct CellPressure {
+    Real phi, fall;
+  };
+  struct Pushes {
+    std::array<Impulse, 7> all;
+    std::size_t count = 0;
+  };
+  /// What the pressure of a cell gives to its water at each of its faces that a body closes, m, with places for arms:
+  /// the middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell. By
+  /// Gauss's theorem on the solid part of the cell, exact for water at rest however the body lies.
+  Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// The middle of a cell, m.
@@ -88,7 +104,7 @@ class CutCells {
 
   std::size_t bytes() const {
     return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]) +
-           cuts_row_.capacity();
+           solid_middles_.capacity() * sizeof(InCell) + cut_columns_.capacity() * sizeof(Range);
   }
 
  private:
@@ -100,15 +116,21 @@ class CutCells {
     float surface = 0, capacity = 1;
     std::uint32_t nearest = 0;
   };
+  using InCell = std::array<float, 3>;  // by direction, in cells from a corner
   struct Nearest {
     Real distance;
     std::size_t body;
   };
   using Bodies = std::vector<std::size_t>;  // numbers of obstacles, in their order
+  // Shares of what is open of a cell in itself, (1, 1, 1), and in the 26 around it, in cells.
+  using Shares = std::array<float, 27>;
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
-    bool thick = false;  // those of the cell
+    bool thick = false;   // those of the cell
+    bool floats = false;  // the nearest to the cell
+    InCell solid_middle{0.5F, 0.5F, 0.5F};
+    Shares shares{};  // of the cell
     std::vector<Real> distance;
     std::vector<Range> ranges;
   };
@@ -122,6 +144,7 @@ class CutCells {
   };
   Zone zone_of(const Body& body) const;
   void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
+  static Real countable(Real in_cell);
   // Along direction a.
   Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
@@ -132,8 +155,6 @@ class CutCells {
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
   static constexpr Real looked_at = 1.7;
-  // Shares of what is open of a cell in itself, (1, 1, 1), and in the 26 around it, in cells.
-  using Shares = std::array<float, 27>;
   // Along a direction: those of a place in a cell in the cell below, itself, and the one above.
   using SharesAlong = std::array<Real, 3>;
   // In each direction of a cell.
@@ -149,13 +170,14 @@ class CutCells {
   void for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
   void measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
-  Cell cell_at(const Vec3& corner, Candidates& candidates, Shares& shares) const;
+  Cell cell_at(const Vec3& corner, Candidates& candidates) const;
   void measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const;
   // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
-  Real open_at(const Vec3& corner, const Bodies& bodies, Shares& shares) const;
+  Real open_at(const Vec3& corner, Candidates& candidates) const;
   // See cut_cell_capacity.cpp.
+  void store_shares(std::size_t cells);
   void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
   Real capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                    const std::vector<Cell>& cells) const;
@@ -169,8 +191,6 @@ class CutCells {
   void measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
-  // About the middle of the solid in a cell, by the closed parts of its faces.
-  Vec3 middle_by_faces(const std::array<LocalId, 3>& cell, std::size_t at) const;
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
   void find_columns(const ProjectionGrid& grid);
@@ -185,14 +205,15 @@ class CutCells {
   Box box_;
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
-  LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0;
+  LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   CellFrame frame_{};
   std::vector<Cell> all_;             // of all columns of the box
   std::unique_ptr<Shares[]> shares_;  // of cells that solids cut, by index; of others not written
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
-  std::vector<Zone> zones_;  // of what moves, as measured last
+  std::vector<InCell> solid_middles_;  // where bodies move freely
+  std::vector<Zone> zones_;            // of what moves, as measured last
   struct BodyFace {
     std::size_t at, a, body;
     Vec3 p;
@@ -205,7 +226,7 @@ class CutCells {
   };
   std::vector<Excess> excess_;
   std::vector<BodyFace> body_faces_;  // of bodies that move freely
-  std::vector<char> cuts_row_;        // of planes and rows with those beside them
+  std::vector<Range> cut_columns_;    // of planes and rows with those beside them
 };
 
 }  // namespace trevi

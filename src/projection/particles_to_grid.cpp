@@ -17,6 +17,8 @@ Range joined(Range a, Range b) {
   return b.size() == 0 ? a : Range{std::min(a.begin, b.begin), std::max(a.end, b.end)};
 }
 
+bool is_in(LocalId c, Range range) { return c >= range.begin && c < range.end; }
+
 // Rows of a plane that are summed at a time: all of them where planes are enough for the threads, as rows at the ends
 // of a part are summed twice.
 LocalId rows_of_sums(Range planes, LocalId rows) {
@@ -156,12 +158,12 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
   const LocalId end = std::min(own.end + 1, rows + beyond);
   for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
     const LocalId r = (row + rows) % rows;
-    const CutCells* const near = cuts != nullptr && cuts->is_near_cut(k, r) ? cuts : nullptr;
+    const Range near = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
-      const CellSums sums = near == nullptr ? sum_cell(frame_, motion, cell)
-                                            : sum_cell(near->beside_sheets(frame_, grid_, {k, r, c}), motion, cell);
+      const CellSums sums = is_in(c, near) ? sum_cell(cuts->beside_sheets(frame_, grid_, {k, r, c}), motion, cell)
+                                           : sum_cell(frame_, motion, cell);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
@@ -193,12 +195,12 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
   const bool along_x = grid_.axis(0) == 0;
   const LocalId r = side == 0 ? 0 : grid_.rows() - 1;
   const std::size_t i = side == 0 ? 0 : 2;
-  const CutCells* const near = cuts != nullptr && cuts->is_near_cut(k, r) ? cuts : nullptr;
+  const Range near = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const CellParticles cell = particles_of(order, k, r, c);
     if (cell.begin == cell.end) continue;
-    const CellSums sums = near == nullptr ? sum_cell(frame_, motion, cell)
-                                          : sum_cell(near->beside_sheets(frame_, grid_, {k, r, c}), motion, cell);
+    const CellSums sums = is_in(c, near) ? sum_cell(cuts->beside_sheets(frame_, grid_, {k, r, c}), motion, cell)
+                                         : sum_cell(frame_, motion, cell);
     VolumesBeside& beside = given_[side][beside_index(k, c)];
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (std::size_t j = 0; j < 3; ++j)

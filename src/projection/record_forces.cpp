@@ -16,8 +16,8 @@ void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) 
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     if (beside_wall || grid.is_wall(2, k, r, c) || grid.is_wall(2, k, r, c + 1)) of_walls(k, r, c);
   }
-  if (!surface_.cuts()->cuts_row(k, r)) return;
-  for (LocalId c = 0; c < grid.columns(); ++c) of_cell(k, r, c);
+  const Range cut = surface_.cuts()->cut_columns(k, r);
+  for (LocalId c = cut.begin; c < cut.end; ++c) of_cell(k, r, c);
 }
 
 // The pressure of a cell on the walls of the box that it touches, at their height.
@@ -64,34 +64,13 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   obstacles_.record_projection(obstacles_.rest_account(), -shift, Vec3::Zero());
 }
 
-// By Gauss's theorem on the solid part of the cell, with a pressure that is hydrostatic about the cell's middle: exact
-// for water at rest however the body lies.
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
-  const CutCells& solids = *surface_.cuts();
   const std::size_t at = grid.index(k, r, c);
-  Pushes pushes;
-  if (!surface_.is_wet(at) || surface_.is_solid(at)) return pushes;
-  const Real phi = pressure_.phi_so_far(at), middle = solids.middle(k, r, c).z();
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return {};
+  Pushes pushes = surface_.cuts()->pushes({k, r, c}, at, {pressure_.phi_so_far(at), g_dt2_});
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
-  bool closes = false;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (const bool upper : {false, true}) {
-      const std::size_t face = upper ? at + grid.step(a) : at;
-      const Real closed = 1 - solids.face(a, face);
-      if (closed == 0) continue;
-      std::array<LocalId, 3> cell{k, r, c};
-      if (upper) ++cell[a];
-      const Vec3 arm = solids.middle_of_closed(a, cell, face);
-      const Real push =
-          (phi + g_dt2_ * (arm.z() - middle)) * particles / grid.size()[static_cast<Eigen::Index>(a)] * closed;
-      pushes.all[pushes.count++] = {(upper ? push : -push) * Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a))), arm};
-      closes = true;
-    }
-  }
-  if (closes)
-    pushes.all[pushes.count++] = {-g_dt2_ * particles * solids.solid(at) * Vec3::UnitZ(),
-                                  solids.middle_of_solid({k, r, c}, at)};
+  for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].shift *= particles;
   return pushes;
 }
 

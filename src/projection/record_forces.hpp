@@ -20,12 +20,8 @@ class RecordForces {
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
   void of_gauges(const Box& box) const;
-  /// What the pressure of a cell that a body cuts gives to the water at each of its faces, m, with places for arms: the
-  /// middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell.
-  struct Pushes {
-    std::array<Impulse, 7> all;
-    std::size_t count = 0;
-  };
+  /// What the pressure of a cell that a body cuts gives to the water (CutCells::pushes()), for all of its particles.
+  using Pushes = CutCells::Pushes;
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
 
  private:

@@ -1,8 +1,10 @@
 // What obstacles leave of the projection's cells and faces, against brute sampling of all of them everywhere.
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
 #include "boundary/obstacles/obstacles.hpp"
+#include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "particles/cell_grid.hpp"
 #include "projection/cut_cells.hpp"
 #include "stages.hpp"
@@ -310,6 +312,106 @@ TEST(CutCells, CellsWithoutParticlesMoveWithTheWaterBeside) {
     EXPECT_LT(max_over_ranks(world, wrong), 1e-8) << "of 0.05 m, radius " << radius;
     EXPECT_GT(sum_over_ranks(world, empty), 0) << "radius " << radius;
   }
+}
+
+// A body in a pool at rest, part of it above the water: force and moment about its centre of what the pressure does to
+// it, in units of the weight of the water that the body would displace, by lengths of a cell.
+struct Afloat {
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero(), lift = Vec3::Zero(), lift_moment = Vec3::Zero();
+
+  Afloat(const BodySettings& body, Real level) {
+    Settings settings;
+    settings.domain = {Vec3::Zero(), Vec3(12 * h, 2.4, 2)};
+    settings.fluid.spacing = h / 2;
+    settings.gravity = Vec3(0, 0, -1);
+    settings.bodies.push_back(body);
+    settings = resolved(settings);
+    const AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h,
+                                  WallSlope::of_positions};
+    Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
+    obstacles.move(0, 0.001);
+    CutCells cuts{obstacles};
+    ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+    grid.resize(window_of(grid, 12 / size_of(world)), 10);
+    cuts.measure(world, grid, settings.domain);
+    const Vec3 center = obstacles.floating()->body(0).end_position();
+    const Real all = obstacles.floating()->body(0).volume() / (h * h * h);
+    for (LocalId k = 1; k <= grid.planes(); ++k) {
+      for (LocalId r = 0; r < grid.rows(); ++r) {
+        for (LocalId c = 0; c < grid.columns(); ++c) {
+          const std::size_t at = grid.index(k, r, c);
+          const Vec3 middle = cuts.middle(k, r, c);
+          if (middle.z() > level || cuts.open(at) == 0 || cuts.open(at) == 1) continue;
+          const CutCells::Pushes pushes = cuts.pushes({k, r, c}, at, {middle.z() - level, 1});
+          for (std::size_t n = 0; n < pushes.count; ++n) {
+            const Vec3 push = -pushes.all[n].shift / all;
+            force += push;
+            moment += (pushes.all[n].arm - center).cross(push) / h;
+          }
+        }
+      }
+    }
+    archimedes(obstacles.body(0), center, level);
+  }
+  // By the midpoints of a lattice.
+  void archimedes(const Body& body, const Vec3& center, Real level) {
+    constexpr int across = 200;
+    const Box box = body.surface_box();
+    const Vec3 size = (box.max - box.min) / across;
+    int inside = 0;
+    Vec3 sum = Vec3::Zero();
+    Real wet = 0;
+    for (int k = 0; k < across * across * across; ++k) {
+      const Vec3 p =
+          box.min + size.cwiseProduct(Vec3(k % across + 0.5, k / across % across + 0.5, k / across / across + 0.5));
+      if (body.shape().distance(body.now().into_body(p)) > 0) continue;
+      ++inside;
+      if (p.z() > level) continue;
+      ++wet;
+      sum += p - center;
+    }
+    lift = Vec3::UnitZ() * wet / inside;
+    lift_moment = sum.cross(Vec3::UnitZ()) / inside / h;
+  }
+};
+
+BodySettings floater(ShapeKind shape, const Vec3& center) {
+  BodySettings body;
+  body.shape = shape;
+  body.center = center;
+  body.radius = 0.3;
+  body.tube = 0.12;
+  body.height = 0.5;
+  body.size = {0.5, 0.6, 0.4};
+  body.rotate = {20, 10, 30};
+  body.density = 500;
+  return body;
+}
+
+// The pressure of water at rest pushes nothing aside, turns nothing about the vertical axis, and turns no ball at all.
+// With the middle of the solid in a cell by the closed parts of its faces the moment on a ball was 2e-3, which turns it
+// by 0.5 rad/s in 30 s.
+TEST(CutCells, WaterAtRestHasTheForceOfArchimedes) {
+  Real aside = 0, about = 0, ball = 0, off = 0, heel = 0;
+  for (const ShapeKind shape : {ShapeKind::sphere, ShapeKind::cylinder, ShapeKind::box, ShapeKind::torus}) {
+    for (const Vec3& center : {Vec3(1.19, 1.21, 1.0), Vec3(1.24, 1.16, 0.97), Vec3(1.13, 1.27, 1.05)}) {
+      for (const Real level : {0.95, 0.999, 1.09, 2.0}) {
+        const Afloat found(floater(shape, center), level);
+        aside = std::max(aside, found.force.head<2>().norm());
+        about = std::max(about, std::abs(found.moment.z()));
+        if (shape == ShapeKind::sphere) ball = std::max(ball, found.moment.norm());
+        if (level == 2.0) off = std::max(off, (found.force - found.lift).norm());
+        if (level == 0.999) heel = std::max(heel, (found.moment - found.lift_moment).head<2>().norm());
+      }
+    }
+  }
+  std::printf("of the weight and a cell: aside %.0e, about z %.0e, on a ball %.0e, under water %.0e, heel %.0e\n",
+              aside, about, ball, off, heel);
+  EXPECT_LT(aside, 4e-4);
+  EXPECT_LT(about, 4e-4);
+  EXPECT_LT(ball, 3e-4);
+  EXPECT_LT(off, 4e-4);
+  EXPECT_LT(heel, 5e-3);
 }
 
 }  // namespace

@@ -222,7 +222,7 @@ TEST(Bodies, MomentumBalances) {
   };
   for (const BodySettings& body : run.scene.bodies) mass += *body.density * mass_properties(body).volume;
   Vec3 expected = momentum();
-  for (int k = 0; k < 22; ++k) {  // until the box meets a wall, having met the ball
+  for (int k = 0; k < 20; ++k) {  // until the box meets a wall, having met the ball
     run.steps(1);
     const std::vector<BodyForce>& forces = run.forces.back();
     expected += run.scene.dt * (mass * *run.scene.gravity - forces.back().force);

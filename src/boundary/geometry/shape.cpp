@@ -254,6 +254,12 @@ std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle) {
   return std::make_unique<Outside>(make_solid(obstacle));
 }
 
+// A mesh that is read twice is not known to be the same one.
+bool has_same_shape(const ObstacleSettings& a, const ObstacleSettings& b) {
+  return a.shape == b.shape && a.size == b.size && a.radius == b.radius && a.tube == b.tube && a.height == b.height &&
+         a.wall == b.wall && a.inside == b.inside && a.mesh == b.mesh && a.extruded == b.extruded;
+}
+
 Box bounds_of(const ObstacleSettings& obstacle) {
   if (obstacle.shape != ShapeKind::mesh) return make_shape(obstacle)->bounds();
   Box bounds{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};

@@ -49,6 +49,7 @@ class Shape {
 /// The shape of an obstacle; for a vessel that of its solid, which is all the rest of the world. `axis` and `rotate`
 /// are not part of it: they are the pose of the frame.
 std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle);
+bool has_same_shape(const ObstacleSettings& a, const ObstacleSettings& b);
 /// Its bounds(), without making the tree of a mesh.
 Box bounds_of(const ObstacleSettings& obstacle);
 

@@ -20,8 +20,8 @@ Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds
 
 }  // namespace
 
-Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats)
-    : shape_(make_shape(obstacle)),
+Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats, const Body* like)
+    : shape_(like != nullptr ? like->shape_ : make_shape(obstacle)),
       surface_(shape_->bounds()),
       motion_(obstacle),
       floats_(floats),
@@ -34,12 +34,18 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       friction_(obstacle.friction),
       radius_(radius_of(surface_)),
       wall_extension_(extension * rules.h),
-      inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_} {
+      inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_},
+      shares_(like != nullptr) {
   move(0, 0);
+  if (like != nullptr) {
+    map_ = like->map_;
+    rough_ = like->rough_;
+    return;
+  }
   std::optional<Fixed> fixed;
   if (!moves_) fixed = Fixed{now_, rules.box};
-  map_ = std::make_unique<VolumeMap>(*shape_, rules.kernel, h_, fixed);
-  if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_unique<DistanceGrid>(*shape_, h_);
+  map_ = std::make_shared<VolumeMap>(*shape_, rules.kernel, h_, fixed);
+  if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_shared<DistanceGrid>(*shape_, h_);
 }
 
 Box Body::box_at(const Pose& pose, Real margin) const {

@@ -47,7 +47,8 @@ enum class Extent { density, shift, path };
 class Body {
  public:
   /// `floats`: it is one that others place().
-  Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats = false);
+  /// `like`: one that moves and is of the same shape, whose map it shares, if any.
+  Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats = false, const Body* like = nullptr);
 
   /// From `begin` to `end`, s.
   void move(Real begin, Real end) { place(motion_.at(begin, offset_before_), motion_.at(end, offset_now_)); }
@@ -106,7 +107,7 @@ class Body {
   bool may_meet(const Vec3& from, const Vec3& to) const;
   bool may_meet(const Vec3& from, Real length) const;
 
-  std::size_t bytes() const { return map_->bytes() + (rough_ ? rough_->bytes() : 0); }
+  std::size_t bytes() const { return shares_ ? 0 : map_->bytes() + (rough_ ? rough_->bytes() : 0); }
 
   /// The signed distance of p in the frame of the body, for the coarse grid: near the surface to a twelfth of h where
   /// exact ones take long (meshes), and further away enough to tell that it is.
@@ -155,7 +156,7 @@ class Body {
   Real distance(const ContactPoint& point, Real reach) const;
   Real step_from(const Segment& segment, Real s, Real d, Real threshold) const;
 
-  std::unique_ptr<Shape> shape_;
+  std::shared_ptr<const Shape> shape_;
   Box surface_;  // its bounds, in the frame of the body
   BodyMotion motion_;
   bool floats_, moves_, vessel_, whole_;
@@ -172,8 +173,9 @@ class Body {
   void set_bounds(Extent extent, const Box& box);
   Box box_at(const Pose& pose, Real margin) const;
   std::array<Bounds, 3> bounds_;  // by extent
-  std::unique_ptr<VolumeMap> map_;
-  std::unique_ptr<DistanceGrid> rough_;  // of a mesh
+  bool shares_;                   // what follows, and the shape
+  std::shared_ptr<const VolumeMap> map_;
+  std::shared_ptr<const DistanceGrid> rough_;  // of a mesh
 };
 
 }  // namespace trevi

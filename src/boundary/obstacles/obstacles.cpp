@@ -35,7 +35,12 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
                         kernels_of(settings.fluid).density, settings.fluid.kernel_radius};
   for (const ObstacleSettings& obstacle : settings.obstacles)
     bodies_.push_back(std::make_unique<Body>(obstacle, rules));
-  for (const BodySettings& body : settings.bodies) bodies_.push_back(std::make_unique<Body>(body, rules, true));
+  for (const BodySettings& body : settings.bodies) {
+    const auto alike =
+        std::find_if(settings.bodies.data(), &body, [&](const BodySettings& one) { return has_same_shape(one, body); });
+    const std::size_t k = settings.obstacles.size() + static_cast<std::size_t>(alike - settings.bodies.data());
+    bodies_.push_back(std::make_unique<Body>(body, rules, true, alike != &body ? bodies_[k].get() : nullptr));
+  }
   index_.emplace(settings.domain, settings.fluid.kernel_radius, bodies_);
   if (!settings.bodies.empty())
     floating_ = std::make_unique<RigidBodies>(settings, bodies_, [this] { index_->update(); });
@@ -86,24 +91,34 @@ Box Obstacles::open_box(std::span<const Vec3> p, Extent extent) const {
 namespace {
 
 // The density that one obstacle contributes, and its gradient, in the world.
-BoundaryDensity contribution_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
+struct Contribution : BoundaryDensity {
+  bool is_near = false;
+};
+Contribution contribution_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
   if (!body.may_reach(p)) return {};
   const Vec3 there = body.now().into_body(p);
   if (body.is_out_of_reach(there)) return {};
   const EquivalentPlane plane = body.map().at(there);
   const auto [value, slope] = law.of_plane(plane.distance);
-  return {value, slope * (body.now().turn * plane.gradient)};
+  return {{value, slope * (body.now().turn * plane.gradient)}, plane.is_near};
 }
 
 }  // namespace
 
-BoundaryDensity Obstacles::with(const BoundaryDensity& box, const Vec3& p) const {
+std::optional<BoundaryDensity> Obstacles::near_density(const Vec3& p) const {
+  if (!law_) return std::nullopt;
   BoundaryDensity all;
+  bool is_near = false;
   index_->for_each(index_->at(p), [&](std::size_t k) {
-    const BoundaryDensity one = contribution_of(*bodies_[k], *law_, p);
+    const Contribution one = contribution_of(*bodies_[k], *law_, p);
     all.density += one.density;
     all.gradient += one.gradient;
+    is_near = is_near || one.is_near;
   });
+  return is_near ? std::optional(all) : std::nullopt;
+}
+
+BoundaryDensity Obstacles::together(const BoundaryDensity& box, const BoundaryDensity& all) {
   return {box.density + all.density - box.density * all.density,
           (1 - all.density) * box.gradient + (1 - box.density) * all.gradient};
 }

@@ -54,10 +54,11 @@ class Obstacles {
   }
   /// Whether the water has given anything to a solid in this substep. Collective.
   bool is_touched(MPI_Comm comm);
-  /// The contribution of box and obstacles together at p; `box` is that of the box alone. The solids of obstacles do
-  /// not overlap, so their contributions add up; walls and obstacles are independent of each other, as in an edge of
-  /// the box.
-  BoundaryDensity with(const BoundaryDensity& box, const Vec3& p) const;
+  /// The contribution of all obstacles at p, where one of them is so near that it may have any. Their solids do not
+  /// overlap, so their contributions add up.
+  std::optional<BoundaryDensity> near_density(const Vec3& p) const;
+  /// That of the box and of all obstacles: they are independent of each other, as walls are in an edge of the box.
+  static BoundaryDensity together(const BoundaryDensity& box, const BoundaryDensity& all);
   /// By how much that contribution grows for a particle at p that moves by `path`, m, in the substep.
   Real growth(const BoundaryDensity& box, const Vec3& p, const Vec3& path) const;
   /// Records in the ledger a shift along the gradient of the density's contribution at p: `factor` times its parts, as

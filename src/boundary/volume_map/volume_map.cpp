@@ -226,9 +226,9 @@ bool VolumeMap::is_near(const Vec3& p) const {
 
 EquivalentPlane VolumeMap::at(const Vec3& p) const {
   const BlockPlace place = block_of(p);
-  if (!covers(place)) return {vessel_ ? -h_ : h_, Vec3::Zero()};
+  if (!covers(place)) return {vessel_ ? -h_ : h_, Vec3::Zero(), vessel_};
   const Nodes& here = nodes_at(place);
-  if (here.kind != Kind::cut) return {here.kind == Kind::full ? -h_ : h_, Vec3::Zero()};
+  if (here.kind != Kind::cut) return {here.kind == Kind::full ? -h_ : h_, Vec3::Zero(), here.kind == Kind::full};
   return interpolated(here, (p - corner_of(place, block * node_)) / node_);
 }
 

@@ -20,10 +20,11 @@
 
 namespace trevi {
 
-/// Distance of the plane that is worth the solid, m, and its gradient.
+/// Distance of the plane that is worth the solid, m, its gradient, and whether the surface may be within h.
 struct EquivalentPlane {
   Real distance;
   Vec3 gradient;
+  bool is_near = true;
 };
 
 /// A solid that stays where it is goes on behind the walls of the box, as if they were not there: one that stands on

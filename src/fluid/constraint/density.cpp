@@ -42,7 +42,8 @@ Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cw
 
 }  // namespace
 
-// visit(i, wall) for the particles of the range, at most sums_chunk, that are near a wall, or an obstacle.
+// visit(i, wall, what obstacles contribute) for the particles of the range, at most sums_chunk, that are near a wall,
+// or an obstacle.
 template <class T>
 template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
@@ -53,26 +54,29 @@ void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3>
   std::array<LocalId, sums_chunk> near;
   if (!obstacles_) {
     const std::size_t count = find_outside(interior, here, near.data());
-    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), Wall::box);
+    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), Wall::box, {});
     return;
   }
   const Box open = obstacles_->open_box(here, Extent::density);
   const std::size_t count = find_outside(common(open, interior), here, near.data());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = first + static_cast<std::size_t>(near[k]);
-    if (open.contains(p[i]) || !obstacles_->is_near(p[i])) {
-      if (!interior.contains(p[i])) visit(i, Wall::box);
-    } else {
-      visit(i, Wall::obstacle);
+    const std::optional<BoundaryDensity> all = open.contains(p[i]) ? std::nullopt : obstacles_->near_density(p[i]);
+    if (all) {
+      visit(i, Wall::obstacle, *all);
+    } else if (!interior.contains(p[i])) {
+      visit(i, Wall::box, {});
     }
   }
 }
 
-template <class T>
-BoundaryDensity DensityConstraint<T>::boundary_at(const Vec3& p, bool at_obstacle) const {
-  const BoundaryDensity box = walls_->at(p);
-  return at_obstacle ? obstacles_->with(box, p) : box;
+namespace {
+
+BoundaryDensity together(const BoundaryDensity& box, Wall wall, const BoundaryDensity& obstacles) {
+  return wall == Wall::obstacle ? Obstacles::together(box, obstacles) : box;
 }
+
+}  // namespace
 
 // By what lambdas() wrote there: the gradient where it is the box's own.
 template <class T>
@@ -121,8 +125,8 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
   for_each_sum<T>(range, loop, [&](Range here, const T* sum) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
       rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
-    for_each_near_wall(here, p, [&](std::size_t i, Wall wall) {
-      rho[i] += model_.rest_density * boundary_at(p[i], wall == Wall::obstacle).density;
+    for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
+      rho[i] += model_.rest_density * together(walls_->at(p[i]), wall, obstacles).density;
     });
   });
 }
@@ -143,9 +147,9 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     std::array<T, sums_chunk> multiplier;
     find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
     out.field.clear_walls(here);
-    for_each_near_wall(here, p, [&](std::size_t i, Wall wall) {
+    for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
       const std::size_t k = i - first;
-      const BoundaryDensity boundary_density = boundary_at(p[i], wall == Wall::obstacle);
+      const BoundaryDensity boundary_density = together(walls_->at(p[i]), wall, obstacles);
       out.rho[i] += model_.rest_density * boundary_density.density;
       const Vec3 gradient = boundary_density.gradient - slope * vector_of(sums[k]);
       multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
@@ -165,10 +169,10 @@ void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, 
   sum_deltas(loops_.delta, pairs, range, p, field);
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   for_each_part(range, sums_chunk, [&](Range here) {
-    for_each_near_wall(here, p, [&](std::size_t i, Wall wall) {
+    for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
       const auto multiplier = static_cast<Real>(records[i].w);
       if (multiplier == 0) return;
-      const BoundaryDensity box = walls_->at(p[i]), all = boundary_at(p[i], wall == Wall::obstacle);
+      const BoundaryDensity box = walls_->at(p[i]), all = together(box, wall, obstacles);
       const Vec3 path = velocity[i] * dt;
       const Real nearer = wall == Wall::obstacle ? obstacles_->growth(box, p[i], path) : all.gradient.dot(path);
       const Real pushed = multiplier * all.gradient.squaredNorm();

@@ -90,7 +90,6 @@ class DensityConstraint {
                   WallsOrShifts<T>& field) const;
   template <class Visit>
   void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
-  BoundaryDensity boundary_at(const Vec3& p, bool at_obstacle) const;
   void record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
                         const WallsOrShifts<T>& field) const;
 
