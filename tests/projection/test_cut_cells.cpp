@@ -7,74 +7,11 @@
 #include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "particles/cell_grid.hpp"
 #include "projection/cut_cells.hpp"
+#include "solids.hpp"
 #include "stages.hpp"
 
 namespace trevi::test {
 namespace {
-
-constexpr Real h = 0.2;
-constexpr LocalId planes_a_rank = 6;
-
-/// Of this rank, where each has as many planes.
-CellWindow window_of(const ProjectionGrid& grid, LocalId planes) {
-  const LocalId first = rank_of(world) * planes;
-  return {{first, first + planes}, {0, grid.count(1)}};
-}
-
-/// That of cuboids for particles of half a cell.
-CellFrame frame_of(const ProjectionGrid& grid) { return ParticlesToGrid(grid, h / 2).frame(); }
-
-// Balls and turned boxes at the places of a loose lattice, none in another, some cut by walls.
-Settings many_solids(MPI_Comm comm) {
-  Settings settings;
-  settings.domain = {Vec3::Zero(), Vec3(size_of(comm) * planes_a_rank * h, 2.4, 2)};
-  settings.fluid.spacing = h / 2;
-  std::mt19937 generator(3);
-  std::uniform_real_distribution<Real> shift(-0.1, 0.1), size(0.15, 0.25), turn(0, 90);
-  for (Real x = 0.3; x < settings.domain.max.x(); x += 0.9) {
-    for (const Vec3& place : {Vec3(0, 0.1, 0.5), Vec3(0, 1.2, 0.2), Vec3(0, 2.1, 1.1), Vec3(0, 0.6, 1.6)}) {
-      ObstacleSettings solid;
-      solid.center = Vec3(x + shift(generator), place.y() + shift(generator), place.z() + shift(generator));
-      solid.shape = settings.obstacles.size() % 2 == 0 ? ShapeKind::sphere : ShapeKind::box;
-      solid.radius = size(generator);
-      solid.size = {size(generator) * 2, size(generator) * 2, size(generator) * 2};
-      if (solid.shape == ShapeKind::box) solid.rotate = {turn(generator), turn(generator), turn(generator)};
-      settings.obstacles.push_back(solid);
-    }
-  }
-  return resolved(settings);
-}
-
-struct Measured {
-  Settings settings = many_solids(world);
-  AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
-  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
-  CutCells solids{obstacles};
-  ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
-
-  Measured() {
-    grid.resize(window_of(grid, planes_a_rank), 10);
-    solids.measure(world, grid, settings.domain, frame_of(grid));
-  }
-  std::pair<Real, std::size_t> nearest(const Vec3& p) const {
-    std::pair<Real, std::size_t> least{INFINITY, 0};
-    for (std::size_t k = 0; k < obstacles.count(); ++k) {
-      const Body& body = obstacles.body(k);
-      least = std::min(least, {body.shape().distance(body.now().into_body(p)), k});
-    }
-    return least;
-  }
-  // Of a cuboid around a middle, or of a rectangle where a half length is 0.
-  Real open_fraction(const Vec3& middle, const Vec3& half) const {
-    constexpr int n = 12;
-    int open = 0;
-    for (int i = 0; i < n * n * n; ++i) {
-      const Vec3 in_cell(i % n, i / n % n, i / n / n);
-      open += nearest(middle + half.cwiseProduct((2 * in_cell.array() + 1 - n).matrix() / n)).first > 0;
-    }
-    return static_cast<Real>(open) / (n * n * n);
-  }
-};
 
 TEST(CutCells, FractionsAreThoseOfAllObstacles) {
   const Measured m;
@@ -110,71 +47,6 @@ TEST(CutCells, FractionsAreThoseOfAllObstacles) {
   EXPECT_GT(cut, 50);
   EXPECT_LT(wrong_cell, 0.05);
   EXPECT_LT(wrong_faces, 0.05 * cut_faces);  // in edges of boxes faces are taken to be closed by a sheet
-}
-
-// The share of a cuboid two spacings wide and one high, kept within the box, in the cell around `middle`.
-Real share(const Vec3& place, const Vec3& middle, const Box& box) {
-  Real part = 1;
-  for (int a = 0; a < 3; ++a) {
-    const Real half = a == 2 ? h / 4 : h / 2, at = std::clamp(place[a], box.min[a] + half, box.max[a] - half);
-    part *= std::max(std::min(at + half, middle[a] + h / 2) - std::max(at - half, middle[a] - h / 2), 0.0) / (2 * half);
-  }
-  return part;
-}
-
-// What uniform water fills of a cell, by samples of the water around it.
-TEST(CutCells, CapacitiesAreWhatUniformWaterFills) {
-  const Measured m;
-  constexpr int n = 30;  // a tenth of a cell each
-  Real wrong = 0;
-  int told = 0, cell = 0;
-  for (LocalId k = 1; k <= m.grid.planes(); ++k) {
-    for (LocalId r = 0; r < m.grid.rows(); ++r) {
-      for (LocalId c = 0; c < m.grid.columns(); ++c) {
-        const std::size_t at = m.grid.index(k, r, c);
-        const Vec3 middle = m.solids.middle(k, r, c);
-        if (m.solids.open(at) == 0 || m.nearest(middle).first > 2 * h || ++cell % 4 != 0) continue;
-        Real sum = 0;
-        for (int i = 0; i < n * n * n; ++i) {
-          const Vec3 in_cells(i % n, i / n % n, i / n / n);
-          const Vec3 p = middle + 3 * h * ((in_cells.array() + 0.5) / n - 0.5).matrix();
-          if (!m.settings.domain.contains(p)) continue;
-          const Real part = share(p, middle, m.settings.domain);
-          if (part > 0 && m.nearest(p).first > 0) sum += part / 1000;
-        }
-        wrong = std::max(wrong, std::abs(m.solids.capacity(at) - sum));
-        told += std::abs(m.solids.capacity(at) - m.solids.open(at)) > 0.02;
-      }
-    }
-  }
-  std::printf("of %d cells one in four: capacities within %.4f; %d differ from what is open\n", cell, wrong, told);
-  EXPECT_GT(told, 10);
-  EXPECT_LT(wrong, 0.03);
-}
-
-// Water on one side of a thin sheet fills the cells there, and none beyond.
-TEST(CutCells, NoVolumeReachesThroughASheet) {
-  Settings settings;
-  settings.domain = {Vec3::Zero(), Vec3(12 * h, 6 * h, 6 * h)};
-  settings.fluid.spacing = h / 2;
-  ObstacleSettings sheet;
-  sheet.shape = ShapeKind::box;
-  sheet.center = Vec3(6 * h, 3 * h, 3 * h);
-  sheet.size = Vec3(0.02 * h, 20 * h, 20 * h);
-  settings.obstacles.push_back(sheet);
-  settings = resolved(settings);
-  const AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
-  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
-  const auto before = [&](const Vec3& p) { return p.x() < sheet.center.x(); };
-  const auto rests = [](const Vec3&) { return Vec3(0, 0, 0); };
-  Water water(rests, {.top = 4 * h, .box = settings.domain, .spacing = h / 2, .holds = before});
-  Stages at(water, h / 2, &obstacles);
-  at.classify();
-  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
-    const Vec3 middle = at.middle(k, r, c);
-    const bool full = before(middle) && middle.z() < 4 * h;
-    EXPECT_NEAR(at.surface->fill(at.grid.index(k, r, c)), full ? 1 : 0, 0.02) << middle.transpose();
-  });
 }
 
 // Cells that are cut anew from step to step, only those near solids that move, are those of all cells cut at once.
@@ -333,7 +205,7 @@ struct Afloat {
     CutCells cuts{obstacles};
     ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
     grid.resize(window_of(grid, 12 / size_of(world)), 10);
-    cuts.measure(world, grid, settings.domain);
+    cuts.measure(world, grid, settings.domain, frame_of(grid));
     const Vec3 center = obstacles.floating()->body(0).end_position();
     const Real all = obstacles.floating()->body(0).volume() / (h * h * h);
     for (LocalId k = 1; k <= grid.planes(); ++k) {

@@ -1,0 +1,77 @@
+// What uniform water fills of the projection's cells beside obstacles, against brute sampling.
+#include <algorithm>
+#include <cmath>
+
+#include "solids.hpp"
+#include "stages.hpp"
+
+namespace trevi::test {
+namespace {
+
+// The share of a cuboid two spacings wide and one high, kept within the box, in the cell around `middle`.
+Real share(const Vec3& place, const Vec3& middle, const Box& box) {
+  Real part = 1;
+  for (int a = 0; a < 3; ++a) {
+    const Real half = a == 2 ? h / 4 : h / 2, at = std::clamp(place[a], box.min[a] + half, box.max[a] - half);
+    part *= std::max(std::min(at + half, middle[a] + h / 2) - std::max(at - half, middle[a] - h / 2), 0.0) / (2 * half);
+  }
+  return part;
+}
+
+// What uniform water fills of a cell, by samples of the water around it.
+TEST(CutCellCapacity, CapacitiesAreWhatUniformWaterFills) {
+  const Measured m;
+  constexpr int n = 30;  // a tenth of a cell each
+  Real wrong = 0;
+  int told = 0, cell = 0;
+  for (LocalId k = 1; k <= m.grid.planes(); ++k) {
+    for (LocalId r = 0; r < m.grid.rows(); ++r) {
+      for (LocalId c = 0; c < m.grid.columns(); ++c) {
+        const std::size_t at = m.grid.index(k, r, c);
+        const Vec3 middle = m.solids.middle(k, r, c);
+        if (m.solids.open(at) == 0 || m.nearest(middle).first > 2 * h || ++cell % 4 != 0) continue;
+        Real sum = 0;
+        for (int i = 0; i < n * n * n; ++i) {
+          const Vec3 in_cells(i % n, i / n % n, i / n / n);
+          const Vec3 p = middle + 3 * h * ((in_cells.array() + 0.5) / n - 0.5).matrix();
+          if (!m.settings.domain.contains(p)) continue;
+          const Real part = share(p, middle, m.settings.domain);
+          if (part > 0 && m.nearest(p).first > 0) sum += part / 1000;
+        }
+        wrong = std::max(wrong, std::abs(m.solids.capacity(at) - sum));
+        told += std::abs(m.solids.capacity(at) - m.solids.open(at)) > 0.02;
+      }
+    }
+  }
+  std::printf("of %d cells one in four: capacities within %.4f; %d differ from what is open\n", cell, wrong, told);
+  EXPECT_GT(told, 10);
+  EXPECT_LT(wrong, 0.03);
+}
+
+// Water on one side of a thin sheet fills the cells there, and none beyond.
+TEST(CutCellCapacity, NoVolumeReachesThroughASheet) {
+  Settings settings;
+  settings.domain = {Vec3::Zero(), Vec3(12 * h, 6 * h, 6 * h)};
+  settings.fluid.spacing = h / 2;
+  ObstacleSettings sheet;
+  sheet.shape = ShapeKind::box;
+  sheet.center = Vec3(6 * h, 3 * h, 3 * h);
+  sheet.size = Vec3(0.02 * h, 20 * h, 20 * h);
+  settings.obstacles.push_back(sheet);
+  settings = resolved(settings);
+  const AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
+  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
+  const auto before = [&](const Vec3& p) { return p.x() < sheet.center.x(); };
+  const auto rests = [](const Vec3&) { return Vec3(0, 0, 0); };
+  Water water(rests, {.top = 4 * h, .box = settings.domain, .spacing = h / 2, .holds = before});
+  Stages at(water, h / 2, &obstacles);
+  at.classify();
+  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+    const Vec3 middle = at.middle(k, r, c);
+    const bool full = before(middle) && middle.z() < 4 * h;
+    EXPECT_NEAR(at.surface->fill(at.grid.index(k, r, c)), full ? 1 : 0, 0.02) << middle.transpose();
+  });
+}
+
+}  // namespace
+}  // namespace trevi::test
