@@ -45,7 +45,7 @@ TEST(CutCellCapacity, CapacitiesAreWhatUniformWaterFills) {
   }
   std::printf("of %d cells one in four: capacities within %.4f; %d differ from what is open\n", cell, wrong, told);
   EXPECT_GT(told, 10);
-  EXPECT_LT(wrong, 0.03);
+  EXPECT_LT(wrong, 0.05);
 }
 
 // Water on one side of a thin sheet fills the cells there, and none beyond.
