@@ -53,11 +53,37 @@ class Piston:
         return grown * place, growth * place + grown * speed
 
 
+class SolitaryPiston:
+    """By Goring's equation, as the program moves it (paddle_motion.cpp); places from the middle of the stroke."""
+
+    def __init__(self, height, depth):
+        self.kappa, self.celerity = math.sqrt(3 * height / (4 * depth**3)), math.sqrt(GRAVITY * (depth + height))
+        self.duration = 2 / (self.kappa * self.celerity) * (3.8 + height / depth)
+        self.stroke, self.amplitude = math.sqrt(16 * height * depth / 3), height / (self.kappa * depth)
+
+    def solved(self, way):
+        x = 0.0
+        for _ in range(40):
+            t = math.tanh(self.kappa * (way - x))
+            x -= (x - self.amplitude * t) / (1 + self.amplitude * self.kappa * (1 - t * t))
+        return x
+
+    def place(self, time):
+        half = self.celerity * self.duration / 2
+        way = self.celerity * min(max(time, 0), self.duration) - half
+        return self.solved(way) / self.solved(half) * self.stroke / 2
+
+    def at(self, time):
+        step = 1e-4
+        return self.place(time), (self.place(time + step) - self.place(time - step)) / (2 * step)
+
+
 class Tank:
-    def __init__(self, height, length, depth):
-        self.depth, self.long = depth, (WAVES + ZONE) * length
-        self.piston = Piston(height, depth, 2 * math.pi / length)
-        n = int(PER_LENGTH * (WAVES + ZONE))
+    """From the piston to a wall at `long`, before which a zone of that length takes the waves."""
+
+    def __init__(self, piston, depth, spacing, long, zone=0.0):
+        self.depth, self.long, self.piston = depth, long, piston
+        n = round(long / spacing)
         self.xi = np.linspace(0, 1, n + 1)
         self.dx, self.dxx = differences(n)
         sigma, ds = chebyshev()
@@ -71,7 +97,9 @@ class Tank:
         inner = ~self.top & ~self.bottom
         self.left, self.ends = inner & (i == 0), inner & ((i == 0) | (i == n))
         self.inside = inner & ~self.ends
-        self.damping = np.clip((self.xi * self.long - WAVES * length) / (ZONE * length), 0, 1) ** 2 * 3 * self.piston.omega / math.pi
+        self.damping = np.zeros(n + 1)
+        if zone > 0:
+            self.damping = np.clip((self.xi * long - long + zone) / zone, 0, 1) ** 2 * 3 * piston.omega / math.pi
 
     def potential(self, eta, surface, speed, width):
         """Laplace's equation: `surface` given on top, the piston's speed at its face, nothing through floor and end."""
@@ -99,24 +127,38 @@ class Tank:
                          -GRAVITY * eta - along**2 / 2 + rise**2 * (1 + slope**2) / 2 + going * along - self.damping * surface])
 
 
+    def levels(self, places, dt, steps):
+        """Times, and a row of levels at these places for each."""
+        state, rows = np.zeros((2, len(self.xi))), []
+        for n in range(steps):
+            time = n * dt
+            one = self.rate(time, state)
+            two = self.rate(time + dt / 2, state + dt / 2 * one)
+            three = self.rate(time + dt / 2, state + dt / 2 * two)
+            state = state + dt / 6 * (one + 2 * two + 2 * three + self.rate(time + dt, state + dt * three))
+            if n % 5 == 0:  # against waves of two places
+                state[:, 2:-2] -= 0.3 / 16 * np.diff(state, 4, axis=1)
+            place = self.piston.at(time + dt)[0]
+            rows.append(np.interp(places, place + self.xi * (self.long - place), state[0]))
+        return dt * np.arange(1, steps + 1), np.array(rows)
+
+
 def first_harmonic_of_piston(height, length, depth):
     """Over that of linear theory, in the mean over places from 1 to 2.75 wavelengths and over the last four periods."""
-    tank = Tank(height, length, depth)
-    omega = tank.piston.omega
-    dt = 2 * math.pi / omega / PER_PERIOD
-    places = np.arange(1, WAVES - 0.74, 0.25) * length
-    state, levels, times = np.zeros((2, len(tank.xi))), [], []
-    for n in range(PERIODS * PER_PERIOD):
-        time = n * dt
-        one = tank.rate(time, state)
-        two = tank.rate(time + dt / 2, state + dt / 2 * one)
-        three = tank.rate(time + dt / 2, state + dt / 2 * two)
-        state = state + dt / 6 * (one + 2 * two + 2 * three + tank.rate(time + dt, state + dt * three))
-        if n % 5 == 0:  # against waves of two places
-            state[:, 2:-2] -= 0.3 / 16 * np.diff(state, 4, axis=1)
-        place = tank.piston.at(time + dt)[0]
-        levels.append(np.interp(places, place + tank.xi * (tank.long - place), state[0]))
-        times.append(time + dt)
-    t, late = np.array(times[-4 * PER_PERIOD:]), np.array(levels[-4 * PER_PERIOD:])
+    piston = Piston(height, depth, 2 * math.pi / length)
+    omega = piston.omega
+    tank = Tank(piston, depth, length / PER_LENGTH, (WAVES + ZONE) * length, ZONE * length)
+    times, levels = tank.levels(np.arange(1, WAVES - 0.74, 0.25) * length, 2 * math.pi / omega / PER_PERIOD, PERIODS * PER_PERIOD)
+    t, late = times[-4 * PER_PERIOD:], levels[-4 * PER_PERIOD:]
     amplitudes = 2 / len(t) * np.hypot(np.cos(omega * t) @ late, np.sin(omega * t) @ late)
     return float(np.mean(2 * amplitudes / height))
+
+
+def crests_of_solitary(height, depth, places):
+    """Over the height that is asked for, at places in depths from the middle of the stroke."""
+    piston = SolitaryPiston(height, depth)
+    tank = Tank(piston, depth, depth / 12, (places[-1] + 8) * depth)
+    dt = 0.025 * math.sqrt(depth / 0.75)
+    seconds = piston.duration / 2 + (places[-1] + 3) * depth / piston.celerity
+    _, levels = tank.levels(np.array(places) * depth, dt, round(seconds / dt))
+    return levels.max(axis=0) / height

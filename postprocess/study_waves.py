@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from known_waves import first_harmonic_of_piston
+from known_waves import crests_of_solitary, first_harmonic_of_piston
 from study import GRAVITY, columns_of, launch, parser_of, two_at_a_time, write_table
 
 SPACING = 0.05  # m
@@ -145,6 +145,9 @@ def solitary(case, folder, name, trevi):
     yield "celerity over that of theory", 1, np.polyfit(arrivals, places, 1)[0] / math.sqrt(GRAVITY * (DEPTH + np.mean(crests)))
     yield "height over that of theory, 10 depths from the paddle", 1, crests[0] / height
     yield "height lost in 20 depths", 0, 1 - crests[-1] / crests[0]
+    near, far = crests_of_solitary(height, DEPTH, (10, 30))
+    yield "height over that of theory, 10 depths from the paddle, potential flow in place of particles", 1, near
+    yield "height lost in 20 depths, potential flow in place of particles", 0, 1 - far / near
 
 
 def irregular(case, folder, name, trevi):
