@@ -4,7 +4,8 @@
   postprocess/study_waves.py postprocess/results/waves.csv
 
 Regular waves: the first harmonic of each of a row of gauges over whole periods once the waves are there is split by least
-squares into one wave that goes and decays, and one that comes back. Irregular waves: H_m0 and the peak of the spectrum of one
+squares into one wave that goes and decays, and one that comes back; beside it stands what potential flow (known_waves.py) has of
+the same piston, over what it has of waves a tenth as high. Irregular waves: H_m0 and the peak of the spectrum of one
 gauge. Solitary wave: its speed between two gauges, and its height. One row for each quantity, beside what theory says.
 """
 
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from known_waves import crests_of_solitary, first_harmonic_of_piston
 from study import GRAVITY, columns_of, launch, parser_of, two_at_a_time, write_table
 
 SPACING = 0.05  # m
@@ -121,6 +123,10 @@ def regular(case, folder, name, trevi):
         yield f"height over that of theory, {n} wavelengths from the paddle", 1, over * math.exp(-decay * n)
     yield "height lost per wavelength", 0, 1 - math.exp(-decay)
     yield "reflection from the zone", 0, back
+    if case["paddle"] == "piston":
+        high = case["height"] * SPACING
+        yield "height over that of theory, potential flow in place of particles", 1, \
+            first_harmonic_of_piston(high, length, DEPTH) / first_harmonic_of_piston(high / 10, length, DEPTH)
 
 
 def solitary(case, folder, name, trevi):
@@ -139,6 +145,9 @@ def solitary(case, folder, name, trevi):
     yield "celerity over that of theory", 1, np.polyfit(arrivals, places, 1)[0] / math.sqrt(GRAVITY * (DEPTH + np.mean(crests)))
     yield "height over that of theory, 10 depths from the paddle", 1, crests[0] / height
     yield "height lost in 20 depths", 0, 1 - crests[-1] / crests[0]
+    near, far = crests_of_solitary(height, DEPTH, (10, 30))
+    yield "height over that of theory, 10 depths from the paddle, potential flow in place of particles", 1, near
+    yield "height lost in 20 depths, potential flow in place of particles", 0, 1 - far / near
 
 
 def irregular(case, folder, name, trevi):
