@@ -92,10 +92,10 @@ class CellFields {
       values_.reset(new EightCells[capacity_]);  // the threads that work on it write to it first
       cleared_ = 0;
     }
+    if (cleared_ == storage_->layout()) return;
+    cleared_ = storage_->layout();
     const std::size_t first =
         storage_->exchanged() * in_whole_ + numbers_;  // with the eight that stands for all others
-    if (cleared_ == first) return;
-    cleared_ = first;
     for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
   }
 
@@ -148,8 +148,9 @@ class CellFields {
   static std::size_t eight(LocalId c) { return static_cast<std::size_t>(c / eight_cells); }
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
 
-  std::size_t numbers_, in_whole_, capacity_ = 0, cleared_ = 0;
-  std::size_t rest_ = 0;  // where places in rows that are not whole are counted from
+  std::size_t numbers_, in_whole_, capacity_ = 0;
+  std::uint64_t cleared_ = 0;  // the layout in which what is exchanged was cleared
+  std::size_t rest_ = 0;       // where places in rows that are not whole are counted from
   const RowStorage* storage_ = nullptr;
   std::unique_ptr<EightCells[]> values_;
 };

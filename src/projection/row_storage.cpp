@@ -5,7 +5,17 @@
 
 namespace trevi {
 
+namespace {
+
+bool exchange_alike(const RowStorage::Shape& a, const RowStorage::Shape& b) {
+  return a.cells.planes.end == b.cells.planes.end && a.cells.rows == b.cells.rows &&
+         a.cells.columns == b.cells.columns && a.exchanged == b.exchanged && a.rows_exchanged == b.rows_exchanged;
+}
+
+}  // namespace
+
 void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns) {
+  if (!exchange_alike(shape, shape_)) ++layout_;
   shape_ = shape;
   const CellRows& cells = shape_.cells;
   whole_ = static_cast<std::size_t>(cells.columns + 7) / 8;

@@ -50,6 +50,8 @@ class RowStorage {
            (shape_.rows_exchanged[1] && r + 1 >= shape_.cells.rows);
   }
   const Shape& shape() const { return shape_; }
+  /// Changes whenever what is exchanged may lie elsewhere than before, though there may be as much of it.
+  std::uint64_t layout() const { return layout_; }
   std::size_t bytes() const {
     return places_.capacity() * sizeof(std::uint32_t) + held_.capacity() + begin_.capacity() * sizeof(begin_[0]);
   }
@@ -66,6 +68,7 @@ class RowStorage {
   void place_row(LocalId k, LocalId r);
 
   Shape shape_{};
+  std::uint64_t layout_ = 0;
   std::size_t whole_ = 0, whole_planes_ = 0, size_ = 0;
   std::uint32_t nowhere_ = 0;
   std::vector<std::uint32_t> places_;
