@@ -31,7 +31,7 @@ struct ParticleSource {
   bool operator==(const ParticleSource&) const = default;
 };
 
-/// Where the tables of a scene, and keys that are refused later, are in its file. Of the reader, for messages about what is found later.
+/// Where the tables of a scene, and some keys, are in its file. Of the reader, for messages about what is found later.
 class SceneLines {
  public:
   /// Where a table is says nothing of what it means.
