@@ -126,6 +126,7 @@ void bind_settings(py::module_& m) {
           "whether the box repeats along x, y, z; set as a whole")
       .def_readwrite("slabs", &Settings::slabs, "how planes are shared among ranks")
       .def_readwrite("ranks", &Settings::ranks, "slabs, and ranks that share each of them; None: a slab for each rank")
+      .def_readwrite("ranks_by_model", &Settings::ranks_by_model, "in place of ranks what a model of the run says")
       .def_readwrite("fluid", &Settings::fluid)
       .def_readwrite("dt", &Settings::dt, "s")
       .def_readwrite("max_substeps", &Settings::max_substeps, "of a step; one that would need more ends the run")

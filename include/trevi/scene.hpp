@@ -31,7 +31,7 @@ struct ParticleSource {
   bool operator==(const ParticleSource&) const = default;
 };
 
-/// Where the tables of a scene are in its file. Of the reader, for messages about what is found later.
+/// Where the tables of a scene, and some keys, are in its file. Of the reader, for messages about what is found later.
 class SceneLines {
  public:
   /// Where a table is says nothing of what it means.
@@ -39,6 +39,7 @@ class SceneLines {
 
  private:
   friend class SceneTable;
+  friend class SceneKey;
   std::map<std::string, std::vector<int>> lines_;
 };
 

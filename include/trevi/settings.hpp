@@ -265,6 +265,7 @@ struct Settings {
   SlabCuts slabs = SlabCuts::balanced;
   /// Slabs, and ranks that share each of them; none: a slab for each rank.
   std::optional<std::array<int, 2>> ranks;
+  bool ranks_by_model = false;  ///< in place of `ranks` the shape whose step a model expects to be the shortest
   FluidSettings fluid;
   Real dt = 1.0 / 60;           ///< s
   Derived<Real> cfl{};          ///< splits steps; 0: never; default 2 with chebyshev, 0.2 without gravity, else 0

@@ -1,6 +1,8 @@
 #include "domain/balance.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 #include "parallel/reductions.hpp"
 #include "parallel/waiting.hpp"
@@ -11,6 +13,22 @@ namespace trevi {
 namespace {
 
 constexpr Real pairs_per_particle = 20;
+
+// The work of the own rows in each of the slabs of `next`, from number `first` to `last`, that the own planes are in.
+std::vector<std::vector<Real>> work_of_own_rows(const CellOrder& order, const NeighbourList& list, const Slabs& next,
+                                                int first, int last) {
+  const std::vector<Real> none(static_cast<std::size_t>(order.rows()), 0.0);
+  std::vector<std::vector<Real>> work(static_cast<std::size_t>(last - first) + 1, none);
+  for (LocalId k = 0; k < order.planes(); ++k) {
+    const int slab = next.slab_of(order.window().planes.begin + k);
+    for (LocalId r = 0; r < order.rows(); ++r) {
+      const Range row = order.row(k + 1, r);
+      work[static_cast<std::size_t>(slab - first)][static_cast<std::size_t>(r)] +=
+          work_of(list, {row.begin - order.low_ghosts(), row.end - order.low_ghosts()});
+    }
+  }
+  return work;
+}
 
 }  // namespace
 
@@ -33,38 +51,79 @@ std::vector<Real> Balance::work_of_planes(const CellOrder& order, const Neighbou
   return all;
 }
 
-// For each row of each of these slabs, which need not be those that the particles are in.
-std::vector<Real> Balance::work_of_rows(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const {
-  const auto rows = static_cast<std::size_t>(order.grid().rows());
-  std::vector<Real> all(static_cast<std::size_t>(slabs.slabs()) * rows, 0.0);
+// The work of the rows of a slab of `next`, not yet cut inside, on the first rank of the slab of that number; none on
+// others. The particles are in the slabs of `now`, and each rank has its rows of its planes.
+std::vector<Real> Balance::work_of_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now,
+                                        const Slabs& next) const {
+  const int rank = rank_of(comm_), parts = now.parts();
   const CellWindow& own = order.window();
-  for (LocalId k = 0; k < order.planes(); ++k) {
-    const auto first = static_cast<std::size_t>(slabs.slab_of(own.planes.begin + k)) * rows;
-    for (LocalId r = 0; r < order.rows(); ++r) {
-      const Range row = order.row(k + 1, r);
-      all[first + static_cast<std::size_t>(own.rows.begin + r)] +=
-          work_of(list, {row.begin - order.low_ghosts(), row.end - order.low_ghosts()});
+  const int first = next.slab_of(own.planes.begin), last = next.slab_of(own.planes.end - 1);
+  std::vector<std::vector<Real>> given = work_of_own_rows(order, list, next, first, last);
+  std::vector<MPI_Request> requests;
+  for (int slab = first; slab <= last; ++slab) {
+    std::vector<Real>& rows = given[static_cast<std::size_t>(slab - first)];
+    MPI_Isend(rows.data(), static_cast<int>(rows.size()), MPI_DOUBLE, slab * parts, 0, comm_, &requests.emplace_back());
+  }
+  std::vector<std::pair<Range, std::vector<Real>>> received;  // which rows
+  if (rank % parts == 0) {
+    const int mine = rank / parts;
+    for (int slab = now.slab_of(next.first_plane(mine)); slab <= now.slab_of(next.end_plane(mine) - 1); ++slab) {
+      for (int from = slab * parts; from < (slab + 1) * parts; ++from) {
+        const Range rows = now.window(from, order.grid().rows()).rows;
+        auto& [of, work] = received.emplace_back(rows, std::vector<Real>(static_cast<std::size_t>(rows.size())));
+        MPI_Irecv(work.data(), static_cast<int>(work.size()), MPI_DOUBLE, from, 0, comm_, &requests.emplace_back());
+      }
     }
   }
-  all_reduce(comm_, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM);
+  wait_all(requests);
+  std::vector<Real> all(received.empty() ? 0 : static_cast<std::size_t>(order.grid().rows()), 0.0);
+  for (const auto& [rows, work] : received)
+    for (std::size_t r = 0; r < work.size(); ++r) all[static_cast<std::size_t>(rows.begin) + r] += work[r];
   return all;
+}
+
+// Cuts the slabs of `next` inside; returns their imbalance then.
+Real Balance::cut_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now, Slabs& next) const {
+  const int parts = now.parts();
+  const std::vector<Real> work = work_of_rows(order, list, now, next);
+  std::vector<LocalId> mine(static_cast<std::size_t>(work.empty() ? 0 : parts + 1));
+  Real most = 0, sum = 0;
+  if (!work.empty()) {
+    mine = even_cuts(work, parts);
+    for (std::size_t q = 0; q + 1 < mine.size(); ++q)
+      most = std::max(most, std::accumulate(work.begin() + mine[q], work.begin() + mine[q + 1], 0.0));
+    sum = std::accumulate(work.begin(), work.end(), 0.0);
+  }
+  std::vector<int> counts(static_cast<std::size_t>(now.ranks()), 0), places(counts.size(), 0);
+  for (int slab = 0; slab < now.slabs(); ++slab) {
+    counts[static_cast<std::size_t>(slab * parts)] = parts + 1;
+    places[static_cast<std::size_t>(slab * parts)] = slab * (parts + 1);
+  }
+  std::vector<LocalId> rows(static_cast<std::size_t>(now.slabs()) * (static_cast<std::size_t>(parts) + 1));
+  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_INT32_T, rows.data(), counts.data(), places.data(),
+                 MPI_INT32_T, comm_);
+  next.set_rows(std::move(rows), parts);
+  return imbalance_of(most, sum, now.ranks());
+}
+
+// From the most work that this rank knows a rank to have, and from the work that it sees to.
+Real Balance::imbalance_of(Real most, Real sum, int ranks) const {
+  all_reduce(comm_, &most, 1, MPI_DOUBLE, MPI_MAX);
+  all_reduce(comm_, &sum, 1, MPI_DOUBLE, MPI_SUM);
+  return sum > 0 ? most * ranks / sum : 1;
 }
 
 void Balance::update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs) {
   if (slabs.ranks() == 1 || step % interval != 0) return;
   const std::vector<Real> work = work_of_planes(order, list, slabs);
   const bool rows_are_cut = slabs.parts() > 1;
-  const Real now = rows_are_cut ? slabs.imbalance_of_rows(work_of_rows(order, list, slabs)) : slabs.imbalance(work);
+  const Real own = rows_are_cut ? plane_work(order, list, 0, order.planes()) : 0;
+  const Real now = rows_are_cut ? imbalance_of(own, own, slabs.ranks()) : slabs.imbalance(work);
   ++history_.looks;
   history_.sum += now;
   history_.max = std::max(history_.max, now);
   Slabs even(work, slabs.slabs());
-  Real then = even.imbalance(work);
-  if (rows_are_cut) {
-    const std::vector<Real> of_rows = work_of_rows(order, list, even);
-    even.cut_rows(of_rows, slabs.parts());
-    then = even.imbalance_of_rows(of_rows);
-  }
+  const Real then = rows_are_cut ? cut_rows(order, list, slabs, even) : even.imbalance(work);
   // Where there is little water a rank may get many empty planes, more than it can count the cells of.
   if (then > now - min_gain_ || !even.cells_fit(order.grid())) return;
   slabs = std::move(even);

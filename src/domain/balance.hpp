@@ -41,7 +41,10 @@ class Balance {
 
  private:
   std::vector<Real> work_of_planes(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const;
-  std::vector<Real> work_of_rows(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const;
+  std::vector<Real> work_of_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now,
+                                 const Slabs& next) const;
+  Real cut_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now, Slabs& next) const;
+  Real imbalance_of(Real most, Real sum, int ranks) const;
 
   MPI_Comm comm_;
   Real min_gain_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
+#include <span>
 
 namespace trevi {
 
@@ -14,6 +16,27 @@ Range overlap(const Range& a, const Range& b) {
 
 bool is_empty(const CellWindow& window) { return window.planes.size() == 0 || window.rows.size() == 0; }
 
+// The numbers of the pieces between cuts of planes or rows that may be next to `own` on a level, in ascending order.
+// They are looked for from there, not among all.
+std::vector<int> near_pieces(std::span<const LocalId> cuts, int level, const Range& own, bool repeats) {
+  const LocalId all = first_on_level(cuts.back(), level);
+  // The first cut at or after a place.
+  const auto cut_at = [&](LocalId place) {
+    const auto before = [&](LocalId cut) { return first_on_level(cut, level) < place; };
+    return static_cast<int>(std::partition_point(cuts.begin(), cuts.end(), before) - cuts.begin());
+  };
+  const int pieces = static_cast<int>(cuts.size()) - 1;
+  const int first = std::max(cut_at(own.begin - 1) - 1, 0), end = std::min(cut_at(own.end + 2), pieces);
+  std::vector<int> near(static_cast<std::size_t>(std::max(end - first, 0)));
+  std::iota(near.begin(), near.end(), first);
+  if (!repeats || (own.begin > 0 && own.end < all)) return near;
+  for (int k = 0; k < std::min(cut_at(1), pieces); ++k) near.push_back(k);
+  for (int k = std::max(cut_at(all) - 1, 0); k < pieces; ++k) near.push_back(k);
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
+}
+
 // The cuts on one level.
 class Level {
  public:
@@ -25,11 +48,14 @@ class Level {
 
   CellWindow window(int rank) const { return window_on_level(cuts_.window(rank), level_); }
   bool takes_part(int rank) const { return level_ == 0 || !is_empty(window_on_level(cuts_.window(rank), level_ - 1)); }
-  // Whether planes of two slabs may be next to one another.
-  bool are_near(const Range& a, const Range& b) const {
-    const auto is_at_end = [&](const Range& planes) { return planes.begin == 0 || planes.end == all_[0]; };
-    return overlap({a.begin - 1, a.end + 1}, {b.begin - 1, b.end + 1}).size() > 0 ||
-           (repeats_[0] && is_at_end(a) && is_at_end(b));
+  // visit(other) for the ranks whose windows may be next to this one, in ascending order.
+  template <class Visit>
+  void for_each_near(const CellWindow& own, const Visit& visit) const {
+    const std::size_t cuts_of_slab = static_cast<std::size_t>(cuts_.parts) + 1;
+    for (const int slab : near_pieces(cuts_.planes, level_, own.planes, repeats_[0])) {
+      const std::span rows = std::span(cuts_.rows).subspan(static_cast<std::size_t>(slab) * cuts_of_slab, cuts_of_slab);
+      for (const int part : near_pieces(rows, level_, own.rows, repeats_[1])) visit(slab * cuts_.parts + part);
+    }
   }
   // visit(plane, row, planes, rows) for the zones around a window that there are: which cells of the box they hold.
   template <class Visit>
@@ -73,24 +99,21 @@ CellPeers cell_peers(const CellCuts& cuts, int rank, int level, const std::array
     });
   };
   const bool takes_part = on.takes_part(rank);
-  for (int slab = 0; slab < cuts.slabs(); ++slab) {
-    if (!on.are_near(on.window(slab * cuts.parts).planes, own.planes)) continue;
-    for (int other = slab * cuts.parts; other < (slab + 1) * cuts.parts; ++other) {
-      const CellWindow theirs = on.window(other);
-      if (takes_part && !is_empty(theirs)) {
-        for_each_piece(own, theirs, [&](int plane, int row, const Range& rows) {
-          const LocalId first = row == 0 ? rows.begin - own.rows.begin : row < 0 ? -1 : own.rows.size();
-          peers.from.push_back({other, plane, row, {first, first + rows.size()}});
-        });
-      }
-      if (!is_empty(own) && on.takes_part(other)) {
-        for_each_piece(theirs, own, [&](int plane, int row, const Range& rows) {
-          const LocalId first = rows.begin - own.rows.begin;
-          peers.to.push_back({other, plane, row, {first, first + rows.size()}});
-        });
-      }
+  on.for_each_near(own, [&](int other) {
+    const CellWindow theirs = on.window(other);
+    if (takes_part && !is_empty(theirs)) {
+      for_each_piece(own, theirs, [&](int plane, int row, const Range& rows) {
+        const LocalId first = row == 0 ? rows.begin - own.rows.begin : row < 0 ? -1 : own.rows.size();
+        peers.from.push_back({other, plane, row, {first, first + rows.size()}});
+      });
     }
-  }
+    if (!is_empty(own) && on.takes_part(other)) {
+      for_each_piece(theirs, own, [&](int plane, int row, const Range& rows) {
+        const LocalId first = rows.begin - own.rows.begin;
+        peers.to.push_back({other, plane, row, {first, first + rows.size()}});
+      });
+    }
+  });
   return peers;
 }
 

@@ -109,10 +109,10 @@ void Neighbourhood<T>::move_ghosts_from_beyond() {
 }
 
 template <class T>
-std::vector<Range> Neighbourhood<T>::boundary() const {
+std::vector<Range> Neighbourhood<T>::boundary(LocalId depth) const {
   std::vector<Range> ranges;
   LocalId begin = 0;
-  for (const Range& inner : interior()) {
+  for (const Range& inner : interior(depth)) {
     ranges.push_back({begin, inner.begin});
     begin = inner.end;
   }
@@ -121,17 +121,23 @@ std::vector<Range> Neighbourhood<T>::boundary() const {
 }
 
 template <class T>
-std::vector<Range> Neighbourhood<T>::interior() const {
+CellWindow Neighbourhood<T>::interior_window(LocalId depth) const {
   const LocalId planes = order_.planes(), rows = order_.rows();
-  if (planes <= 2) return {};
-  if (!order_.rows_are_cut()) return {order_.owned_range(1, planes - 1)};
-  const LocalId first = order_.rows_beside(0).begin < 0 ? 1 : 0;
-  const LocalId last = order_.rows_beside(rows - 1).end > rows ? rows - 1 : rows;
+  const LocalId first = order_.rows_beside(0).begin < 0 ? depth : 0;
+  const LocalId last = order_.rows_beside(rows - 1).end > rows ? rows - depth : rows;
+  if (planes <= 2 * depth || first >= last) return {};
+  return {{depth, planes - depth}, {first, last}};
+}
+
+template <class T>
+std::vector<Range> Neighbourhood<T>::interior(LocalId depth) const {
+  const auto [planes, rows] = interior_window(depth);
+  if (planes.size() == 0) return {};
+  if (!order_.rows_are_cut()) return {order_.owned_range(planes.begin, planes.end)};
   std::vector<Range> ranges;
-  for (LocalId k = 2; k < planes && first < last; ++k) {
-    const LocalId low = order_.low_ghosts();
-    ranges.push_back({order_.row(k, first).begin - low, order_.row(k, last - 1).end - low});
-  }
+  const LocalId low = order_.low_ghosts();
+  for (LocalId k = planes.begin + 1; k <= planes.end; ++k)
+    ranges.push_back({order_.row(k, rows.begin).begin - low, order_.row(k, rows.end - 1).end - low});
   return ranges;
 }
 

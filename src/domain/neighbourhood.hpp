@@ -66,9 +66,12 @@ class Neighbourhood {
   }
 
   /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane, and
-  /// of the rows at cuts in the others; interior(): all others. In ranges as long as they get, in their order.
-  std::vector<Range> boundary() const;
-  std::vector<Range> interior() const;
+  /// of the rows at cuts in the others; interior(): all others. In ranges as long as they get, in their order. With
+  /// `depth` so many planes and rows in place of one belong to the boundary.
+  std::vector<Range> boundary(LocalId depth = 1) const;
+  std::vector<Range> interior(LocalId depth = 1) const;
+  /// The planes and rows of the interior, counted from the own ones; empty where there are none.
+  CellWindow interior_window(LocalId depth) const;
   Range all() const { return {0, order_.owned()}; }
 
   std::size_t bytes() const {

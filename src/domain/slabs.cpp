@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "trevi/error.hpp"
 
@@ -59,7 +60,8 @@ Real heaviest(std::span<const Real> before, std::span<const LocalId> cuts) {
   return weight;
 }
 
-// The cuts with the smallest possible value of the largest weight of a part.
+}  // namespace
+
 std::vector<LocalId> even_cuts(std::span<const Real> weights, int parts) {
   const auto count = static_cast<LocalId>(weights.size());
   std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all before this one
@@ -86,14 +88,13 @@ std::vector<LocalId> even_cuts(std::span<const Real> weights, int parts) {
   return cuts;
 }
 
-}  // namespace
-
 Slabs::Slabs(std::span<const Real> weights, int slabs) {
   const auto planes = static_cast<LocalId>(weights.size());
   if (slabs > planes) {
     throw InputError("the box has " + std::to_string(planes) + " cell planes along the slab axis, fewer than the " +
                      std::to_string(slabs) + " ranks; use at most " + std::to_string(planes) +
-                     " ranks, another [domain] slab_axis, or a smaller kernel_radius");
+                     " ranks, cuts inside slabs ([domain] ranks = \"auto\"), another [domain] slab_axis, or a smaller "
+                     "kernel_radius");
   }
   cuts_.planes = even_cuts(weights, slabs);
   for (int k = 0; k < slabs; ++k) cuts_.rows.insert(cuts_.rows.end(), {0, 1});
@@ -103,36 +104,27 @@ void Slabs::cut_rows(std::span<const Real> weights, int parts) {
   const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs());
   if (static_cast<std::size_t>(parts) > rows) {
     throw InputError(
-        fmt::format("[domain] ranks: planes have {} rows of cells, fewer than the {} parts of a slab; "
-                    "use at most {} parts, another [domain] slab_axis, or a smaller kernel_radius",
+        fmt::format("planes have {} rows of cells, fewer than the {} parts of a slab; use at most {} parts, another "
+                    "[domain] slab_axis, or a smaller kernel_radius",
                     rows, parts, rows));
   }
-  cuts_.parts = parts;
-  const int slabs = cuts_.slabs();
-  cuts_.rows.clear();
-  for (int k = 0; k < slabs; ++k) {
-    const std::vector<LocalId> cuts = even_cuts(weights.subspan(static_cast<std::size_t>(k) * rows, rows), parts);
-    cuts_.rows.insert(cuts_.rows.end(), cuts.begin(), cuts.end());
+  std::vector<LocalId> cuts;
+  for (std::size_t k = 0; k < weights.size(); k += rows) {
+    const std::vector<LocalId> of_slab = even_cuts(weights.subspan(k, rows), parts);
+    cuts.insert(cuts.end(), of_slab.begin(), of_slab.end());
   }
+  set_rows(std::move(cuts), parts);
+}
+
+void Slabs::set_rows(std::vector<LocalId> rows, int parts) {
+  cuts_.rows = std::move(rows);
+  cuts_.parts = parts;
 }
 
 Real Slabs::imbalance(std::span<const Real> weights) const {
   std::vector<Real> before(weights.size() + 1, 0.0);
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
   return before.back() > 0 ? heaviest(before, cuts_.planes) * slabs() / before.back() : 1;
-}
-
-Real Slabs::imbalance_of_rows(std::span<const Real> weights) const {
-  const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs());
-  Real most = 0, all = 0;
-  for (int rank = 0; rank < ranks(); ++rank) {
-    const Range own = cuts_.window(rank).rows;
-    const auto first = weights.begin() + static_cast<std::ptrdiff_t>(slab(rank) * rows);
-    const Real weight = std::accumulate(first + own.begin, first + own.end, 0.0);
-    most = std::max(most, weight);
-    all += weight;
-  }
-  return all > 0 ? most * ranks() / all : 1;
 }
 
 Real Slabs::cells(int rank, LocalId rows, LocalId columns) const {

@@ -13,6 +13,10 @@ namespace trevi {
 /// A message between neighbour slabs is shorter than this: MPI counts its bytes in an int.
 inline constexpr std::size_t max_message_bytes = std::size_t{1} << 31;
 
+/// The cuts between so many parts for which the largest weight of a part is as small as can be; each part has one of
+/// the weights at least, so there may not be more parts.
+std::vector<LocalId> even_cuts(std::span<const Real> weights, int parts);
+
 class Slabs {
  public:
   /// Cuts the planes so that the largest weight of a slab is as small as whole planes allow. `weights`: one per plane,
@@ -21,6 +25,8 @@ class Slabs {
   /// Cuts each slab into `parts` runs of rows likewise. `weights`: one for each row of each slab, slab by slab. Throws
   /// InputError when there are more parts than rows.
   void cut_rows(std::span<const Real> weights, int parts);
+  /// The same with cuts that are known: `rows` as in CellCuts.
+  void set_rows(std::vector<LocalId> rows, int parts);
 
   const CellCuts& cuts() const { return cuts_; }
   int ranks() const { return cuts_.ranks(); }
@@ -38,8 +44,6 @@ class Slabs {
   int owner(const CellGrid& grid, const Vec3& p) const { return owner(grid.plane_of(p), grid.row_of(p)); }
   /// Largest sum of weights over slabs, divided by the mean; 1 where there is no weight. `weights`: one per plane.
   Real imbalance(std::span<const Real> weights) const;
-  /// The same over ranks. `weights`: one for each row of each slab.
-  Real imbalance_of_rows(std::span<const Real> weights) const;
   /// Whether each rank, with its ghosts, can count its cells in a LocalId.
   bool cells_fit(const CellGrid& grid) const { return cells_fit(grid.rows(), grid.columns()); }
   bool cells_fit(LocalId rows, LocalId columns) const;

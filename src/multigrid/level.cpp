@@ -125,14 +125,14 @@ void MultigridLevel::substitute(const std::array<Column, n>& columns, Cells cell
 
 // Calls make(column) for each column of the planes and solves them, then finish(column).
 template <class Make, class Finish>
-void MultigridLevel::solve_rows(Range planes, const Make& make, const Finish& finish) {
-  const LocalId rows = shape_.rows;
+void MultigridLevel::solve_rows(Range planes, Range of_plane, const Make& make, const Finish& finish) {
+  const LocalId rows = of_plane.size(), first = of_plane.begin;
   for_each_part(Range{planes.begin * rows, planes.end * rows}, rows_at_a_time(shape_.columns), [&](Range part) {
     std::array<Column, together> columns{};
     for (LocalId i = part.begin; i < part.end;) {
       std::size_t count = 0;
       for (; i < part.end && count < together; ++i) {
-        columns[count] = {shape_.index(i / rows, i % rows, 0), top(i / rows, i % rows)};
+        columns[count] = {shape_.index(i / rows, first + i % rows, 0), top(i / rows, first + i % rows)};
         make(columns[count++]);
       }
       solve_columns(std::span(columns).first(count));
@@ -141,9 +141,9 @@ void MultigridLevel::solve_rows(Range planes, const Make& make, const Finish& fi
   });
 }
 
-void MultigridLevel::sweep(Range planes, Real weight) {
+void MultigridLevel::sweep(Range planes, Range rows, Real weight) {
   solve_rows(
-      planes, [&](const Column& column) { gather_column(column); },
+      planes, rows, [&](const Column& column) { gather_column(column); },
       [&](const Column& column) {
         for (std::size_t i = column.at; i < column.at + column.count; ++i)
           next[i] = phi[i] + weight * (next[i] - phi[i]);
@@ -152,7 +152,7 @@ void MultigridLevel::sweep(Range planes, Real weight) {
 
 void MultigridLevel::sweep_from_zero(Real weight) {
   solve_rows(
-      {1, shape_.planes + 1},
+      {1, shape_.planes + 1}, {0, shape_.rows},
       [&](const Column& column) {
         const auto at = static_cast<std::ptrdiff_t>(column.at);
         std::copy_n(rhs.begin() + at, column.count, next.begin() + at);

@@ -63,8 +63,8 @@ class MultigridLevel {
   void factor();
   bool is_water(std::size_t at) const { return per_pivot[at] > 0; }
 
-  /// Writes the next phi of the own planes [planes) from phi; show_next() makes it phi.
-  void sweep(Range planes, Real weight);
+  /// Writes the next phi of rows of own planes from phi; show_next() makes it phi.
+  void sweep(Range planes, Range rows, Real weight);
   void show_next() { phi.swap(next); }
   /// The same for all own planes where phi is 0 everywhere.
   void sweep_from_zero(Real weight);
@@ -122,7 +122,7 @@ class MultigridLevel {
   template <std::size_t n>
   void substitute(const std::array<Column, n>& columns, Cells cells, std::array<Real, n>& last);
   template <class Make, class Finish>
-  void solve_rows(Range planes, const Make& make, const Finish& finish);
+  void solve_rows(Range planes, Range rows, const Make& make, const Finish& finish);
 
   LevelShape shape_;
   std::vector<std::size_t> used_;  // cells of each column that use_columns() has left

@@ -196,16 +196,20 @@ void Multigrid::sweep_coarsest(Halo& halo) {
 
 // What the neighbours wait for goes first.
 void Multigrid::sweep(Level& level, Halo& halo, Real weight) const {
-  const LocalId planes = level.cells.shape().planes;
-  const bool ahead = !level.gathered && planes > 1 && size_of(comm_) > 1 && cuts_.parts == 1;
+  const LocalId planes = level.cells.shape().planes, rows = level.cells.shape().rows;
+  const LocalId beside = level.cells.shape().rows_are_cut() ? 1 : 0;  // of the rows of a plane, at either end
+  const Range inner{beside, rows - beside};
+  const bool ahead = !level.gathered && planes > 1 && inner.size() > 0 && size_of(comm_) > 1;
   if (ahead) {
-    level.cells.sweep({1, 2}, weight);
-    level.cells.sweep({planes, planes + 1}, weight);
+    level.cells.sweep({1, 2}, {0, rows}, weight);
+    level.cells.sweep({planes, planes + 1}, {0, rows}, weight);
+    for (const Range& of_plane : {Range{0, inner.begin}, Range{inner.end, rows}})
+      if (of_plane.size() > 0) level.cells.sweep({2, planes}, of_plane, weight);
   } else {
-    level.cells.sweep({1, planes + 1}, weight);
+    level.cells.sweep({1, planes + 1}, {0, rows}, weight);
   }
   halo.start_cells(level.cells.next, level.cells.shape().step(0), level.peers);
-  if (ahead) level.cells.sweep({2, planes}, weight);
+  if (ahead) level.cells.sweep({2, planes}, inner, weight);
   show_next(level, halo);
 }
 

@@ -155,24 +155,29 @@ class CellFields {
   std::unique_ptr<EightCells[]> values_;
 };
 
-/// work(state, k, r) for the rows of all own planes, those of the planes at either end first: send() then lets these
-/// travel to the neighbours while the others are worked on. A State as for_each_row_with() has it.
+/// work(state, k, r) for the rows of all own planes, those of the planes at either end first, and those at cuts: send()
+/// then lets these travel to the neighbours while the others are worked on. A State as for_each_row_with() has it.
 template <class State, class Work, class Send>
 void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, const Work& work, const Send& send) {
   const LocalId rows = grid.rows(), last = grid.planes();
-  if (!halo.has_neighbours() || grid.rows_are_cut()) {
-    for_each_row_with<State>(grid.rows_of({1, last + 1}), work);
-    if (!halo.has_neighbours()) return;
-    send();
-    return halo.finish();
-  }
+  if (!halo.has_neighbours()) return for_each_row_with<State>(grid.rows_of({1, last + 1}), work);
+  const LocalId ends = grid.rows_are_cut() ? std::min(rows, 2) : 0;  // rows of the planes between that travel
+  const LocalId of_planes = std::min(last, 2) * rows, between = std::max(last - 2, 0);
   constexpr LocalId part_size = 16;  // a plane has few rows for all threads
-  for_each_part({0, std::min(last, 2) * rows}, part_size, [&](Range part) {
+  for_each_part({0, of_planes + between * ends}, part_size, [&](Range part) {
     State state;
-    for (LocalId i = part.begin; i < part.end; ++i) work(state, i < rows ? 1 : last, i % rows);
+    for (LocalId i = part.begin; i < part.end; ++i) {
+      const LocalId j = i - of_planes;
+      if (j < 0) work(state, i < rows ? 1 : last, i % rows);
+      // First rows and then last ones, so that one comes beside the one before.
+      if (j >= 0) work(state, 2 + j % between, j < between ? 0 : rows - 1);
+    }
   });
   send();
-  if (last > 2) for_each_row_with<State>(grid.rows_of({2, last}), work);
+  CellRows others = grid.rows_of({2, last});
+  others.rows -= ends;
+  others.first_row = ends > 0 ? 1 : 0;
+  if (last > 2 && others.rows > 0) for_each_row_with<State>(others, work);
   halo.finish();
 }
 template <class State, class Work>

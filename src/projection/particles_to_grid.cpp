@@ -159,16 +159,23 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
   for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
     const LocalId r = (row + rows) % rows;
     const Range near = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
+    const CellSums* const known = known_sums(k, r);
     for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
       const CellParticles cell = particles_of(order, k, r, c);
       if (cell.begin == cell.end) continue;
-      const CellSums sums = is_in(c, near) ? sum_cell(cuts->beside_sheets(frame_, grid_, {k, r, c}), motion, cell)
-                                           : sum_cell(frame_, motion, cell);
+      const CellSums sums =
+          known != nullptr ? known[c] : sums_of({k, r, c}, cell, motion, is_in(c, near) ? cuts : nullptr);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     }
   }
   if (grid_.rows_are_cut() && own.end == rows && grid_.has_row(rows)) add_ghost_row(k, 1);
+}
+
+CellSums ParticlesToGrid::sums_of(const CellNumbers& at, const CellParticles& cell, const Motion& motion,
+                                  const CutCells* near) const {
+  return near == nullptr ? sum_cell(frame_, motion, cell)
+                         : sum_cell(near->beside_sheets(frame_, grid_, at), motion, cell);
 }
 
 // What cells of the last row before a cut add to the first one after it, and the other way: particles of ghost cells
@@ -178,6 +185,7 @@ void ParticlesToGrid::exchange_volumes(const CellOrder& order, Halo& halo, const
   for (std::size_t side : {0U, 1U}) {
     given_[side].assign(beside_index(planes + 2, 0), {});
     received_[side].assign(beside_index(planes + 2, 0), {});
+    ends_[side].resize(beside_index(planes + 2, 0));
   }
   for_each_part(2 * planes, [&](LocalId part) {
     find_volumes_beside(order, motion, cuts, part / 2 + 1, static_cast<std::size_t>(part % 2));
@@ -199,8 +207,8 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
   for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
     const CellParticles cell = particles_of(order, k, r, c);
     if (cell.begin == cell.end) continue;
-    const CellSums sums = is_in(c, near) ? sum_cell(cuts->beside_sheets(frame_, grid_, {k, r, c}), motion, cell)
-                                         : sum_cell(frame_, motion, cell);
+    const CellSums& sums = ends_[side][beside_index(k, c)] =
+        sums_of({k, r, c}, cell, motion, is_in(c, near) ? cuts : nullptr);
     VolumesBeside& beside = given_[side][beside_index(k, c)];
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (std::size_t j = 0; j < 3; ++j)
@@ -293,7 +301,8 @@ std::size_t ParticlesToGrid::bytes() const {
   std::size_t values = 0;
   for (const auto& u : displacement_) values += u.capacity();
   for (std::size_t side : {0U, 1U})
-    values += (given_[side].capacity() + received_[side].capacity()) * sizeof(VolumesBeside) / sizeof(Real);
+    values += (given_[side].capacity() + received_[side].capacity()) * sizeof(VolumesBeside) / sizeof(Real) +
+              ends_[side].capacity() * sizeof(CellSums) / sizeof(Real);
   return filled_.capacity() * sizeof(Range) + values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
 }
 

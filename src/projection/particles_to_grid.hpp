@@ -81,6 +81,11 @@ class ParticlesToGrid {
   void find_volumes_beside(const CellOrder& order, const Motion& motion, const CutCells* cuts, LocalId k,
                            std::size_t side);
   void add_ghost_row(LocalId k, std::size_t side);
+  // The sums of the cells of a row that were found for the ranks beside; null for other rows.
+  const CellSums* known_sums(LocalId k, LocalId r) const {
+    if (!grid_.rows_are_cut() || (r > 0 && r + 1 < grid_.rows())) return nullptr;
+    return &ends_[r == 0 ? 0 : 1][beside_index(k, 0)];
+  }
   std::size_t beside_index(LocalId k, LocalId c) const {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(grid_.columns()) + static_cast<std::size_t>(c);
   }
@@ -101,6 +106,7 @@ class ParticlesToGrid {
   struct FittedMean {
     Real sum = 0, weight = 0;
   };
+  CellSums sums_of(const CellNumbers& at, const CellParticles& cell, const Motion& motion, const CutCells* near) const;
   void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts);
   bool exists(CellNumbers& cell) const;
   bool holds_any(const CellNumbers& cell) const;
@@ -113,6 +119,7 @@ class ParticlesToGrid {
   std::array<std::vector<Real>, 3> displacement_;
   // Where rows are cut, of the first and the last own row, and of the rows before and after these.
   std::array<std::vector<VolumesBeside>, 2> given_, received_;
+  std::array<std::vector<CellSums>, 2> ends_;  // of the first and the last own row
 };
 
 }  // namespace trevi

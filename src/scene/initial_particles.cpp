@@ -16,6 +16,7 @@
 #include "scene/free_places.hpp"
 #include "scene/lattice.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_ranks.hpp"
 #include "solver/first_slabs.hpp"
 #include "solver/hue.hpp"
 #include "trevi/error.hpp"
@@ -229,7 +230,7 @@ Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std
   const Sources sources{scene, grid, places, files};
   const CellWeights of_cells = source_weights(comm, sources);
   weights = of_cells.planes;
-  return first_slabs(scene, grid, of_cells, size_of(comm));
+  return slabs_of(scene, grid, of_cells, size_of(comm));
 }
 
 Particles initial_particles(MPI_Comm comm, const Scene& scene) {
@@ -238,7 +239,7 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   FileParticles files = read_files(comm, scene, places);
   const Sources sources{scene, grid, places, files};
   const CellWeights weights = source_weights(comm, sources);
-  const Slabs slabs = first_slabs(scene, grid, weights, size_of(comm));
+  const Slabs slabs = slabs_of(scene, grid, weights, size_of(comm));
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
   const CellWindow own = slabs.window(rank_of(comm), grid.rows());
@@ -277,6 +278,9 @@ Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows row
         "colour with --set colour.by=rainbow_id");
   }
   if (!particles.has_hue) particles.hue.clear();
+  const CellGrid grid = cell_grid(scene, scene.domain);
+  const auto of_rows = [&](const Slabs& slabs) { return row_weights(comm, grid, slabs, particles); };
+  slabs_of(scene, grid, {plane_weights(comm, grid, particles), of_rows}, size_of(comm));  // refuses what cannot be
   return particles;
 }
 

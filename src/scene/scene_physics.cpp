@@ -17,6 +17,7 @@
 #include "scene/scene_particles.hpp"
 #include "scene/scene_periodic.hpp"
 #include "scene/scene_plane.hpp"
+#include "scene/scene_ranks.hpp"
 #include "scene/scene_waves.hpp"
 
 namespace trevi {
@@ -101,13 +102,7 @@ void PhysicsReader::read_domain() {
   domain_.choice<SlabCuts>(
       {"slabs", "each rank's share: the same work, followed as the water moves, or the same planes"}, scene_.slabs,
       {{"balanced", SlabCuts::balanced}, {"equal", SlabCuts::equal}});
-  std::array<Real, 2> ranks{};
-  if (!domain_.numbers({"ranks", "slabs, and ranks that share each of them; default a slab for each rank"}, ranks))
-    return;
-  const auto is_number = [](Real n) { return n >= 1 && n <= 1e9 && n == std::floor(n); };
-  if (domain_.check("ranks", is_number(ranks[0]) && is_number(ranks[1]),
-                    "must be two whole numbers, slabs and ranks of each slab; 1 at least"))
-    scene_.ranks = {static_cast<int>(ranks[0]), static_cast<int>(ranks[1])};
+  read_ranks(domain_, scene_);
 }
 
 void PhysicsReader::read_fluid() {

@@ -13,4 +13,10 @@ std::string SceneTable::place_in(const Scene& scene, const std::string& key) con
          key + ": ";
 }
 
+std::string SceneKey::place_in(const Scene& scene) const {
+  const auto lines = scene.lines.lines_.find(name());
+  const int line = lines != scene.lines.lines_.end() ? lines->second.front() : 0;
+  return scene.path + (line > 0 ? ":" + std::to_string(line) : "") + ": [" + table_ + "] " + key_ + ": ";
+}
+
 }  // namespace trevi

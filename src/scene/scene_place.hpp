@@ -27,7 +27,32 @@ class SceneTable {
   std::size_t index_;
 };
 
-/// Does `work` for a key of the table; its InputErrors gain this place.
+/// A key of a table of which there is one: {"domain", "ranks"}.
+class SceneKey {
+ public:
+  constexpr SceneKey(const char* table, const char* key) : table_(table), key_(key) {}
+
+  /// To be called when it is read; 0: it came from --set.
+  void add(Scene& scene, int line) const { scene.lines.lines_[name()] = {line}; }
+  /// "scene.toml:12: [domain] ranks: ", without the line where the key is not in the file.
+  std::string place_in(const Scene& scene) const;
+
+ private:
+  std::string name() const { return std::string(table_) + "." + key_; }
+  const char *table_, *key_;
+};
+
+/// Does `work` for a key; its InputErrors gain this place.
+template <class Work>
+auto told_at(const Scene& scene, const SceneKey& key, Work&& work) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (const InputError& error) {
+    throw InputError(key.place_in(scene) + error.what());
+  }
+}
+
+/// The same for a key of a table of a list.
 template <class Work>
 auto told_at(const Scene& scene, const SceneTable& table, const std::string& key, Work&& work) {
   try {

@@ -34,6 +34,11 @@ std::string shown(const toml::node& node) {
   return '[' + printable(all) + ']';
 }
 
+// 0 where it came from an override.
+int line_in_file(const toml::source_region& where) {
+  return where.path && where.path->starts_with("--set ") ? 0 : static_cast<int>(where.begin.line);
+}
+
 std::optional<Real> finite_number(const toml::node& node) {
   const auto value = node.is_number() ? node.value<Real>() : std::nullopt;
   return value && std::isfinite(*value) ? value : std::nullopt;
@@ -260,10 +265,9 @@ Place Section::place_of(const std::string& key) const {
   return {node ? node->source() : place_.where, place_.path + dot + key, place_.label + space + printable(key)};
 }
 
-int Section::line() const {
-  const auto& path = place_.where.path;
-  return path && path->starts_with("--set ") ? 0 : static_cast<int>(place_.where.begin.line);
-}
+int Section::line() const { return line_in_file(place_.where); }
+
+int Section::line_of(const char* key) const { return line_in_file(place_of(key).where); }
 
 void Section::reject_unknown() {
   if (!table_) return;

@@ -81,6 +81,8 @@ class Section {
   void allow_pairs() { findings_->pairs_ = true; }
   /// In the scene file; 0 when the table came from an override.
   int line() const;
+  /// The same of a key.
+  int line_of(const char* key) const;
   /// Reports the keys that nobody asked for; call last.
   void reject_unknown();
 

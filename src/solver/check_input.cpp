@@ -72,6 +72,7 @@ void check_numbers(const Settings& all) {
   demand(!all.gravity || all.gravity->allFinite(), "gravity must be finite");
   demand(all.slab_axis == 0 || all.slab_axis == 1, "slab_axis must be 0 or 1");
   demand(!all.ranks || ((*all.ranks)[0] >= 1 && (*all.ranks)[1] >= 1), "ranks must be positive");
+  demand(!all.ranks || !all.ranks_by_model, "ranks must be absent with ranks_by_model");
   demand(is_amount(all.walls.floor_friction), "walls.floor_friction must not be negative");
   demand(all.walls.restitution >= 0 && all.walls.restitution <= 1, "walls.restitution must be from 0 to 1");
   if (all.tensile) {

@@ -83,28 +83,29 @@ void DensityProblem<T>::compute_delta() {
   count_pass(near_.all(), DensityConstraint<T>::delta_flops);
 }
 
-// The two planes at an end are all that is beside the last one, whose particles may move once both have their deltas.
+// Particles of the boundary may move once those in the cells beside it have their deltas, too.
 template <class T>
 void DensityProblem<T>::compute_delta_and_move(bool separate) {
-  const LocalId planes = near_.order().planes();
-  if (!near_.halo().has_neighbours() || planes < 5 || near_.order().rows_are_cut()) {
+  constexpr LocalId beside = 2;
+  const CellWindow inner = near_.interior_window(beside);
+  if (!near_.halo().has_neighbours() || inner.planes.size() == 0) {
     compute_delta();
     if (separate) separate_coincident();
     return with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   }
   if (positions_only_) note_sweep();
-  const auto find = [&](Range some) {
+  const auto find = [&](const std::vector<Range>& parts, bool inside) {
     const ScopedEvent timed(delta_event_);
-    const Range part = near_.order().owned_range(some.begin, some.end);
-    constraint_.deltas(pairs(), part, particles_->predicted, field_);
-    count_pass(part, DensityConstraint<T>::delta_flops);
-    if (separate) separate_coincident(some);
+    for (const Range& part : parts) {
+      constraint_.deltas(pairs(), part, particles_->predicted, field_);
+      count_pass(part, DensityConstraint<T>::delta_flops);
+    }
+    if (separate) separate_coincident(inner, inside);
   };
-  find({0, 2});
-  find({planes - 2, planes});
+  find(near_.boundary(beside), false);
   for (const Range& part : near_.boundary()) collide_and_move(part);
   near_.start_positions();
-  find({2, planes - 2});
+  find(near_.interior(beside), true);
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
   for (const Range& part : near_.interior()) collide_and_move(part);
   near_.finish_positions();
@@ -246,7 +247,7 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
 // The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so
 // only pairs within a cell are tested. Later iterations push them further apart, as soon as the pair has a direction.
 template <class T>
-void DensityProblem<T>::separate_coincident(Range planes) {
+void DensityProblem<T>::separate_coincident(const CellWindow& window, bool inside) {
   if (near_.list().first_overfull_particle() >= 0)
     return;  // the test of all pairs in a first_overfull_particle cell would take too long
   const std::vector<Vec3>& p = particles_->predicted;
@@ -259,8 +260,10 @@ void DensityProblem<T>::separate_coincident(Range planes) {
   };
   const CellOrder& order = near_.order();
   const LocalId rows = order.rows(), columns = order.grid().columns();
-  for_each_part(planes.size() * rows, [&](LocalId row) {
-    const LocalId k = planes.begin + row / rows + 1, first = row % rows * columns;
+  const auto is_in = [](LocalId i, const Range& range) { return i >= range.begin && i < range.end; };
+  for_each_part(order.planes() * rows, [&](LocalId row) {
+    if ((is_in(row / rows, window.planes) && is_in(row % rows, window.rows)) != inside) return;
+    const LocalId k = row / rows + 1, first = row % rows * columns;
     for (LocalId c = first; c < first + columns; ++c) {
       const auto begin = static_cast<std::size_t>(order.start(k, c) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());

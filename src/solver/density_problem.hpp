@@ -50,7 +50,7 @@ class DensityProblem {
   Compression compression() const;
   /// delta_i, m, of all owned particles from the present lambda (lines 12 and 13).
   void compute_delta();
-  /// The same and separate_coincident(), if that is asked for, and collide_and_move(): planes at the ends first, whose
+  /// The same and separate_coincident(), if that is asked for, and collide_and_move(): the boundary first, whose
   /// positions travel meanwhile. Collective.
   void compute_delta_and_move(bool separate);
   /// Sets delta from the projection instead: displacements that keep the volume over long distances.
@@ -64,7 +64,7 @@ class DensityProblem {
   void filter_shifts(Projection& projection);
   /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
   /// them.
-  void separate_coincident() { separate_coincident({0, near_.order().planes()}); }
+  void separate_coincident() { separate_coincident({}, false); }
   Vec3 delta(LocalId i) const { return field_.shift(static_cast<std::size_t>(i)); }
   /// p*_i += relaxation · delta_i as far as walls allow (lines 14 to 18).
   void collide_and_move(Range part, Real relaxation = 1);
@@ -109,7 +109,8 @@ class DensityProblem {
   static constexpr LocalId moved_at_once = 512;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const Box& open, Range few, Real relaxation);
-  void separate_coincident(Range planes);
+  // Of the cells inside of a window of the own ones, or outside of it.
+  void separate_coincident(const CellWindow& window, bool inside);
   void note_sweep();
   std::vector<Range> rows_in_flight() const;
   void count_pass(Range part, double flops_per_pair);

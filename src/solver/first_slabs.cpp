@@ -9,20 +9,29 @@
 #include <numeric>
 
 #include "particles/packed.hpp"
+#include "solver/ranks_by_model.hpp"
 #include "trevi/error.hpp"
 
 namespace trevi {
-
-namespace {
 
 // PETSc's solver has three unknowns per particle, and a PetscInt must count those of all ranks together.
 void check_unknowns(const Settings& settings, const std::vector<Real>& weights) {
   const Real particles = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (settings.density.method != Method::anderson || 3 * particles <= static_cast<Real>(PETSC_MAX_INT)) return;
   throw InputError(
-      fmt::format("[density] method = \"anderson\" can count {:.0f} particles with this PETSc, got {:.0f}; use another "
+      fmt::format("\"anderson\" can count {:.0f} particles with this PETSc, got {:.0f}; use another "
                   "method",
                   std::floor(static_cast<Real>(PETSC_MAX_INT) / 3), particles));
+}
+
+namespace {
+
+// As the settings say.
+std::array<int, 2> slabs_and_parts(const Settings& settings, const CellGrid& grid, const std::vector<Real>& planes,
+                                   int ranks) {
+  if (!settings.ranks_by_model) return settings.ranks.value_or(std::array<int, 2>{ranks, 1});
+  const Real particles = std::accumulate(planes.begin(), planes.end(), 0.0);
+  return ranks_by_model(resting_water(settings, grid, particles), ranks);
 }
 
 }  // namespace
@@ -69,10 +78,10 @@ std::vector<Real> row_weights(MPI_Comm comm, const CellGrid& grid, const Slabs& 
 }
 
 Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks) {
-  const auto [slabs_of_all, parts] = settings.ranks.value_or(std::array<int, 2>{ranks, 1});
+  const auto [slabs_of_all, parts] = slabs_and_parts(settings, grid, weights.planes, ranks);
   if (std::int64_t{slabs_of_all} * parts != ranks) {
     throw InputError(fmt::format(
-        "[domain] ranks = [{}, {}] are {} ranks, and this run has {}; start it on {}, or set domain.ranks "
+        "[{}, {}] are {} ranks, and this run has {}; start it on {}, or set domain.ranks "
         "to two numbers whose product is {}",
         slabs_of_all, parts, std::int64_t{slabs_of_all} * parts, ranks, std::int64_t{slabs_of_all} * parts, ranks));
   }

@@ -32,6 +32,8 @@ struct CellWeights {
   std::vector<Real> planes;
   std::function<std::vector<Real>(const Slabs&)> rows;
 };
+/// Throws InputError where the method anderson has more unknowns than PETSc can count. `planes`: particles of each.
+void check_unknowns(const Settings& settings, const std::vector<Real>& planes);
 /// Throws InputError where settings.ranks are not so many, where there are more ranks than planes and rows, more
 /// particles or cells than a rank can count, or, with the method anderson, more unknowns than PETSc can count.
 Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "domain/balance.hpp"
 #include "parallel/reductions.hpp"
@@ -25,7 +26,7 @@ Cloud lopsided(bool mirrored) {
 }
 
 /// Five ranks share seven planes of which one has most of the work: no cut can help them.
-bool can_gain() { return size_of(world) == 2 || size_of(world) == 3; }
+bool can_gain() { return size_of(world) >= 2 && size_of(world) <= 4; }
 
 /// Planes' particles over the whole cloud, the largest of them as a share of all.
 Real heaviest_plane(const Cloud& cloud, const CellGrid& grid) {
@@ -75,6 +76,46 @@ TEST(Balance, MovesOnlyWhenItIsTimeAndWorthIt) {
   balance.update(0, d.near.order(), d.near.list(), d.slabs);
   EXPECT_EQ(balance.history().moves, can_gain() ? 1 : 0) << "the cuts are where they should be";
   EXPECT_EQ(never.history().moves, 0);
+}
+
+/// The work of each row of each of these slabs, from all ranks.
+std::vector<Real> work_of_all_rows(const Distributed<float>& d, const Slabs& slabs) {
+  const CellOrder& order = d.near.order();
+  const auto rows = static_cast<std::size_t>(d.grid.rows());
+  std::vector<Real> all(static_cast<std::size_t>(slabs.slabs()) * rows, 0.0);
+  for (LocalId k = 0; k < order.planes(); ++k) {
+    const auto slab = static_cast<std::size_t>(slabs.slab_of(order.window().planes.begin + k));
+    for (LocalId r = 0; r < order.rows(); ++r) {
+      const Range row = order.row(k + 1, r);
+      all[slab * rows + static_cast<std::size_t>(order.window().rows.begin + r)] +=
+          work_of(d.near.list(), {row.begin - order.low_ghosts(), row.end - order.low_ghosts()});
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+// No rank sees the work of all rows, and yet they are cut as one that does would.
+TEST(Balance, CutsInsideSlabsFollowTheWork) {
+  for (const int parts : parts_of_slabs(cloud_grid())) {
+    if (parts == 1) continue;
+    Distributed<float> d(lopsided(false), 0, parts);
+    Balance balance(world, -1e300);  // moves whatever that gains
+    d.rebuild(lopsided(true));
+    std::vector<Real> planes(static_cast<std::size_t>(d.grid.planes()), 0.0);
+    for (LocalId k = 0; k < d.near.order().planes(); ++k)
+      planes[static_cast<std::size_t>(d.near.order().window().planes.begin + k)] =
+          plane_work(d.near.order(), d.near.list(), k, k + 1);
+    MPI_Allreduce(MPI_IN_PLACE, planes.data(), static_cast<int>(planes.size()), MPI_DOUBLE, MPI_SUM, world);
+    Slabs expected(planes, d.slabs.slabs());
+    expected.cut_rows(work_of_all_rows(d, expected), parts);
+    const Real own = plane_work(d.near.order(), d.near.list(), 0, d.near.order().planes());
+    const Real mean = std::accumulate(planes.begin(), planes.end(), 0.0) / size_of(world);
+    balance.update(0, d.near.order(), d.near.list(), d.slabs);
+    EXPECT_EQ(d.slabs.cuts(), expected.cuts()) << parts << " parts";
+    EXPECT_EQ(balance.history().moves, 1);
+    EXPECT_DOUBLE_EQ(balance.history().sum, max_over_ranks(world, own) / mean);
+  }
 }
 
 TEST(Slabs, ImbalanceIsTheLargestShareOverTheMean) {

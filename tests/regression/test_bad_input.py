@@ -199,7 +199,24 @@ class BadInput(ProgramTest):
 
     def test_more_ranks_than_planes(self):
         text = "\n".join(GOOD).replace("max = [2, 1, 1]", "max = [1, 1, 1]")
-        self.assert_all_refused([("planes", text, ["scene.toml"], ["planes", "5", "ranks", "6"])], rank_counts=(6,))
+        self.assert_all_refused([("planes", text, ["scene.toml"], ["scene.toml:3: [domain] max: ", "5 cell planes",
+                                                                   "6 ranks", 'ranks = "auto"'])], rank_counts=(6,))
+
+    def test_ranks_that_cannot_be(self):
+        cases = {"a word": ("'car'", [3, "two whole numbers", '"auto"']), "three": ("[1, 1, 1]", [3, "two whole numbers"]),
+                 "parts of ranks": ("[0.5, 4]", [3, "two whole numbers"]), "none": ("[0, 2]", [3, "two whole numbers"]),
+                 "too few": ("[1, 1]", [3, "are 1 ranks, and this run has 2", "set domain.ranks"]),
+                 "too many": ("[2, 2]", [3, "are 4 ranks, and this run has 2", "start it on 4"])}
+        self.assert_all_refused([(name, scene_with(2, f"min = [0, 0, 0]\nranks = {value}"), ["scene.toml"],
+                                  [f"scene.toml:{line}: [domain] ranks: ", *words])
+                                 for name, (value, (line, *words)) in cases.items()], rank_counts=(2,))
+        text = scene_with(2, "min = [0, 0, 0]\nranks = [1, 6]")
+        self.assert_all_refused([("rows", text, ["scene.toml"], ["scene.toml:3: [domain] ranks: ", "5 rows", "6 parts",
+                                                                 "use at most 5"])], rank_counts=(6,))
+        text = scene_with(2, "min = [0, 0, 0]\nranks = 'auto'").replace("max = [2, 1, 1]", "max = [0.6, 0.6, 1]")
+        text = text.replace("max = [1, 1, 0.5]", "max = [0.6, 0.6, 0.5]")
+        self.assert_all_refused([("cells", text, ["scene.toml"], ["scene.toml:3: [domain] ranks: ", "3 cell planes",
+                                                                  "10 ranks"])], rank_counts=(10,))
 
     def test_parts_that_are_not_built(self):
         fountain = "\n[[fountain]]\ncenter = [1, 0.5]\nspeed_range = [1, 2]\nmusic = 'song."

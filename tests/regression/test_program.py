@@ -197,6 +197,14 @@ class Outputs(ProgramTest):
             self.assertEqual(self.contents(), {})
         result = self.run_well(4, CUBE, "--dry-run", "--set", "domain.ranks=[2, 2]")
         self.assertRegex(result.stdout, r"rank 3 +planes \d+ to \d+, rows \d+ to \d+:")
+        self.assertRegex(result.stdout, r"slabs .* 2 for each of 2 slabs")
+        shared = re.search(r"halos +(\S+) [kM]B and (\d+) messages a substep", result.stdout).groups()
+        result = self.run_well(4, CUBE, "--dry-run", "--set", "domain.ranks=auto")
+        slabs, parts = map(int, re.search(r"ranks = \[(\d+), (\d+)\] by the model", result.stdout).groups())
+        self.assertEqual(slabs * parts, 4)
+        result = self.run_well(4, CUBE, "--dry-run")
+        alone = re.search(r"halos +(\S+) [kM]B and (\d+) messages a substep", result.stdout).groups()
+        self.assertGreater(int(shared[1]), int(alone[1]))
 
     def test_dry_run_draws_the_scene(self):
         water, stone, arrow, drain = (0.25, 0.55, 0.95), (0.62, 0.58, 0.54), (0.95, 0.5, 0.1), (0.8, 0.15, 0.3)

@@ -155,6 +155,13 @@ TEST_F(Ranks, SlabsThatAreShared) {
   }
 }
 
+TEST_F(Ranks, AsTheModelSays) {
+  const Scene scene = scene_with(cube_scene, {"domain.ranks='auto'"});
+  EXPECT_TRUE(scene.ranks_by_model && !scene.ranks);
+  const Run many = run(world, scene, 5), one = run(MPI_COMM_SELF, scene, 5);
+  expect_same_bits(many.particles, one.particles);
+}
+
 TEST_F(Ranks, RanksThatAreNotSoMany) {
   const auto told = [](const std::string& shape) {
     try {

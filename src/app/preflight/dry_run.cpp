@@ -20,6 +20,7 @@
 #include "scene/scene_flow.hpp"
 #include "solver/density_solver.hpp"
 #include "solver/first_slabs.hpp"
+#include "solver/halo_traffic.hpp"
 
 namespace trevi {
 
@@ -177,6 +178,19 @@ std::string obstacle_text(const Scene& scene, double particles) {
   return text;
 }
 
+// What is cut how often, and what the halos send then; water at rest, with the cuts of neighbour slabs side by side.
+std::string shape_text(const Scene& scene, const CellGrid& grid, double particles, const Slabs& slabs) {
+  const RestingWater water = resting_water(scene, grid, particles);
+  const Traffic all = halo_traffic(water, all_ranks(water, slabs.slabs(), slabs.parts()));
+  std::string text = fmt::format("slabs       {} planes along {}, {} ranks", grid.planes(),
+                                 scene.slab_axis == 0 ? "x" : "y", slabs.ranks());
+  if (slabs.parts() > 1)
+    text += fmt::format(", {} for each of {} slabs of {} rows", slabs.parts(), slabs.slabs(), grid.rows());
+  if (scene.ranks_by_model) text += fmt::format("; ranks = [{}, {}] by the model", slabs.slabs(), slabs.parts());
+  return text + fmt::format("\nhalos       {} and {:.0f} messages a substep of all ranks, water at rest\n",
+                            size_text(all.bytes), all.messages);
+}
+
 double fullest(const std::vector<Real>& weights, const Slabs& slabs) {
   double most = 0;
   for (int r = 0; r < slabs.ranks(); ++r)
@@ -226,8 +240,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   fmt::print("space       {:.4g} m³ of water, {:.4g} m³ open\n",
              particles * water_mass(scene.fluid) / scene.fluid.rest_density, open_volume(scene));
   fmt::print("{}{}{}", obstacle_text(scene, particles), wave_text(scene), inlet_text(scene));
-  fmt::print("slabs       {} planes along {}, {} ranks\n{}", grid.planes(), scene.slab_axis == 0 ? "x" : "y",
-             session.size(), slab_table(scene, grid, weights, slabs));
+  fmt::print("{}{}", shape_text(scene, grid, particles, slabs), slab_table(scene, grid, weights, slabs));
   if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
   fmt::print("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
   const double bytes = output_bytes(scene, particles);

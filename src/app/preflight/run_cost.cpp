@@ -49,7 +49,8 @@ Scene sample_of(const Scene& scene) {
   sample.domain.max = Vec3(wide, wide, high) * s;
   lay_in_plane(sample);
   sample.slab_axis = 0;
-  sample.ranks.reset();  // each rank computes a sample of its own
+  sample.ranks.reset();
+  sample.ranks_by_model = false;  // each rank computes a sample of its own
   ParticleSource pool;
   pool.min = sample.domain.min;
   pool.max = sample.domain.max;
