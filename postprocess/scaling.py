@@ -2,8 +2,9 @@
 """Tables and plots of the runs of jobs/scaling.sh, and the performance model fitted to them.
 
 scaling.py DIR reads DIR/STUDY/CASE/npRANKS[xTHREADS]-NUMBER/run.json (and series.csv) and DIR/network/*.csv, prints the
-tables as Markdown and writes DIR/scaling.csv and DIR/scaling.png. With runs of the strong study on one core and the
-network at hand it goes on to the model: DIR/constants.json, model.csv and model.png, its error on the runs, its predictions for nodes
+tables as Markdown and writes DIR/scaling.csv, DIR/metrics.csv and DIR/scaling.png. With runs of the strong study on
+one core and the network at hand it goes on to the model: DIR/constants.json, model.csv and model.png, its error on the
+runs, its predictions for nodes
 of 64 cores, and the two ways to exchange ghosts.
 """
 
@@ -25,6 +26,7 @@ from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
 
 from scaling_model import (CYCLES, EXCHANGES, SCALAR, SWEEPS, Basin, Costs, Node, efficiency,  # noqa: E402
                            exchange_bytes, messages, node_bytes, rebuild_bytes, redundant_lambda, slabs)
+from scaling_metrics import metric_rows, work_rows  # noqa: E402
 from study import columns_of, write_table  # noqa: E402
 from trevi_run import Run, RunError  # noqa: E402
 
@@ -169,21 +171,28 @@ def draw_balance(panel, groups):
 
 # ---- model ----------------------------------------------------------------------------------------------------------
 
-def fit(groups, network):
-    """Costs from the fastest runs of the strong and weak studies on one core and the network between two."""
-    alone = {}
-    for run in sorted((run for runs in groups.values() for run in runs), key=lambda run: -run["ms"]):
-        if run["study"] in TIMED and run["ranks"] == run["threads"] == 1:
-            alone[run["particles"]] = run
-    step = statistics.mean(run["ms"] / 1e3 / particles for particles, run in alone.items())
-    by_planes, cell = BY_PLANES * step, MULTIGRID * step * 8 / (CYCLES * SWEEPS * 4 / 3)
-    particle = (1 - BY_PLANES - MULTIGRID) * step - THREADS["serial"]
+def network_costs(network):
+    """Latency s, bandwidth B/s and seconds of a reduction between two ranks, of read_network(); None of nothing."""
+    if not network:
+        return None
     exchanges = np.array([[1, row["bytes"], row["us"] / 1e6] for row in network if row["operation"] == "exchange"])
     exchanges = exchanges[exchanges[:, 1] < 2e6]  # larger ones leave the caches
     latency, per_byte = np.linalg.lstsq(exchanges[:, :2] / exchanges[:, 2:], np.ones(len(exchanges)), rcond=None)[0]
     reduction = next(row["us"] / 1e6 for row in network if row["operation"] == "reduce")
+    return {"latency": latency, "bandwidth": 1 / per_byte, "reduction": reduction}
+
+
+def fit(groups, network):
+    """Costs from the fastest runs of the strong and weak studies on one core and the network between two."""
+    alone = {}
+    for run in sorted((run for runs in groups.values() for run in runs), key=lambda run: -run["ms"]):
+        if run["study"] in TIMED and (run["study"], run["case"]) in BASINS and run["ranks"] == run["threads"] == 1:
+            alone[run["particles"]] = run
+    step = statistics.mean(run["ms"] / 1e3 / particles for particles, run in alone.items())
+    by_planes, cell = BY_PLANES * step, MULTIGRID * step * 8 / (CYCLES * SWEEPS * 4 / 3)
+    particle = (1 - BY_PLANES - MULTIGRID) * step - THREADS["serial"]
     largest = max(alone.values(), key=lambda run: run["particles"])
-    return Costs(particle, cell, latency, 1 / per_byte, reduction, by_planes, **THREADS), largest
+    return Costs(particle, cell, **network_costs(network), by_planes=by_planes, **THREADS), largest
 
 
 def phase_ms(run, name):
@@ -337,7 +346,14 @@ def main():
     if traffic:
         print_table("Halo traffic", traffic)
     network = read_network(folder)
-    if network and any(study == "strong" and ranks == threads == 1 for study, _, ranks, threads in groups):
+    efficiencies = metric_rows(groups, network_costs(network))
+    if efficiencies:
+        write_table(folder / "metrics.csv", efficiencies)
+        print_table("POP metrics", efficiencies)
+    if work := work_rows(groups):
+        print_table("Work of the pair loops", work)
+    if network and any(study == "strong" and (study, case) in BASINS and ranks == threads == 1
+                       for study, case, ranks, threads in groups):
         report_model(folder, groups, network)
 
 

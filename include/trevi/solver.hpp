@@ -64,6 +64,8 @@ class Solver {
     } compression;
     std::size_t bytes = 0;  ///< memory of particles, ghosts, lists and everything else the solver holds
     double seconds = 0;     ///< in step(), observers not counted
+    /// Of that, waiting for other ranks, and of this, in reductions over all ranks. Of this rank.
+    double waiting_seconds = 0, reduction_seconds = 0;
   };
   virtual Counters counters() const = 0;
   /// What the fountains do at the clock's time, in the order of the forcings.

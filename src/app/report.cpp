@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "app/placement.hpp"
 #include "app/preflight/envelope.hpp"
 #include "base/simd.hpp"
 #include "io/frames/vtu.hpp"
@@ -33,16 +34,13 @@ std::vector<PhaseReport> phases(MPI_Comm comm) {
     report.seconds_max = max_over_ranks(comm, event.seconds);
     report.calls = event.calls;
     report.flops = sum_real(comm, event.flops);
+    report.bytes = sum_real(comm, event.bytes);
     if (report.calls > 0) reports.push_back(report);
   }
   return reports;
 }
 
-std::vector<double> halo_wait_seconds(MPI_Comm comm) {
-  double mine = 0;
-  for (const EventTotals& event : event_totals()) {
-    if (event.name == "HaloWait") mine = event.seconds;
-  }
+std::vector<double> of_each_rank(MPI_Comm comm, double mine) {
   std::vector<double> all(static_cast<std::size_t>(size_of(comm)));
   MPI_Allgather(&mine, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
   return all;
@@ -135,13 +133,18 @@ void write_report(const Session& session, const RunContext& context, const Solve
       1e9 * pair_seconds(report.phases) * session.size() / sum_real(comm, counters.pair_passes);
   report.halo_bytes_per_step = sum_real(comm, static_cast<double>(counters.halo_bytes)) / steps;
   report.halo_messages_per_step = sum_real(comm, static_cast<double>(counters.halo_messages)) / steps;
-  report.halo_wait_seconds = halo_wait_seconds(comm);
+  report.step_seconds = of_each_rank(comm, counters.seconds);
+  report.waiting_seconds = of_each_rank(comm, counters.waiting_seconds);
+  report.halo_wait_seconds = of_each_rank(comm, event_seconds("HaloWait"));
+  report.reduction_seconds = of_each_rank(comm, counters.reduction_seconds);
   const Solver::Counters::Balance& balance = counters.balance;
   report.imbalance_mean = balance.looks > 0 ? balance.sum / static_cast<double>(balance.looks) : 1;
   report.imbalance_max = balance.max;
   report.cut_moves = balance.moves;
   report.bytes_per_particle = sum_real(comm, static_cast<double>(counters.bytes)) / particles;
   report.max_resident_bytes = max_over_ranks(comm, resident_bytes());
+  report.energy_joules = joules_of_hosts(session, context.meter);
+  report.hosts = hosts_of(session);
   write_run_report(comm, context.directory, report);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/launch.hpp"
+#include "base/energy.hpp"
 #include "io/hdf5/checkpoint.hpp"
 #include "io/run_directory/output_lock.hpp"
 #include "io/tables/energy_rise.hpp"
@@ -23,6 +24,7 @@ struct RunContext {
   Launch launch = {};
   const OutputLock* lock = nullptr;  ///< on the directory
   CheckpointInfo info = {};          ///< for the state of a run whose directory is lost
+  EnergyMeter meter{"/sys/class/powercap"};
 };
 
 struct Outcome {

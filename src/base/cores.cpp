@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
+#include <system_error>
 
 #include "base/threads.hpp"
 
@@ -40,6 +42,31 @@ double limit_of(const std::string& file) {
 }
 
 }  // namespace
+
+std::vector<int> usable_processors() { return affinity(); }
+
+std::string list_text(std::span<const int> numbers) {
+  std::string text;
+  for (std::size_t k = 0; k < numbers.size();) {
+    std::size_t end = k + 1;
+    while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
+    if (k > 0) text += ',';
+    text += std::to_string(numbers[k]);
+    if (end > k + 1) text += '-' + std::to_string(numbers[end - 1]);
+    k = end;
+  }
+  return text;
+}
+
+int memory_domains_of(std::span<const int> processors, const std::string& folder) {
+  int domains = 0;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const auto holds = [&](int p) { return std::filesystem::exists(entry.path() / ("cpu" + std::to_string(p))); };
+    if (std::any_of(processors.begin(), processors.end(), holds)) ++domains;
+  }
+  return std::max(1, domains);
+}
 
 std::vector<int> usable_cores() {
   std::vector<int> processors = placed_processors();

@@ -13,6 +13,16 @@ namespace trevi {
 /// (OMP_PROC_BIND), those of all places.
 std::vector<int> usable_cores();
 
+/// The processors of the affinity mask of this thread, ascending.
+std::vector<int> usable_processors();
+
+/// Ascending numbers as Linux lists them: "0-3,8".
+std::string list_text(std::span<const int> numbers);
+
+/// How many memory domains (NUMA nodes) processors are in, by what `folder` (/sys/devices/system/node) says; 1 where it
+/// says nothing.
+int memory_domains_of(std::span<const int> processors, const std::string& folder);
+
 /// Processors' worth of time that the control groups of this process allow it, as a container has it; infinite where
 /// there is no such limit.
 double allowed_processors();

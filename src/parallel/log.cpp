@@ -11,6 +11,7 @@ namespace {
 struct NamedEvent {
   std::string name;
   PetscLogEvent handle;
+  double bytes = 0;
 };
 
 /// What Trevi has registered with PETSc, which has no public function to list it. Static, as PETSc's own registry is
@@ -32,7 +33,7 @@ PetscLogEvent register_event(Registry& known, const std::string& name) {
   }
   PetscLogEvent handle = 0;
   require(PetscLogEventRegister(name.c_str(), known.class_id, &handle) == 0, "PETSc would not register event " + name);
-  known.events.push_back({name, handle});
+  known.events.push_back({name, handle, 0});
   return handle;
 }
 
@@ -55,22 +56,43 @@ ScopedStage::ScopedStage(const std::string& name) {
   PetscLogStagePush(stage);
 }
 
+void log_work(const Event& event, double flops, double bytes) {
+  PetscLogFlops(flops);
+  for (NamedEvent& known : registry().events) {
+    if (known.handle == event.handle()) known.bytes += bytes;
+  }
+}
+
 void forget_events() { registry() = {}; }
+
+namespace {
+
+EventTotals totals_of(const NamedEvent& event) {
+  EventTotals total{event.name};
+  total.bytes = event.bytes;
+  for (const PetscLogStage stage : registry().stages) {
+    PetscEventPerfInfo info{};
+    PetscLogEventGetPerfInfo(stage, event.handle, &info);
+    total.seconds += info.time;
+    total.flops += info.flops;
+    total.calls += info.count;
+  }
+  return total;
+}
+
+}  // namespace
 
 std::vector<EventTotals> event_totals() {
   std::vector<EventTotals> totals;
-  for (const NamedEvent& event : registry().events) {
-    EventTotals total{event.name};
-    for (const PetscLogStage stage : registry().stages) {
-      PetscEventPerfInfo info{};
-      PetscLogEventGetPerfInfo(stage, event.handle, &info);
-      total.seconds += info.time;
-      total.flops += info.flops;
-      total.calls += info.count;
-    }
-    totals.push_back(std::move(total));
-  }
+  for (const NamedEvent& event : registry().events) totals.push_back(totals_of(event));
   return totals;
+}
+
+double event_seconds(const std::string& name) {
+  for (const NamedEvent& event : registry().events) {
+    if (event.name == name) return totals_of(event).seconds;
+  }
+  return 0;
 }
 
 }  // namespace trevi

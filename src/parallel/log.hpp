@@ -40,12 +40,14 @@ class ScopedStage {
   ScopedStage& operator=(const ScopedStage&) = delete;
 };
 
-inline void log_flops(double flops) { PetscLogFlops(flops); }
+/// What the event, which is being timed, has done: floating-point operations, and bytes that it reads or writes, each
+/// array once.
+void log_work(const Event& event, double flops, double bytes);
 
 /// Time and work of one event on this rank, all stages together.
 struct EventTotals {
   std::string name;
-  double seconds = 0, flops = 0;
+  double seconds = 0, flops = 0, bytes = 0;
   long calls = 0;
 };
 
@@ -54,5 +56,8 @@ void forget_events();
 
 /// Totals of all events of the solver, in order of registration.
 std::vector<EventTotals> event_totals();
+
+/// Time of the event of that name on this rank so far; 0 where there is none.
+double event_seconds(const std::string& name);
 
 }  // namespace trevi

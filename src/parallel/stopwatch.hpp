@@ -1,34 +1,49 @@
-// Wall time of the simulation itself: counts while a Lap lives, so that output is not included. Not collective.
+// Wall time of the simulation itself: counts while a Lap lives, so that output is not included; and how much of it this
+// rank waits for others. Not collective.
 #pragma once
 
 #include <mpi.h>
+
+#include "parallel/log.hpp"
 
 namespace trevi {
 
 class Stopwatch {
  public:
-  double seconds() const { return running_ ? total_ + MPI_Wtime() - since_ : total_; }
+  struct Times {
+    double all = 0, waiting = 0, reductions = 0;  ///< s; the last are part of the second, and that of the first
+  };
+
+  double seconds() const { return running_ ? total_.all + MPI_Wtime() - since_.all : total_.all; }
+  /// Of the laps that have ended.
+  const Times& total() const { return total_; }
 
   /// The watch runs as long as this lives.
   class Lap {
    public:
     explicit Lap(Stopwatch& watch) : watch_(watch) {
-      watch_.since_ = MPI_Wtime();
+      watch_.since_ = now();
       watch_.running_ = true;
     }
     ~Lap() {
-      watch_.total_ = watch_.seconds();
+      const Times end = now(), &begin = watch_.since_;
+      Times& total = watch_.total_;
+      total.all += end.all - begin.all;
+      total.waiting += end.waiting - begin.waiting;
+      total.reductions += end.reductions - begin.reductions;
       watch_.running_ = false;
     }
     Lap(const Lap&) = delete;
     Lap& operator=(const Lap&) = delete;
 
    private:
+    static Times now() { return {MPI_Wtime(), event_seconds("Waiting"), event_seconds("Reductions")}; }
+
     Stopwatch& watch_;
   };
 
  private:
-  double total_ = 0, since_ = 0;
+  Times total_, since_;
   bool running_ = false;
 };
 

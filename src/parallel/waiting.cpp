@@ -6,9 +6,12 @@
 #include <chrono>
 #include <thread>
 
+#include "parallel/log.hpp"
+
 namespace trevi {
 
 void wait_all(std::span<MPI_Request> requests) {
+  const ScopedEvent timed(Event{"Waiting"});
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::nanoseconds patience = std::chrono::microseconds(50), longest = std::chrono::microseconds(100);
   // Of a sleep Linux makes 50 µs or more otherwise.
@@ -24,6 +27,7 @@ void wait_all(std::span<MPI_Request> requests) {
 }
 
 void all_reduce(MPI_Comm comm, void* data, int count, MPI_Datatype type, MPI_Op op) {
+  const ScopedEvent timed(Event{"Reductions"});
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, data, count, type, op, comm, &request);
   wait_all({&request, 1});

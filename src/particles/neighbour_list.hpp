@@ -113,6 +113,11 @@ class NeighbourList {
   /// Pairs of the particles of a range; quick where it begins and ends with rows of cells.
   std::int64_t pairs(Range range) const { return pairs_before(range.end) - pairs_before(range.begin); }
   std::int64_t pairs() const { return pairs({0, size()}); }
+  /// Bytes of the list that a pass over the particles of a range reads, where it reads each row once.
+  double bytes_read(Range range) const {
+    const double each = sizeof(StoredRow) + sizeof(std::uint16_t);
+    return static_cast<double>(pairs(range)) * sizeof(std::uint16_t) + each * range.size();
+  }
   /// Owned particle with more than max_neighbours, −1 if there is none; it and those after it then have empty rows.
   LocalId first_overfull_particle() const { return first_overfull_; }
   std::size_t bytes() const {

@@ -57,7 +57,7 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
 template <class T>
 void DensityProblem<T>::find_lambda(Range part, const UseLambda& use) {
   constraint_.lambdas(pairs(), part, particles_->predicted, {rho_, field_, use});
-  count_pass(part, DensityConstraint<T>::density_flops);
+  count_pass(lambda_event(), part, DensityConstraint<T>::density_flops);
 }
 
 template <class T>
@@ -69,10 +69,12 @@ void DensityProblem<T>::set_multipliers(Range part) {
 }
 
 template <class T>
-void DensityProblem<T>::count_pass(Range part, double flops_per_pair) {
+void DensityProblem<T>::count_pass(const Event& event, Range part, double flops_per_pair) {
   const auto pairs = static_cast<double>(near_.list().pairs(part));
   pair_passes_ += pairs;
-  log_flops(pairs * flops_per_pair);
+  // Beside the list a particle has a record, and a sum of four numbers that is written.
+  constexpr double each = sizeof(Packed<T>) + 4 * sizeof(T);
+  log_work(event, pairs * flops_per_pair, near_.list().bytes_read(part) + each * part.size());
 }
 
 template <class T>
@@ -80,7 +82,7 @@ void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   if (positions_only_) note_sweep();
   constraint_.deltas(pairs(), near_.all(), particles_->predicted, field_);
-  count_pass(near_.all(), DensityConstraint<T>::delta_flops);
+  count_pass(delta_event_, near_.all(), DensityConstraint<T>::delta_flops);
 }
 
 // Particles of the boundary may move once those in the cells beside it have their deltas, too.
@@ -98,7 +100,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
     const ScopedEvent timed(delta_event_);
     for (const Range& part : parts) {
       constraint_.deltas(pairs(), part, particles_->predicted, field_);
-      count_pass(part, DensityConstraint<T>::delta_flops);
+      count_pass(delta_event_, part, DensityConstraint<T>::delta_flops);
     }
     if (separate) separate_coincident(inner, inside);
   };
@@ -227,7 +229,7 @@ void DensityProblem<T>::release_in_flight() {
   for (const Range& part : rows_in_flight()) {
     constraint_.deltas_in_flight(pairs(), part, particles_->predicted, particles_->velocity, dt_, field_);
     for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += field_.shift(i) / dt_; });
-    count_pass(part, DensityConstraint<T>::delta_flops);
+    count_pass(delta_event_, part, DensityConstraint<T>::delta_flops);
   }
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(false);
 }
@@ -280,7 +282,7 @@ template <class T>
 void DensityProblem<T>::compute_density() {
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::lambda)]);
   look_at_density();
-  count_pass(near_.all(), DensityConstraint<T>::value_flops);
+  count_pass(lambda_event(), near_.all(), DensityConstraint<T>::value_flops);
 }
 
 template <class T>

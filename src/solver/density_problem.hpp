@@ -113,7 +113,7 @@ class DensityProblem {
   void separate_coincident(const CellWindow& window, bool inside);
   void note_sweep();
   std::vector<Range> rows_in_flight() const;
-  void count_pass(Range part, double flops_per_pair);
+  void count_pass(const Event& event, Range part, double flops_per_pair);
 
   MPI_Comm comm_;
   Neighbourhood<T>& near_;
@@ -131,6 +131,7 @@ class DensityProblem {
   std::vector<Real> swept_rho_;  // kg/m³, that the last sweep saw, where rho_ may be later ones
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
+  const Event& lambda_event() const { return phase_event_[static_cast<std::size_t>(Phase::lambda)]; }
   Event delta_event_{"Delta"};
 };
 

@@ -250,6 +250,8 @@ Solver::Counters Reporter<T>::counters() const {
   counters.halo_bytes = state_.near.halo().bytes();
   counters.halo_messages = state_.near.halo().messages();
   counters.seconds = stopwatch_.seconds();
+  counters.waiting_seconds = stopwatch_.total().waiting;
+  counters.reduction_seconds = stopwatch_.total().reductions;
   counters.bytes = state_.near.bytes() + state_.problem.bytes() + drift_.bytes();
   if (const Obstacles* const obstacles = state_.problem.obstacles()) counters.bytes += obstacles->bytes();
   state_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });

@@ -8,6 +8,7 @@
 
 #include "app/launch.hpp"
 #include "base/cores.hpp"
+#include "base/energy.hpp"
 #include "base/threads.hpp"
 #include "trevi/error.hpp"
 
@@ -36,6 +37,7 @@ class Files : public testing::Test {
 
 using Cores = Files;
 using Groups = Files;
+using Energy = Files;
 
 TEST_F(Cores, ProcessorsOfACoreAreOne) {
   for (const int p : {0, 1, 2, 3}) siblings(p, std::to_string(p % 2) + "," + std::to_string(p % 2 + 2) + "\n");
@@ -54,6 +56,36 @@ TEST_F(Cores, AProcessorOfWhichNothingIsKnownIsACore) {
   siblings(0, "0,1\n");
   siblings(2, "?");
   EXPECT_EQ(cores_of(std::vector{0, 1, 2, 7}, folder), (std::vector{0, 1, 2, 7}));
+}
+
+TEST_F(Cores, ProcessorsAreListedAsLinuxDoes) {
+  EXPECT_EQ(list_text(std::vector{0, 1, 2, 3, 8, 10, 11}), "0-3,8,10-11");
+  EXPECT_EQ(list_text(std::vector<int>()), "");
+}
+
+TEST_F(Cores, MemoryDomainsAreThoseOfTheProcessors) {
+  EXPECT_EQ(memory_domains_of(std::vector{0}, folder + "/nowhere"), 1);
+  for (const int p : {0, 1, 2, 3}) write("/node" + std::to_string(p / 2) + "/cpu" + std::to_string(p), "");
+  EXPECT_EQ(memory_domains_of(std::vector{2, 3}, folder), 1);
+  EXPECT_EQ(memory_domains_of(std::vector{1, 2}, folder), 2);
+}
+
+TEST_F(Energy, CountersOfProcessorsAreAddedAndBeginAnewAtTheirRange) {
+  EXPECT_TRUE(std::isnan(EnergyMeter(folder).joules()));
+  const auto counter = [&](const std::string& name, const std::string& microjoules) {
+    write("/" + name + "/energy_uj", microjoules);
+    write("/" + name + "/max_energy_range_uj", "262143328850");
+  };
+  counter("intel-rapl:0", "1000000");
+  counter("intel-rapl:0:0", "1000000");  // a part of the first
+  counter("intel-rapl:1", "262142328850");
+  const EnergyMeter meter(folder);
+  counter("intel-rapl:0", "6000000");
+  counter("intel-rapl:0:0", "3000000");
+  counter("intel-rapl:1", "1000000");
+  EXPECT_NEAR(meter.joules(), 5 + 2, 1e-6);
+  std::filesystem::remove(folder + "/intel-rapl:1/energy_uj");
+  EXPECT_TRUE(std::isnan(meter.joules()));
 }
 
 TEST_F(Groups, TheTightestOfTheGroupsAroundAProcessCounts) {

@@ -2,6 +2,7 @@
 """Scaling study: arguments that are refused, and a table and a model from made-up runs whose answers are known."""
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -11,6 +12,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "postprocess"))
 
+from scaling_metrics import metrics, shares, transfer_seconds  # noqa: E402
 from scaling_model import (Basin, Block, Costs, Node, best_shape, efficiency, exchange_bytes, messages, slabs,  # noqa: E402
                            traffic, windows)
 
@@ -32,8 +34,31 @@ class Arguments(unittest.TestCase):
 
     def test_help_names_each_option(self):
         text = run(STUDY, "--help").stdout
-        for option in ("--studies", "--ranks", "--counted", "--million", "--repeats", "--output", "--program"):
+        for option in ("--studies", "--ranks", "--counted", "--million", "--repeats", "--output", "--program", "--no-tables"):
             self.assertIn(option, text)
+
+
+class ArrayJob(unittest.TestCase):
+    def submitted(self, task, nodes):
+        """What jobs/scaling.sbatch gives to jobs/scaling.sh as that task of an array."""
+        with tempfile.TemporaryDirectory() as folder:
+            study = Path(folder) / "jobs/scaling.sh"
+            study.parent.mkdir()
+            study.write_text('#!/bin/sh\necho "$OMPI_MCA_rmaps_base_mapping_policy $*"\n')
+            study.chmod(0o755)
+            slurm = {"SLURM_SUBMIT_DIR": folder, "SLURM_ARRAY_TASK_ID": str(task), "SLURM_NNODES": str(nodes),
+                     "SLURM_JOB_ID": "7", "SPLITS": "64x1 8x8"}
+            return subprocess.run(["bash", str(ROOT / "jobs/scaling.sbatch"), "--million"], capture_output=True, text=True,
+                                  timeout=60, check=False, env={**os.environ, **slurm})
+
+    def test_a_task_runs_one_split_of_its_nodes(self):
+        self.assertRegex(self.submitted(0, 2).stdout, r"^ppr:64:node:PE=1 .*--ranks 128x1 --no-tables .*--million\n$")
+        self.assertRegex(self.submitted(1, 4).stdout, r"^ppr:8:node:PE=8 .*--ranks 32x8 --no-tables ")
+
+    def test_a_task_without_a_split_is_refused(self):
+        result = self.submitted(2, 1)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("SPLITS", result.stderr)
 
 
 class Tables(unittest.TestCase):
@@ -82,6 +107,36 @@ class Tables(unittest.TestCase):
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn("constants.json", result.stderr)
             self.assertFalse((self.path / "a.csv").exists())
+
+
+class Metrics(unittest.TestCase):
+    """Two ranks that compute 8 and 6 s of 10, beside one that takes 12 s for the same water."""
+
+    ALONE = {"steps": 10, "particles": 1000, "threads": 1, "step_seconds": [12.0], "waiting_seconds": [0.0], "phases": []}
+    TWO = {"steps": 10, "particles": 1000, "threads": 1, "step_seconds": [10.0, 10.0], "waiting_seconds": [2.0, 4.0],
+           "reduction_seconds": [0.5, 1.5], "halo_wait_seconds": [1.0, 2.0], "halo_messages_per_step": 200.0,
+           "halo_bytes_per_step": 2e9, "phases": [{"name": "Reductions", "calls": 50},
+                                                  {"name": "Migrate", "seconds": {"mean": 0.25}}]}
+    NETWORK = {"latency": 1e-4, "bandwidth": 1e10, "reduction": 2e-4}
+
+    def test_efficiencies_are_those_of_their_definitions(self):
+        found = metrics(self.TWO, self.ALONE, self.NETWORK)
+        for name, value in (("load_balance", 7 / 8), ("communication", 0.8), ("parallel_efficiency", 0.7),
+                            ("computation", 12 / 14), ("global_efficiency", 0.6)):
+            self.assertAlmostEqual(found[name], value, msg=name)
+        self.assertAlmostEqual(found["serialisation"] * found["transfer"], found["communication"])
+
+    def test_transfer_is_what_messages_and_reductions_take(self):
+        transfer = 10 * 100 * 1e-4 + 10 * 1e9 / 1e10 + 50 * 2e-4
+        self.assertAlmostEqual(transfer_seconds(self.TWO, self.NETWORK), transfer)
+        self.assertAlmostEqual(metrics(self.TWO, None, self.NETWORK)["transfer"], (10 - transfer) / 10)
+        slow = {**self.NETWORK, "latency": 1.0}  # more than anybody waits: then messages are hidden
+        self.assertAlmostEqual(transfer_seconds(self.TWO, slow), 2)
+        self.assertAlmostEqual(metrics(self.TWO, None, slow)["serialisation"], 1)
+
+    def test_shares_are_of_the_time_of_all_ranks(self):
+        self.assertEqual(shares(self.TWO), {"waiting_percent": 30, "reductions_percent": 10, "exchanges_percent": 15,
+                                            "migration_percent": 2.5})
 
 
 class Model(unittest.TestCase):

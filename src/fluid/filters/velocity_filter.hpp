@@ -47,6 +47,13 @@ Pairs<T> pairs_of(const Neighbourhood<T>& near) {
   return {near.records(), near.list(), near.order().low_ghosts()};
 }
 
+/// What so many passes over all pairs read and write, as log_work() takes it: lists, records, velocities, sums.
+template <class T>
+double bytes_of_passes(const Neighbourhood<T>& near, int passes) {
+  const double each = sizeof(Packed<T>) + 2 * sizeof(Vec4<T>);
+  return passes * (near.list().bytes_read(near.all()) + each * near.all().size());
+}
+
 extern template class VelocityField<float>;
 extern template class VelocityField<double>;
 

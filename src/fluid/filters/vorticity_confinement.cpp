@@ -56,7 +56,7 @@ void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles
       if (length > 0) particles.velocity[i] += dt * epsilon_ * (eta / length).cross(vector_of(omegas[i]));
     }
   });
-  log_flops(static_cast<double>(near.list().pairs()) * (34 + 25));
+  log_work(event_, static_cast<double>(near.list().pairs()) * (34 + 25), bytes_of_passes(near, 2));
 }
 
 template class VorticityConfinement<float>;

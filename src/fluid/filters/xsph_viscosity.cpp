@@ -41,7 +41,7 @@ void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real)
   const Pairs<T> pairs = pairs_of(near);
   const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
   add_sums(near, smoothing, factor_, particles.velocity);
-  log_flops(static_cast<double>(near.list().pairs()) * 22);
+  log_work(event_, static_cast<double>(near.list().pairs()) * 22, bytes_of_passes(near, 1));
 }
 
 Real longest_viscous_step(Real nu, const PointLattice& lattice, Real h) {
@@ -85,7 +85,7 @@ void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, 
   const Vec4<T>* velocities = velocity_->exchange(near);
   const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.weighted_smoothing(pairs, part, velocities, out); };
   add_sums(near, smoothing, per_second_ * dt, particles.velocity);
-  log_flops(static_cast<double>(near.list().pairs()) * (14 + 24));
+  log_work(event_, static_cast<double>(near.list().pairs()) * (14 + 24), bytes_of_passes(near, 2));
 }
 
 template class XsphViscosity<float>;

@@ -20,7 +20,15 @@ Json phase_json(const PhaseReport& phase) {
   return Json{{"name", phase.name},
               {"seconds", {{"min", phase.seconds_min}, {"mean", phase.seconds_mean}, {"max", phase.seconds_max}}},
               {"calls", phase.calls},
-              {"flops", phase.flops}};
+              {"flops", phase.flops},
+              {"bytes", phase.bytes}};
+}
+
+Json host_json(const HostReport& host) {
+  return Json{{"name", host.name},
+              {"ranks", host.ranks},
+              {"memory_domains", host.memory_domains},
+              {"processors", host.processors}};
 }
 
 Json inlet_json(const RunReport::Inlet& inlet) {
@@ -71,11 +79,17 @@ Json report_json(const RunReport& report) {
   json["unconverged_solves"] = report.unconverged_solves;
   json["halo_bytes_per_step"] = report.halo_bytes_per_step;
   json["halo_messages_per_step"] = report.halo_messages_per_step;
+  json["step_seconds"] = report.step_seconds;
+  json["waiting_seconds"] = report.waiting_seconds;
   json["halo_wait_seconds"] = report.halo_wait_seconds;
+  json["reduction_seconds"] = report.reduction_seconds;
   json["imbalance"] = Json{{"mean", report.imbalance_mean}, {"max", report.imbalance_max}};
   json["cut_moves"] = report.cut_moves;
   json["bytes_per_particle"] = report.bytes_per_particle;
   json["max_resident_bytes"] = report.max_resident_bytes;
+  json["energy_joules"] = report.energy_joules;
+  json["hosts"] = Json::array();
+  for (const HostReport& host : report.hosts) json["hosts"].push_back(host_json(host));
   json["phases"] = Json::array();
   for (const PhaseReport& phase : report.phases) json["phases"].push_back(phase_json(phase));
   return json;

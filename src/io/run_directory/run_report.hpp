@@ -16,12 +16,20 @@ namespace trevi {
 
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// One phase of the step: seconds over ranks, calls of one rank, flops of all ranks.
+/// One phase of the step: seconds over ranks, calls of one rank, flops and bytes of all ranks.
 struct PhaseReport {
   std::string name;
   double seconds_min = unknown, seconds_mean = unknown, seconds_max = unknown;
   std::int64_t calls = 0;
-  double flops = unknown;
+  double flops = unknown, bytes = unknown;
+};
+
+/// A machine of the run: how many of the ranks, which follow each other there, and of each its processors as Linux
+/// lists them ("0-3,8"); the memory domains that these are in.
+struct HostReport {
+  std::string name;
+  int ranks = 0, memory_domains = 0;
+  std::vector<std::string> processors;
 };
 
 struct RunReport {
@@ -54,12 +62,16 @@ struct RunReport {
   std::vector<Inlet> inlets;            ///< in the order of the scene
   std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
-  std::vector<double> halo_wait_seconds;                                   ///< of each rank
+  /// Of each rank: in the steps, and of that waiting for others, and of this in exchanges with neighbours and in
+  /// reductions over all ranks.
+  std::vector<double> step_seconds, waiting_seconds, halo_wait_seconds, reduction_seconds;
   /// Largest over mean work of a rank, at looks some steps apart, before cuts moved if they did.
   double imbalance_mean = unknown, imbalance_max = unknown;
   std::int64_t cut_moves = 0;  ///< times that cuts between slabs were moved
   double bytes_per_particle = unknown;
   double max_resident_bytes = unknown;  ///< largest rank
+  double energy_joules = unknown;       ///< of the processors of all hosts, where all tell
+  std::vector<HostReport> hosts;
   std::vector<PhaseReport> phases;
 };
 
