@@ -4,14 +4,12 @@
 scaling.py DIR reads DIR/STUDY/CASE/npRANKS[xTHREADS]-NUMBER/run.json (and series.csv) and DIR/network/*.csv, prints the
 tables as Markdown and writes DIR/scaling.csv, DIR/metrics.csv and DIR/scaling.png. With runs of the strong study on
 one core and the network at hand it goes on to the model: DIR/constants.json, model.csv and model.png, its error on the
-runs, its predictions for nodes
-of 64 cores, and the two ways to exchange ghosts.
+runs, its predictions for nodes of 64 cores, and the two ways to exchange ghosts.
 """
 
 import argparse
 import csv
 import json
-import math
 import re
 import statistics
 import sys
