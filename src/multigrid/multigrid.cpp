@@ -197,7 +197,8 @@ void Multigrid::sweep_coarsest(Halo& halo) {
 // What the neighbours wait for goes first.
 void Multigrid::sweep(Level& level, Halo& halo, Real weight) const {
   const LocalId planes = level.cells.shape().planes, rows = level.cells.shape().rows;
-  const LocalId beside = level.cells.shape().rows_are_cut() ? 1 : 0;  // of the rows of a plane, at either end
+  // Of the rows of a plane, at either end; a rank may have all rows of a level, and others look at them all the same.
+  const LocalId beside = cuts_.parts > 1 ? 1 : 0;
   const Range inner{beside, rows - beside};
   const bool ahead = !level.gathered && planes > 1 && inner.size() > 0 && size_of(comm_) > 1;
   if (ahead) {
