@@ -91,7 +91,7 @@ class ReferenceParticlesToGrid {
         one.cell[a] = std::clamp(static_cast<int>(std::floor(place[a])), 0, count_[a] - 1);
       }
       const Vec3 way = one.way.cwiseQuotient(size_);
-      one.surface = place - way * std::min(1.0, 0.5 / std::max(way.cwiseAbs().maxCoeff(), 1e-300));
+      one.surface = place - way * std::min(1.0, 0.25 / std::max(way.cwiseAbs().maxCoeff(), 1e-300));
       one.y = y - one.cell.cast<Real>();
       one.f = one.y + (y - place);
       particles_.push_back(one);
