@@ -33,15 +33,18 @@ CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real cor
   return {below, 1 - below - above, above};
 }
 
-// By direction and sample.
-std::array<std::array<CutCells::SharesAlong, CutCells::samples>, 3> CutCells::shares_of_samples(
-    const Vec3& corner) const {
-  std::array<std::array<SharesAlong, samples>, 3> shares;
-  const std::array<Real, 3> from_box{corner[0] + (first_ - 1), corner[1] + first_row_, corner[2]};
+// In the mean over a cell, in the first cells along each direction, in others and in the last ones.
+void CutCells::find_whole_shares(const ProjectionGrid& grid) {
   for (std::size_t a = 0; a < 3; ++a) {
-    for (int i = 0; i < samples; ++i) shares[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), from_box[a]);
+    const std::array<LocalId, 3> corners{0, 1, grid.count(a) - 1};
+    for (std::size_t n = 0; n < 3; ++n) {
+      whole_shares_[a][n] = {};
+      for (int k = 0; k < samples; ++k) {
+        const SharesAlong one = shares_along(a, sample(k), corners[n]);
+        for (std::size_t i = 0; i < 3; ++i) whole_shares_[a][n][i] += one[i] / samples;
+      }
+    }
   }
-  return shares;
 }
 
 CellFrame CutCells::beside_sheets(const CellFrame& frame, const ProjectionGrid& grid,
@@ -72,13 +75,10 @@ CutCells::Shares CutCells::shares_of(const ProjectionGrid& grid, const std::arra
   if (!above_columns && cells[at].open < 1) {
     shares = shares_[at];
   } else {
-    const auto of_samples = shares_of_samples(corner_of(grid, k, r, c));
-    std::array<SharesAlong, 3> mean{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (const SharesAlong& one : of_samples[a]) {
-        for (std::size_t i = 0; i < 3; ++i) mean[a][i] += one[i] / samples;
-      }
-    }
+    const std::array<Real, 3> place = from_box(corner_of(grid, k, r, c));
+    std::array<SharesAlong, 3> mean;
+    for (std::size_t a = 0; a < 3; ++a)
+      mean[a] = whole_shares_[a][place[a] == 0 ? 0 : place[a] == grid.count(a) - 1 ? 2 : 1];
     for (std::size_t n = 0; n < shares.size(); ++n)
       shares[n] = static_cast<float>(mean[0][n / 9] * mean[1][n / 3 % 3] * mean[2][n % 3]);
   }
@@ -123,6 +123,7 @@ Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId,
 
 void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
                                   std::vector<Cell>& cells) {
+  find_whole_shares(grid);
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
     if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
     for (LocalId c = columns.begin; c < columns.end; ++c) {

@@ -146,7 +146,10 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
   CubeOfDistances distance;
   find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, candidates.of_cell,
                  distance);
-  const auto of_samples = shares_of_samples(corner);
+  const std::array<Real, 3> place = from_box(corner);
+  std::array<std::array<SharesAlong, samples>, 3> of_samples;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
   std::array<Real, 27> shared{};
   Real sum = 0, solid = 0;
   std::array<Real, 3> moment{};

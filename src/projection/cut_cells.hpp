@@ -184,7 +184,11 @@ class CutCells {
   Shares shares_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                    const std::vector<Cell>& cells) const;
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
-  std::array<std::array<SharesAlong, samples>, 3> shares_of_samples(const Vec3& corner) const;
+  void find_whole_shares(const ProjectionGrid& grid);
+  // Of a corner counted from that of the first own cell, in cells from that of the box.
+  std::array<Real, 3> from_box(const Vec3& corner) const {
+    return {corner[0] + (first_ - 1), corner[1] + first_row_, corner[2]};
+  }
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   // The corner of cell (k, r, c), counted from that of the first own cell.
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
@@ -207,7 +211,8 @@ class CutCells {
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   CellFrame frame_{};
-  std::vector<Cell> all_;             // of all columns of the box
+  std::array<std::array<SharesAlong, 3>, 3> whole_shares_{};  // by direction
+  std::vector<Cell> all_;                                     // of all columns of the box
   std::unique_ptr<Shares[]> shares_;  // of cells that solids cut, by index; of others not written
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
