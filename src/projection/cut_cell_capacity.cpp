@@ -33,6 +33,16 @@ CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real cor
   return {below, 1 - below - above, above};
 }
 
+// Where the middle of a cuboid that would reach down, or up, into a solid lies when the cuboid lies on it, or beneath,
+// in cells upwards, as `height` is; distance of the solid and its slope upwards, in samples.
+Real CutCells::off_solid(Real height, Real distance, Real slope) const {
+  const Real way = std::max(distance, 0.0), steep = std::abs(slope) * samples;  // the solid is way/steep below or above
+  const Real half = frame_.half[slope > 0 ? 0 : 1][2];
+  if (way >= half * steep) return height;
+  const Real missing = half - way / steep;
+  return slope > 0 ? height + missing : height - missing;
+}
+
 // In the mean over a cell, in the first cells along each direction, in others and in the last ones.
 void CutCells::find_whole_shares(const ProjectionGrid& grid) {
   for (std::size_t a = 0; a < 3; ++a) {
@@ -72,7 +82,7 @@ CutCells::Shares CutCells::shares_of(const ProjectionGrid& grid, const std::arra
   const bool above_columns = c >= columns;
   if (!above_columns && cells[at].open == 0) return {};
   Shares shares{};
-  if (!above_columns && cells[at].open < 1) {
+  if (!above_columns && cells[at].has_shares) {
     shares = shares_[at];
   } else {
     const std::array<Real, 3> place = from_box(corner_of(grid, k, r, c));

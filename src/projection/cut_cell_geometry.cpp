@@ -140,15 +140,16 @@ Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
   return weight > 0 ? sum / weight : 0;
 }
 
-// Linear in each sample, as the faces; shares of what is open of a sample are those of its middle. The middle of the
-// solid is that of its parts in samples, which lie off the middles of these along the slope.
+// Linear in each sample, as the faces; shares of what is open of a sample are those of its middle, but water is nowhere
+// nearer to a solid below or above than half of a cuboid's height. The middle of the solid is that of its parts in
+// samples, which lie off the middles of these along the slope.
 Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
   CubeOfDistances distance;
   find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, candidates.of_cell,
                  distance);
   const std::array<Real, 3> place = from_box(corner);
-  std::array<std::array<SharesAlong, samples>, 3> of_samples;
-  for (std::size_t a = 0; a < 3; ++a)
+  std::array<std::array<SharesAlong, samples>, 2> of_samples;
+  for (std::size_t a = 0; a < 2; ++a)
     for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
   std::array<Real, 27> shared{};
   Real sum = 0, solid = 0;
@@ -170,7 +171,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
     sum += open;
     const SharesAlong &u = of_samples[0][static_cast<std::size_t>(here[1])],
                       &v = of_samples[1][static_cast<std::size_t>(here[2])],
-                      &w = of_samples[2][static_cast<std::size_t>(here[0])];
+                      w = shares_along(2, off_solid(sample(here[0]), at(here), slope[0]), place[2]);
     for (std::size_t n = 0; n < shared.size() && open > 0; ++n) shared[n] += open * u[n / 9] * v[n / 3 % 3] * w[n % 3];
     if (!candidates.floats || closed == 0) continue;
     solid += closed;
@@ -187,7 +188,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
-  cell.nearest = static_cast<std::uint32_t>(far.body);
+  cell.nearest = static_cast<std::uint32_t>(far.body) & 0x7fffffffU;
   if (std::abs(far.distance) > 2 * size_.maxCoeff()) {  // no face of it comes within reach of is_passage()
     cell.open = far.distance > 0 ? 1 : 0;
     cell.face.fill(cell.open);
@@ -207,6 +208,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   }
   const Real open = open_at(corner, candidates);
   cell.open = open < min_open ? 0 : static_cast<float>(open);
+  cell.has_shares = cell.open > 0;
   return cell;
 }
 

@@ -164,7 +164,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
       const std::size_t at = grid.index(k, r, c);
       near.solid_middle = {0.5F, 0.5F, 0.5F};
       cells[at] = cell_at(corner_of(grid, k, r, c), near);
-      if (cells[at].open > 0 && cells[at].open < 1) shares_[at] = near.shares;
+      if (cells[at].has_shares) shares_[at] = near.shares;
       if (obstacles_.floating() != nullptr) solid_middles_[at] = near.solid_middle;
     }
   });

@@ -114,7 +114,8 @@ class CutCells {
     std::array<std::array<float, 2>, 3> middle{
         {{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
     float surface = 0, capacity = 1;
-    std::uint32_t nearest = 0;
+    std::uint32_t nearest : 31 = 0;
+    bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
   };
   using InCell = std::array<float, 3>;  // by direction, in cells from a corner
   struct Nearest {
@@ -184,6 +185,7 @@ class CutCells {
   Shares shares_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                    const std::vector<Cell>& cells) const;
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
+  Real off_solid(Real height, Real distance, Real slope) const;
   void find_whole_shares(const ProjectionGrid& grid);
   // Of a corner counted from that of the first own cell, in cells from that of the box.
   std::array<Real, 3> from_box(const Vec3& corner) const {
@@ -213,7 +215,7 @@ class CutCells {
   CellFrame frame_{};
   std::array<std::array<SharesAlong, 3>, 3> whole_shares_{};  // by direction
   std::vector<Cell> all_;                                     // of all columns of the box
-  std::unique_ptr<Shares[]> shares_;  // of cells that solids cut, by index; of others not written
+  std::unique_ptr<Shares[]> shares_;                          // of cells near solids, by index; of others not written
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;

@@ -130,7 +130,7 @@ TEST_F(Gauges, StillWaterShowsItsDepthAndItsPressure) {
     const auto& [kind, center, normal] = places[k];
     const Real depth = 1.2 - center.z();
     if (kind == GaugeKind::height) {
-      EXPECT_NEAR(rows.back()[k + 2], depth, 0.005 * depth) << k;
+      EXPECT_NEAR(rows.back()[k + 2], depth, 0.002 * depth) << k;
       continue;
     }
     EXPECT_EQ(rows.front()[k + 2], 0);
