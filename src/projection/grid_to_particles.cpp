@@ -139,7 +139,9 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
-// At the closed faces of a cell that a solid cuts, but for those in the walls of the box.
+// At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
+// asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
+// closed face beyond takes the linear continuation.
 void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
@@ -168,8 +170,15 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const Real into = (flux - cuts.open(at) * spread) / size - n.dot(solid) + n.z() * step_.g_dt2;
   for (std::size_t a = 0; a < 3; ++a) {
     const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
-    if (faces[a].low_closed && !faces[a].low_wall) faces[a].low = along;
-    if (faces[a].high_closed && !faces[a].high_wall) faces[a].high = along;
+    FacePair& pair = faces[a];
+    const bool low = pair.low_closed && !pair.low_wall, high = pair.high_closed && !pair.high_wall;
+    const bool from_open = a < 2 && (low ? !pair.high_closed : !pair.low_closed);
+    const auto beyond = [&](Real open, std::size_t open_face) {
+      if (!from_open) return along;
+      return open + (along - open) / std::clamp(cuts.open(at) / cuts.face(a, open_face), least_reach, 1.0);
+    };
+    if (low) pair.low = beyond(pair.high, at + grid.step(a));
+    if (high) pair.high = beyond(pair.low, at);
   }
 }
 

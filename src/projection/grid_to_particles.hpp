@@ -8,7 +8,9 @@
 // gravity needs along the surface, and stop only what goes into it: with n the mean normal of the surface in the cell,
 // by Gauss's theorem from the areas of its faces, they are displaced by g dt² − n (n · u_s + n · g dt²), u_s being the
 // motion of the water at the surface, from the flux through the open faces. Water so slips along walls of any
-// direction.
+// direction. Horizontally a closed face takes what continues linearly from the opposite open face to that displacement
+// where the surface is: a particle's path goes through cells whose walls have different directions, and constant
+// displacements beside them brake water that turns.
 //
 // *Noise.* What is smooth is kept, what differs from particle to particle dies away in noise_time. With the filter
 // F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F

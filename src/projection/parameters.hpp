@@ -85,6 +85,11 @@ constexpr Real noise_speed = 0.2;
 constexpr Real fade_begins = 0.25, fade_length = 2;
 /// Area of the solid surface in a cell, faces, from which on it has a direction.
 constexpr Real min_wall = 0.1;
+/// Least distance, cells, of a solid's surface from the open face opposite to a closed one, for the continuation to the
+/// latter. With 1, none, water in a cylinder of R = 10 s keeps 0.92 of its angular momentum in ten closed turns at
+/// 1/60 s and 0.76 in ten open ones, with 0.5 0.97 and 0.84, with 0.3 1.00 and 0.91; upwards, too, shallow water in
+/// vessels rests four times as badly.
+constexpr Real least_reach = 0.3;
 
 // ---- shifts of positions
 // ----------------------------------------------------------------------------------------------
