@@ -45,6 +45,7 @@ struct SolverParts {
   std::unique_ptr<Boundary> boundary;
   std::unique_ptr<ActiveAbsorption> absorption;  ///< null without paddles that absorb
   std::unique_ptr<PressureProbes> probes;        ///< null without gauges of pressure in the water
+  std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>();  ///< what stages of a step borrow their arrays from
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<InflowOutflow> flow;             ///< may be null
@@ -100,7 +101,8 @@ class PbfSolver : public Solver {
   void apply_forcing(Forcing& forcing, const StepInfo& info);
   void predict_positions(Real dt);
   void migrate_particles(std::vector<Vec3> Particles::*position);
-  void find_neighbours(Velocities velocities);
+  void arrange_particles(Velocities velocities);
+  void find_neighbours();
   void update_velocities(Real dt);
   void apply_velocity_filters(Real dt);
   void agree_on_failures();
