@@ -66,8 +66,7 @@ void* Scratch::take(std::size_t bytes, bool briefly) {
     }
   }
   if (memory == nullptr) {
-    constexpr std::size_t fraction = 32;  // so that water that grows does not come back for each array
-    pieces_.push_back(piece_of(std::max(size, rounded(most_ / fraction, alignment))));
+    pieces_.push_back(piece_of(size));
     memory = place_in(pieces_.back(), size);
     borrowed_ += size;
   }
@@ -116,9 +115,10 @@ void Scratch::end_loan(const std::byte* memory) {
 
 void Scratch::join() {
   if (borrowed_ > 0 || pieces_.size() < 2) return;
-  // At first each array is a piece of its own, whose memory others seldom can use.
-  const bool first = std::none_of(pieces_.begin(), pieces_.end(), [&](const Piece& one) { return one.size > most_ / 2; });
-  const std::size_t size = first ? most_ : bytes();
+  // The first piece was too small, by how much is not known: arrays that found no gap would have, one after the other.
+  constexpr std::size_t fraction = 64;
+  const std::size_t size = rounded(std::max(most_, joined_) + most_ / fraction, alignment);
+  joined_ = size;
   for (const Piece& piece : pieces_) show(piece.memory, piece.size);
   pieces_.clear();  // before the new memory is asked for
   pieces_.push_back(piece_of(size));

@@ -74,6 +74,7 @@ class Scratch {
   std::mutex mutex_;
   std::vector<Piece> pieces_;
   std::size_t borrowed_ = 0, most_ = 0;  // without what lies in lent memory: `most_` at a time
+  std::size_t joined_ = 0;               // size of the piece that join() has made
 };
 
 /// Lends memory that its owner does not need to a Scratch, until the end of the object.

@@ -197,4 +197,33 @@ void for_each_row_of_few(const ProjectionGrid& grid, Range planes, const Work& w
                 });
 }
 
+/// What is found for own planes in any order, and once for each: work(state, k, r) for their rows.
+template <class State, class Work>
+class PlanesOnce {
+ public:
+  PlanesOnce(const ProjectionGrid& grid, const Work& work)
+      : grid_(grid), work_(work), found_(static_cast<std::size_t>(grid.planes()) + 1, 0) {}
+  /// For those of them that are own ones and have not been found.
+  void find(Range planes) {
+    planes = {std::max(planes.begin, 1), std::min(planes.end, grid_.planes() + 1)};
+    if (planes.size() <= 0) return;
+    for_each_row_of_few<State>(grid_, planes, [&](State& state, LocalId k, LocalId r) {
+      if (found_[static_cast<std::size_t>(k)] == 0) work_(state, k, r);
+    });
+    std::fill(found_.begin() + planes.begin, found_.begin() + planes.end, 1);
+  }
+  /// For the plane of that number, from 1, at each end beyond which other ranks go on.
+  void find_at_ends(LocalId number) {
+    const std::array<bool, 2>& exchanged = grid_.storage().shape().exchanged;
+    const LocalId upper = grid_.planes() + 1 - number;
+    if (exchanged[0]) find({number, number + 1});
+    if (exchanged[1]) find({upper, upper + 1});
+  }
+
+ private:
+  const ProjectionGrid& grid_;
+  const Work& work_;
+  std::vector<char> found_;
+};
+
 }  // namespace trevi

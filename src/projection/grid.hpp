@@ -98,9 +98,9 @@ class ProjectionGrid {
   /// Planes that are then worked on at a time: few, but with rows for all threads. All where rows are cut, whose ends
   /// travel together.
   LocalId rolling_planes() const {
-    constexpr LocalId fewest = 4, rows_of_thread = 32;
-    const LocalId for_threads = thread_count() > 1 ? (rows_of_thread * thread_count() + rows() - 1) / std::max(rows(), 1) : 0;
-    return rows_are_cut() ? planes() : std::max(fewest, for_threads);
+    constexpr LocalId rows_of_thread = 32;
+    if (rows_are_cut()) return planes();
+    return thread_count() == 1 ? 1 : (rows_of_thread * thread_count() + rows() - 1) / std::max(rows(), 1);
   }
   std::size_t bytes() const {
     return storage_.bytes() + storage_beside_.bytes() + storage_rolling_.bytes() + reach_.capacity() * sizeof(LocalId);

@@ -45,9 +45,6 @@ class ShiftFilter {
  private:
   void borrow();
   void give_back();
-  void find_ends(Halo& halo, const Input& input);
-  void sum_planes(const Input& input, Range planes);
-  void fit_planes(Range planes);
   void sum_row(const Input& input, LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
@@ -63,7 +60,6 @@ class ShiftFilter {
   CellFields fit_{numbers::map};
   Borrowed<Real> kept_;                // fraction that is taken off
   LocalId window_ = 1;                 // planes of which there are sums and fits at a time
-  std::vector<char> summed_, fitted_;  // whether those of a plane have been found
 };
 
 }  // namespace trevi

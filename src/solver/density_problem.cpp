@@ -258,7 +258,10 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
   const Swept<T> swept{{particles_->position, particles_->predicted},
                        {act_.data(), act_.size()},
                        {{rho.data(), rho.size()}, constraint_.model().rest_density}};
-  projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
+  {
+    const Loan records(near_.scratch(), std::as_writable_bytes(std::span(near_.records())));  // to be written anew
+    projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
+  }
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
   projection.give_back();
