@@ -84,7 +84,8 @@ class Neighbourhood {
 
   /// With all that is borrowed from its Scratch.
   std::size_t bytes() const {
-    return scratch_->bytes() + records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() + halo_.memory();
+    return scratch_->bytes() + records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() +
+           halo_.memory();
   }
 
  private:

@@ -270,8 +270,6 @@ void MultigridLevel::add_correction(const MultigridLevel& coarse) {
   repeat(phi);
 }
 
-std::size_t MultigridLevel::bytes() const {
-  return (top_.capacity() + used_.capacity()) * sizeof(std::size_t);
-}
+std::size_t MultigridLevel::bytes() const { return (top_.capacity() + used_.capacity()) * sizeof(std::size_t); }
 
 }  // namespace trevi

@@ -21,8 +21,8 @@ struct CellOrder::RowScratch {
   std::vector<LocalId> columns, next;  // of each particle; of each cell where its next particle goes
 };
 
-// Fills places.order with the particles row by row of cells, within a row in the order in which they are stored. Each part of
-// the particles is counted and placed by one thread.
+// Fills places.order with the particles row by row of cells, within a row in the order in which they are stored. Each
+// part of the particles is counted and placed by one thread.
 void CellOrder::sort_by_rows(const Particles& particles, const Places& places) {
   const LocalId own_rows = this->rows(), rows = planes() * own_rows;
   // As many counters as particles at the most.

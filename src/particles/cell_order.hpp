@@ -20,8 +20,8 @@
 namespace trevi {
 
 /// Whether velocities must be kept when particles are sorted. Between the prediction and the velocity update of a
-/// substep they will be overwritten anyway, and CellOrder (nothing else may) uses their array as scratch memory to sort
-/// the other fields, which saves 24 bytes a particle.
+/// substep they will be overwritten anyway, and CellOrder uses their array as scratch memory to sort the other
+/// fields, which saves 24 bytes a particle.
 enum class Velocities { preserve, discard };
 
 class CellOrder {

@@ -149,7 +149,7 @@ class CellFields {
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
 
   std::size_t numbers_, in_whole_;
-  std::size_t rest_ = 0;       // where places in rows that are not whole are counted from
+  std::size_t rest_ = 0;  // where places in rows that are not whole are counted from
   const RowStorage* storage_ = nullptr;
   Borrowed<EightCells> values_;
 };

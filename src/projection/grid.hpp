@@ -26,8 +26,7 @@ namespace trevi {
 class ProjectionGrid {
  public:
   /// Arrays over cells are borrowed from `scratch`.
-  ProjectionGrid(const CellGrid& grid, const Box& box,
-                 std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
+  ProjectionGrid(const CellGrid& grid, const Box& box, std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
       : scratch_(std::move(scratch)),
         axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
         count_{grid.planes(), grid.rows(), grid.columns()},

@@ -33,7 +33,8 @@ class GridToParticles {
   struct Step {
     Real g_dt2, time;
   };
-  /// Finds noise and its fits, in memory that is borrowed until give_back(). Not needed without gravity: nothing makes noise there.
+  /// Finds noise and its fits, in memory that is borrowed until give_back(). Not needed without gravity: nothing makes
+  /// noise there.
   void prepare(Halo& halo, const Step& step);
   /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
   /// part of a loop of threads, in which rows come in their order.

@@ -58,8 +58,8 @@ class ShiftFilter {
   const FreeSurface& surface_;
   CellFields sums_{numbers::moments};  // `more`: Σ rho/rho0 − 1
   CellFields fit_{numbers::map};
-  Borrowed<Real> kept_;                // fraction that is taken off
-  LocalId window_ = 1;                 // planes of which there are sums and fits at a time
+  Borrowed<Real> kept_;  // fraction that is taken off
+  LocalId window_ = 1;   // planes of which there are sums and fits at a time
 };
 
 }  // namespace trevi

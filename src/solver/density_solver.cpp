@@ -91,12 +91,8 @@ class Chebyshev : public DensitySolver<T> {
 };
 
 Projection make_projection(const DensitySolverContext& context) {
-  return {context.comm,
-          context.grid,
-          context.box,
-          {context.spacing, context.model.h, -context.gravity.z()},
-          context.obstacles,
-          context.scratch};
+  return {context.comm,      context.grid,   context.box, {context.spacing, context.model.h, -context.gravity.z()},
+          context.obstacles, context.scratch};
 }
 
 // The projection as the first iteration, then another solver for the error that it leaves; all of it becomes velocity.

@@ -50,14 +50,13 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
                                                              MPI_Comm comm, const Box& walls,
                                                              const std::shared_ptr<Obstacles>& obstacles) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
-  if (settings.vorticity)
-    filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity));
+  if (settings.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity));
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
     filters.back() = std::make_unique<MomentumConserving<T>>(comm, std::move(filters.back()));
   if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model));
   if (settings.kinematic_viscosity)
-    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid),
-                                                              model.h));
+    filters.push_back(
+        std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid), model.h));
   if (settings.no_slip)
     filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, walls, obstacles));
   return filters;

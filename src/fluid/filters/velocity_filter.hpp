@@ -1,6 +1,7 @@
 // Filters change velocities after the density solve, on the neighbour list of the substep (Macklin & Müller 2013, eqs.
 // 15 to 17); each has its own file. A filter reads only velocities that the one before has completed. It refreshes the
-// ghosts that it reads and may overwrite the scalar of the records. Arrays are borrowed from near.scratch(). Collective.
+// ghosts that it reads and may overwrite the scalar of the records. Arrays are borrowed from near.scratch().
+// Collective.
 #pragma once
 
 #include <memory>

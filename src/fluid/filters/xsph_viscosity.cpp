@@ -30,8 +30,7 @@ Real moment_without_order(const PointLattice& lattice, Real h) {
 
 template <class T>
 XsphViscosity<T>::XsphViscosity(Real c, const DensityModel& model)
-    : loops_(filter_loops<T>()),
-      factor_(c * model.mass * poly6_in(model.kernels.density.dimensions).factor(model.h)) {}
+    : loops_(filter_loops<T>()), factor_(c * model.mass * poly6_in(model.kernels.density.dimensions).factor(model.h)) {}
 
 template <class T>
 void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
@@ -81,7 +80,9 @@ void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, 
   Borrowed<Vec4<T>> velocities = own_velocities(near, particles.velocity);
   weigh(pairs, near.all(), velocities.data() + near.order().low_ghosts());
   near.exchange(velocities);
-  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.weighted_smoothing(pairs, part, velocities.data(), out); };
+  const auto smoothing = [&](Range part, Vec4<T>* out) {
+    loops_.weighted_smoothing(pairs, part, velocities.data(), out);
+  };
   add_sums(near, smoothing, per_second_ * dt, particles.velocity);
   log_work(event_, static_cast<double>(near.list().pairs()) * (14 + 24), bytes_of_passes(near, 2));
 }
