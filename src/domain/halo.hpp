@@ -38,16 +38,16 @@ class Halo {
   /// Exchanges the cell counts of the boundary and adds the ghosts to `order`.
   void rebuild(CellOrder& order, const CellCuts& cuts);
 
-  template <class T>
-  void start(std::vector<T>& field) {
-    static_assert(std::is_trivially_copyable_v<T>);
+  template <class Field>
+  void start(Field& field) {
+    static_assert(std::is_trivially_copyable_v<typename Field::value_type>);
     assert(field.size() == static_cast<std::size_t>(size_));
-    start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(T));
+    start_bytes(reinterpret_cast<std::byte*>(field.data()), sizeof(field[0]));
   }
   /// Sends a part of each record, sizeof(Part) bytes from `offset` on; finish_part() receives that of the ghosts. Owned
   /// records may change in between.
-  template <class Part, class Record>
-  void start_part(const std::vector<Record>& field, std::size_t offset) {
+  template <class Part, class Field>
+  void start_part(const Field& field, std::size_t offset) {
     for (Ghosts& from : from_) {
       from.received.resize(static_cast<std::size_t>(from.slice.size()) * sizeof(Part));
       receive(from.received.data(), from.received.size(), from.peer);
@@ -65,8 +65,8 @@ class Halo {
       send(to.sent.data(), to.sent.size(), to.peer);
     }
   }
-  template <class Part, class Record>
-  void finish_part(std::vector<Record>& field, std::size_t offset) {
+  template <class Part, class Field>
+  void finish_part(Field& field, std::size_t offset) {
     finish();
     for (const Ghosts& from : from_) {
       const auto first = static_cast<std::size_t>(from.slice.begin);
@@ -77,9 +77,9 @@ class Halo {
   }
   /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each, of
   /// the cells beside the own rows. Where rows are cut a plane has one more at either end.
-  template <class T>
-  void start_planes(std::vector<T>& grid, std::size_t per_plane) {
-    start_planes(std::span(grid), per_plane);
+  template <class Field>
+  void start_planes(Field& grid, std::size_t per_plane) {
+    start_planes(std::span(grid.data(), grid.size()), per_plane);
   }
   template <class T>
   void start_planes(std::span<T> grid, std::size_t per_plane) {
@@ -87,14 +87,14 @@ class Halo {
     start_plane_bytes(std::as_writable_bytes(grid), per_plane * sizeof(T), peers_);
   }
   /// All cells around those of a grid, between other ranks than the neighbours; `grid` may have no owned ones.
-  template <class T>
-  void start_cells(std::vector<T>& grid, std::size_t per_plane, const CellPeers& peers) {
-    start_plane_bytes(std::as_writable_bytes(std::span(grid)), per_plane * sizeof(T), peers);
+  template <class Field>
+  void start_cells(Field& grid, std::size_t per_plane, const CellPeers& peers) {
+    start_plane_bytes(std::as_writable_bytes(std::span(grid.data(), grid.size())), per_plane * sizeof(grid[0]), peers);
     start_rows(grid, per_plane, peers);
   }
   /// The rows beside the own ones, of ghost planes, too; nothing where rows are not cut.
-  template <class T>
-  void start_rows(std::vector<T>& grid, std::size_t per_plane) {
+  template <class Field>
+  void start_rows(Field& grid, std::size_t per_plane) {
     start_rows(grid, per_plane, peers_);
   }
   /// The same where address(k, r, side) is that of row r of plane k; −1 and the number of rows are the ghost rows.
@@ -107,8 +107,8 @@ class Halo {
   void start_rows(const RowShape& shape, const RowAddress& address) { start_rows(shape, address, peers_); }
   void finish();
 
-  template <class T>
-  void exchange(std::vector<T>& field) {
+  template <class Field>
+  void exchange(Field& field) {
     start(field);
     finish();
   }
@@ -140,15 +140,15 @@ class Halo {
   void find_slices(const CellOrder& order);
   void start_bytes(std::byte* field, std::size_t size);
   void start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const CellPeers& peers);
-  template <class T>
-  void start_rows(std::vector<T>& grid, std::size_t per_plane, const CellPeers& peers) {
+  template <class Field>
+  void start_rows(Field& grid, std::size_t per_plane, const CellPeers& peers) {
     if (!peers.rows_are_cut || grid.empty()) return;
     const std::size_t row = per_plane / (static_cast<std::size_t>(peers.rows) + 2);
     const auto planes = static_cast<LocalId>(grid.size() / per_plane) - 2;
     const auto address = [&, first = grid.data()](LocalId k, LocalId r, int) {
       return first + static_cast<std::size_t>(k) * per_plane + static_cast<std::size_t>(r + 1) * row;
     };
-    start_rows({planes, row * sizeof(T)}, address, peers);
+    start_rows({planes, row * sizeof(grid[0])}, address, peers);
   }
   void start_rows(const RowShape& shape, const RowAddress& address, const CellPeers& peers);
   void receive(void* data, std::size_t bytes, const CellPiece& peer);

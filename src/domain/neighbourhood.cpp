@@ -7,15 +7,23 @@
 namespace trevi {
 
 template <class T>
-Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h)
-    : comm_(comm), order_(grid), halo_(comm, grid.is_periodic(0)), encoding_(origin, h) {
+Neighbourhood<T>::Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h,
+                                std::shared_ptr<Scratch> scratch)
+    : scratch_(std::move(scratch)),
+      comm_(comm),
+      order_(grid, scratch_),
+      halo_(comm, grid.is_periodic(0)),
+      encoding_(origin, h),
+      list_(scratch_) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (grid.is_periodic(a)) encoding_.count_cells(grid.axis(a), grid.length(a) / grid.count(a), grid.count(a));
   }
 }
 
 template <class T>
-void Neighbourhood<T>::rebuild(Particles& particles, const Slabs& slabs, Velocities velocities) {
+void Neighbourhood<T>::arrange(Particles& particles, const Slabs& slabs, Velocities velocities) {
+  list_.give_back();
+  scratch_->join();
   {
     const ScopedEvent timed(sort_event_);
     order_.sort(particles, slabs.window(rank_of(comm_), order_.grid().rows()), velocities);
@@ -29,6 +37,10 @@ void Neighbourhood<T>::rebuild(Particles& particles, const Slabs& slabs, Velocit
     start_positions();
     finish_positions();
   }
+}
+
+template <class T>
+void Neighbourhood<T>::search() {
   const ScopedEvent timed(search_event_);
   list_.rebuild(order_, records_);
 }

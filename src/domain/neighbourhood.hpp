@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 
 #include "domain/halo.hpp"
 #include "domain/slabs.hpp"
@@ -19,13 +20,22 @@ namespace trevi {
 template <class T>
 class Neighbourhood {
  public:
-  Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h);
+  /// The list, and memory for sorting, are borrowed from `scratch`.
+  Neighbourhood(MPI_Comm comm, const CellGrid& grid, const Vec3& origin, Real h,
+                std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>());
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
   /// particles must be in this rank's window. Where a particle has too many neighbours
   /// (list().first_overfull_particle(), on its rank alone), the rows of it and of those after it are empty; collective
   /// calls remain possible.
-  void rebuild(Particles& particles, const Slabs& slabs, Velocities velocities = Velocities::discard);
+  void rebuild(Particles& particles, const Slabs& slabs, Velocities velocities = Velocities::discard) {
+    arrange(particles, slabs, velocities);
+    search();
+  }
+  /// The two parts of it, between which there is no list: the order, ghosts and records; the list of neighbours of the
+  /// positions that the records have.
+  void arrange(Particles& particles, const Slabs& slabs, Velocities velocities);
+  void search();
 
   /// Writes the positions of the owned particles of the range into their records, on this thread; the scalar is set to
   /// zero.
@@ -38,9 +48,7 @@ class Neighbourhood {
   const Encoding<T>& encoding() const { return encoding_; }
   const NeighbourList& list() const { return list_; }
   const CellOrder& order() const { return order_; }
-  /// Four numbers of each owned particle, for whoever works on them now: shifts in the density solve, then the
-  /// vorticity.
-  std::vector<Vec4<T>>& four_each() { return four_each_; }
+  Scratch& scratch() const { return *scratch_; }
   /// For fields that have no positions, and for grids.
   Halo& halo() { return halo_; }
   const Halo& halo() const { return halo_; }
@@ -55,11 +63,11 @@ class Neighbourhood {
   void finish_scalars();
   /// Exchanges another field of all particles, and copies it; of vectors the three coordinates alone.
   template <class Field>
-  void exchange(std::vector<Field>& field) {
+  void exchange(Field& field) {
     halo_.exchange(field);
     copy(field);
   }
-  void exchange_vectors(std::vector<Vec4<T>>& field) {
+  void exchange_vectors(Borrowed<Vec4<T>>& field) {
     halo_.template start_part<std::array<T, 3>>(field, 0);
     halo_.template finish_part<std::array<T, 3>>(field, 0);
     copy(field);
@@ -74,27 +82,28 @@ class Neighbourhood {
   CellWindow interior_window(LocalId depth) const;
   Range all() const { return {0, order_.owned()}; }
 
+  /// With all that is borrowed from its Scratch.
   std::size_t bytes() const {
-    return records_.capacity() * sizeof(Packed<T>) + four_each_.capacity() * sizeof(Vec4<T>) + list_.bytes() +
-           order_.bytes() + halo_.memory();
+    return scratch_->bytes() + records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() +
+           halo_.memory();
   }
 
  private:
   using Coordinates = std::array<typename Packed<T>::Coordinate, 3>;
   template <class Field>
-  void copy(std::vector<Field>& field) const {
+  void copy(Field& field) const {
     for (const CellOrder::Copy& copy : order_.copies())
       std::copy_n(field.begin() + copy.from, copy.count, field.begin() + copy.to);
   }
   void move_ghosts(std::size_t direction, Range range, Real turns);
   void move_ghosts_from_beyond();
 
+  std::shared_ptr<Scratch> scratch_;
   MPI_Comm comm_;
   CellOrder order_;
   Halo halo_;
   Encoding<T> encoding_;
   std::vector<Packed<T>> records_;
-  std::vector<Vec4<T>> four_each_;
   NeighbourList list_;
   Event sort_event_{"CellSort"}, halo_event_{"HaloRebuild"}, search_event_{"NeighbourSearch"};
 };

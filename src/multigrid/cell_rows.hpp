@@ -45,8 +45,8 @@ void for_each_row_with(const CellRows& cells, const Work& work) {
 
 /// Where rows repeat, beyond those at the ends of each plane: copies of those at its other end. `field`: planes of
 /// `rows` rows of `columns` cells with a ring of one around each.
-template <class T>
-void repeat_rows(std::vector<T>& field, LocalId rows, LocalId columns) {
+template <class Field>
+void repeat_rows(Field& field, LocalId rows, LocalId columns) {
   const auto row = static_cast<std::ptrdiff_t>(columns) + 2, plane = (static_cast<std::ptrdiff_t>(rows) + 2) * row;
   for (auto first = field.begin(); first != field.end(); first += plane) {
     std::copy_n(first + rows * row, row, first);
@@ -55,8 +55,8 @@ void repeat_rows(std::vector<T>& field, LocalId rows, LocalId columns) {
 }
 
 /// The same beyond the ends of the columns, of all rows that the field has.
-template <class T>
-void repeat_columns(std::vector<T>& field, LocalId columns) {
+template <class Field>
+void repeat_columns(Field& field, LocalId columns) {
   const auto row = static_cast<std::ptrdiff_t>(columns) + 2;
   for (auto first = field.begin(); first != field.end(); first += row) {
     *first = *(first + columns);

@@ -12,25 +12,28 @@ constexpr Real min_pivot = 1e-10;
 
 }  // namespace
 
-void MultigridLevel::resize(const LevelShape& shape) {
-  if (shape == shape_) return;
+void MultigridLevel::resize(const LevelShape& shape, Scratch& scratch) {
   shape_ = shape;
-  for (auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &phi, &next, &per_pivot})
-    field->assign(shape.cells(), 0.0);
+  give_back();
+  for (auto* field : {&phi, &link[0], &link[1], &link[2], &dirichlet, &rhs, &next, &per_pivot}) {
+    *field = scratch.borrow_briefly<Real>(shape.cells());
+    field->fill(0);
+  }
   const std::size_t rows = (static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows);
   top_.assign(rows, 0);
   used_.assign(rows, static_cast<std::size_t>(shape.columns));
 }
 
-void MultigridLevel::use_columns(LocalId k, LocalId r, std::size_t columns) {
-  std::size_t& used = used_[row_index(k, r)];
-  const auto begin = static_cast<std::ptrdiff_t>(shape_.index(k, r, 0) + columns);
-  if (columns < used) {
-    for (auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &phi, &next, &per_pivot})
-      std::fill_n(field->begin() + begin, used - columns + 1, 0.0);
-  }
-  used = columns;
+void MultigridLevel::give_back_all_but_phi() {
+  for (auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &next, &per_pivot}) field->give_back();
 }
+
+void MultigridLevel::give_back() {
+  give_back_all_but_phi();
+  phi.give_back();
+}
+
+void MultigridLevel::use_columns(LocalId k, LocalId r, std::size_t columns) { used_[row_index(k, r)] = columns; }
 
 void MultigridLevel::factor() {
   for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) { factor_column(k, r); });
@@ -179,7 +182,7 @@ void MultigridLevel::find_residual() {
   });
 }
 
-void MultigridLevel::repeat(std::vector<Real>& field) const {
+void MultigridLevel::repeat(Borrowed<Real>& field) const {
   if (shape_.repeats[0] && shape_.is_whole()) {
     const auto plane = static_cast<std::ptrdiff_t>(shape_.step(0));
     std::copy_n(field.end() - 2 * plane, plane, field.begin());
@@ -229,7 +232,7 @@ void MultigridLevel::coarsen(MultigridLevel& coarse, const CellRows& made) const
     const std::size_t at = to.index(k, r, 0);
     const Real over_planes = fraction_of_link(to, 0, k - 1 + to.first),
                over_rows = fraction_of_link(to, 1, r + to.first_row);
-    const auto sum = [&](const std::vector<Real>& x, std::size_t i) {
+    const auto sum = [&](const Borrowed<Real>& x, std::size_t i) {
       return (x[i] + of.rows * x[i + row]) + of.planes * (x[i + plane] + of.rows * x[i + plane + row]);
     };
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
@@ -267,11 +270,6 @@ void MultigridLevel::add_correction(const MultigridLevel& coarse) {
   repeat(phi);
 }
 
-std::size_t MultigridLevel::bytes() const {
-  std::size_t values = top_.capacity() + used_.capacity();
-  for (const auto* field : {&link[0], &link[1], &link[2], &dirichlet, &rhs, &phi, &next, &per_pivot})
-    values += field->capacity();
-  return values * sizeof(Real);
-}
+std::size_t MultigridLevel::bytes() const { return (top_.capacity() + used_.capacity()) * sizeof(std::size_t); }
 
 }  // namespace trevi

@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "base/scratch.hpp"
 #include "multigrid/cell_rows.hpp"
 #include "trevi/types.hpp"
 
@@ -53,10 +54,13 @@ struct LevelShape {
 
 class MultigridLevel {
  public:
-  /// Keeps the values where the shape stays; else all are 0.
-  void resize(const LevelShape& shape);
+  /// All values are 0 in memory that is borrowed until give_back().
+  void resize(const LevelShape& shape, Scratch& scratch);
+  /// All but phi, or that, too.
+  void give_back_all_but_phi();
+  void give_back();
   const LevelShape& shape() const { return shape_; }
-  /// Tells that in row (k, r) only the lowest `columns` cells can hold water; at first all can. Clears those above.
+  /// Tells that in row (k, r) only the lowest `columns` cells can hold water, others being 0; at first all can.
   void use_columns(LocalId k, LocalId r, std::size_t columns);
 
   /// To be called when links and Dirichlet diagonals are known: prepares the sweeps of the own planes.
@@ -72,7 +76,7 @@ class MultigridLevel {
   void find_residual();
 
   /// Of a field whose own planes are new, and whose ghost planes have come if other ranks have them.
-  void repeat(std::vector<Real>& field) const;
+  void repeat(Borrowed<Real>& field) const;
 
   /// Links and Dirichlet diagonals of the cells `made` of `coarse`; needs those of the plane above the own ones here,
   /// and of the row after them.
@@ -85,10 +89,10 @@ class MultigridLevel {
   std::size_t bytes() const;
 
   // Of the lower faces of each cell in the three directions, 1/m².
-  std::array<std::vector<Real>, 3> link;
-  std::vector<Real> dirichlet, rhs;
-  std::vector<Real> phi, next;  // `next` is memory for what is found from phi
-  std::vector<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
+  std::array<Borrowed<Real>, 3> link;
+  Borrowed<Real> dirichlet, rhs;
+  Borrowed<Real> phi, next;  // `next` is memory for what is found from phi
+  Borrowed<Real> per_pivot;  // of the elimination in a column, m²; 0 outside of the water
 
  private:
   // The finer cells that a row of cells of a coarser level stands for: where the first of them is, and whether (1 or 0)

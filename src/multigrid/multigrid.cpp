@@ -58,7 +58,8 @@ void Multigrid::resize(LocalId planes, LocalId rows, LocalId columns, int depth,
                            .all_planes = all_planes,
                            .repeats = repeats_,
                            .first_row = of_box.first_row,
-                           .all_rows = of_box.all_rows});
+                           .all_rows = of_box.all_rows},
+                          *scratch_);
   for (std::size_t l = 0; l < levels_.size(); ++l) place_level(l, same_cuts);
 }
 
@@ -83,7 +84,7 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
                      .all_rows = rows};
     shape.width = LocalId{1} << number;
     shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width, cuts_.all_rows() - (rows - 1) * shape.width};
-    level.cells.resize(shape);
+    level.cells.resize(shape, *scratch_);
   }
   if (!same_cuts || level.gathered != was_gathered) {
     level.peers = level.gathered ? CellPeers{} : cell_peers(cuts_, rank_of(comm_), number, {repeats_[0], repeats_[1]});
@@ -94,7 +95,7 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
 }
 
 // Of fields of a gathered level: the cells of all ranks, in the order of the ranks. All fields go in one message.
-void Multigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields) {
+void Multigrid::gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fields) {
   const MultigridLevel& cells = levels_[l].cells;
   const std::size_t row = cells.shape().step(1);
   const int ranks = size_of(comm_), mine = rank_of(comm_);
@@ -106,11 +107,11 @@ void Multigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> 
     places.push_back(all);
     all += counts.back();
   }
-  packed_.resize(static_cast<std::size_t>(all));
+  const Borrowed<Real> packed_cells = scratch_->borrow<Real>(static_cast<std::size_t>(all));
   // visit(where a row of a field is in it, and in the message) for those of a rank.
   const auto for_each_row_of = [&](int r, const auto& visit) {
     const CellWindow own = window_on_level(cuts_.window(r), static_cast<int>(l));
-    Real* packed = packed_.data() + places[static_cast<std::size_t>(r)];
+    Real* packed = packed_cells.data() + places[static_cast<std::size_t>(r)];
     for (auto* field : fields) {
       for (LocalId k = own.planes.begin; k < own.planes.end; ++k) {
         for (LocalId i = own.rows.begin; i < own.rows.end; ++i, packed += row)
@@ -120,7 +121,7 @@ void Multigrid::gather(std::size_t l, std::initializer_list<std::vector<Real>*> 
   };
   for_each_row_of(mine, [&](Real* in_field, Real* packed) { std::copy_n(in_field, row, packed); });
   MPI_Request request;
-  MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_.data(), counts.data(), places.data(), MPI_DOUBLE, comm_,
+  MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_cells.data(), counts.data(), places.data(), MPI_DOUBLE, comm_,
                   &request);
   wait_all({&request, 1});
   for (int r = 0; r < ranks; ++r)
@@ -145,14 +146,14 @@ void Multigrid::join_levels(Halo& halo) {
   }
 }
 
-void Multigrid::exchange(Level& level, Halo& halo, std::vector<Real>& field) const {
+void Multigrid::exchange(Level& level, Halo& halo, Borrowed<Real>& field) const {
   halo.start_cells(field, level.cells.shape().step(0), level.peers);
   halo.finish();
   level.cells.repeat(field);
 }
 
 // Finds the cells of fields that other ranks have made and this one needs.
-void Multigrid::complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo) {
+void Multigrid::complete(std::size_t l, std::initializer_list<Borrowed<Real>*> fields, Halo& halo) {
   if (is_gathered_here(l)) return gather(l, fields);
   const CellPeers upper = upper_zones(levels_[l].peers);
   for (auto* field : fields) halo.start_cells(*field, levels_[l].cells.shape().step(0), upper);
@@ -164,6 +165,11 @@ void Multigrid::solve(Halo& halo, int cycles) {
   finest().repeat(finest().phi);
   if (finest().shape().rows_are_cut()) exchange(levels_[0], halo, finest().phi);
   for (int k = 0; k < cycles; ++k) cycle(halo);
+}
+
+void Multigrid::give_back_all_but_phi() {
+  for (std::size_t l = 1; l < levels_.size(); ++l) levels_[l].cells.give_back();
+  finest().give_back_all_but_phi();
 }
 
 void Multigrid::cycle(Halo& halo) {
@@ -227,8 +233,7 @@ void Multigrid::show_next(Level& level, Halo& halo) const {
 }
 
 std::size_t Multigrid::bytes() const {
-  std::size_t sum =
-      (cuts_.planes.capacity() + cuts_.rows.capacity()) * sizeof(LocalId) + packed_.capacity() * sizeof(Real);
+  std::size_t sum = (cuts_.planes.capacity() + cuts_.rows.capacity()) * sizeof(LocalId);
   for (const Level& level : levels_) sum += level.cells.bytes();
   return sum;
 }

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <memory>
 
 #include "domain/halo.hpp"
 #include "multigrid/level.hpp"
@@ -19,9 +20,11 @@ namespace trevi {
 
 class Multigrid {
  public:
+  static constexpr GlobalId few_cells = 4096;
   /// A level of at most `gathered_cells` cells in all is gathered.
-  explicit Multigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = 4096)
-      : comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
+  explicit Multigrid(MPI_Comm comm, const Repeats& repeats = {}, GlobalId gathered_cells = few_cells,
+                     std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
+      : scratch_(std::move(scratch)), comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
   /// For own planes of `rows` x `columns` cells, with water `depth` cells deep. `first_row`, `all_rows`: where other
   /// ranks have rows of the same planes, the number of the first own one, and of all; else 0 and `rows`.
@@ -37,6 +40,10 @@ class Multigrid {
   MultigridLevel& finest() { return levels_.front().cells; }
   const MultigridLevel& finest() const { return levels_.front().cells; }
 
+  /// Gives back the memory of all but phi of the finest level; and of that.
+  void give_back_all_but_phi();
+  void give_back() { levels_[0].cells.give_back(); }
+
   /// Improves phi of the finest level, ghost planes included.
   void solve(Halo& halo, int cycles);
 
@@ -51,23 +58,23 @@ class Multigrid {
   };
   void find_cuts(LocalId planes, LocalId rows, LocalId all_rows);
   void place_level(std::size_t l, bool same_cuts);
-  void exchange(Level& level, Halo& halo, std::vector<Real>& field) const;
+  void exchange(Level& level, Halo& halo, Borrowed<Real>& field) const;
   bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
   void join_levels(Halo& halo);
-  void complete(std::size_t l, std::initializer_list<std::vector<Real>*> fields, Halo& halo);
-  void gather(std::size_t l, std::initializer_list<std::vector<Real>*> fields);
+  void complete(std::size_t l, std::initializer_list<Borrowed<Real>*> fields, Halo& halo);
+  void gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fields);
   void cycle(Halo& halo);
   void show_next(Level& level, Halo& halo) const;
   void sweep(Level& level, Halo& halo, Real weight) const;
   void sweep_from_zero(Level& level, Halo& halo, Real weight) const;
   void sweep_coarsest(Halo& halo);
 
+  std::shared_ptr<Scratch> scratch_;
   MPI_Comm comm_;
   Repeats repeats_;
   GlobalId gathered_;
   CellCuts cuts_;  // of the finest level
-  std::vector<Level> levels_{1};
-  std::vector<Real> packed_;  // what is gathered
+  std::vector<Level> levels_ = std::vector<Level>(1);
 };
 
 }  // namespace trevi

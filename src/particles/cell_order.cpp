@@ -21,9 +21,9 @@ struct CellOrder::RowScratch {
   std::vector<LocalId> columns, next;  // of each particle; of each cell where its next particle goes
 };
 
-// Fills order_ with the particles row by row of cells, within a row in the order in which they are stored. Each part of
-// the particles is counted and placed by one thread.
-void CellOrder::sort_by_rows(const Particles& particles) {
+// Fills places.order with the particles row by row of cells, within a row in the order in which they are stored. Each
+// part of the particles is counted and placed by one thread.
+void CellOrder::sort_by_rows(const Particles& particles, const Places& places) {
   const LocalId own_rows = this->rows(), rows = planes() * own_rows;
   // As many counters as particles at the most.
   const LocalId parts = std::clamp(owned_ / rows, 1, thread_count());
@@ -32,7 +32,6 @@ void CellOrder::sort_by_rows(const Particles& particles) {
     return next.data() + static_cast<std::size_t>(part) * static_cast<std::size_t>(rows);
   };
   const LocalId size = std::max(1, (owned_ + parts - 1) / parts);
-  resize_tightly(cell_, static_cast<std::size_t>(owned_));
   for_each_part({0, owned_}, size, [&](Range part) {
     LocalId* count = counters(part.begin / size);
     for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
@@ -41,7 +40,7 @@ void CellOrder::sort_by_rows(const Particles& particles) {
       assert(plane >= 0 && plane < planes() && row_in_plane >= 0 && row_in_plane < own_rows);
       const LocalId row = plane * own_rows + row_in_plane;
       // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
-      cell_[i] = row * grid_.columns() + grid_.column_of(particles.predicted[i]);
+      places.cell[i] = row * grid_.columns() + grid_.column_of(particles.predicted[i]);
       ++count[row];
     }
   });
@@ -52,24 +51,23 @@ void CellOrder::sort_by_rows(const Particles& particles) {
     for (LocalId part = 0; part < parts; ++part) start += std::exchange(counters(part)[row], start);
   }
   row_start_.back() = start;
-  resize_tightly(order_, static_cast<std::size_t>(owned_));
   for_each_part({0, owned_}, size, [&](Range part) {
     LocalId* place = counters(part.begin / size);
     for (LocalId i = part.begin; i < part.end; ++i)
-      order_[static_cast<std::size_t>(place[row_of(cell_[static_cast<std::size_t>(i)])]++)] = i;
+      places.order[static_cast<std::size_t>(place[row_of(places.cell[static_cast<std::size_t>(i)])]++)] = i;
   });
 }
 
 // Sorts the particles of a row by cell, and within a cell by id: the order of arrival depends on the ranks, ids do not.
-void CellOrder::sort_row(const Particles& particles, LocalId row, RowScratch& scratch) {
+void CellOrder::sort_row(const Particles& particles, LocalId row, const Places& places, RowScratch& scratch) {
   const auto columns = static_cast<std::size_t>(grid_.columns());
   LocalId* counts = counts_.data() + static_cast<std::size_t>(row) * columns;
   std::fill_n(counts, columns, 0);
   const LocalId begin = row_start_[static_cast<std::size_t>(row)], end = row_start_[static_cast<std::size_t>(row) + 1];
-  const std::span<LocalId> order(order_.data() + begin, static_cast<std::size_t>(end - begin));
+  const std::span<LocalId> order(places.order.data() + begin, static_cast<std::size_t>(end - begin));
   scratch.columns.resize(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    scratch.columns[k] = cell_[static_cast<std::size_t>(order[k])] - row * grid_.columns();
+    scratch.columns[k] = places.cell[static_cast<std::size_t>(order[k])] - row * grid_.columns();
     ++counts[scratch.columns[k]];
   }
   scratch.next.resize(columns);
@@ -88,29 +86,38 @@ void CellOrder::sort_row(const Particles& particles, LocalId row, RowScratch& sc
 }
 
 template <class T>
-void CellOrder::apply(std::vector<T>& field, std::vector<T>& scratch) const {
-  resize_tightly(scratch, field.size());
-  for_each_index({0, owned_}, [&](std::size_t i) { scratch[i] = field[static_cast<std::size_t>(order_[i])]; });
-  std::swap(scratch, field);
+void CellOrder::apply(const Borrowed<LocalId>& order, std::vector<T>& field, std::vector<T>& sorted) const {
+  resize_tightly(sorted, field.size());
+  for_each_index({0, owned_}, [&](std::size_t i) { sorted[i] = field[static_cast<std::size_t>(order[i])]; });
+  std::swap(sorted, field);
+}
+
+template <class T>
+void CellOrder::apply(const Borrowed<LocalId>& order, std::vector<T>& field) const {
+  const Borrowed<T> sorted = scratch_->borrow<T>(field.size());
+  for_each_index({0, owned_}, [&](std::size_t i) { sorted[i] = field[static_cast<std::size_t>(order[i])]; });
+  for_each_index({0, owned_}, [&](std::size_t i) { field[i] = sorted[i]; });
 }
 
 void CellOrder::sort(Particles& particles, const CellWindow& window, Velocities velocities) {
   window_ = window;
   owned_ = particles.size();
-  sort_by_rows(particles);
+  const auto all = static_cast<std::size_t>(owned_);
+  const Places places{scratch_->borrow<LocalId>(all), scratch_->borrow<LocalId>(all)};
+  sort_by_rows(particles, places);
   counts_.resize(static_cast<std::size_t>(planes()) * cells());
   PerThread<RowScratch> scratch;
-  for_each_part(planes() * rows(), [&](LocalId row) { sort_row(particles, row, scratch.mine()); });
+  for_each_part(planes() * rows(), [&](LocalId row) { sort_row(particles, row, places, scratch.mine()); });
   std::vector<Vec3> own;
   std::vector<Vec3>& vectors = velocities == Velocities::discard ? particles.velocity : own;
   particles.for_each_kept_field([&]<class T>(std::vector<T>& field) {
     if constexpr (std::is_same_v<T, Vec3>) {
-      apply(field, vectors);
+      apply(places.order, field, vectors);
     } else {
-      apply(field, std::get<std::vector<T>>(scratch_));
+      apply(places.order, field);
     }
   });
-  if (velocities == Velocities::preserve) apply(particles.velocity, own);
+  if (velocities == Velocities::preserve) apply(places.order, particles.velocity, own);
 }
 
 void CellOrder::add_ghosts(const GhostCounts& counts) {
@@ -186,10 +193,9 @@ Range CellOrder::owned_range(LocalId k, LocalId l) const {
 
 std::size_t CellOrder::bytes() const {
   std::size_t bytes = (counts_.capacity() + start_.capacity() + row_start_ghosts_[0].capacity() +
-                       row_start_ghosts_[1].capacity() + cell_.capacity() + row_start_.capacity() + order_.capacity()) *
+                       row_start_ghosts_[1].capacity() + row_start_.capacity()) *
                       sizeof(LocalId);
   bytes += copies_.capacity() * sizeof(Copy) + around_.capacity() * sizeof(Range);
-  std::apply([&](const auto&... field) { ((bytes += field.capacity() * sizeof(field[0])), ...); }, scratch_);
   return bytes;
 }
 

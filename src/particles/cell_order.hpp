@@ -8,24 +8,27 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "base/range.hpp"
+#include "base/scratch.hpp"
 #include "particles/cell_grid.hpp"
 #include "trevi/particles.hpp"
 
 namespace trevi {
 
 /// Whether velocities must be kept when particles are sorted. Between the prediction and the velocity update of a
-/// substep they will be overwritten anyway, and CellOrder (nothing else may) uses their array as scratch memory to sort
-/// the other fields, which saves 24 bytes a particle.
+/// substep they will be overwritten anyway, and CellOrder uses their array as scratch memory to sort the other
+/// fields, which saves 24 bytes a particle.
 enum class Velocities { preserve, discard };
 
 class CellOrder {
  public:
-  explicit CellOrder(const CellGrid& grid) : grid_(grid) {}
+  /// sort() borrows its memory from `scratch`.
+  explicit CellOrder(const CellGrid& grid, std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
+      : scratch_(std::move(scratch)), grid_(grid) {}
 
   /// Sorts the owned particles by `predicted`, all of which must be in the window.
   void sort(Particles& particles, const CellWindow& window, Velocities velocities);
@@ -113,15 +116,23 @@ class CellOrder {
   bool rows_wrap() const { return grid_.is_periodic(1) && !rows_are_cut(); }
   // A division that is exact, as a cell has 31 bits and Real 53, and faster than one of integers.
   LocalId row_of(LocalId cell) const { return static_cast<LocalId>((cell + 0.5) / grid_.columns()); }
-  void sort_by_rows(const Particles& particles);
-  void sort_row(const Particles& particles, LocalId row, RowScratch& scratch);
+  // What the particles are sorted by.
+  struct Places {
+    Borrowed<LocalId> cell;   // of each particle, before sorting
+    Borrowed<LocalId> order;  // sorted index -> old index
+  };
+  void sort_by_rows(const Particles& particles, const Places& places);
+  void sort_row(const Particles& particles, LocalId row, const Places& places, RowScratch& scratch);
   void add_plane(std::span<const LocalId> counts, LocalId first, std::size_t at);
   void add_row_ghosts(std::span<const LocalId> counts, std::size_t side);
   void add_copies();
   void add_copy(LocalId k, LocalId r, LocalId c);
   template <class T>
-  void apply(std::vector<T>& field, std::vector<T>& scratch) const;
+  void apply(const Borrowed<LocalId>& order, std::vector<T>& field, std::vector<T>& sorted) const;
+  template <class T>
+  void apply(const Borrowed<LocalId>& order, std::vector<T>& field) const;
 
+  std::shared_ptr<Scratch> scratch_;
   CellGrid grid_;
   CellWindow window_;
   LocalId owned_ = 0, low_ghosts_ = 0, high_ghosts_ = 0, copied_ = 0;
@@ -131,9 +142,6 @@ class CellOrder {
   std::vector<LocalId> start_;      // first particle of each cell of planes_ + 2 planes, and the total
   std::vector<LocalId> row_start_;  // first particle of each row of cells of the owned planes, and the total
   std::array<std::vector<LocalId>, 2> row_start_ghosts_;  // as start_, of the rows before and after the own ones
-  std::vector<LocalId> cell_;                             // of each particle, before sorting
-  std::vector<LocalId> order_;                            // sorted index -> old index
-  std::tuple<std::vector<GlobalId>, std::vector<float>> scratch_;
 };
 
 }  // namespace trevi

@@ -26,7 +26,7 @@ struct SearchInput {
 };
 
 struct SearchResult {
-  std::vector<StoredRow>& rows;
+  Borrowed<StoredRow>& rows;
   RowPages& pages;
   std::int64_t* pairs_of_row;  // of cells
   // The first particle with too many neighbours; without one, the number of particles.
@@ -40,7 +40,7 @@ struct SearchResult {
 };
 
 // `sum` and the pairs of the particles of a range.
-inline std::int64_t count_pairs(const std::vector<StoredRow>& rows, Range range, std::int64_t sum) {
+inline std::int64_t count_pairs(const Borrowed<StoredRow>& rows, Range range, std::int64_t sum) {
   for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i)
     sum += static_cast<std::int64_t>(rows[i].count);
   return sum;
@@ -267,9 +267,8 @@ HWY_EXPORT(search_double);
 
 RowPages::Page RowPages::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (used_ == pages_.size()) pages_.emplace_back(new std::uint16_t[page_size]);  // not initialised: by its thread only
-  const std::size_t number = used_++;
-  return {pages_[number].get(), number * page_size};
+  pages_.push_back(scratch_.borrow<std::uint16_t>(page_size));
+  return {pages_.back().data(), (pages_.size() - 1) * page_size};
 }
 
 std::uint16_t* RowWriter::begin_row(RowPages& pages, std::size_t longest) {
@@ -302,8 +301,8 @@ std::vector<LocalId> NeighbourList::operator[](LocalId i) const {
 template <class T>
 void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>& records) {
   const auto owned = static_cast<std::size_t>(order.owned());
-  resize_tightly(rows_, owned);
-  pages_.clear();
+  give_back();
+  rows_ = scratch_->borrow<StoredRow>(owned);
   first_of_row_.assign(order.row_starts().begin(), order.row_starts().end());
   pairs_of_row_.assign(first_of_row_.size(), 0);
   SearchResult result{rows_, pages_, pairs_of_row_.data(), order.owned()};
@@ -319,6 +318,11 @@ void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>
       pairs_of_row_[row] = count_pairs(rows_, {first_of_row_[row], first_of_row_[row + 1]}, 0);
   }
   std::exclusive_scan(pairs_of_row_.begin(), pairs_of_row_.end(), pairs_of_row_.begin(), std::int64_t{0});
+}
+
+void NeighbourList::give_back() {
+  pages_.clear();
+  rows_.give_back();
 }
 
 // Pairs of the particles before this one.

@@ -17,26 +17,30 @@
 
 namespace trevi {
 
-/// Memory for the rows. It grows by pages and so never has to be copied; pages are kept for the next search.
+/// Memory for the rows, which is borrowed. It grows by pages and so never has to be copied.
 class RowPages {
  public:
+  explicit RowPages(Scratch& scratch) : scratch_(scratch) {}
+
   static constexpr std::size_t page_size = std::size_t{1} << 17;  ///< entries; 256 kB
 
   struct Page {
     std::uint16_t* entries;
     std::uint64_t first;  ///< number of its first entry
   };
-  /// An unused page of page_size; may be called by several threads at once.
+  /// A new page of page_size; may be called by several threads at once.
   Page take();
-  const std::uint16_t* entry(std::uint64_t at) const { return pages_[at / page_size].get() + at % page_size; }
-  /// All pages are unused again.
-  void clear() { used_ = 0; }
+  const std::uint16_t* entry(std::uint64_t at) const { return pages_[at / page_size].data() + at % page_size; }
   std::size_t bytes() const { return pages_.size() * page_size * sizeof(std::uint16_t); }
+  /// Gives all pages back, the last one first.
+  void clear() {
+    while (!pages_.empty()) pages_.pop_back();
+  }
 
  private:
+  Scratch& scratch_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<std::uint16_t[]>> pages_;
-  std::size_t used_ = 0;
+  std::vector<Borrowed<std::uint16_t>> pages_;
 };
 
 /// A row of the list as it is stored. The particles around a cell lie in few windows of particles one after the other,
@@ -93,9 +97,16 @@ class NeighbourList {
   /// and the length of the lists grows as the square of the particles there.
   static constexpr LocalId max_neighbours = 4096;
 
+  /// The list is borrowed from `scratch` until give_back().
+  explicit NeighbourList(std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
+      : scratch_(std::move(scratch)), pages_(*scratch_) {}
+
   /// `records` are those of all particles of `order`, ghosts included. O(n).
   template <class T>
   void rebuild(const CellOrder& order, const std::vector<Packed<T>>& records);
+
+  /// There are no rows any more.
+  void give_back();
 
   LocalId size() const { return static_cast<LocalId>(rows_.size()); }
   LocalId count(LocalId i) const { return static_cast<LocalId>(rows_[static_cast<std::size_t>(i)].count); }
@@ -120,15 +131,17 @@ class NeighbourList {
   }
   /// Owned particle with more than max_neighbours, −1 if there is none; it and those after it then have empty rows.
   LocalId first_overfull_particle() const { return first_overfull_; }
+  /// Without what is borrowed; and that.
   std::size_t bytes() const {
-    return rows_.capacity() * sizeof(rows_[0]) + pages_.bytes() + pairs_of_row_.capacity() * sizeof(pairs_of_row_[0]) +
-           first_of_row_.capacity() * sizeof(LocalId);
+    return pairs_of_row_.capacity() * sizeof(pairs_of_row_[0]) + first_of_row_.capacity() * sizeof(LocalId);
   }
+  std::size_t borrowed_bytes() const { return rows_.size() * sizeof(rows_[0]) + pages_.bytes(); }
 
  private:
   std::int64_t pairs_before(LocalId i) const;
 
-  std::vector<StoredRow> rows_;
+  std::shared_ptr<Scratch> scratch_;
+  Borrowed<StoredRow> rows_;
   RowPages pages_;
   // Of each row of cells its first particle, and the pairs of all rows before it; and of all rows.
   std::vector<LocalId> first_of_row_;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <memory>
 #include <span>
 
 #include "domain/halo.hpp"
@@ -81,29 +80,21 @@ class CellFields {
   /// `numbers` of each cell, and `more` of those in whole rows, which are exchanged.
   explicit CellFields(std::size_t numbers, std::size_t more = 0) : numbers_(numbers), in_whole_(numbers + more) {}
 
-  /// Memory for the grid as it is now: 0 in planes that neighbours exchange; else not yet written.
-  void resize(const RowStorage& storage) {
-    storage_ = &storage;
-    rest_ = storage_->exchanged() * (in_whole_ - numbers_);
-    const std::size_t size = rest_ + storage_->size() * numbers_;
-    if (size > capacity_) {
-      values_.reset();
-      capacity_ = capacity_ == 0 ? size : size + size / 16;
-      values_.reset(new EightCells[capacity_]);  // the threads that work on it write to it first
-      cleared_ = 0;
-    }
-    if (cleared_ == storage_->layout()) return;
-    cleared_ = storage_->layout();
-    const std::size_t first =
-        storage_->exchanged() * in_whole_ + numbers_;  // with the eight that stands for all others
-    for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
+  /// Memory for the grid as it is now, until give_back(): 0 in planes that neighbours exchange; else not yet written.
+  void borrow(Scratch& scratch, const RowStorage& storage) {
+    borrow(storage, [&](std::size_t size) { return scratch.borrow<EightCells>(size); });
   }
+  /// The same for a stage that ends before any loan does.
+  void borrow_briefly(Scratch& scratch, const RowStorage& storage) {
+    borrow(storage, [&](std::size_t size) { return scratch.borrow_briefly<EightCells>(size); });
+  }
+  void give_back() { values_.give_back(); }
 
   /// Row (k, r); −1 and rows() are the rows of the ring.
   RowToWrite row(LocalId k, LocalId r) {
     if (rest_ > 0 && storage_->is_whole(k, r))
-      return {values_.get(), storage_->places(k, r), storage_->nowhere(), in_whole_};
-    return {values_.get() + rest_, storage_->places(k, r), storage_->nowhere(), numbers_};
+      return {values_.data(), storage_->places(k, r), storage_->nowhere(), in_whole_};
+    return {values_.data() + rest_, storage_->places(k, r), storage_->nowhere(), numbers_};
   }
   RowToRead row(LocalId k, LocalId r) const { return const_cast<CellFields*>(this)->row(k, r); }
   /// Number q of a cell; one that there is memory for, to write it.
@@ -133,26 +124,34 @@ class CellFields {
   /// Begins to exchange boundary planes, and rows where these are cut.
   void start(Halo& halo) {
     const std::size_t per_plane = storage_->per_plane() * in_whole_;
-    halo.start_planes(std::span(values_.get(), storage_->whole_planes() * in_whole_), per_plane);
+    halo.start_planes(std::span(values_.data(), storage_->whole_planes() * in_whole_), per_plane);
     if (!halo.rows_are_cut()) return;
     const LocalId planes = storage_->shape().cells.planes.end - 2;
     halo.start_rows({planes, storage_->per_row() * in_whole_ * sizeof(EightCells)}, [this](LocalId k, LocalId r, int) {
-      return values_.get() + storage_->places(k, r)[0] * in_whole_;
+      return values_.data() + storage_->places(k, r)[0] * in_whole_;
     });
   }
   std::size_t numbers() const { return numbers_; }
-  std::size_t bytes() const { return capacity_ * sizeof(EightCells); }
 
  private:
+  template <class Borrow>
+  void borrow(const RowStorage& storage, const Borrow& memory) {
+    storage_ = &storage;
+    rest_ = storage_->exchanged() * (in_whole_ - numbers_);
+    values_.give_back();
+    values_ = memory(rest_ + storage_->size() * numbers_);
+    const std::size_t first =
+        storage_->exchanged() * in_whole_ + numbers_;  // with the eight that stands for all others
+    for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
+  }
   static constexpr LocalId eight_cells = EightCells::count;
   static std::size_t eight(LocalId c) { return static_cast<std::size_t>(c / eight_cells); }
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
 
-  std::size_t numbers_, in_whole_, capacity_ = 0;
-  std::uint64_t cleared_ = 0;  // the layout in which what is exchanged was cleared
-  std::size_t rest_ = 0;       // where places in rows that are not whole are counted from
+  std::size_t numbers_, in_whole_;
+  std::size_t rest_ = 0;  // where places in rows that are not whole are counted from
   const RowStorage* storage_ = nullptr;
-  std::unique_ptr<EightCells[]> values_;
+  Borrowed<EightCells> values_;
 };
 
 /// work(state, k, r) for the rows of all own planes, those of the planes at either end first, and those at cuts: send()
@@ -184,5 +183,47 @@ template <class State, class Work>
 void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, CellFields& field, const Work& work) {
   for_each_row_and_send<State>(grid, halo, work, [&] { field.start(halo); });
 }
+
+/// work(state, k, r) for the own rows of a few planes, of which each thread gets some.
+template <class State, class Work>
+void for_each_row_of_few(const ProjectionGrid& grid, Range planes, const Work& work) {
+  constexpr LocalId fewest = 8, parts_of_thread = 2;
+  const LocalId rows = grid.rows(), all = planes.size() * rows;
+  const LocalId parts = thread_count() == 1 ? 1 : parts_of_thread * thread_count();
+  for_each_part(Range{planes.begin * rows, planes.end * rows}, std::max((all + parts - 1) / parts, fewest),
+                [&](Range part) {
+                  State state;
+                  for (LocalId i = part.begin; i < part.end; ++i) work(state, i / rows, i % rows);
+                });
+}
+
+/// What is found for own planes in any order, and once for each: work(state, k, r) for their rows.
+template <class State, class Work>
+class PlanesOnce {
+ public:
+  PlanesOnce(const ProjectionGrid& grid, const Work& work)
+      : grid_(grid), work_(work), found_(static_cast<std::size_t>(grid.planes()) + 1, 0) {}
+  /// For those of them that are own ones and have not been found.
+  void find(Range planes) {
+    planes = {std::max(planes.begin, 1), std::min(planes.end, grid_.planes() + 1)};
+    if (planes.size() <= 0) return;
+    for_each_row_of_few<State>(grid_, planes, [&](State& state, LocalId k, LocalId r) {
+      if (found_[static_cast<std::size_t>(k)] == 0) work_(state, k, r);
+    });
+    std::fill(found_.begin() + planes.begin, found_.begin() + planes.end, 1);
+  }
+  /// For the plane of that number, from 1, at each end beyond which other ranks go on.
+  void find_at_ends(LocalId number) {
+    const std::array<bool, 2>& exchanged = grid_.storage().shape().exchanged;
+    const LocalId upper = grid_.planes() + 1 - number;
+    if (exchanged[0]) find({number, number + 1});
+    if (exchanged[1]) find({upper, upper + 1});
+  }
+
+ private:
+  const ProjectionGrid& grid_;
+  const Work& work_;
+  std::vector<char> found_;
+};
 
 }  // namespace trevi

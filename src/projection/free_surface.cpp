@@ -6,17 +6,19 @@ namespace trevi {
 
 using namespace projection;
 
-void FreeSurface::resize() {
-  fill_.assign(grid().cells(), 0.0);
-  height_.assign(grid().cells(), 1.0);
-  wet_.assign(grid().cells(), 0);
+void FreeSurface::borrow() {
+  Scratch& scratch = grid().scratch();
+  wet_ = scratch.borrow<char>(grid().cells());
+  wet_.fill(0);
+  fill_ = scratch.borrow_briefly<Real>(grid().cells());
+  fill_.fill(0);
+  height_ = scratch.borrow_briefly<Real>(grid().cells());
+  height_.fill(1);
 }
 
-void FreeSurface::clear_row(LocalId k, LocalId r) {
-  const auto begin = static_cast<std::ptrdiff_t>(grid().index(k, r, 0));
-  const auto count = std::ptrdiff_t{grid().columns(k, r)} + 1;
-  std::fill_n(fill_.begin() + begin, count, 0.0);
-  std::fill_n(wet_.begin() + begin, count, 0);
+void FreeSurface::keep_wet() {
+  fill_.give_back();
+  height_.give_back();
 }
 
 void FreeSurface::classify(Halo& halo) {
@@ -74,11 +76,6 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
       excess += open(at) * (fill_[at] - 1);
     }
   }
-}
-
-std::size_t FreeSurface::bytes() const {
-  const std::size_t values = fill_.capacity() + height_.capacity() + level_.capacity();
-  return values * sizeof(Real) + wet_.capacity() + joined_.capacity();
 }
 
 }  // namespace trevi

@@ -27,12 +27,12 @@ class FreeSurface {
   };
   explicit FreeSurface(const Sources& sources) : from_(sources) {}
 
-  /// Memory for the grid as it is now. To be called when its size has changed.
-  void resize();
+  /// Borrows memory for the grid as it is now. When nothing is needed any more but is_wet(); when that is not, either.
+  void borrow();
+  void keep_wet();
+  void give_back() { wet_.give_back(); }
   /// Cells that it drains are dry from now on.
   void open_to(Openings* openings) { openings_ = openings; }
-  /// Forgets the last step in row (k, r), as far as its columns went.
-  void clear_row(LocalId k, LocalId r);
   void classify(Halo& halo);
 
   const ProjectionGrid& grid() const { return from_.grid; }
@@ -66,8 +66,6 @@ class FreeSurface {
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
 
-  std::size_t bytes() const;
-
  private:
   // Cell (r, c) of plane k.
   struct Place {
@@ -87,10 +85,8 @@ class FreeSurface {
 
   Openings* openings_ = nullptr;
   Sources from_;
-  std::vector<Real> fill_, height_;
-  std::vector<char> wet_;
-  std::vector<Real> level_;   // of small cells that follow others: the next height_
-  std::vector<char> joined_;  // the next wet_
+  Borrowed<Real> fill_, height_;
+  Borrowed<char> wet_;
 };
 
 }  // namespace trevi

@@ -32,17 +32,19 @@ void FreeSurface::classify_among_solids(Halo& halo) {
     }
   });
   grid().complete(halo, wet_);
-  joined_ = wet_;
+  Borrowed<char> joined = grid().scratch().borrow<char>(wet_.size());  // the next wet_
+  std::copy(wet_.begin(), wet_.end(), joined.begin());
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
       if (is_small(at) && !is_wet(at))
-        for_widest({k, r, c}, [&](std::size_t beside) { joined_[at] = joined_[at] != 0 || is_wet(beside) ? 1 : 0; });
+        for_widest({k, r, c}, [&](std::size_t beside) { joined[at] = joined[at] != 0 || is_wet(beside) ? 1 : 0; });
     }
   });
-  halo.start_planes(joined_, grid().step(0));
+  halo.start_planes(joined, grid().step(0));
   halo.finish();
-  wet_.swap(joined_);
+  std::copy(joined.begin(), joined.end(), wet_.begin());
+  joined.give_back();
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 1; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
@@ -58,7 +60,8 @@ void FreeSurface::classify_among_solids(Halo& halo) {
 
 // The surface in a small cell is that beside it, the mean of both where two faces are equally wide.
 void FreeSurface::level_small_cells(Halo& halo) {
-  level_ = height_;
+  Borrowed<Real> level = grid().scratch().borrow_briefly<Real>(height_.size());  // the next height_
+  std::copy(height_.begin(), height_.end(), level.begin());
   for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
@@ -69,13 +72,13 @@ void FreeSurface::level_small_cells(Halo& halo) {
         sum += is_top(beside) ? height_[beside] : 1;
         ++count;
       });
-      if (count > 0) level_[at] = sum / count;
+      if (count > 0) level[at] = sum / count;
     }
   });
-  halo.start_planes(level_, grid().step(0));
+  halo.start_planes(level, grid().step(0));
   halo.finish();
-  grid().complete(halo, level_);
-  height_.swap(level_);
+  grid().complete(halo, level);
+  height_.swap(level);
 }
 
 bool FreeSurface::is_small(std::size_t at) const { return cuts()->open(at) > 0 && cuts()->open(at) < small_cell; }

@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "base/scratch.hpp"
 #include "domain/halo.hpp"
 #include "multigrid/cell_rows.hpp"
 #include "particles/cell_grid.hpp"
@@ -23,8 +25,10 @@ namespace trevi {
 
 class ProjectionGrid {
  public:
-  ProjectionGrid(const CellGrid& grid, const Box& box)
-      : axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
+  /// Arrays over cells are borrowed from `scratch`.
+  ProjectionGrid(const CellGrid& grid, const Box& box, std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
+      : scratch_(std::move(scratch)),
+        axis_{grid.slab_axis(), 1 - grid.slab_axis(), 2},
         count_{grid.planes(), grid.rows(), grid.columns()},
         repeats_{grid.is_periodic(0), grid.is_periodic(1), grid.is_periodic(2)},
         is_layer_(grid.is_layer()),
@@ -38,18 +42,16 @@ class ProjectionGrid {
     }
   }
 
-  /// What this rank owns, and columns in use, at most those of the box. False where sizes stay as they are.
-  bool resize(const CellWindow& own, LocalId columns) {
-    columns = std::min(columns, count_[2]);
-    const bool same = own.planes.size() == planes() && own.rows.size() == rows() && columns == columns_;
+  /// What this rank owns, and columns in use, at most those of the box.
+  void resize(const CellWindow& own, LocalId columns) {
     own_ = own;
-    if (same) return false;
-    columns_ = columns;
+    columns_ = std::min(columns, count_[2]);
     step_ = {(static_cast<std::size_t>(rows()) + 2) * (static_cast<std::size_t>(columns_) + 2),
              static_cast<std::size_t>(columns_) + 2, 1};
-    reach_.assign((static_cast<std::size_t>(planes()) + 2) * (static_cast<std::size_t>(rows()) + 2), columns);
-    return true;
+    reach_.assign((static_cast<std::size_t>(planes()) + 2) * (static_cast<std::size_t>(rows()) + 2), columns_);
   }
+
+  Scratch& scratch() const { return *scratch_; }
 
   LocalId planes() const { return own_.planes.size(); }
   /// All own rows of some planes, to go through with for_each_row().
@@ -84,10 +86,24 @@ class ProjectionGrid {
     const CellRows all = rows_of({0, planes() + 2});
     storage_.lay_out({all, {!wall_below(), !wall_above()}, repeats_, cut}, order, reach_);
     storage_beside_.lay_out({all, {}, repeats_, {}, true}, order, reach_);
+    storage_rolling_.lay_out({all, {!wall_below(), !wall_above()}, repeats_, cut, false, rolling_planes() + 2}, order,
+                             reach_);
   }
   const RowStorage& storage() const { return storage_; }
   /// With the cells beside those that hold particles, and without whole rows.
   const RowStorage& storage_beside() const { return storage_beside_; }
+  /// For fields of which some planes are needed at a time, as they are worked on one after the other.
+  const RowStorage& storage_rolling() const { return storage_rolling_; }
+  /// Planes that are then worked on at a time: few, but with rows for all threads. All where rows are cut, whose ends
+  /// travel together.
+  LocalId rolling_planes() const {
+    constexpr LocalId rows_of_thread = 32;
+    if (rows_are_cut()) return planes();
+    return thread_count() == 1 ? 1 : (rows_of_thread * thread_count() + rows() - 1) / std::max(rows(), 1);
+  }
+  std::size_t bytes() const {
+    return storage_.bytes() + storage_beside_.bytes() + storage_rolling_.bytes() + reach_.capacity() * sizeof(LocalId);
+  }
   /// Lengths of a cell, m.
   const Vec3& size() const { return size_; }
   /// Difference of index from a cell to its upper neighbour in direction a; step(0) is the number of cells in a plane.
@@ -109,14 +125,14 @@ class ProjectionGrid {
   /// Whether it is that of two dimensions, a single row of cells in each plane, which nothing moves across.
   bool is_layer() const { return is_layer_; }
   /// Fills the ring of cells where rows and columns repeat on this rank.
-  template <class T>
-  void repeat(std::vector<T>& field) const {
+  template <class Field>
+  void repeat(Field& field) const {
     if (repeats_[2]) repeat_columns(field, columns_);
     if (rows_wrap()) repeat_rows(field, rows(), columns_);
   }
   /// The same, and the ghost rows that other ranks have. Collective.
-  template <class T>
-  void complete(Halo& halo, std::vector<T>& field) const {
+  template <class Field>
+  void complete(Halo& halo, Field& field) const {
     repeat(field);
     halo.start_rows(field, step(0));
     halo.finish();
@@ -160,6 +176,7 @@ class ProjectionGrid {
   bool wall_below() const { return own_.planes.begin == 0 && !repeats_[0]; }
   bool wall_above() const { return own_.planes.end == count_[0] && !repeats_[0]; }
 
+  std::shared_ptr<Scratch> scratch_;
   std::array<int, 3> axis_;
   std::array<LocalId, 3> count_;  // of the box
   Repeats repeats_;
@@ -170,7 +187,7 @@ class ProjectionGrid {
   LocalId columns_ = 0;
   std::array<std::size_t, 3> step_{};
   std::vector<LocalId> reach_;  // columns(k, r)
-  RowStorage storage_, storage_beside_;
+  RowStorage storage_, storage_beside_, storage_rolling_;
 };
 
 }  // namespace trevi

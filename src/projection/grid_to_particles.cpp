@@ -19,12 +19,6 @@ AffineMap times(AffineMap map, Real factor) {
 
 }  // namespace
 
-void GridToParticles::store() {
-  const ProjectionGrid& grid = surface_.grid();
-  noise_.resize(grid.storage());
-  if (surface_.cuts() != nullptr) cut_fit_.resize(grid.storage());
-}
-
 // A dry cell right above water under gravity: the few particles in it follow the top cell.
 bool GridToParticles::follows(std::size_t at) const {
   return surface_.upright() && !surface_.is_wet(at) && surface_.is_wet(at - 1) && !surface_.is_solid(at - 1);
@@ -41,14 +35,36 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   step_ = step;
   if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
-  for_each_row_and_send<TentMemory>(grid, halo, noise_,
-                                    [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); });
+  if (surface_.cuts() != nullptr) cut_fit_.borrow_briefly(grid.scratch(), grid.storage());
+  noise_.borrow_briefly(grid.scratch(), grid.storage_rolling());
+  const auto find = [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); };
+  const auto fit = [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); };
   const auto send = [&] {
     noise_fit_.start(halo);
     if (surface_.cuts() != nullptr) cut_fit_.start(halo);
   };
-  for_each_row_and_send<TentMemory>(
-      grid, halo, [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); }, send);
+  if (grid.rows_are_cut()) {
+    for_each_row_and_send<TentMemory>(grid, halo, noise_, find);
+    for_each_row_and_send<TentMemory>(grid, halo, fit, send);
+    return noise_.give_back();
+  }
+  PlanesOnce<TentMemory, decltype(find)> noise(grid, find);
+  PlanesOnce<TentMemory, decltype(fit)> fits(grid, fit);
+  if (halo.has_neighbours()) {
+    noise.find_at_ends(1);
+    noise_.start(halo);
+    noise.find_at_ends(2);
+    halo.finish();
+    fits.find_at_ends(1);
+    send();
+  }
+  const LocalId planes = grid.rolling_planes();
+  for (LocalId begin = 1; begin <= grid.planes(); begin += planes) {
+    noise.find({begin, begin + planes + 1});
+    fits.find({begin, begin + planes});
+  }
+  halo.finish();
+  noise_.give_back();
 }
 
 void GridToParticles::find_noise(TentMemory& memory, LocalId k, LocalId r) {
@@ -106,9 +122,9 @@ Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_
   const Openings* openings = surface_.openings();
   const Real wall =
       (cuts != nullptr ? cuts->moved(a, face) : 0) + (openings != nullptr ? openings->displacement(a, face) : 0);
-  const Moments held = surface_.water().moments(at);
-  if (held.at.n == 0) return wall - surface_.water().displacement(a, face);
-  const Real by_mean = wall - held.flow.u[surface_.grid().axis(a)] / held.at.n;
+  const ParticlesToGrid::Means held = surface_.water().means(at);
+  if (held.n == 0) return wall - surface_.water().displacement(a, face);
+  const Real by_mean = wall - held.u[surface_.grid().axis(a)] / held.n;
   const Real at_wall = wall - surface_.water().displacement(a, face);
   if (by_mean * at_wall <= 0) return 0;
   return std::abs(by_mean) < std::abs(at_wall) ? by_mean : at_wall;
@@ -210,7 +226,5 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, cons
   }
   return by;
 }
-
-std::size_t GridToParticles::bytes() const { return noise_.bytes() + cut_fit_.bytes(); }
 
 }  // namespace trevi

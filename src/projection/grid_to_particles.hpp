@@ -35,9 +35,8 @@ class GridToParticles {
   struct Step {
     Real g_dt2, time;
   };
-  /// Memory for the grid as it is now.
-  void store();
-  /// Finds noise and its fits. Not needed without gravity: nothing makes noise there.
+  /// Finds noise and its fits, in memory that is borrowed until give_back(). Not needed without gravity: nothing makes
+  /// noise there.
   void prepare(Halo& halo, const Step& step);
   /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
   /// part of a loop of threads, in which rows come in their order.
@@ -49,10 +48,8 @@ class GridToParticles {
   /// How the particles of cell (k, r, c) are displaced.
   CellDisplacement displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
                                    LocalId c) const;
-  /// Memory of fits, once all particles are displaced.
-  CellFields& free_fits() { return noise_fit_; }
-
-  std::size_t bytes() const;
+  /// To be called when all particles are displaced.
+  void give_back() { cut_fit_.give_back(); }
 
  private:
   // The lower and the upper displacement in each direction, and whether the face is closed.

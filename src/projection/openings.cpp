@@ -104,7 +104,7 @@ void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
   }
 }
 
-void Openings::close_sides(const ProjectionGrid& grid, const std::vector<char>& wet) {
+void Openings::close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet) {
   for (const std::size_t at : closed_at_) closed_[at] = 0;
   closed_at_.clear();
   for (const auto& [cell, out, up] : drained_cells_) {

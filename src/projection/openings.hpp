@@ -38,7 +38,7 @@ class Openings {
 
   bool is_drained(std::size_t at) const { return drained_[at] != 0; }
   /// Holes under water take nothing through their sides. `wet` of all cells.
-  void close_sides(const ProjectionGrid& grid, const std::vector<char>& wet);
+  void close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet);
   /// Whether face (a, at) is the side of a hole under water.
   bool closes(std::size_t a, std::size_t at) const { return (closed_[at] & (1U << a)) != 0; }
   /// Displacement of what goes through face (a, at) of a wall, m.

@@ -68,27 +68,36 @@ class FaceMiddles {
 ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing)
     : grid_(grid), frame_(frame_of_cuboids(grid, spacing)) {}
 
-void ParticlesToGrid::resize() {
+void ParticlesToGrid::borrow() {
   filled_.assign(row_index(grid_.planes() + 2, -1), {});
-  for (auto& u : displacement_) u.assign(grid_.cells(), 0.0);
-}
-
-void ParticlesToGrid::store() {
-  for (CellFields* field : {&sums_, &spread_, &fit_}) field->resize(grid_.storage());
-  volumes_.resize(grid_.storage_beside());
-}
-
-void ParticlesToGrid::clear_row(LocalId k, LocalId r) {
-  const std::size_t begin = grid_.index(k, r, 0);
-  // Of ghosts not all columns are known that their owner looked at.
-  const bool is_own = k > 0 && k <= grid_.planes() && r >= 0 && r < grid_.rows();
-  const LocalId columns = is_own ? grid_.columns(k, r) : grid_.columns();
-  for (auto& u : displacement_) {
-    const auto first = u.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto count = std::ptrdiff_t{columns} + 1;
-    std::fill_n(first, count, 0.0);
-    if (r + 1 == grid_.rows()) std::fill_n(first + static_cast<std::ptrdiff_t>(grid_.step(1)), count, 0.0);
+  fit_.borrow(grid_.scratch(), grid_.storage());
+  for (Borrowed<Real>& u : displacement_) {
+    u = grid_.scratch().borrow_briefly<Real>(grid_.cells());
+    u.fill(0);
   }
+  spread_.borrow_briefly(grid_.scratch(), grid_.storage());
+  sums_.borrow_briefly(grid_.scratch(), grid_.storage());
+  volumes_.borrow_briefly(grid_.scratch(), grid_.storage_beside());
+}
+
+void ParticlesToGrid::keep_means() {
+  constexpr std::size_t u_of_moments = sizeof(Places) / sizeof(Real);
+  means_.borrow_briefly(grid_.scratch(), grid_.storage());
+  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
+    const RowToRead from = sums_.row(k, r);
+    const RowToWrite to = means_.row(k, r);
+    for (std::size_t e = 0; e < grid_.storage().per_row(); ++e) {
+      if (!to.has(e)) continue;
+      to[e][0] = from[e][0];
+      std::copy_n(from[e] + u_of_moments, to.numbers - 1, to[e] + 1);
+    }
+  });
+  sums_.give_back();
+}
+
+void ParticlesToGrid::keep_fits() {
+  for (CellFields* field : {&sums_, &means_, &spread_}) field->give_back();
+  for (Borrowed<Real>& u : displacement_) u.give_back();
 }
 
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
@@ -299,11 +308,10 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
 
 std::size_t ParticlesToGrid::bytes() const {
   std::size_t values = 0;
-  for (const auto& u : displacement_) values += u.capacity();
   for (std::size_t side : {0U, 1U})
     values += (given_[side].capacity() + received_[side].capacity()) * sizeof(VolumesBeside) / sizeof(Real) +
               ends_[side].capacity() * sizeof(CellSums) / sizeof(Real);
-  return filled_.capacity() * sizeof(Range) + values * sizeof(Real) + sums_.bytes() + spread_.bytes() + fit_.bytes();
+  return filled_.capacity() * sizeof(Range) + values * sizeof(Real);
 }
 
 }  // namespace trevi

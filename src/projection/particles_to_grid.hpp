@@ -30,11 +30,12 @@ class ParticlesToGrid {
   /// `spacing` of the start lattice, m: the height of a particle's cuboid.
   ParticlesToGrid(const ProjectionGrid& grid, Real spacing);
 
-  /// Memory for the grid as it is now. To be called when its size has changed; store() also when its rows have.
-  void resize();
-  void store();
-  /// Forgets the displacements of the last step in row (k, r), as far as its columns went.
-  void clear_row(LocalId k, LocalId r);
+  /// Borrows memory for the grid as it is now, and gives back what is for the time up to the end of gather().
+  void borrow();
+  /// When no moments are needed any more but for means() of own cells; when nothing is but for fits; when no fit is.
+  void keep_means();
+  void keep_fits();
+  void give_back() { fit_.give_back(); }
   /// All of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
 
@@ -47,8 +48,6 @@ class ParticlesToGrid {
   /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits
   /// of the motion around; the weight of a cell without particles is 0.
   const CellFields& all_moments() const { return sums_; }
-  /// Memory of moments, once those of the motion are no longer needed.
-  CellFields& free_moments() { return sums_; }
   const CellFields& fits() const { return fit_; }
   /// Of the places that own cells with particles have fits of, the first numbers::spread of as many as a map has.
   const CellFields& spreads() const { return spread_; }
@@ -56,11 +55,20 @@ class ParticlesToGrid {
   CellFields& free_spreads() { return spread_; }
   /// Those of one cell.
   Moments moments(std::size_t at) const { return cell_at<Moments>(sums_, at); }
+  /// How many particles a cell holds, and Σ u of these, m.
+  struct Means {
+    Real n = 0;
+    ByAxis u{};
+  };
+  Means means(std::size_t at) const { return cell_at<Means>(means_, at); }
   AffineMap fit(std::size_t at) const { return cell_at<AffineMap>(fit_, at); }
   /// The columns of a row from the lowest to the highest cell that holds particles.
   Range filled(LocalId k, LocalId r) const { return filled_[row_index(k, r)]; }
   /// Displacement of the water at face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
+
+  /// Where volumes have been read: they are not needed again.
+  void give_back_volumes() { volumes_.give_back(); }
 
   std::size_t bytes() const;
 
@@ -114,9 +122,10 @@ class ParticlesToGrid {
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
-  CellFields sums_{numbers::moments, volumes}, volumes_{volumes}, spread_{numbers::map}, fit_{numbers::map};
+  CellFields sums_{numbers::moments, volumes}, volumes_{volumes}, spread_{numbers::map}, fit_{numbers::map},
+      means_{sizeof(Means) / sizeof(Real)};
   std::vector<Range> filled_;  // filled(k, r)
-  std::array<std::vector<Real>, 3> displacement_;
+  std::array<Borrowed<Real>, 3> displacement_;
   // Where rows are cut, of the first and the last own row, and of the rows before and after these.
   std::array<std::vector<VolumesBeside>, 2> given_, received_;
   std::array<std::vector<CellSums>, 2> ends_;  // of the first and the last own row

@@ -41,6 +41,7 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
 
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
+  multigrid_.give_back_all_but_phi();
   if (closed_) set_origin(surface);
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
@@ -118,7 +119,7 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
 // A cell before an opening holds what goes through it: it does not return to its volume. Water that leaves takes the
 // whole height of the cell's water along, water that enters what the opening covers.
 void Pressure::find_flow_through_walls(const FreeSurface& surface) {
-  std::vector<Real>& rhs = multigrid_.finest().rhs;
+  Borrowed<Real>& rhs = multigrid_.finest().rhs;
   const std::vector<Openings::Face>& faces = surface.openings()->faces();
   for (const Openings::Face& face : faces) {
     if (surface.is_wet(face.cell)) rhs[face.cell] = divergence(surface, face.cell);
@@ -144,10 +145,10 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
   if (surface.upright()) {
     if (surface.is_top(at)) fraction *= std::min(2 * surface.fill(at + 1), 1.0);
   } else {
-    const Moments m = surface.water().moments(at);
+    const ParticlesToGrid::Means m = surface.water().means(at);
     Real displacement = 0;
-    for (std::size_t a = 0; a < 3; ++a) displacement += std::pow(m.flow.u[a] * grid.per_length()[a], 2);
-    fraction = m.at.n > 0 ? std::min(std::sqrt(displacement) / m.at.n / return_time, 1.0) : 0;
+    for (std::size_t a = 0; a < 3; ++a) displacement += std::pow(m.u[a] * grid.per_length()[a], 2);
+    fraction = m.n > 0 ? std::min(std::sqrt(displacement) / m.n / return_time, 1.0) : 0;
   }
   return fraction * (surface.is_cut(at) ? cut_return : 1) * surface.open(at) * less;
 }
@@ -224,7 +225,7 @@ void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, Loc
 
 void Pressure::set_origin(const FreeSurface& surface) {
   const ProjectionGrid& grid = surface.grid();
-  std::vector<Real>& phi = multigrid_.finest().phi;
+  Borrowed<Real>& phi = multigrid_.finest().phi;
   PerThread<std::pair<bool, Real>> largest;
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid.columns(k, r); ++c) {

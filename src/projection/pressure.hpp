@@ -25,7 +25,8 @@ namespace trevi {
 
 class Pressure {
  public:
-  Pressure(MPI_Comm comm, const Repeats& repeats) : comm_(comm), multigrid_(comm, repeats) {}
+  Pressure(MPI_Comm comm, const Repeats& repeats, std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
+      : comm_(comm), multigrid_(comm, repeats, Multigrid::few_cells, std::move(scratch)) {}
 
   /// Of a step in which gravity moves a particle `fall` down, g dt², m, and which undoes `return_fraction` of a cell's
   /// deviation from its volume; without gravity that goes by the distance that the water travels. Water is at most
@@ -39,12 +40,14 @@ class Pressure {
   void begin(const FreeSurface& surface, Halo& halo, const Step& step);
   void improve(Halo& halo, int more) { multigrid_.solve(halo, more); }
   void finish(const FreeSurface& surface, Halo& halo);
+  /// Gives back the memory of the pressure.
+  void give_back() { multigrid_.give_back(); }
   /// In between: the solid goes further through the closed part of face (a, at) by `change` of the whole face, m.
   void move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change);
 
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
-    const std::vector<Real>& phi = multigrid_.finest().phi;
+    const Borrowed<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
     const Real u = (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)];
     return surface.upright() && a == 2 && surface.is_wet(below) && !surface.is_wet(at) ? u / surface.above_middle(below)

@@ -18,18 +18,19 @@ ActiveRows::Least min_particles(const ProjectionGrid& grid, Real spacing, bool s
 
 }  // namespace
 
-Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles)
+Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles,
+                       const std::shared_ptr<Scratch>& scratch)
     : comm_(comm),
       model_(model),
       box_(box),
-      grid_(grid, box),
+      grid_(grid, box, scratch),
       rows_(comm, min_particles(grid_, model.spacing, obstacles != nullptr)),
       cuts_(obstacles != nullptr ? std::make_unique<CutCells>(*obstacles) : nullptr),
       particles_to_grid_(grid_, model.spacing),
       surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
-      pressure_(comm, grid_.repeats()),
+      pressure_(comm, grid_.repeats(), scratch),
       grid_to_particles_(surface_, particles_to_grid_.free_spreads(), model.spacing, model.h),
-      shift_filter_(surface_, {particles_to_grid_.free_moments(), grid_to_particles_.free_fits()}),
+      shift_filter_(surface_),
       obstacles_(obstacles),
       coupling_(obstacles != nullptr && obstacles->floating() != nullptr
                     ? std::make_unique<BodyCoupling>(comm, *cuts_, *obstacles, model.h)
@@ -40,18 +41,23 @@ void Projection::solve(Halo& halo, const Pressure::Step& step) {
   coupling_->solve(pressure_, surface_, halo, step, {surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2});
 }
 
-template <class T>
-void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion,
-                               std::span<Vec4<T>> out) {
+void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion& motion) {
   const ScopedEvent timed(event_);
   const Real g_dt2 = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
   measure_rows(order, halo);
   if (openings_ != nullptr) openings_->measure(grid_);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
+  particles_to_grid_.give_back_volumes();
+  grid_to_particles_.prepare(halo, {g_dt2, time});
+  particles_to_grid_.keep_means();
   solve(halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
   if (probes_ != nullptr) probe_pressures(surface_, pressure_, g_dt2, *probes_);
-  grid_to_particles_.prepare(halo, {g_dt2, time});
+}
+
+template <class T>
+void Projection::displacements(const CellOrder& order, Real dt, const Motion& motion, std::span<Vec4<T>> out) {
+  const ScopedEvent timed(event_);
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
     grid_to_particles_.find_damping(damping, k, r);
     for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
@@ -60,7 +66,15 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
     });
     leave_flying<T>(order, k, r, out);
   });
-  if (obstacles_ == nullptr) return;
+  if (obstacles_ != nullptr) record_forces<T>(order, model_.gravity * dt * dt, out);
+  particles_to_grid_.keep_fits();
+  grid_to_particles_.give_back();
+  surface_.keep_wet();
+  pressure_.give_back();
+}
+
+template <class T>
+void Projection::record_forces(const CellOrder& order, Real g_dt2, std::span<Vec4<T>> out) const {
   const LocalId rows = grid_.rows();
   const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, g_dt2);
   for_each_part(order.planes() * rows, [&](LocalId row) {
@@ -72,31 +86,24 @@ void Projection::displacements(const CellOrder& order, Halo& halo, Real dt, cons
   record.of_gauges(box_);
 }
 
-// Arrays keep their shape while the water grows and falls by a few columns.
 void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   constexpr LocalId step = 4;
   rows_.measure(order, halo);
   const LocalId highest = grid_.repeats()[2] ? grid_.count(2) : (rows_.max_columns() + step - 1) / step * step;
-  if (grid_.resize(order.window(), highest)) {
-    particles_to_grid_.resize();
-    surface_.resize();
-    shift_filter_.resize();
-  }
+  grid_.resize(order.window(), highest);
   // The ghosts, too: where the box ends nothing is received.
   for_each_row(grid_.rows_and_ghosts_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
-    const LocalId columns = cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r);
-    clear_row(k, r);
-    grid_.set_columns(k, r, columns);
+    grid_.set_columns(k, r, cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r));
   });
   grid_.store_rows(order);
-  particles_to_grid_.store();
-  grid_to_particles_.store();
+  surface_.borrow();
+  particles_to_grid_.borrow();
   if (cuts_) cuts_->measure(comm_, grid_, box_, particles_to_grid_.frame());
 }
 
-void Projection::clear_row(LocalId k, LocalId r) {
-  particles_to_grid_.clear_row(k, r);
-  surface_.clear_row(k, r);
+void Projection::give_back() {
+  particles_to_grid_.give_back();
+  surface_.give_back();
 }
 
 // use(c, particles) for the cells of a row that hold any.
@@ -119,13 +126,14 @@ void Projection::leave_flying(const CellOrder& order, LocalId k, LocalId r, std:
 template <class T>
 void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  shift_filter_.find(order, halo, swept.shifts, swept.densities);
-  for_each_row_with<ShiftFilter::Smooth>(own_rows(), [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
-    shift_filter_.find_smooth(smooth, k, r);
-    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
-      remove_smooth(particles_to_grid_.frame(), swept, cell, smooth.at(c), &out[cell.begin]);
+  shift_filter_.for_each_plane(halo, {order, swept.shifts, swept.densities}, [&](Range planes) {
+    for_each_row_of_few<ShiftFilter::Smooth>(grid_, planes, [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
+      shift_filter_.find_smooth(smooth, k, r);
+      for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+        remove_smooth(particles_to_grid_.frame(), swept, cell, smooth.at(c), &out[cell.begin]);
+      });
+      leave_flying<T>(order, k, r, out);
     });
-    leave_flying<T>(order, k, r, out);
   });
 }
 
@@ -146,13 +154,12 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
 }
 
 std::size_t Projection::bytes() const {
-  return rows_.bytes() + grid_.storage().bytes() + grid_.storage_beside().bytes() +
-         (openings_ != nullptr ? openings_->bytes() : 0) + (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() +
-         surface_.bytes() + pressure_.bytes() + grid_to_particles_.bytes() + shift_filter_.bytes();
+  return rows_.bytes() + grid_.bytes() + (openings_ != nullptr ? openings_->bytes() : 0) +
+         (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + pressure_.bytes();
 }
 
-template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<float>>);
-template void Projection::displacements(const CellOrder&, Halo&, Real, const Motion&, std::span<Vec4<double>>);
+template void Projection::displacements(const CellOrder&, Real, const Motion&, std::span<Vec4<float>>);
+template void Projection::displacements(const CellOrder&, Real, const Motion&, std::span<Vec4<double>>);
 template void Projection::filter_shifts(const CellOrder&, Halo&, const Swept<float>&, std::span<Vec4<float>>);
 template void Projection::filter_shifts(const CellOrder&, Halo&, const Swept<double>&, std::span<Vec4<double>>);
 template void Projection::carry_velocities(const CellOrder&, const Swept<float>&, Real, std::span<Vec3>) const;

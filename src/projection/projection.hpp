@@ -28,7 +28,8 @@ class Projection {
     Real spacing, h, gravity;
   };
   /// `obstacles` may be null.
-  Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles = nullptr);
+  Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles = nullptr,
+             const std::shared_ptr<Scratch>& scratch = std::make_shared<Scratch>());
 
   /// Shows its pressure from now on.
   void show_to(PressureProbes* probes) { probes_ = probes; }
@@ -38,10 +39,12 @@ class Projection {
     surface_.open_to(openings);
   }
 
-  /// Displacements, m, of the owned particles in `order` for their motion in the time dt, s, and as the scalar how far
-  /// the grid acts on each of them, from 0 to 1.
+  /// Finds what displacements() tells of the owned particles in `order` for their motion in the time dt, s.
+  void find(const CellOrder& order, Halo& halo, Real dt, const Motion& motion);
+  /// To be called once after that: displacements, m, and as the scalar how far the grid acts on each of them, from 0 to
+  /// 1. Memory that was borrowed in find() is given back, but for what filter_shifts() and carry_velocities() need.
   template <class T>
-  void displacements(const CellOrder& order, Halo& halo, Real dt, const Motion& motion, std::span<Vec4<T>> out);
+  void displacements(const CellOrder& order, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
   /// Minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
@@ -51,15 +54,19 @@ class Projection {
   template <class T>
   void carry_velocities(const CellOrder& order, const Swept<T>& swept, Real dt, std::span<Vec3> velocity) const;
 
+  /// To be called when no more is needed of a substep.
+  void give_back();
+
   std::size_t bytes() const;
 
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
   void solve(Halo& halo, const Pressure::Step& step);
-  void clear_row(LocalId k, LocalId r);
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
   template <class Use>
   void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const;
+  template <class T>
+  void record_forces(const CellOrder& order, Real g_dt2, std::span<Vec4<T>> out) const;
   template <class T>
   void leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const;
 

@@ -5,17 +5,7 @@
 
 namespace trevi {
 
-namespace {
-
-bool exchange_alike(const RowStorage::Shape& a, const RowStorage::Shape& b) {
-  return a.cells.planes.end == b.cells.planes.end && a.cells.rows == b.cells.rows &&
-         a.cells.columns == b.cells.columns && a.exchanged == b.exchanged && a.rows_exchanged == b.rows_exchanged;
-}
-
-}  // namespace
-
 void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns) {
-  if (!exchange_alike(shape, shape_)) ++layout_;
   shape_ = shape;
   const CellRows& cells = shape_.cells;
   whole_ = static_cast<std::size_t>(cells.columns + 7) / 8;
@@ -28,10 +18,33 @@ void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<c
   for_each_row(cells, [&](LocalId k, LocalId r) {
     for (std::size_t e = 0; e < whole_; ++e) begin_[row_index(k, r)] += is_needed(k, r, e) ? 1U : 0U;
   });
-  std::uint32_t next = nowhere_ + 1;
-  for (std::uint32_t& begin : begin_) next += std::exchange(begin, next);
-  size_ = next;
+  find_begins();
   for_each_row(cells, [&](LocalId k, LocalId r) { place_row(k, r); });
+}
+
+// From how many eights each row needs.
+void RowStorage::find_begins() {
+  std::uint32_t next = nowhere_ + 1;
+  std::vector<std::uint32_t> shared(static_cast<std::size_t>(shape_.window), 0);  // what a plane of them takes at most
+  const auto rows_of = [&](LocalId k) {
+    return std::span(begin_).subspan(row_index(k, -1), static_cast<std::size_t>(shape_.cells.rows) + 2);
+  };
+  for (LocalId k = 0; k < shape_.cells.planes.end; ++k) {
+    std::uint32_t in_plane = 0;
+    for (std::uint32_t& begin : rows_of(k)) in_plane += std::exchange(begin, is_shared(k) ? in_plane : next + in_plane);
+    if (is_shared(k)) {
+      std::uint32_t& most = shared[static_cast<std::size_t>(k % shape_.window)];
+      most = std::max(most, in_plane);
+    } else {
+      next += in_plane;
+    }
+  }
+  for (std::uint32_t& begin : shared) next += std::exchange(begin, next);
+  for (LocalId k = 0; k < shape_.cells.planes.end; ++k) {
+    if (!is_shared(k)) continue;
+    for (std::uint32_t& begin : rows_of(k)) begin += shared[static_cast<std::size_t>(k % shape_.window)];
+  }
+  size_ = next;
 }
 
 void RowStorage::place_whole_planes() {

@@ -26,6 +26,9 @@ class RowStorage {
     Repeats repeats;
     std::array<bool, 2> rows_exchanged;
     bool beside = false;  // whether there is memory for the cells beside those with particles
+    /// Where planes are worked on one after the other: this many of them are needed at a time, and each has the memory
+    /// of the one so many before. Not those at ends that are exchanged, nor those beside these. 0: none shares memory.
+    LocalId window = 0;
   };
   /// `columns` of each row of each plane, with one row before and one after the own ones, that are looked at: particles
   /// above them do not count.
@@ -50,8 +53,6 @@ class RowStorage {
            (shape_.rows_exchanged[1] && r + 1 >= shape_.cells.rows);
   }
   const Shape& shape() const { return shape_; }
-  /// Changes whenever what is exchanged may lie elsewhere than before, though there may be as much of it.
-  std::uint64_t layout() const { return layout_; }
   std::size_t bytes() const {
     return places_.capacity() * sizeof(std::uint32_t) + held_.capacity() + begin_.capacity() * sizeof(begin_[0]);
   }
@@ -66,9 +67,14 @@ class RowStorage {
   void place_whole_planes();
   void place_whole_rows(LocalId k);
   void place_row(LocalId k, LocalId r);
+  void find_begins();
+  // Whether the plane has the memory of others.
+  bool is_shared(LocalId k) const {
+    const LocalId last = shape_.cells.planes.end - 1;
+    return shape_.window > 0 && !(shape_.exchanged[0] && k <= 2) && !(shape_.exchanged[1] && k + 2 >= last);
+  }
 
   Shape shape_{};
-  std::uint64_t layout_ = 0;
   std::size_t whole_ = 0, whole_planes_ = 0, size_ = 0;
   std::uint32_t nowhere_ = 0;
   std::vector<std::uint32_t> places_;

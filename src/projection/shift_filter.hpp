@@ -9,8 +9,11 @@
 // with the slope B of the water's motion there (Projection::carry_velocities). Without that, shear and vortices
 // diffuse.
 //
-// Collective: find().
+// Sums and fits are of few planes at a time: as soon as the smooth part of a plane is known, sums of the planes before
+// make room for those of the planes after. Collective: for_each_plane().
 #pragma once
+
+#include <functional>
 
 #include "projection/cell_shifts.hpp"
 #include "projection/free_surface.hpp"
@@ -19,16 +22,17 @@ namespace trevi {
 
 class ShiftFilter {
  public:
-  /// Memory of the stages before the sweeps, which they no longer need.
-  struct Memory {
-    CellFields &moments, &fits;
-  };
-  ShiftFilter(const FreeSurface& surface, const Memory& memory)
-      : surface_(surface), sums_(memory.moments), fit_(memory.fits) {}
+  explicit ShiftFilter(const FreeSurface& surface) : surface_(surface) {}
 
-  void resize();
-  /// Of shifts of the owned particles, and of their densities over that at rest.
-  void find(const CellOrder& order, Halo& halo, const Motion& shifts, const Densities& densities);
+  /// Shifts of the owned particles, and their densities over that at rest.
+  struct Input {
+    const CellOrder& order;
+    Motion shifts;
+    Densities densities;
+  };
+  /// Calls use(planes) for runs of own planes, one after the other, which are all of them: find_smooth() is then for
+  /// their rows.
+  void for_each_plane(Halo& halo, const Input& input, const std::function<void(Range planes)>& use);
   /// What is taken off the shifts of the particles in a row of cells where the grid acts in full. One for each part of
   /// a loop of threads, in which rows come in their order.
   struct Smooth {
@@ -37,17 +41,25 @@ class ShiftFilter {
     AffineMap at(LocalId c) const { return cell_of<AffineMap>(row.data(), numbers::map, c); }
   };
   void find_smooth(Smooth& smooth, LocalId k, LocalId r) const;
-  std::size_t bytes() const { return kept_.capacity() * sizeof(Real); }
 
  private:
-  void sum_row(const CellOrder& order, LocalId k, LocalId r, const Motion& shifts, const Densities& densities);
+  void borrow();
+  void give_back();
+  void sum_row(const Input& input, LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
 
+  Real* kept_of(LocalId k, LocalId r) const {
+    const ProjectionGrid& grid = surface_.grid();
+    const LocalId place = k == 1 ? window_ : k == grid.planes() ? window_ + 1 : k % window_;
+    return &kept_[static_cast<std::size_t>(place) * grid.step(0) + grid.index(0, r, 0)];
+  }
+
   const FreeSurface& surface_;
-  CellFields& sums_;  // `more`: Σ rho/rho0 − 1
-  CellFields& fit_;
-  std::vector<Real> kept_;  // fraction that is taken off
+  CellFields sums_{numbers::moments};  // `more`: Σ rho/rho0 − 1
+  CellFields fit_{numbers::map};
+  Borrowed<Real> kept_;  // fraction that is taken off
+  LocalId window_ = 1;   // planes of which there are sums and fits at a time
 };
 
 }  // namespace trevi

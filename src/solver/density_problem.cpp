@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "base/growth.hpp"
 #include "base/hash.hpp"
 #include "domain/plane_sums.hpp"
 #include "fluid/pairs/particle_loops.hpp"
@@ -41,22 +40,41 @@ Vec3 direction_of(GlobalId a, GlobalId b, int dimensions) {
 template <class T>
 DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint,
                                   Boundary& boundary)
-    : comm_(comm), near_(near), constraint_(constraint), boundary_(boundary), field_(near.four_each()) {}
+    : comm_(comm), near_(near), constraint_(constraint), boundary_(boundary) {}
 
 template <class T>
 void DensityProblem<T>::start(Particles& particles, Real dt) {
   particles_ = &particles;
   dt_ = dt;
-  resize_tightly(rho_, particles.id.size());
-  field_.resize(particles.id.size());
-  resize_tightly(multiplier_, particles.id.size());
-  for_each_index({0, particles.size()}, [of = multiplier_.data()](std::size_t i) { of[i] = 0; });
-  positions_only_ = false;
+  positions_only_ = is_projected_ = false;
+}
+
+template <class T>
+void DensityProblem<T>::prepare() {
+  Scratch& scratch = near_.scratch();
+  const std::size_t particles = particles_->id.size();
+  rho_ = scratch.borrow<Real>(particles);
+  multiplier_ = scratch.borrow<T>(particles);
+  for_each_index(near_.all(), [of = multiplier_.data()](std::size_t i) { of[i] = 0; });
+  if (!is_projected_) return field_.borrow(scratch, particles);
+  act_ = scratch.borrow<T>(particles);
+  in_flight_ = scratch.borrow<T>(particles);
+  for_each_index(near_.all(), [&, shifts = field_.shifts()](std::size_t i) {
+    act_[i] = shifts[i].w;
+    in_flight_[i] = 0;
+  });
+}
+
+template <class T>
+void DensityProblem<T>::give_back() {
+  for (Borrowed<Real>* array : {&rho_, &swept_rho_}) array->give_back();
+  for (Borrowed<T>* array : {&multiplier_, &act_, &in_flight_}) array->give_back();
+  field_.give_back();
 }
 
 template <class T>
 void DensityProblem<T>::find_lambda(Range part, const UseLambda& use) {
-  constraint_.lambdas(pairs(), part, particles_->predicted, {rho_, field_, use});
+  constraint_.lambdas(pairs(), part, particles_->predicted, {{rho_.data(), rho_.size()}, field_, use});
   count_pass(lambda_event(), part, DensityConstraint<T>::density_flops);
 }
 
@@ -150,20 +168,18 @@ void DensityProblem<T>::move_in(const Box& open, Range few, Real relaxation) {
 
 template <class T>
 void DensityProblem<T>::project(Projection& projection) {
-  const std::span<Vec4<T>> shifts = field_.shifts();
-  projection.displacements<T>(near_.order(), near_.halo(), dt_, {particles_->position, particles_->predicted}, shifts);
-  resize_tightly(act_, shifts.size());
-  resize_tightly(in_flight_, shifts.size());
-  for_each_index(near_.all(), [&](std::size_t i) {
-    act_[i] = shifts[i].w;
-    in_flight_[i] = 0;
-  });
+  const Motion motion{particles_->position, particles_->predicted};
+  const Loan velocities(near_.scratch(), std::as_writable_bytes(std::span(particles_->velocity)));
+  projection.find(near_.order(), near_.halo(), dt_, motion);
+  field_.borrow(near_.scratch(), particles_->id.size());
+  projection.displacements<T>(near_.order(), dt_, motion, field_.shifts());
+  is_projected_ = true;
 }
 
 template <class T>
 void DensityProblem<T>::set_velocities(bool looks_later) {
   looks_later_ = looks_later;
-  if (looks_later_) resize_tightly(swept_rho_, rho_.size());
+  if (looks_later_) swept_rho_ = near_.scratch().template borrow<Real>(rho_.size());
   std::vector<Vec3>&x = particles_->position, &p = particles_->predicted, &v = particles_->velocity;
   for_each_index(near_.all(), [&](std::size_t i) {
     v[i] = (p[i] - x[i]) / dt_;
@@ -224,6 +240,8 @@ void DensityProblem<T>::release_in_flight() {
       record[i].w = in_flight[i];
     });
   });
+  in_flight_.give_back();
+  multiplier_.give_back();
   const ScopedEvent timed(delta_event_);
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
   for (const Range& part : rows_in_flight()) {
@@ -236,12 +254,20 @@ void DensityProblem<T>::release_in_flight() {
 
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
+  const Borrowed<Real>& rho = looks_later_ ? swept_rho_ : rho_;
   const Swept<T> swept{{particles_->position, particles_->predicted},
-                       act_,
-                       {looks_later_ ? swept_rho_ : rho_, constraint_.model().rest_density}};
-  projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
+                       {act_.data(), act_.size()},
+                       {{rho.data(), rho.size()}, constraint_.model().rest_density}};
+  {
+    const Loan records(near_.scratch(), std::as_writable_bytes(std::span(near_.records())));  // to be written anew
+    projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
+  }
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
+  projection.give_back();
+  act_.give_back();
+  swept_rho_.give_back();
+  field_.give_back();
   positions_only_ = false;
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
 }
@@ -287,7 +313,7 @@ void DensityProblem<T>::compute_density() {
 
 template <class T>
 void DensityProblem<T>::look_at_density() {
-  constraint_.densities(pairs(), near_.all(), particles_->predicted, rho_);
+  constraint_.densities(pairs(), near_.all(), particles_->predicted, {rho_.data(), rho_.size()});
 }
 
 template <class T>

@@ -34,8 +34,12 @@ class DensityProblem {
  public:
   DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, Boundary& boundary);
 
-  /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s.
+  /// Starts a solve for the particles just sorted into `near`, which were predicted over the time dt, s. Their
+  /// neighbours need not be known before prepare(), which project() precedes.
   void start(Particles& particles, Real dt);
+  void prepare();
+  /// Forgets densities and all else: to be called before particles are sorted anew.
+  void give_back();
 
   /// Calls work(part) for the boundary, sends the scalars of their records, or with Phase::move their positions,
   /// calls work(interior) and receives those of the ghosts.
@@ -53,7 +57,8 @@ class DensityProblem {
   /// The same and separate_coincident(), if that is asked for, and collide_and_move(): the boundary first, whose
   /// positions travel meanwhile. Collective.
   void compute_delta_and_move(bool separate);
-  /// Sets delta from the projection instead: displacements that keep the volume over long distances.
+  /// Sets delta from the projection instead: displacements that keep the volume over long distances. Velocities lose
+  /// their values, as sorting does it.
   void project(Projection& projection);
   /// Velocities from the motion up to now; positions shift alone from here on. `looks_later`: whether densities are
   /// computed once more when the sweeps are done, as a tolerance asks for.
@@ -92,14 +97,10 @@ class DensityProblem {
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return boundary_.walls(); }
   Particles& particles() { return *particles_; }
-  std::span<const Real> density() const { return rho_; }
+  std::span<const Real> density() const { return {rho_.data(), rho_.size()}; }
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
   /// included.
   double pair_passes() const { return pair_passes_; }
-  std::size_t bytes() const {
-    return (rho_.capacity() + swept_rho_.capacity()) * sizeof(Real) +
-           (multiplier_.capacity() + act_.capacity() + in_flight_.capacity()) * sizeof(T);
-  }
 
  private:
   Pairs<T> pairs() const { return {near_.records(), near_.list(), near_.order().low_ghosts()}; }
@@ -121,14 +122,14 @@ class DensityProblem {
   Boundary& boundary_;
   Particles* particles_ = nullptr;
   Real dt_ = 0;
-  std::vector<Real> rho_;
-  WallsOrShifts<T> field_;     // walls between lambda and delta, then shifts
-  std::vector<T> multiplier_;  // m², as in the records
-  bool positions_only_ = false;
-  std::vector<T> act_;        // how far the grid acts on each particle
-  std::vector<T> in_flight_;  // m², of all sweeps, times 1 − act_
+  Borrowed<Real> rho_;
+  WallsOrShifts<T> field_;  // walls between lambda and delta, then shifts
+  Borrowed<T> multiplier_;  // m², as in the records
+  bool positions_only_ = false, is_projected_ = false;
+  Borrowed<T> act_;        // how far the grid acts on each particle
+  Borrowed<T> in_flight_;  // m², of all sweeps, times 1 − act_
   bool looks_later_ = false;
-  std::vector<Real> swept_rho_;  // kg/m³, that the last sweep saw, where rho_ may be later ones
+  Borrowed<Real> swept_rho_;  // kg/m³, that the last sweep saw, where rho_ may be later ones
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   const Event& lambda_event() const { return phase_event_[static_cast<std::size_t>(Phase::lambda)]; }

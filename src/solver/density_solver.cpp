@@ -91,11 +91,8 @@ class Chebyshev : public DensitySolver<T> {
 };
 
 Projection make_projection(const DensitySolverContext& context) {
-  return {context.comm,
-          context.grid,
-          context.box,
-          {context.spacing, context.model.h, -context.gravity.z()},
-          context.obstacles};
+  return {context.comm,      context.grid,   context.box, {context.spacing, context.model.h, -context.gravity.z()},
+          context.obstacles, context.scratch};
 }
 
 // The projection as the first iteration, then another solver for the error that it leaves; all of it becomes velocity.
@@ -108,8 +105,11 @@ class ProjectionFirst : public DensitySolver<T> {
     projection_.open_to(context.openings);
   }
 
-  SolveResult solve(DensityProblem<T>& problem) override {
+  void begin(DensityProblem<T>& problem) override {
     problem.project(projection_);
+    projection_.give_back();
+  }
+  SolveResult solve(DensityProblem<T>& problem) override {
     problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
     const SolveResult rest = fine_->solve(problem);
     return {rest.iterations + 1, rest.converged};
@@ -131,8 +131,8 @@ class Projected : public DensitySolver<T> {
     projection_.open_to(context.openings);
   }
 
+  void begin(DensityProblem<T>& problem) override { problem.project(projection_); }
   SolveResult solve(DensityProblem<T>& problem) override {
-    problem.project(projection_);
     problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
     problem.set_velocities(has_tolerance_);
     const SolveResult rest = sweeps_->solve(problem);

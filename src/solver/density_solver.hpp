@@ -25,6 +25,8 @@ template <class T>
 class DensitySolver {
  public:
   virtual ~DensitySolver() = default;
+  /// What comes before neighbours are known, as it needs none of them and memory that their list takes afterwards.
+  virtual void begin(DensityProblem<T>&) {}
   virtual SolveResult solve(DensityProblem<T>& problem) = 0;
   /// Whether solve() leaves the velocities, too; else they are (p* − x)/dt.
   virtual bool sets_velocities() const { return false; }
@@ -42,6 +44,7 @@ struct DensitySolverContext {
   Obstacles* obstacles = nullptr;    ///< null where there are none
   PressureProbes* probes = nullptr;  ///< may be null; a projection shows its pressure to them
   Openings* openings = nullptr;      ///< may be null; those of a projection
+  std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>();  ///< for a projection
 };
 
 /// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.

@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 
-#include "base/growth.hpp"
 #include "base/threads.hpp"
 #include "domain/plane_sums.hpp"
 #include "parallel/waiting.hpp"
@@ -135,15 +134,15 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
   return box.min[axis] + (static_cast<Real>(interval) + 0.5) / per_metre;
 }
 
-void DriftMeter::begin(const std::vector<Vec3>& predicted) {
-  resize_tightly(start_, predicted.size());
+void DriftMeter::begin(Scratch& scratch, const std::vector<Vec3>& predicted) {
+  start_ = scratch.borrow<Vec3>(predicted.size());
   for_each_index({0, static_cast<LocalId>(predicted.size())}, [&](std::size_t i) { start_[i] = predicted[i]; });
 }
 
 void DriftMeter::end(const std::vector<Vec3>& predicted) {
   const Range all{0, static_cast<LocalId>(start_.size())};
   largest_ = trevi::largest(all, 0, [&](std::size_t i) { return (predicted[i] - start_[i]).norm(); });
-  start_.clear();
+  start_.give_back();
 }
 
 }  // namespace trevi

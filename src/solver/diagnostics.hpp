@@ -56,13 +56,12 @@ class DiagnosticsSum {
 /// it is; 0 without a begin().
 class DriftMeter {
  public:
-  void begin(const std::vector<Vec3>& predicted);
+  void begin(Scratch& scratch, const std::vector<Vec3>& predicted);
   void end(const std::vector<Vec3>& predicted);
   Real largest() const { return largest_; }  ///< m
-  std::size_t bytes() const { return start_.capacity() * sizeof(Vec3); }
 
  private:
-  std::vector<Vec3> start_;
+  Borrowed<Vec3> start_;
   Real largest_ = 0;
 };
 

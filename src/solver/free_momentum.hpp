@@ -16,6 +16,7 @@ class FreeMomentum : public DensitySolver<T> {
   /// `solver` sets velocities.
   FreeMomentum(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver);
 
+  void begin(DensityProblem<T>& problem) override { solver_->begin(problem); }
   SolveResult solve(DensityProblem<T>& problem) override;
   bool sets_velocities() const override { return true; }
   std::size_t bytes() const override { return solver_->bytes(); }

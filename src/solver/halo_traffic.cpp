@@ -39,12 +39,13 @@ class Sum {
         messages_.all() * (1 + places + scalars));
   }
 
-  // Beside the multigrid: the heights of the water, volumes and moments of cells, fits; and the fill of cells.
+  // Beside the multigrid: the heights of the water, volumes and moments of cells, fits, moments of shifts, their fits;
+  // and the fill of cells.
   void add_projection() {
-    constexpr Real moments = 26, fit = 13, flow = 12;
+    constexpr Real volumes = 3, moments = 23, fit = 13, flow = 12;
     const Real noise = water_.upright ? flow + fit : 0, ring = columns_ + 2;
     const Zones rows = zones(block_.planes, ringed(block_.rows));
-    add(rows.all() * (4 + 8 * std::ceil(columns_ / 8) * number_bytes * (2 * (moments + fit) + noise)),
+    add(rows.all() * (4 + 8 * std::ceil(columns_ / 8) * number_bytes * (volumes + 2 * (moments + fit) + noise)),
         messages_.all() * (water_.upright ? 7 : 5));
     add(rows.beside * number_bytes * ring, messages_.beside);
     // Volumes that rows give one another, wetness, heights of the surface, links, the last pressure.

@@ -50,15 +50,13 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
                                                              MPI_Comm comm, const Box& walls,
                                                              const std::shared_ptr<Obstacles>& obstacles) {
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
-  const auto velocity = std::make_shared<VelocityField<T>>();
-  if (settings.vorticity)
-    filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity, velocity));
+  if (settings.vorticity) filters.push_back(std::make_unique<VorticityConfinement<T>>(model, *settings.vorticity));
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
     filters.back() = std::make_unique<MomentumConserving<T>>(comm, std::move(filters.back()));
-  if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model, velocity));
+  if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model));
   if (settings.kinematic_viscosity)
-    filters.push_back(std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid),
-                                                              model.h, velocity));
+    filters.push_back(
+        std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid), model.h));
   if (settings.no_slip)
     filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, walls, obstacles));
   return filters;
@@ -111,7 +109,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
   parts.probes = make_probes(settings);
   parts.density_solver = make_density_solver<T>(
       settings.density, {*parts.comm, *parts.grid, parts.box, model, spacing, gravity, obstacles.get(),
-                         parts.probes.get(), parts.flow ? parts.flow->openings() : nullptr});
+                         parts.probes.get(), parts.flow ? parts.flow->openings() : nullptr, parts.scratch});
   parts.crush_limit = settings.density.crush_limit;
   parts.filters = make_filters<T>(settings, model, *parts.comm, walls.box(), obstacles);
   parts.substep_rule = {settings.cfl, model.h, gravity,

@@ -21,7 +21,7 @@ template <class T>
 PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
-      near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h),
+      near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h, parts_.scratch),
       problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
                  parts_.first_cell, parts_.crush_limit, parts_.probes.get(), parts_.absorption.get()},
@@ -49,9 +49,11 @@ void PbfSolver<T>::start() {
   boundary.wrap_positions(parts_.particles);
   parts_.particles.predicted = parts_.particles.position;
   boundary.wrap_predicted(parts_.particles);
-  find_neighbours(Velocities::preserve);
+  arrange_particles(Velocities::preserve);
+  find_neighbours();
   boundary.wrap_positions(parts_.particles);
   problem_.start(parts_.particles, parts_.clock.dt);
+  problem_.prepare();
   problem_.look_at_density();
   guard_.note_compression(problem_.density(), problem_.model().rest_density);
   ask_observers(0);
@@ -96,9 +98,12 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   predict_positions(info.dt);  //  3
   parts_.boundary->give_to_bodies(*parts_.comm);
   migrate_particles(&Particles::predicted);  //     ownership follows p*
-  find_neighbours(Velocities::discard);      //  5 to 7: order, ghosts, lists, all unchanged until 22
-  reporter_.note_search(info.substep);
+  arrange_particles(Velocities::discard);    //     order and ghosts, unchanged until 22
   problem_.start(parts_.particles, info.dt);
+  parts_.density_solver->begin(problem_);
+  find_neighbours();  //  5 to 7: lists, unchanged until 22, of p* as predicted
+  problem_.prepare();
+  reporter_.note_search(info.substep);
   const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
   reporter_.note_solution(result);
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
@@ -197,8 +202,14 @@ void PbfSolver<T>::migrate_particles(std::vector<Vec3> Particles::*position) {
 }
 
 template <class T>
-void PbfSolver<T>::find_neighbours(Velocities velocities) {
-  near_.rebuild(parts_.particles, *parts_.slabs, velocities);
+void PbfSolver<T>::arrange_particles(Velocities velocities) {
+  problem_.give_back();
+  near_.arrange(parts_.particles, *parts_.slabs, velocities);
+}
+
+template <class T>
+void PbfSolver<T>::find_neighbours() {
+  near_.search();
   if (const LocalId i = near_.list().first_overfull_particle();
       i >= 0) {  // on this rank alone: thrown when all ranks agree on failures
     guard_.note(
@@ -260,7 +271,6 @@ Solver::Counters PbfSolver<T>::counters() const {
   const Balance::History& balance = parts_.balance->history();
   counters.balance = {balance.looks, balance.moves, balance.sum, balance.max};
   counters.bytes += parts_.density_solver->bytes();
-  for (const auto& filter : parts_.filters) counters.bytes += filter->bytes();
   return counters;
 }
 

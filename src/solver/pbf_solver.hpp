@@ -1,6 +1,7 @@
 // The time step of position based fluids (Macklin & Müller 2013, Algorithm 1) on slabs, and the state that it advances.
-// Collective throughout. The neighbour list, the ghosts and the order of the particles stay the same from the
-// prediction to the end of the velocity filters of a substep.
+// Collective throughout. The ghosts and the order of the particles stay the same from the prediction to the end
+// of the velocity filters of a substep, and so does the neighbour list, which is made after the projection: what these
+// two need in turns lies in the same memory (base/scratch.hpp).
 #pragma once
 
 #include <memory>
@@ -43,8 +44,9 @@ struct SolverParts {
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Boundary> boundary;
-  std::unique_ptr<ActiveAbsorption> absorption;  ///< null without paddles that absorb
-  std::unique_ptr<PressureProbes> probes;        ///< null without gauges of pressure in the water
+  std::unique_ptr<ActiveAbsorption> absorption;                    ///< null without paddles that absorb
+  std::unique_ptr<PressureProbes> probes;                          ///< null without gauges of pressure in the water
+  std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>();  ///< what stages of a step borrow their arrays from
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<InflowOutflow> flow;             ///< may be null
@@ -100,7 +102,8 @@ class PbfSolver : public Solver {
   void apply_forcing(Forcing& forcing, const StepInfo& info);
   void predict_positions(Real dt);
   void migrate_particles(std::vector<Vec3> Particles::*position);
-  void find_neighbours(Velocities velocities);
+  void arrange_particles(Velocities velocities);
+  void find_neighbours();
   void update_velocities(Real dt);
   void apply_velocity_filters(Real dt);
   void agree_on_failures();

@@ -51,7 +51,7 @@ void Reporter<T>::ask_observers(std::int64_t step) {
 template <class T>
 void Reporter<T>::note_search(int substep) {
   const bool last = substep + 1 == state_.clock.substeps;
-  if (last && asked_.diagnostics) drift_.begin(state_.particles.predicted);
+  if (last && asked_.diagnostics) drift_.begin(state_.near.scratch(), state_.particles.predicted);
 }
 
 template <class T>
@@ -252,7 +252,7 @@ Solver::Counters Reporter<T>::counters() const {
   counters.seconds = stopwatch_.seconds();
   counters.waiting_seconds = stopwatch_.total().waiting;
   counters.reduction_seconds = stopwatch_.total().reductions;
-  counters.bytes = state_.near.bytes() + state_.problem.bytes() + drift_.bytes();
+  counters.bytes = state_.near.bytes();
   if (const Obstacles* const obstacles = state_.problem.obstacles()) counters.bytes += obstacles->bytes();
   state_.particles.for_each_field([&](const auto& field) { counters.bytes += field.capacity() * sizeof(field[0]); });
   return counters;

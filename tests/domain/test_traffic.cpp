@@ -39,11 +39,10 @@ std::int64_t formula(int ranks, std::int64_t record, int iterations, Grid grid, 
   const std::int64_t places_sent = 1 + iterations + (projected ? 1 : 0) + (filters ? 2 : 0);
   const std::int64_t scalars_sent = iterations + (filters ? 1 : 0);
   // For each cell of the fields both ways: the volume in three planes and the moments of its particles; their fit; the
-  // moments of the shifts, in the same memory, and their fit. Under gravity the flow that the filter of noise leaves,
-  // and its fit.
-  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1 + volumes;
+  // moments of the shifts and their fit. Under gravity the flow that the filter of noise leaves, and its fit.
+  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1;
   const int noise = grid == Grid::upright ? flow + fit : 0;
-  const std::int64_t field_cell = 8 * (moments + fit + noise + moments + fit);
+  const std::int64_t field_cell = 8 * (volumes + moments + fit + noise + moments + fit);
   // For each cell that has a single one both ways: the fill; the pivot; phi in each of four sweeps a cycle. One way:
   // what holds phi at 0, and the residual of each cycle. Coarser levels are small enough to be gathered.
   const int cycles = 3, both_ways = 1 + 1 + 4 * cycles, one_way = 1 + cycles;
@@ -64,8 +63,8 @@ std::int64_t formula_of_parts(int ranks, int parts, std::int64_t record, int ite
   const std::int64_t upper = to_slabs / 2 + in_slabs / 2 + across / 4;
   const std::int64_t particles = 8 * water_columns, cells = coarse_columns + 2, eights = (coarse_columns + 7) / 8 * 8;
   const std::int64_t records = (3 * (2 + iterations) + iterations) * particles * record / 4;
-  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1 + volumes;
-  const std::int64_t fields = 8 * (2 * moments + 3 * fit + flow);
+  constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1;
+  const std::int64_t fields = 8 * (volumes + 2 * moments + 3 * fit + flow);
   // The fill of ghost planes; beside rows volumes, wetness, heights of the surface, links across rows, the last phi.
   const std::int64_t once = to_slabs * 8 * cells + beside_rows * (72 * coarse_columns + cells + 3 * 8 * cells);
   // The pivot, the first phi and that of each sweep; what holds phi at 0, links, and residuals.

@@ -29,7 +29,6 @@ class BedFriction : public VelocityFilter<T> {
       });
     });
   }
-  std::size_t bytes() const override { return 0; }
 
  private:
   Real coefficient_, h_;

@@ -35,7 +35,7 @@ class ByHand : public testing::Test {
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     Solved solved{d.particles.id, std::vector<Real>(d.particles.id.size()), {}, {}};
     WallsOrShifts<T> field;
-    field.resize(d.particles.id.size());
+    field.borrow(d.near.scratch(), d.particles.id.size());
     constraint.lambdas(pairs, all, d.particles.predicted, {solved.rho, field, [&](Range here, const T* multipliers) {
                                                              for (LocalId i = here.begin; i < here.end; ++i)
                                                                d.near.record(i).w = multipliers[i - here.begin];

@@ -67,8 +67,7 @@ Slowed slowed(const Scene& scene, Wave&& wave) {
   // Only now, as the sort uses their memory.
   std::transform(particles.predicted.begin(), particles.predicted.end(), particles.velocity.begin(), wave);
   particles.position = particles.predicted;
-  KinematicViscosity<T> filter(*scene.kinematic_viscosity, scene.fluid.spacing, h,
-                               std::make_shared<VelocityField<T>>());
+  KinematicViscosity<T> filter(*scene.kinematic_viscosity, scene.fluid.spacing, h);
   const auto inside = [&](const Vec3& p) -> Vec3 {
     const Vec3 room = p.cwiseMin(scene.domain.max - p);
     return room.head<2>().minCoeff() > 0.35 ? wave(p) : Vec3::Zero();
@@ -190,7 +189,7 @@ TEST(Viscosity, EqualsItsDefinitionWhereNeighboursAreMissing) {
   const auto velocity = [](GlobalId id) { return Vec3(std::sin(0.1 * id), std::cos(0.7 * id), std::sin(1.3 * id)); };
   std::transform(d.particles.id.begin(), d.particles.id.end(), d.particles.velocity.begin(), velocity);
   d.particles.position = d.particles.predicted;
-  KinematicViscosity<double>(nu, spacing, h, std::make_shared<VelocityField<double>>()).apply(d.near, d.particles, dt);
+  KinematicViscosity<double>(nu, spacing, h).apply(d.near, d.particles, dt);
   const Cloud end = gathered(world, d.particles);
   const auto pairs = [&](std::size_t i, auto&& visit) {
     for (std::size_t j = 0; j < end.id.size(); ++j)

@@ -79,18 +79,19 @@ struct Stages {
     rows.measure(water.near.order(), water.near.halo());
     grid.resize(water.near.order().window(), water.grid.columns());
     if (cuts) cuts->measure(world, grid, water.box, transfer.frame());
-    transfer.resize();
-    surface->resize();
     grid.store_rows(water.near.order());
-    transfer.store();
-    back->store();
+    transfer.borrow();
+    surface->borrow();
   }
   void gather() { transfer.gather(water.near.order(), water.near.halo(), water.motion(), cuts ? &*cuts : nullptr); }
   void classify() {
     gather();
     surface->classify(water.near.halo());
   }
-  void solve(Real g_dt2) { pressure.solve(*surface, water.near.halo(), {g_dt2, 0, rows.depth()}); }
+  void solve(Real g_dt2) {
+    transfer.keep_means();
+    pressure.solve(*surface, water.near.halo(), {g_dt2, 0, rows.depth()});
+  }
 
   template <class Visit>
   void for_each_cell(const Visit& visit) const {

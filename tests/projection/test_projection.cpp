@@ -63,7 +63,8 @@ TEST(ParticlesToGrid, VolumeIsThatOfTheParticles) {
 std::vector<Vec4<double>> displacements(Water& water, Real gravity) {
   Projection projection(world, water.grid, box, {s, h, gravity});
   std::vector<Vec4<double>> out(static_cast<std::size_t>(water.particles.size()));
-  projection.displacements<double>(water.near.order(), water.near.halo(), 1.0 / 60, water.motion(), out);
+  projection.find(water.near.order(), water.near.halo(), 1.0 / 60, water.motion());
+  projection.displacements<double>(water.near.order(), 1.0 / 60, water.motion(), out);
   return out;
 }
 Real longest(const std::vector<Vec4<double>>& all) {

@@ -6,10 +6,9 @@
 
 #include <algorithm>
 #include <span>
-#include <vector>
 
-#include "base/growth.hpp"
 #include "base/range.hpp"
+#include "base/scratch.hpp"
 #include "particles/packed.hpp"
 
 namespace trevi {
@@ -20,13 +19,9 @@ enum class Wall { none, box, obstacle };
 template <class T>
 class WallsOrShifts {
  public:
-  WallsOrShifts() : memory_(own_) {}
-  /// In memory that is there, which others may use between the density solves.
-  explicit WallsOrShifts(std::vector<Vec4<T>>& memory) : memory_(memory) {}
-  WallsOrShifts(const WallsOrShifts&) = delete;
-  WallsOrShifts& operator=(const WallsOrShifts&) = delete;
-
-  void resize(std::size_t particles) { resize_tightly(memory_, particles); }
+  /// Memory for so many particles, which holds nothing yet.
+  void borrow(Scratch& scratch, std::size_t particles) { memory_ = scratch.borrow<Vec4<T>>(particles); }
+  void give_back() { memory_.give_back(); }
   std::size_t size() const { return memory_.size(); }
   /// Of the particles of a range, to be prefetched.
   std::span<const Vec4<T>> memory(Range range) const {
@@ -55,7 +50,7 @@ class WallsOrShifts {
   // ---- while it holds shifts, m
 
   /// The fourth numbers are free, for the projection to tell how far the grid acts.
-  std::span<Vec4<T>> shifts() { return memory_; }
+  std::span<Vec4<T>> shifts() { return {memory_.data(), memory_.size()}; }
   Vec3 shift(std::size_t i) const { return vector_of(memory_[i]); }
   void add_to_shift(std::size_t i, const Vec3& more) {
     memory_[i].x += static_cast<T>(more.x());
@@ -64,8 +59,7 @@ class WallsOrShifts {
   }
 
  private:
-  std::vector<Vec4<T>> own_;
-  std::vector<Vec4<T>>& memory_;
+  Borrowed<Vec4<T>> memory_;
 };
 
 }  // namespace trevi

@@ -12,16 +12,14 @@ class MomentumConserving : public VelocityFilter<T> {
   MomentumConserving(MPI_Comm comm, std::unique_ptr<VelocityFilter<T>> filter)
       : comm_(comm), filter_(std::move(filter)) {}
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return filter_->bytes() + before_.capacity() * sizeof(Vec3); }
 
  private:
-  void keep(const std::vector<Vec3>& velocity);
-  Vec3 mean_change(const CellOrder& order, const std::vector<Vec3>& velocity) const;
+  Borrowed<Vec3> copy_of(const std::vector<Vec3>& velocity, Scratch& scratch) const;
+  Vec3 mean_change(const CellOrder& order, const Borrowed<Vec3>& before, const std::vector<Vec3>& velocity) const;
 
   Event event_{"Projection"};
   MPI_Comm comm_;
   std::unique_ptr<VelocityFilter<T>> filter_;
-  std::vector<Vec3> before_;  // velocities, m/s
 };
 
 extern template class MomentumConserving<float>;

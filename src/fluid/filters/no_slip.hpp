@@ -22,7 +22,6 @@ class NoSlip : public VelocityFilter<T> {
   /// `nu` in m²/s; `obstacles` may be null.
   NoSlip(Real nu, const FluidSettings& fluid, const Box& walls, std::shared_ptr<Obstacles> obstacles);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return 0; }
 
  private:
   Real rate(Real distance) const;

@@ -1,6 +1,7 @@
 // Filters change velocities after the density solve, on the neighbour list of the substep (Macklin & Müller 2013, eqs.
 // 15 to 17); each has its own file. A filter reads only velocities that the one before has completed. It refreshes the
-// ghosts that it reads and may overwrite the scalar of the records. Collective.
+// ghosts that it reads and may overwrite the scalar of the records. Arrays are borrowed from near.scratch().
+// Collective.
 #pragma once
 
 #include <memory>
@@ -15,30 +16,18 @@ class VelocityFilter {
  public:
   virtual ~VelocityFilter() = default;
   virtual void apply(Neighbourhood<T>& near, Particles& particles, Real dt) = 0;
-  virtual std::size_t bytes() const = 0;
 };
 
-/// Velocities of all particles, ghosts included, in the form that the pair loops read. All filters share one field;
-/// each refreshes it before use.
+/// Velocities of the owned particles, in their order, in the form that the pair loops read, with a scalar of 0 that may
+/// be set before an exchange.
 template <class T>
-class VelocityField {
- public:
-  /// write() and an exchange of the velocities, whose scalars are not for use. Collective.
-  const Vec4<T>* refresh(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
-  /// Those of the owned particles, in their order, with a scalar of 0 that may be set before exchange().
-  Vec4<T>* write(const Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
-  /// Collective.
-  const Vec4<T>* exchange(Neighbourhood<T>& near);
-  std::size_t bytes() const { return vectors_.capacity() * sizeof(Vec4<T>); }
-
- private:
-  std::vector<Vec4<T>> vectors_;
-};
-
-/// Fraction of the field's memory, bytes, that each of the filters that share it reports.
+Borrowed<Vec4<T>> own_velocities(const Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
+/// Those of all particles, ghosts included, whose scalars are not for use. Collective.
 template <class T>
-std::size_t contribution_of(const std::shared_ptr<VelocityField<T>>& field) {
-  return field->bytes() / static_cast<std::size_t>(field.use_count());
+Borrowed<Vec4<T>> all_velocities(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
+  Borrowed<Vec4<T>> velocities = own_velocities(near, velocity);
+  near.exchange_vectors(velocities);
+  return velocities;
 }
 
 /// The input of a pair loop.
@@ -53,8 +42,5 @@ double bytes_of_passes(const Neighbourhood<T>& near, int passes) {
   const double each = sizeof(Packed<T>) + 2 * sizeof(Vec4<T>);
   return passes * (near.list().bytes_read(near.all()) + each * near.all().size());
 }
-
-extern template class VelocityField<float>;
-extern template class VelocityField<double>;
 
 }  // namespace trevi

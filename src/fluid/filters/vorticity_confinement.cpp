@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include "base/growth.hpp"
 #include "fluid/pairs/for_each_sum.hpp"
 #include "kernels/spiky-inl.hpp"
 
@@ -11,22 +10,19 @@ namespace trevi {
 // The loop sums g r̂ with r̂ from j to i, the direction of ∇_{p_j} W = +45/(π h⁶) (h − r)² r̂, so omega_factor_ is
 // positive.
 template <class T>
-VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon,
-                                              std::shared_ptr<VelocityField<T>> velocity)
+VorticityConfinement<T>::VorticityConfinement(const DensityModel& model, Real epsilon)
     : loops_(filter_loops<T>()),
       omega_factor_(model.mass * kernel_named(Spiky::name, model.kernels.density.dimensions).slope_factor(model.h)),
-      epsilon_(epsilon),
-      velocity_(std::move(velocity)) {}
+      epsilon_(epsilon) {}
 
 template <class T>
-void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
-  const Vec4<T>* velocities = velocity_->refresh(near, velocity);
+Borrowed<Vec4<T>> VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
+  const Borrowed<Vec4<T>> velocities = all_velocities(near, velocity);
   const LocalId owned = near.order().owned();
-  std::vector<Vec4<T>>& omegas = near.four_each();
-  resize_tightly(omegas, static_cast<std::size_t>(owned));
+  Borrowed<Vec4<T>> omegas = near.scratch().template borrow<Vec4<T>>(static_cast<std::size_t>(owned));
   const Pairs<T> pairs = pairs_of(near);
   const auto factor = static_cast<T>(omega_factor_);
-  const auto curls = [&](Range part, Vec4<T>* out) { loops_.curl(pairs, part, velocities, out); };
+  const auto curls = [&](Range part, Vec4<T>* out) { loops_.curl(pairs, part, velocities.data(), out); };
   for_each_sum<Vec4<T>>(near.all(), curls, [&](Range here, const Vec4<T>* sum) {
     for (LocalId i = here.begin; i < here.end; ++i, ++sum) {
       Vec4<T>& omega = omegas[static_cast<std::size_t>(i)];
@@ -37,16 +33,16 @@ void VorticityConfinement<T>::compute_omega(Neighbourhood<T>& near, const std::v
   for_each_index(near.all(), [&](std::size_t i) {
     near.record(static_cast<LocalId>(i)).w = static_cast<T>(vector_of(omegas[i]).norm());
   });
+  return omegas;
 }
 
 template <class T>
 void VorticityConfinement<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   const ScopedEvent timed(event_);
-  compute_omega(near, particles.velocity);
+  const Borrowed<Vec4<T>> omegas = compute_omega(near, particles.velocity);
   near.start_scalars();
   near.finish_scalars();
   const Pairs<T> pairs = pairs_of(near);
-  const std::vector<Vec4<T>>& omegas = near.four_each();
   const auto gradients = [&](Range part, Vec4<T>* out) { loops_.gradient(pairs, part, out); };
   for_each_sum<Vec4<T>>(near.all(), gradients, [&](Range here, const Vec4<T>* sum) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum) {

@@ -11,18 +11,16 @@ namespace trevi {
 template <class T>
 class VorticityConfinement : public VelocityFilter<T> {
  public:
-  VorticityConfinement(const DensityModel& model, Real epsilon, std::shared_ptr<VelocityField<T>> velocity);
+  VorticityConfinement(const DensityModel& model, Real epsilon);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return contribution_of(velocity_); }
 
  private:
-  void compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
+  Borrowed<Vec4<T>> compute_omega(Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
 
   Event event_{"Vorticity"};
   FilterLoops<T> loops_;
   Real omega_factor_;  // m times the slope factor, kg/m⁴: turns the dimensionless sum into omega
   Real epsilon_;
-  std::shared_ptr<VelocityField<T>> velocity_;
 };
 
 extern template class VorticityConfinement<float>;

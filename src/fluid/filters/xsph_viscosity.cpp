@@ -29,17 +29,15 @@ Real moment_without_order(const PointLattice& lattice, Real h) {
 }  // namespace
 
 template <class T>
-XsphViscosity<T>::XsphViscosity(Real c, const DensityModel& model, std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(filter_loops<T>()),
-      factor_(c * model.mass * poly6_in(model.kernels.density.dimensions).factor(model.h)),
-      velocity_(std::move(velocity)) {}
+XsphViscosity<T>::XsphViscosity(Real c, const DensityModel& model)
+    : loops_(filter_loops<T>()), factor_(c * model.mass * poly6_in(model.kernels.density.dimensions).factor(model.h)) {}
 
 template <class T>
 void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real) {
   const ScopedEvent timed(event_);
-  const Vec4<T>* velocities = velocity_->refresh(near, particles.velocity);
+  const Borrowed<Vec4<T>> velocities = all_velocities(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
-  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities, out); };
+  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities.data(), out); };
   add_sums(near, smoothing, factor_, particles.velocity);
   log_work(event_, static_cast<double>(near.list().pairs()) * 22, bytes_of_passes(near, 1));
 }
@@ -56,9 +54,7 @@ Real min_second_moment(const PointLattice& lattice, Real h) {
 }
 
 template <class T>
-KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, Real h,
-                                          std::shared_ptr<VelocityField<T>> velocity)
-    : loops_(filter_loops<T>()), velocity_(std::move(velocity)) {
+KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, Real h) : loops_(filter_loops<T>()) {
   const Real moment = lattice_laplacian_moment(lattice, h), factor = poly6_in(lattice.dimensions).factor(h);
   per_second_ = nu / moment * factor / 2;
   moment_factor_ = static_cast<T>(h * h * factor / (2 * lattice.dimensions * moment));
@@ -81,9 +77,12 @@ template <class T>
 void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
   const ScopedEvent timed(event_);
   const Pairs<T> pairs = pairs_of(near);
-  weigh(pairs, near.all(), velocity_->write(near, particles.velocity));
-  const Vec4<T>* velocities = velocity_->exchange(near);
-  const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.weighted_smoothing(pairs, part, velocities, out); };
+  Borrowed<Vec4<T>> velocities = own_velocities(near, particles.velocity);
+  weigh(pairs, near.all(), velocities.data() + near.order().low_ghosts());
+  near.exchange(velocities);
+  const auto smoothing = [&](Range part, Vec4<T>* out) {
+    loops_.weighted_smoothing(pairs, part, velocities.data(), out);
+  };
   add_sums(near, smoothing, per_second_ * dt, particles.velocity);
   log_work(event_, static_cast<double>(near.list().pairs()) * (14 + 24), bytes_of_passes(near, 2));
 }

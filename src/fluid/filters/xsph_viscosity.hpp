@@ -20,15 +20,13 @@ template <class T>
 class XsphViscosity : public VelocityFilter<T> {
  public:
   /// `c` in m³/kg, a fraction of each step.
-  XsphViscosity(Real c, const DensityModel& model, std::shared_ptr<VelocityField<T>> velocity);
+  XsphViscosity(Real c, const DensityModel& model);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return contribution_of(velocity_); }
 
  private:
   Event event_{"XsphViscosity"};
   FilterLoops<T> loops_;
   Real factor_;
-  std::shared_ptr<VelocityField<T>> velocity_;
 };
 
 /// The longest step, s, in which this viscosity takes no velocity past the mean of its neighbours, i.e. c rho0 ≤ 1
@@ -45,9 +43,8 @@ template <class T>
 class KinematicViscosity : public VelocityFilter<T> {
  public:
   /// `nu` in m²/s.
-  KinematicViscosity(Real nu, const PointLattice& lattice, Real h, std::shared_ptr<VelocityField<T>> velocity);
+  KinematicViscosity(Real nu, const PointLattice& lattice, Real h);
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
-  std::size_t bytes() const override { return contribution_of(velocity_); }
 
  private:
   void weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const;
@@ -57,7 +54,6 @@ class KinematicViscosity : public VelocityFilter<T> {
   Real per_second_;
   T moment_factor_;  // makes M_i/M_lattice of the sum
   T least_;
-  std::shared_ptr<VelocityField<T>> velocity_;
 };
 
 extern template class XsphViscosity<float>;

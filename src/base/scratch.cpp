@@ -1,0 +1,136 @@
+#include "base/scratch.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <exception>
+#include <functional>
+
+#include "base/growth.hpp"
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/asan_interface.h>
+static void hide(const void* memory, std::size_t bytes) { ASAN_POISON_MEMORY_REGION(memory, bytes); }
+static void show(const void* memory, std::size_t bytes) { ASAN_UNPOISON_MEMORY_REGION(memory, bytes); }
+#else
+static void hide(const void*, std::size_t) {}
+static void show(const void*, std::size_t) {}
+#endif
+
+namespace trevi {
+
+namespace {
+
+// Whoever reads what he has not written gets what is not a number.
+void spoil([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
+#if !defined(NDEBUG)
+  std::fill_n(static_cast<unsigned char*>(memory), bytes, 0xFF);
+#endif
+}
+
+std::size_t rounded(std::size_t bytes, std::size_t unit) {
+  return std::max<std::size_t>((bytes + unit - 1) / unit, 1) * unit;
+}
+
+}  // namespace
+
+Scratch::~Scratch() {
+  assert(borrowed_ == 0);
+  for (const Piece& piece : pieces_) show(piece.memory, piece.size);
+}
+
+Scratch::Piece Scratch::piece_of(std::size_t size) {
+  auto* const memory = static_cast<std::byte*>(::operator new[](size, std::align_val_t(alignment)));
+  hide(memory, size);
+  return {std::unique_ptr<std::byte[], Free>(memory), memory, size, {}};
+}
+
+// In the first gap that is large enough; null where there is none.
+std::byte* Scratch::place_in(Piece& piece, std::size_t size) {
+  std::size_t begin = 0;
+  auto next = piece.taken.begin();
+  while (next != piece.taken.end() && next->begin - begin < size) begin = (next++)->end;
+  if (next == piece.taken.end() && piece.size - begin < size) return nullptr;
+  piece.taken.insert(next, {begin, begin + size});
+  return piece.memory + begin;
+}
+
+void* Scratch::take(std::size_t bytes, bool briefly) {
+  const std::size_t size = rounded(bytes, alignment);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::byte* memory = nullptr;
+  for (const bool own : {false, true}) {
+    for (Piece& piece : pieces_) {
+      if (memory != nullptr || (piece.own != nullptr) != own || (!own && !briefly)) continue;
+      memory = place_in(piece, size);
+      if (memory != nullptr && own) borrowed_ += size;
+    }
+  }
+  if (memory == nullptr) {
+    pieces_.push_back(piece_of(size));
+    memory = place_in(pieces_.back(), size);
+    borrowed_ += size;
+  }
+  most_ = std::max(most_, borrowed_);
+  show(memory, bytes);
+  spoil(memory, bytes);
+  return memory;
+}
+
+void Scratch::give_back(void* memory, std::size_t bytes) {
+  const std::size_t size = rounded(bytes, alignment);
+  spoil(memory, bytes);
+  hide(memory, bytes);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto* const begin = static_cast<std::byte*>(memory);
+  for (Piece& piece : pieces_) {
+    if (std::less<>()(begin, piece.memory) || !std::less<>()(begin, piece.memory + piece.size)) continue;
+    const auto at = static_cast<std::size_t>(begin - piece.memory);
+    const auto found = std::lower_bound(piece.taken.begin(), piece.taken.end(), at,
+                                        [](const Run& run, std::size_t place) { return run.begin < place; });
+    assert(found != piece.taken.end() && found->begin == at && found->end == at + size);
+    piece.taken.erase(found);
+    if (piece.own != nullptr) borrowed_ -= size;
+    return;
+  }  // a loan that an exception has ended is not among them
+}
+
+// Addresses of lent memory are those of numbers: what is left of it before the first whole unit is not used.
+void Scratch::lend(std::span<std::byte> memory) {
+  void* first = memory.data();
+  std::size_t size = memory.size();
+  const bool any = std::align(alignment, alignment, first, size) != nullptr;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pieces_.push_back({nullptr, any ? static_cast<std::byte*>(first) : memory.data(), any ? size : 0, {}});
+}
+
+void Scratch::end_loan(const std::byte* memory) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto lent = std::find_if(pieces_.begin(), pieces_.end(), [&](const Piece& piece) {
+    return piece.own == nullptr && piece.memory >= memory && piece.memory - memory < std::ptrdiff_t{alignment};
+  });
+  assert(lent != pieces_.end() && (lent->taken.empty() || std::uncaught_exceptions() > 0));
+  show(lent->memory, lent->size);
+  pieces_.erase(lent);
+}
+
+void Scratch::join() {
+  if (borrowed_ > 0 || pieces_.size() < 2) return;
+  // The first piece was too small, by how much is not known: arrays that found no gap would have, one after the other.
+  constexpr std::size_t fraction = 64;
+  const std::size_t size = rounded(std::max(most_, joined_) + most_ / fraction, alignment);
+  joined_ = size;
+  for (const Piece& piece : pieces_) show(piece.memory, piece.size);
+  pieces_.clear();  // before the new memory is asked for
+  pieces_.push_back(piece_of(size));
+  show(pieces_.back().memory, size);
+  touch_pages(pieces_.back().memory, size);
+  hide(pieces_.back().memory, size);
+}
+
+std::size_t Scratch::bytes() const {
+  std::size_t sum = 0;
+  for (const Piece& piece : pieces_) sum += piece.own != nullptr ? piece.size : 0;
+  return sum;
+}
+
+}  // namespace trevi
