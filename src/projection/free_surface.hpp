@@ -78,7 +78,7 @@ class FreeSurface {
   void close_ceiling(LocalId k, LocalId r);
   bool is_full_enough(std::size_t at, LocalId c, Real least) const;
   // Among obstacles; see free_surface_cut.cpp.
-  Real least_on_floor(std::size_t at, LocalId c) const;
+  Real min_wet_fill(std::size_t at, LocalId c) const;
   void classify_among_solids(Halo& halo);
   void fill_open_parts();
   void level_small_cells(Halo& halo);

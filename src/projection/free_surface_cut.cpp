@@ -4,7 +4,7 @@
 // dry at the rim of the water, where no pressure held what fell there, and shallow water in a ball never came to rest
 // (2e-2 m²/s², 1e-4 so). Not at upright walls: there cells wet from a fifth on pushed the water off, and a tank made of
 // an obstacle lost two thirds of each swing. What a cell holds of which little is open says hardly anything, so it
-// follows the cell beyond its widest face.
+// follows the cell beyond its widest face; beside a body that floats it does so whether it is full or not.
 #include "projection/free_surface.hpp"
 
 #include "base/threads.hpp"
@@ -27,7 +27,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] = !is_solid(at) && is_full_enough(at, c, least_on_floor(at, c)) ? 1 : 0;
+      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) ? 1 : 0;
     }
   });
   grid().complete(halo, wet_);
@@ -57,7 +57,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
 }
 
 // A body that floats turns, and its sides are upright but for a little: the mark falls with their slope.
-Real FreeSurface::least_on_floor(std::size_t at, LocalId c) const {
+Real FreeSurface::min_wet_fill(std::size_t at, LocalId c) const {
   if (!upright()) return wet_fill;
   if (c == 0) return floor_fill;
   const Real slope = std::max(cuts()->face(2, at + 1) - cuts()->face(2, at), 0.0);

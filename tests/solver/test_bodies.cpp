@@ -309,7 +309,7 @@ TEST(Bodies, FloatAsDeepAsTheyAreHeavy) {
   }
 }
 
-// As cells beside it were wet on one side and dry on the other by a hair of its heel, it sailed on at 0.1 m/s.
+// As cells beside it were wet on one side and dry on the other by the slightest heel, it sailed on at 0.1 m/s.
 TEST(Bodies, ABoxThatIsPushedStopsWhereCellsAreHalfFull) {
   BodyRun run(world, tank_with_gravity({.max = "4, 2.4, 2", .water = {{"0, 0, 0", "4, 2.4, 1.1"}}}) +
                          "[[body]]\ntype = \"box\"\ncenter = [1.6, 1.2, 1.1]\nsize = [1, 0.8, 0.6]\n"
