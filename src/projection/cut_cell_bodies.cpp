@@ -1,5 +1,6 @@
 // What the cells have of a body that moves freely: its volume and its centre of volume, which samples of a round
 // surface would otherwise not quite be.
+#include <algorithm>
 #include <cmath>
 
 #include "parallel/reductions.hpp"
@@ -14,6 +15,21 @@ Real CutCells::area(std::size_t at) const {
     sum += rise * rise;
   }
   return std::sqrt(sum);
+}
+
+// use(direction, whether the upper face, its closed part, the middle of that) for the faces of a cell.
+template <class Use>
+void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const bool upper : {false, true}) {
+      const std::size_t face_at = upper ? at + step_[a] : at;
+      const Real closed = 1 - face(a, face_at);
+      if (closed == 0) continue;
+      std::array<LocalId, 3> above = cell;
+      if (upper) ++above[a];
+      use(a, upper, closed, middle_of_closed(a, above, face_at));
+    }
+  }
 }
 
 namespace {
@@ -69,21 +85,61 @@ CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_
                                   const CellPressure& pressure) const {
   Pushes pushes;
   const Real level = middle(cell[0], cell[1], cell[2]).z();
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (const bool upper : {false, true}) {
-      const std::size_t face_at = upper ? at + step_[a] : at;
-      const Real closed = 1 - face(a, face_at);
-      if (closed == 0) continue;
-      std::array<LocalId, 3> above = cell;
-      if (upper) ++above[a];
-      const Vec3 arm = middle_of_closed(a, above, face_at);
-      const Real push =
-          (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
-      pushes.all[pushes.count++] = {(upper ? push : -push) * Vec3::Unit(axis_[a]), arm};
-    }
+  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+    const Real push = (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
+    pushes.add((upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
+  });
+  if (pushes.count > 0) pushes.add(-pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at));
+  return pushes;
+}
+
+namespace {
+
+// From 0 to `height` of what is q0 at 0, q1 at 1 and `mean` in the mean between, and quadratic.
+Real integral(Real q0, Real q1, Real mean, Real height) {
+  return height * (q0 + height * ((3 * mean - 2 * q0 - q1) + height * (q0 + q1 - 2 * mean)));
+}
+
+// Of the closed part of a side face, as wide as its area and its middle say, and linear in height: the part below a
+// height, and its first moment.
+struct Strip {
+  Real area, moment;
+  Strip(Real closed, Real middle, Real height) {
+    const Real slope = std::clamp(12 * closed * (middle - 0.5), -2 * closed, 2 * closed), low = closed - slope / 2;
+    area = height * (low + height * slope / 2);
+    moment = height * height * (low / 2 + height * slope / 3);
   }
-  if (pushes.count > 0)
-    pushes.all[pushes.count++] = {-pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at)};
+};
+
+}  // namespace
+
+CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std::size_t at, Real height,
+                                        const CellPressure& pressure) const {
+  Pushes pushes;
+  const Vec3 corner = place(Vec3(cell[0], cell[1], cell[2]));
+  const Real floor = corner.z(), fall = pressure.fall * size_[2];
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // closed parts of the lower and the upper face, times their middles
+  Real low_area = 0, high_area = 0;
+  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+    const Vec3 out = (upper ? 1 : -1) / size_[static_cast<Eigen::Index>(a)] * Vec3::Unit(axis_[a]);
+    if (pressure.phi != 0) pushes.add((a < 2 ? height : 1) * pressure.phi * closed * out, arm);
+    if (a == 2) {
+      (upper ? high : low) = closed * (arm - corner);
+      (upper ? high_area : low_area) = closed;
+      if (!upper) pushes.add(-fall * height * closed * out, arm);
+      return;
+    }
+    const Strip wet(closed, (arm.z() - floor) / size_[2], height);
+    if (!(wet.area > 0)) return;
+    const Vec3 middle(arm.x(), arm.y(), floor + size_[2] * wet.moment / wet.area);
+    pushes.add(fall * (wet.moment - height * wet.area) * out, middle);
+  });
+  const Real all = solid(at), volume = integral(low_area, high_area, all, height);
+  if (pushes.count == 0 || volume == 0) return pushes;
+  const Vec3 moment = all * (middle_of_solid(cell, at) - corner);
+  Vec3 middle = corner;
+  for (const Eigen::Index i : {0, 1}) middle[i] += integral(low[i], high[i], moment[i], height) / volume;
+  pushes.add(-pressure.fall * volume * Vec3::UnitZ(), middle);
   return pushes;
 }
 

@@ -79,6 +79,10 @@ class CutCells {
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
+  /// Whether that is a body that moves freely.
+  bool floats(std::size_t at) const {
+    return obstacles_.floating() != nullptr && obstacles_.floating()->holds(nearest(at));
+  }
   /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of
   /// what is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's
   /// own, and so is their centre of volume.
@@ -90,13 +94,18 @@ class CutCells {
     Real phi, fall;
   };
   struct Pushes {
-    std::array<Impulse, 7> all;
+    std::array<Impulse, 13> all;
     std::size_t count = 0;
+    void add(const Vec3& shift, const Vec3& place) { all[count++] = {shift, place}; }
   };
   /// What the pressure of a cell gives to its water at each of its faces that a body closes, m, with places for arms:
   /// the middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell. By
   /// Gauss's theorem on the solid part of the cell, exact for water at rest however the body lies.
   Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
+  /// The same of water that stands up to `height` in the cell, in cells, from 0 to 1: `phi` is what its pressure has
+  /// beyond that of water at rest. Side faces have it up to that height, as they have the flux.
+  Pushes pushes_below(const std::array<LocalId, 3>& cell, std::size_t at, Real height,
+                      const CellPressure& pressure) const;
   /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
   Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// The middle of a cell, m.
@@ -199,6 +208,8 @@ class CutCells {
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
+  template <class Use>
+  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {

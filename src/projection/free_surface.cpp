@@ -38,7 +38,7 @@ void FreeSurface::classify_cells(Halo& halo) {
     const LocalId highest = grid().repeats()[2] ? grid().columns() : from_.rows.wet_columns(k, r);
     for (LocalId c = 0; c < std::min(highest, grid().columns()); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] = is_full_enough(at, c, upright() && c == 0) ? 1 : 0;
+      wet_[at] = is_full_enough(at, c, upright() && c == 0 ? floor_fill : wet_fill) ? 1 : 0;
     }
     if (grid().columns(k, r) == grid().columns()) close_ceiling(k, r);
     find_tops(k, r);
@@ -47,11 +47,11 @@ void FreeSurface::classify_cells(Halo& halo) {
   grid().complete(halo, height_);
 }
 
-bool FreeSurface::is_full_enough(std::size_t at, LocalId c, bool on_floor) const {
+bool FreeSurface::is_full_enough(std::size_t at, LocalId c, Real least) const {
   if (is_drained(at)) return false;
   const bool submerged =
       upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-  return fill_[at] >= wet_fill || submerged || (on_floor && fill_[at] >= floor_fill);
+  return fill_[at] >= least || submerged;
 }
 
 // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.
@@ -70,7 +70,8 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {
-      const Real more = standing ? std::clamp(excess, -max_excess, max_excess) : 0;
+      const Real area = cuts() != nullptr && cuts()->floats(at) ? open(at) : 1;  // on which it stands
+      const Real more = standing ? std::clamp(excess / area, -max_excess, max_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
     } else {
       excess += open(at) * (fill_[at] - 1);

@@ -74,12 +74,14 @@ class FreeSurface {
   void classify_cells(Halo& halo);
   void find_tops(LocalId k, LocalId r);
   void close_ceiling(LocalId k, LocalId r);
-  bool is_full_enough(std::size_t at, LocalId c, bool on_floor) const;
+  bool is_full_enough(std::size_t at, LocalId c, Real least) const;
   // Among obstacles; see free_surface_cut.cpp.
+  Real min_wet_fill(std::size_t at, LocalId c) const;
   void classify_among_solids(Halo& halo);
   void fill_open_parts();
   void level_small_cells(Halo& halo);
   bool is_small(std::size_t at) const;
+  Real level_beside(const Place& place) const;
   template <class Visit>
   void for_widest(const Place& place, const Visit& visit) const;
 

@@ -4,7 +4,7 @@
 // dry at the rim of the water, where no pressure held what fell there, and shallow water in a ball never came to rest
 // (2e-2 m²/s², 1e-4 so). Not at upright walls: there cells wet from a fifth on pushed the water off, and a tank made of
 // an obstacle lost two thirds of each swing. What a cell holds of which little is open says hardly anything, so it
-// follows the cell beyond its widest face.
+// follows the cell beyond its widest face; beside a body that floats it does so whether it is full or not.
 #include "projection/free_surface.hpp"
 
 #include "base/threads.hpp"
@@ -27,8 +27,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      const bool on_floor = c == 0 || cuts()->face(2, at) < cuts()->face(2, at + 1);
-      wet_[at] = !is_solid(at) && is_full_enough(at, c, upright() && on_floor) ? 1 : 0;
+      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) ? 1 : 0;
     }
   });
   grid().complete(halo, wet_);
@@ -37,8 +36,9 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      if (is_small(at) && !is_wet(at))
-        for_widest({k, r, c}, [&](std::size_t beside) { joined[at] = joined[at] != 0 || is_wet(beside) ? 1 : 0; });
+      if (!is_small(at) || (is_wet(at) && !cuts()->floats(at))) continue;
+      joined[at] = 0;
+      for_widest({k, r, c}, [&](std::size_t beside) { joined[at] = joined[at] != 0 || is_wet(beside) ? 1 : 0; });
     }
   });
   halo.start_planes(joined, grid().step(0));
@@ -58,6 +58,15 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   level_small_cells(halo);
 }
 
+// A body that floats turns, and its sides are upright but for a little: the mark falls with their slope.
+Real FreeSurface::min_wet_fill(std::size_t at, LocalId c) const {
+  if (!upright()) return wet_fill;
+  if (c == 0) return floor_fill;
+  const Real slope = std::max(cuts()->face(2, at + 1) - cuts()->face(2, at), 0.0);
+  if (cuts()->floats(at)) return wet_fill + slope * (floor_fill - wet_fill);
+  return slope > 0 ? floor_fill : wet_fill;
+}
+
 // The surface in a small cell is that beside it, the mean of both where two faces are equally wide.
 void FreeSurface::level_small_cells(Halo& halo) {
   Borrowed<Real> level = grid().scratch().borrow_briefly<Real>(height_.size());  // the next height_
@@ -66,6 +75,10 @@ void FreeSurface::level_small_cells(Halo& halo) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
       if (!is_small(at) || !is_top(at)) continue;
+      if (cuts()->floats(at)) {
+        level[at] = level_beside({k, r, c});
+        continue;
+      }
       Real sum = 0, count = 0;
       for_widest({k, r, c}, [&](std::size_t beside) {
         if (beside == at + 1 || beside == at - 1 || !is_wet(beside)) return;
@@ -79,6 +92,25 @@ void FreeSurface::level_small_cells(Halo& halo) {
   halo.finish();
   grid().complete(halo, level);
   height_.swap(level);
+}
+
+// In a small cell beside a body that floats: that of the columns beyond its sides, wherever their top cells are.
+Real FreeSurface::level_beside(const Place& place) const {
+  const auto [k, r, c] = place;
+  const std::size_t at = grid().index(k, r, c);
+  Real sum = 0, weight = 0;
+  for (std::size_t a = 0; a < 2; ++a) {
+    for (const bool upper : {false, true}) {
+      const Real wide = cuts()->face(a, upper ? at + grid().step(a) : at);
+      if (wide == 0 || grid().is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c)) continue;
+      const std::size_t beside = upper ? at + grid().step(a) : at - grid().step(a);
+      const bool wet = is_wet(beside), below = !wet && c > 0 && is_top(beside - 1);
+      if (is_small(beside) || !(wet || below)) continue;
+      sum += wide * (below ? height_[beside - 1] - 1 : height(beside));
+      weight += wide;
+    }
+  }
+  return weight > 0 ? std::clamp(sum / weight, 0.05, 1.0) : height_[at];
 }
 
 bool FreeSurface::is_small(std::size_t at) const { return cuts()->open(at) > 0 && cuts()->open(at) < small_cell; }

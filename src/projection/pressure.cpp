@@ -35,8 +35,11 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
   const std::size_t step = surface.grid().step(a);
   if (at < step) return;  // in the lowest ghost plane
   const std::size_t below = at - step;
-  if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= source;
-  if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
+  const auto depth = [&](std::size_t cell) {
+    return a < 2 && surface.cuts()->floats(cell) ? std::min(surface.height(cell), 1.0) : 1;
+  };
+  if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= depth(at) * source;
+  if (surface.is_wet(below)) multigrid_.finest().rhs[below] += depth(below) * source;
 }
 
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
@@ -197,7 +200,8 @@ Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
     sum += (high * surface.water().displacement(a, above) - low * surface.water().displacement(a, at)) /
            grid.size()[static_cast<Eigen::Index>(a)];
     if (cuts != nullptr && cuts->moves()) {
-      sum += ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
+      sum += (cuts->floats(at) ? depth : 1) *
+             ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
              grid.size()[static_cast<Eigen::Index>(a)];
     }
   }

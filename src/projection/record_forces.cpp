@@ -47,9 +47,10 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& solids = *surface_.cuts();
   const std::size_t at = grid.index(k, r, c);
-  if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
+  if (surface_.is_solid(at)) return;
   const std::size_t nearest = solids.nearest(at);
-  if (obstacles_.floating() != nullptr && obstacles_.floating()->holds(nearest)) return of_body(k, r, c, nearest);
+  if (solids.floats(at)) return of_body(k, r, c, nearest);
+  if (!surface_.is_wet(at)) return;
   const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
   Vec3 shift = Vec3::Zero();
   for (std::size_t a = 0; a < 3; ++a) {
@@ -67,8 +68,20 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
-  if (!surface_.is_wet(at) || surface_.is_solid(at)) return {};
-  Pushes pushes = surface_.cuts()->pushes({k, r, c}, at, {pressure_.phi_so_far(at), g_dt2_});
+  if (surface_.is_solid(at)) return {};
+  const CutCells& cuts = *surface_.cuts();
+  Pushes pushes;
+  if (surface_.is_wet(at)) {
+    const Real phi = pressure_.phi_so_far(at), height = surface_.height(at);
+    if (height >= 1) {
+      pushes = cuts.pushes({k, r, c}, at, {phi, g_dt2_});
+    } else {
+      const Real at_rest = -g_dt2_ * grid.size()[2] * surface_.above_middle(at);
+      pushes = cuts.pushes_below({k, r, c}, at, height, {phi - at_rest, g_dt2_});
+    }
+  } else if (c > 0 && surface_.is_top(at - 1) && surface_.height(at - 1) > 1) {
+    pushes = cuts.pushes_below({k, r, c}, at, std::min(surface_.height(at - 1) - 1, 1.0), {0, g_dt2_});
+  }
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
   for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].shift *= particles;
   return pushes;

@@ -122,7 +122,7 @@ TEST_F(WaveTank, ARestartIsExact) {
 }
 
 // The first mode of a tank of half a wavelength: what the paddle takes in does not come back, so that a tenth is left
-// after four periods; a wall keeps more than half. Of five places of the paddle within the cells this is the middle one.
+// after four periods; a wall keeps more than half.
 TEST_F(WaveTank, APaddleAbsorbsWhatComesBack) {
   const std::string text = R"scene(
 [domain]
