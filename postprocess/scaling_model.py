@@ -13,8 +13,8 @@ ITERATIONS = 4  # of the default, the first on the coarse grid
 CYCLES = 3  # of the coarse grid's multigrid
 SWEEPS = 4  # in a cycle on each level
 GATHERED_CELLS = 4096  # at most, on the levels that all ranks have
-MOMENTS, FIT, FLOW = 26, 13, 12  # numbers of a cell's particles with their volumes, of an affine fit, of filtered flow
-FIELDS = 8 * (2 * (MOMENTS + FIT) + FLOW + FIT)  # bytes of a cell of the projection beside the multigrid
+VOLUMES, MOMENTS, FIT, FLOW = 3, 23, 13, 12  # numbers of a cell: volumes, moments, an affine fit, filtered flow
+FIELDS = 8 * (VOLUMES + 2 * (MOMENTS + FIT) + FLOW + FIT)  # bytes of a cell of the projection beside the multigrid
 FIELD_EXCHANGES = 1 + 4 + 2  # heights of the water; moments, fits, noise and its fits; shifts and theirs
 # Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2

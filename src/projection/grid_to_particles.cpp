@@ -191,7 +191,7 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
     const bool from_open = a < 2 && (low ? !pair.high_closed : !pair.low_closed);
     const auto beyond = [&](Real open, std::size_t open_face) {
       if (!from_open) return along;
-      return open + (along - open) / std::clamp(cuts.open(at) / cuts.face(a, open_face), least_reach, 1.0);
+      return open + (along - open) / std::clamp(cuts.open(at) / cuts.face(a, open_face), min_distance, 1.0);
     };
     if (low) pair.low = beyond(pair.high, at + grid.step(a));
     if (high) pair.high = beyond(pair.low, at);

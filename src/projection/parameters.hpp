@@ -89,7 +89,7 @@ constexpr Real min_wall = 0.1;
 /// latter. With 1, none, water in a cylinder of R = 10 s keeps 0.92 of its angular momentum in ten closed turns at
 /// 1/60 s and 0.76 in ten open ones, with 0.5 0.97 and 0.84, with 0.3 1.00 and 0.91; upwards, too, shallow water in
 /// vessels rests four times as badly.
-constexpr Real least_reach = 0.3;
+constexpr Real min_distance = 0.3;
 
 // ---- shifts of positions
 // ----------------------------------------------------------------------------------------------

@@ -144,7 +144,7 @@ class Model(unittest.TestCase):
 
     def test_traffic_is_that_of_test_traffic_cpp(self):
         basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
-        coarse = 32 * 8 * 103 + 40 * (8 * 1 + 8 * 15)
+        coarse = 32 * 8 * 100 + 40 * (8 * 1 + 8 * 15)
         heights = 4 * 4
         self.assertEqual(exchange_bytes(basin), 64 + 88 * 80 + heights + coarse)
         self.assertEqual(exchange_bytes(basin, filters=3), 64 + (88 + 28) * 80 + heights + coarse)
@@ -154,7 +154,7 @@ class Model(unittest.TestCase):
         basin = Basin(length=34, width=8, depth=10, air=6)
         slabs_beside, within, across = 2 * 1 * 4, 2 * 1 * 17, 4  # rows of planes, 2 slabs of 2 parts
         around, upper = slabs_beside + within + across, slabs_beside / 2 + within / 2 + across / 4
-        size = around * (32 + 88 * 40 + 4 + 8 * 824 + 112 * 10) + upper * 56 * 10 + slabs_beside * 80
+        size = around * (32 + 88 * 40 + 4 + 8 * 800 + 112 * 10) + upper * 56 * 10 + slabs_beside * 80
         size += (within + across) * (72 * 8 + 25 * 10)
         self.assertEqual(traffic(basin, Block(2, 2, 17, 4, 2, 2, True)), (size, 12 * (11 + 7 + 14) + 5 * 7 + 4 + 8 * 5))
 
