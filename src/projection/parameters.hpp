@@ -16,9 +16,10 @@ constexpr Real tent = 0.25;
 /// Added to the variance of positions in a fit, cells²: particles in a plane or on a line have no gradient across it.
 constexpr Real fit_damping = 1e-3;
 /// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
-/// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end along each
-/// axis, back on its path, cells. Cut off along each axis for itself, the place of volume left the path, and water in a
-/// cylinder of R = 20 s lost 4.1 % of its angular momentum in a turn at 1/60 s for 1.9 %. With 0.5 jets rise too high.
+/// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end along
+/// each axis, back on its path, cells. Cut off along each axis for itself, the place of volume left the path, and water
+/// in a cylinder of R = 20 s lost 4.1 % of its angular momentum in a turn at 1/60 s for 1.9 %. With 0.5 jets rise too
+/// high.
 constexpr Real max_half_path = 0.5, max_path = 0.25;
 /// Least weight, particles, of the linear mean at a face; with less there is hardly any water, and the fits themselves
 /// say how the face moves.

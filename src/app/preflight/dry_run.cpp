@@ -26,9 +26,10 @@ namespace trevi {
 
 namespace {
 
-// Bytes that the solver keeps for a particle with a full neighbourhood, for a ghost, and for a cell of the box.
+// Bytes that the solver keeps for a particle with a full neighbourhood, those of it in which the projection has its
+// cells before the search (base/scratch.hpp), and for a ghost, and for a cell of the box.
 struct BytesEach {
-  double owned, ghost, cell;
+  double owned, lent, ghost, cell;
 };
 
 BytesEach bytes_each(const Scene& scene) {
@@ -36,10 +37,10 @@ BytesEach bytes_each(const Scene& scene) {
   const double quad = single ? 16 : 32;
   // Neighbours per particle: those in a ball of radius h without itself, less a twentieth for walls and surfaces.
   const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
-  double owned = 3 * 24 + 8;       // positions, velocity, id
-  owned += 8 + 2 * 4;              // sorting
-  owned += quad + 13 + 2 * pairs;  // record, list
-  owned += 8 + quad;               // rho, delta
+  double owned = 3 * 24 + 8;                      // positions, velocity, id
+  owned += 8 + 2 * 4;                             // sorting
+  const double lent = 2 * quad + 13 + 2 * pairs;  // record, delta, list
+  owned += lent + 8;                              // and rho
   double ghost = quad;
   double cell = 2 * 4;  // counts and starts
   if (scene.density.method == Method::chebyshev) owned += quad / 4;
@@ -50,7 +51,7 @@ BytesEach bytes_each(const Scene& scene) {
     owned += quad, ghost += quad;  // velocities, which both use
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
   if (scene.output.series) owned += 24;  // positions at the search, for the drift
-  return {owned, ghost, cell};
+  return {owned, lent, ghost, cell};
 }
 
 // Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
@@ -104,7 +105,8 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     // The coarse grid has a ring of empty cells around each plane.
     const double cells = (own.rows.size() + 2.0) * (grid.columns() + 2.0) * (planes + 2);
     const double coarse = coarse_bytes(scene, grid) * (planes + 2) * (own.rows.size() + 2.0) / (grid.rows() + 2.0);
-    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + coarse;
+    const double more = std::max(coarse - owned * bytes.lent, 0.0);
+    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + more;
     const std::string rows = slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
     text += fmt::format("  rank {:<4} planes {} to {}{}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
                         own.planes.begin, own.planes.end - 1, rows, owned, ghosts, owned > 0 ? 100 * ghosts / owned : 0,
