@@ -157,7 +157,7 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
 
 // At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
 // asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
-// closed face beyond takes the linear continuation.
+// closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it.
 void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
@@ -188,7 +188,7 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
     const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
     FacePair& pair = faces[a];
     const bool low = pair.low_closed && !pair.low_wall, high = pair.high_closed && !pair.high_wall;
-    const bool from_open = a < 2 && (low ? !pair.high_closed : !pair.low_closed);
+    const bool from_open = a < 2 && !cuts.floats(at) && (low ? !pair.high_closed : !pair.low_closed);
     const auto beyond = [&](Real open, std::size_t open_face) {
       if (!from_open) return along;
       return open + (along - open) / std::clamp(cuts.open(at) / cuts.face(a, open_face), min_distance, 1.0);

@@ -266,7 +266,7 @@ class Outputs(ProgramTest):
             used = report["bytes_per_particle"] * report["particles"] / 1e6
             # Told is what disordered water needs, whose lists are longer than those of this lattice at rest.
             self.assertGreater(megabytes / used, 0.97, f"{megabytes} MB told, {used} MB used")
-            self.assertLess(megabytes / used, 1.12, f"{megabytes} MB told, {used} MB used")
+            self.assertLess(megabytes / used, 1.2, f"{megabytes} MB told, {used} MB used")
 
     def test_dry_run_of_a_scene_too_large_for_the_machine(self):
         depth = ["--set", "particles.0.max=[6.0, 4.0, 12000.0]", "--set", "domain.max=[6.0, 4.0, 12000.0]"]
