@@ -70,7 +70,8 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
     if (!is_wet(at)) {
       standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {
-      const Real area = cuts() != nullptr && cuts()->floats(at) ? open(at) : 1;  // on which it stands
+      const bool beside_body = cuts() != nullptr && cuts()->floats(at) && !is_solid(at);
+      const Real area = beside_body ? open(at) : 1;  // on which it stands
       const Real more = standing ? std::clamp(excess / area, -max_excess, max_excess) : 0;
       height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
     } else {

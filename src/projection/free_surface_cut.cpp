@@ -110,7 +110,7 @@ Real FreeSurface::level_beside(const Place& place) const {
       weight += wide;
     }
   }
-  return weight > 0 ? std::clamp(sum / weight, 0.05, 1.0) : height_[at];
+  return weight > 0 ? std::clamp(sum / weight, min_height, 1.0) : height_[at];
 }
 
 bool FreeSurface::is_small(std::size_t at) const { return cuts()->open(at) > 0 && cuts()->open(at) < small_cell; }

@@ -1,5 +1,7 @@
 // Waves in a small tank: they have the height of theory, nothing leaks at the paddle, bits do not know the ranks, a
 // restart is exact, and a paddle absorbs what comes back to it.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -122,18 +124,19 @@ TEST_F(WaveTank, ARestartIsExact) {
 }
 
 // The first mode of a tank of half a wavelength: what the paddle takes in does not come back, so that a tenth is left
-// after four periods; a wall keeps more than half.
+// after four periods; a wall keeps more than half. In the mean of three places of the paddle within the cells.
 TEST_F(WaveTank, APaddleAbsorbsWhatComesBack) {
-  const std::string text = R"scene(
+  const auto tank = [](Real position) {
+    return fmt::format(R"scene(
 [domain]
 min = [0, 0, 0]
-max = [2.1, 0.4, 1.4]
+max = [{0}, 0.4, 1.4]
 [fluid]
 spacing = 0.1
 [[particles]]
 min = [0, 0, 0]
-max = [2.1, 0.4, 1.0]
-surface = "0.7 + 0.1*cos(pi*(x - 0.6)/1.5)"
+max = [{0}, 0.4, 1.0]
+surface = "0.7 + 0.1*cos(pi*(x - {1})/1.5)"
 [time]
 dt = 0.0166666666666666667
 end = 30
@@ -141,16 +144,18 @@ end = 30
 [output.gauges]
 [[gauge]]
 type = "height"
-center = [2.0, 0.2, 0]
+center = [{2}, 0.2, 0]
 [[wavemaker]]
 type = "piston"
 height = 1e-6
 period = 1.46
 depth = 0.7
-position = 0.6
-)scene";
-  const auto swing = [&](bool absorb) {
-    Scene scene = parse_scene("test.toml", text, {});
+position = {1}
+)scene",
+                       position + 1.5, position, position + 1.4);
+  };
+  const auto swing = [&](Real position, bool absorb) {
+    Scene scene = parse_scene("test.toml", tank(position), {});
     scene.obstacles.front().wavemaker->absorb = absorb;
     auto solver = make_solver(world, scene, initial_particles(world, scene), {});
     GaugeReadings readings(world, scene);
@@ -164,7 +169,8 @@ position = 0.6
     }
     return (high - low) / 2;
   };
-  const Real left = swing(true), kept = swing(false);
+  Real left = 0, kept = 0;
+  for (const Real position : {0.5, 0.56, 0.6}) left += swing(position, true) / 3, kept += swing(position, false) / 3;
   if (rank_of(world) == 0) std::printf("left of 0.1 m: %.4f with absorption, %.4f without\n", left, kept);
   EXPECT_LT(left, 0.25 * kept);
 }
