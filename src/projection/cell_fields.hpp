@@ -226,4 +226,43 @@ class PlanesOnce {
   std::vector<char> found_;
 };
 
+/// What is found for the rows of planes, work(state, k, r), and how it travels to the neighbours.
+template <class Work, class Send>
+struct PlaneStage {
+  Work work;
+  Send send;
+};
+
+/// Two stages in memory of few planes (ProjectionGrid::storage_rolling()), of which the second needs what the first has
+/// found of the planes around, and then use(planes) for runs of own planes, one after the other, of which the second
+/// has found those around, too, but for what neighbours have sent, which is there after halo.finish(). What other ranks
+/// need is first; as planes at the ends do not share memory, it may be. Collective.
+template <class State, class First, class Second, class Use>
+void for_each_plane_in_turn(const ProjectionGrid& grid, Halo& halo, const First& first, const Second& second,
+                            const Use& use) {
+  const LocalId last = grid.planes(), step = grid.rolling_planes();
+  if (grid.rows_are_cut()) {
+    for_each_row_and_send<State>(grid, halo, first.work, first.send);
+    for_each_row_and_send<State>(grid, halo, second.work, second.send);
+    return use(Range{1, last + 1});
+  }
+  PlanesOnce<State, decltype(first.work)> firsts(grid, first.work);
+  PlanesOnce<State, decltype(second.work)> seconds(grid, second.work);
+  if (halo.has_neighbours()) {
+    firsts.find_at_ends(1);
+    first.send();
+    firsts.find_at_ends(2);
+    halo.finish();
+    seconds.find_at_ends(1);
+    second.send();
+  }
+  for (LocalId begin = 1; begin <= last; begin += step) {
+    const LocalId end = std::min(begin + step, last + 1);
+    firsts.find({begin, end + 2});
+    seconds.find({begin, end + 1});
+    use(Range{begin, end});
+  }
+  halo.finish();
+}
+
 }  // namespace trevi

@@ -37,33 +37,14 @@ void GridToParticles::prepare(Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface_.grid();
   if (surface_.cuts() != nullptr) cut_fit_.borrow_briefly(grid.scratch(), grid.storage());
   noise_.borrow_briefly(grid.scratch(), grid.storage_rolling());
-  const auto find = [&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); };
-  const auto fit = [&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); };
-  const auto send = [&] {
-    noise_fit_.start(halo);
-    if (surface_.cuts() != nullptr) cut_fit_.start(halo);
-  };
-  if (grid.rows_are_cut()) {
-    for_each_row_and_send<TentMemory>(grid, halo, noise_, find);
-    for_each_row_and_send<TentMemory>(grid, halo, fit, send);
-    return noise_.give_back();
-  }
-  PlanesOnce<TentMemory, decltype(find)> noise(grid, find);
-  PlanesOnce<TentMemory, decltype(fit)> fits(grid, fit);
-  if (halo.has_neighbours()) {
-    noise.find_at_ends(1);
-    noise_.start(halo);
-    noise.find_at_ends(2);
-    halo.finish();
-    fits.find_at_ends(1);
-    send();
-  }
-  const LocalId planes = grid.rolling_planes();
-  for (LocalId begin = 1; begin <= grid.planes(); begin += planes) {
-    noise.find({begin, begin + planes + 1});
-    fits.find({begin, begin + planes});
-  }
-  halo.finish();
+  const PlaneStage noise{[&](TentMemory& memory, LocalId k, LocalId r) { find_noise(memory, k, r); },
+                         [&] { noise_.start(halo); }};
+  const PlaneStage fits{[&](TentMemory& memory, LocalId k, LocalId r) { fit_noise(memory, k, r); },
+                        [&] {
+                          noise_fit_.start(halo);
+                          if (surface_.cuts() != nullptr) cut_fit_.start(halo);
+                        }};
+  for_each_plane_in_turn<TentMemory>(grid, halo, noise, fits, [](Range) {});
   noise_.give_back();
 }
 

@@ -4,37 +4,15 @@ namespace trevi {
 
 using namespace projection;
 
-// Planes whose sums and fits other ranks need are first; as they do not share memory, they may be.
 void ShiftFilter::for_each_plane(Halo& halo, const Input& input, const std::function<void(Range)>& use) {
-  const ProjectionGrid& grid = surface_.grid();
-  const LocalId last = grid.planes(), step = grid.rolling_planes();
-  struct Nothing {};
-  const auto sum = [&](Nothing, LocalId k, LocalId r) { sum_row(input, k, r); };
-  const auto fit = [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); };
   borrow();
-  if (grid.rows_are_cut()) {
-    for_each_row_and_send<Nothing>(grid, halo, sums_, sum);
-    for_each_row_and_send<TentMemory>(grid, halo, fit_, fit);
-    use({1, last + 1});
-    return give_back();
-  }
-  PlanesOnce<Nothing, decltype(sum)> sums(grid, sum);
-  PlanesOnce<TentMemory, decltype(fit)> fits(grid, fit);
-  if (halo.has_neighbours()) {
-    sums.find_at_ends(1);
-    sums_.start(halo);
-    sums.find_at_ends(2);
-    halo.finish();
-    fits.find_at_ends(1);
-    fit_.start(halo);
-  }
-  for (LocalId begin = 1; begin <= last; begin += step) {
-    const LocalId end = std::min(begin + step, last + 1);
-    sums.find({begin, end + 2});
-    fits.find({begin, end + 1});
-    if (begin == 1) halo.finish();
-    use({begin, end});
-  }
+  const PlaneStage sums{[&](TentMemory&, LocalId k, LocalId r) { sum_row(input, k, r); }, [&] { sums_.start(halo); }};
+  const PlaneStage fits{[&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); },
+                        [&] { fit_.start(halo); }};
+  for_each_plane_in_turn<TentMemory>(surface_.grid(), halo, sums, fits, [&](Range planes) {
+    if (planes.begin == 1) halo.finish();
+    use(planes);
+  });
   give_back();
 }
 

@@ -26,10 +26,10 @@ namespace trevi {
 
 namespace {
 
-// Bytes that the solver keeps for a particle with a full neighbourhood, those of it in which the projection has its
-// cells before the search (base/scratch.hpp), and for a ghost, and for a cell of the box.
+// Bytes that the solver keeps for a particle with a full neighbourhood, what the stages of its step borrow of that
+// (base/scratch.hpp), and for a ghost, and for a cell of the box.
 struct BytesEach {
-  double owned, lent, ghost, cell;
+  double owned, borrowed, ghost, cell;
 };
 
 BytesEach bytes_each(const Scene& scene) {
@@ -37,21 +37,21 @@ BytesEach bytes_each(const Scene& scene) {
   const double quad = single ? 16 : 32;
   // Neighbours per particle: those in a ball of radius h without itself, less a twentieth for walls and surfaces.
   const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
-  double owned = 3 * 24 + 8;                      // positions, velocity, id
-  owned += 8 + 2 * 4;                             // sorting
-  const double lent = 2 * quad + 13 + 2 * pairs;  // record, delta, list
-  owned += lent + 8;                              // and rho
+  const bool filters = scene.vorticity || scene.viscosity || scene.kinematic_viscosity;
+  double owned = 3 * 24 + 8 + quad;  // positions, velocity, id; record
   double ghost = quad;
-  double cell = 2 * 4;  // counts and starts
-  if (scene.density.method == Method::chebyshev) owned += quad / 4;
+  double cell = 2 * 4;       // counts and starts
+  double sweeps = 8 + quad;  // rho, delta
+  if (scene.density.method == Method::chebyshev) sweeps += quad / 4;
   if (scene.density.coarse_grid)
-    owned += 2 * quad / 4 + (scene.density.tolerance ? 8 : 0);  // what the sweeps are told, and densities that they saw
-  if (scene.vorticity && scene.vorticity_form == VorticityForm::projected) owned += 24;  // velocities before it
-  if (scene.vorticity || scene.viscosity || scene.kinematic_viscosity)
-    owned += quad, ghost += quad;  // velocities, which both use
+    sweeps += 2 * quad / 4 + (scene.density.tolerance ? 8 : 0);  // what they are told, and densities that they saw
+  // Velocities, curls, and velocities before them.
+  const double filtering = filters ? 2 * quad + 24 : 0;
+  if (filters) ghost += quad;
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
-  if (scene.output.series) owned += 24;  // positions at the search, for the drift
-  return {owned, lent, ghost, cell};
+  if (scene.output.series) owned += 24;                                  // positions at the search, for the drift
+  const double borrowed = 13 + 2 * pairs + std::max(sweeps, filtering);  // with the list
+  return {owned + borrowed, borrowed, ghost, cell};
 }
 
 // Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
@@ -105,7 +105,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     // The coarse grid has a ring of empty cells around each plane.
     const double cells = (own.rows.size() + 2.0) * (grid.columns() + 2.0) * (planes + 2);
     const double coarse = coarse_bytes(scene, grid) * (planes + 2) * (own.rows.size() + 2.0) / (grid.rows() + 2.0);
-    const double more = std::max(coarse - owned * bytes.lent, 0.0);
+    const double more = std::max(coarse - owned * bytes.borrowed, 0.0);  // the projection has no list yet
     const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + more;
     const std::string rows = slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
     text += fmt::format("  rank {:<4} planes {} to {}{}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
