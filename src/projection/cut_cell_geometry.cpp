@@ -169,10 +169,12 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
     }
     const Real open = clipped_cube(at(here), slope), closed = 1 - open;
     sum += open;
-    const SharesAlong &u = of_samples[0][static_cast<std::size_t>(here[1])],
-                      &v = of_samples[1][static_cast<std::size_t>(here[2])],
-                      w = shares_along(2, off_solid(sample(here[0]), at(here), slope[0]), place[2]);
-    for (std::size_t n = 0; n < shared.size() && open > 0; ++n) shared[n] += open * u[n / 9] * v[n / 3 % 3] * w[n % 3];
+    if (open > 0) {
+      const SharesAlong &u = of_samples[0][static_cast<std::size_t>(here[1])],
+                        &v = of_samples[1][static_cast<std::size_t>(here[2])],
+                        w = shares_along(2, off_solid(sample(here[0]), at(here), slope[0]), place[2]);
+      for (std::size_t n = 0; n < shared.size(); ++n) shared[n] += open * u[n / 9] * v[n / 3 % 3] * w[n % 3];
+    }
     if (!candidates.floats || closed == 0) continue;
     solid += closed;
     const std::array<Real, 3> off = middle_below(closed, slope);
