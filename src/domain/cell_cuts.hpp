@@ -11,7 +11,7 @@ namespace trevi {
 struct CellCuts {
   std::vector<LocalId> planes;  // the first plane of each slab, and one past the last of all
   int parts = 1;                // runs of rows of each slab
-  std::vector<LocalId> rows;    // for each slab the first row of each run, and the number of rows
+  std::vector<LocalId> rows;    // for each slab the first row of each run, and their number; 0 and 1 where parts is 1
 
   int slabs() const { return static_cast<int>(planes.size()) - 1; }
   int ranks() const { return slabs() * parts; }
@@ -19,6 +19,11 @@ struct CellCuts {
     const auto slab = static_cast<std::size_t>(rank / parts);
     const auto row = slab * (static_cast<std::size_t>(parts) + 1) + static_cast<std::size_t>(rank % parts);
     return {{planes[slab], planes[slab + 1]}, {rows[row], rows[row + 1]}};
+  }
+  /// The same of planes of `all_rows` rows, all of which belong to a slab that is not cut.
+  CellWindow window(int rank, LocalId all_rows) const {
+    const CellWindow cut = window(rank);
+    return {cut.planes, parts == 1 ? Range{0, all_rows} : cut.rows};
   }
   LocalId all_rows() const { return rows.back(); }
   bool operator==(const CellCuts&) const = default;

@@ -115,6 +115,8 @@ class Halo {
 
   bool has_neighbours() const { return !peers_.from.empty(); }
   bool rows_are_cut() const { return peers_.rows_are_cut; }
+  /// Those of the last rebuild().
+  const CellCuts& cuts() const { return cuts_; }
 
   /// Number of bytes and of messages sent by this rank since the beginning.
   std::int64_t bytes() const { return bytes_; }

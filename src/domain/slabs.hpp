@@ -35,10 +35,7 @@ class Slabs {
   LocalId first_plane(int rank) const { return cuts_.planes[slab(rank)]; }
   LocalId end_plane(int rank) const { return cuts_.planes[slab(rank) + 1]; }  ///< one past
   /// What a rank owns of planes of `rows` rows.
-  CellWindow window(int rank, LocalId rows) const {
-    const CellWindow window = cuts_.window(rank);
-    return {window.planes, parts() == 1 ? Range{0, rows} : window.rows};
-  }
+  CellWindow window(int rank, LocalId rows) const { return cuts_.window(rank, rows); }
   int slab_of(LocalId plane) const;
   int owner(LocalId plane, LocalId row) const;
   int owner(const CellGrid& grid, const Vec3& p) const { return owner(grid.plane_of(p), grid.row_of(p)); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
 
 #include "parallel/waiting.hpp"
 #include "trevi/session.hpp"
@@ -19,56 +20,41 @@ constexpr int sweeps = 2, coarsest_sweeps = 4;
 
 }  // namespace
 
-// From what each rank has: a slab ends with the rank whose rows are the last ones.
-void Multigrid::find_cuts(LocalId planes, LocalId rows, LocalId all_rows) {
-  const std::array<LocalId, 2> mine{planes, rows};
-  std::vector<std::array<LocalId, 2>> all(static_cast<std::size_t>(size_of(comm_)));
-  MPI_Allgather(mine.data(), 2, MPI_INT32_T, all.data(), 2, MPI_INT32_T, comm_);
-  cuts_ = {{0}, 0, {}};
-  LocalId row = 0;
-  int parts = 0;
-  for (const auto& [of_planes, of_rows] : all) {
-    cuts_.rows.push_back(row);
-    row += of_rows;
-    ++parts;
-    if (row < all_rows) continue;
-    cuts_.rows.push_back(row);
-    cuts_.planes.push_back(cuts_.planes.back() + of_planes);
-    cuts_.parts = parts;
-    row = parts = 0;
-  }
-}
-
-void Multigrid::resize(LocalId planes, LocalId rows, LocalId columns, int depth, const Rows& of_box) {
-  const CellCuts before = cuts_;
-  find_cuts(planes, rows, of_box.all_rows);
-  const LocalId all_planes = cuts_.planes.back();
+void Multigrid::resize(const CellCuts& cuts, LocalId rows, LocalId columns, int depth) {
+  const LocalId all_planes = cuts.planes.back();
   // Columns of the coarsest level are at least as wide as the water is deep.
-  const LocalId widest = std::max(all_planes, of_box.all_rows);
+  const LocalId widest = std::max(all_planes, rows);
   const auto useful = 1 + std::bit_width(static_cast<unsigned>(std::max(depth, 1)));
   const auto possible = 1 + std::bit_width(static_cast<unsigned>(widest - 1));
   const auto count = static_cast<std::size_t>(std::min(useful, possible));
-  const bool same_cuts = before == cuts_ && count == levels_.size();
+  const bool same_cuts = cuts == cuts_ && rows == all_rows_ && count == levels_.size();
+  if (!same_cuts) cuts_ = cuts;
+  all_rows_ = rows;
   levels_.resize(count);
-  const LocalId first = cuts_.window(rank_of(comm_)).planes.begin;
-  levels_[0].cells.resize({.first = first,
-                           .planes = planes,
-                           .rows = rows,
+  const CellWindow own = own_window(0);
+  levels_[0].cells.resize({.first = own.planes.begin,
+                           .planes = own.planes.size(),
+                           .rows = own.rows.size(),
                            .columns = columns,
                            .all_planes = all_planes,
                            .repeats = repeats_,
-                           .first_row = of_box.first_row,
-                           .all_rows = of_box.all_rows},
+                           .first_row = own.rows.begin,
+                           .all_rows = rows},
                           *scratch_);
   for (std::size_t l = 0; l < levels_.size(); ++l) place_level(l, same_cuts);
+}
+
+// The cells of a level that begin in the window of this rank.
+CellWindow Multigrid::own_window(std::size_t l) const {
+  return window_on_level(cuts_.window(rank_of(comm_), all_rows_), static_cast<int>(l));
 }
 
 // Where this rank stands on a level.
 void Multigrid::place_level(std::size_t l, bool same_cuts) {
   const int number = static_cast<int>(l);
   Level& level = levels_[l];
-  const CellWindow own = window_on_level(cuts_.window(rank_of(comm_)), number);
-  const LocalId planes = first_on_level(cuts_.planes.back(), number), rows = first_on_level(cuts_.all_rows(), number);
+  const CellWindow own = own_window(l);
+  const LocalId planes = first_on_level(cuts_.planes.back(), number), rows = first_on_level(all_rows_, number);
   const bool was_gathered = level.gathered;
   const LocalId columns = levels_[0].cells.shape().columns;
   level.gathered = l > 0 && (levels_[l - 1].gathered || GlobalId{planes} * rows * columns <= gathered_);
@@ -83,7 +69,7 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
                      .first_row = held.rows.begin,
                      .all_rows = rows};
     shape.width = LocalId{1} << number;
-    shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width, cuts_.all_rows() - (rows - 1) * shape.width};
+    shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width, all_rows_ - (rows - 1) * shape.width};
     level.cells.resize(shape, *scratch_);
   }
   if (!same_cuts || level.gathered != was_gathered) {
@@ -94,38 +80,33 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
     level.made = {{own.planes.begin + 1, own.planes.end + 1}, own.rows.size(), columns, own.rows.begin};
 }
 
-// Of fields of a gathered level: the cells of all ranks, in the order of the ranks. All fields go in one message.
+// Of fields of a gathered level: the cells of all ranks. All fields go in one reduction, in which each cell has the
+// bits that its owner gives it and zeros from all others: it takes rounds as the logarithm of the ranks, and nothing is
+// counted by rank.
 void Multigrid::gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fields) {
-  const MultigridLevel& cells = levels_[l].cells;
-  const std::size_t row = cells.shape().step(1);
-  const int ranks = size_of(comm_), mine = rank_of(comm_);
-  std::vector<int> counts, places;
-  int all = 0;
-  for (int r = 0; r < ranks; ++r) {
-    const CellWindow own = window_on_level(cuts_.window(r), static_cast<int>(l));
-    counts.push_back(own.planes.size() * own.rows.size() * static_cast<int>(row * fields.size()));
-    places.push_back(all);
-    all += counts.back();
-  }
-  const Borrowed<Real> packed_cells = scratch_->borrow<Real>(static_cast<std::size_t>(all));
-  // visit(where a row of a field is in it, and in the message) for those of a rank.
-  const auto for_each_row_of = [&](int r, const auto& visit) {
-    const CellWindow own = window_on_level(cuts_.window(r), static_cast<int>(l));
-    Real* packed = packed_cells.data() + places[static_cast<std::size_t>(r)];
+  const LevelShape& shape = levels_[l].cells.shape();
+  const std::size_t row = shape.step(1), rows = static_cast<std::size_t>(shape.rows);
+  const std::size_t of_field = static_cast<std::size_t>(shape.planes) * rows * row, all = of_field * fields.size();
+  Borrowed<Real> cells = scratch_->borrow<Real>(all);
+  cells.fill(0);
+  // visit(where a row of a field is in it, and in the reduction) for those of a window.
+  const auto for_each_row_of = [&](const CellWindow& window, const auto& visit) {
+    Real* packed = cells.data();
     for (auto* field : fields) {
-      for (LocalId k = own.planes.begin; k < own.planes.end; ++k) {
-        for (LocalId i = own.rows.begin; i < own.rows.end; ++i, packed += row)
-          visit(field->data() + cells.shape().index(k + 1, i, -1), packed);
+      for (LocalId k = window.planes.begin; k < window.planes.end; ++k) {
+        for (LocalId r = window.rows.begin; r < window.rows.end; ++r) {
+          const std::size_t place = static_cast<std::size_t>(k) * rows + static_cast<std::size_t>(r);
+          visit(field->data() + shape.index(k + 1, r, -1), packed + place * row);
+        }
       }
+      packed += of_field;
     }
   };
-  for_each_row_of(mine, [&](Real* in_field, Real* packed) { std::copy_n(in_field, row, packed); });
-  MPI_Request request;
-  MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, packed_cells.data(), counts.data(), places.data(), MPI_DOUBLE, comm_,
-                  &request);
-  wait_all({&request, 1});
-  for (int r = 0; r < ranks; ++r)
-    for_each_row_of(r, [&](Real* in_field, Real* packed) { std::copy_n(packed, row, in_field); });
+  for_each_row_of(own_window(l), [&](Real* in_field, Real* packed) { std::copy_n(in_field, row, packed); });
+  static_assert(sizeof(Real) == sizeof(std::uint64_t));
+  all_reduce(comm_, cells.data(), static_cast<int>(all), MPI_UINT64_T, MPI_BOR);
+  for_each_row_of({{0, shape.planes}, {0, shape.rows}},
+                  [&](Real* in_field, Real* packed) { std::copy_n(packed, row, in_field); });
 }
 
 // Fields of the coarse levels from those of the finest; and what levels do not know of their ghost planes.

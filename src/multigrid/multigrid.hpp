@@ -26,15 +26,8 @@ class Multigrid {
                      std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
       : scratch_(std::move(scratch)), comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
-  /// For own planes of `rows` x `columns` cells, with water `depth` cells deep. `first_row`, `all_rows`: where other
-  /// ranks have rows of the same planes, the number of the first own one, and of all; else 0 and `rows`.
-  struct Rows {
-    LocalId first_row = 0, all_rows = 0;
-  };
-  void resize(LocalId planes, LocalId rows, LocalId columns, int depth, const Rows& of_box);
-  void resize(LocalId planes, LocalId rows, LocalId columns, int depth) {
-    resize(planes, rows, columns, depth, {0, rows});
-  }
+  /// For the window of this rank in planes of `rows` x `columns` cells, with water `depth` cells deep. Not collective.
+  void resize(const CellCuts& cuts, LocalId rows, LocalId columns, int depth);
   /// Holds the equation and the start, phi with its ghost planes. Links are known in the plane above the own ones, too.
   /// Where the box repeats, halo exchanges are those of a ring.
   MultigridLevel& finest() { return levels_.front().cells; }
@@ -56,8 +49,8 @@ class Multigrid {
     CellRows made{};        // cells that this rank makes from the finer level
     bool gathered = false;  // all cells are on all ranks
   };
-  void find_cuts(LocalId planes, LocalId rows, LocalId all_rows);
   void place_level(std::size_t l, bool same_cuts);
+  CellWindow own_window(std::size_t l) const;
   void exchange(Level& level, Halo& halo, Borrowed<Real>& field) const;
   bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
   void join_levels(Halo& halo);
@@ -74,6 +67,7 @@ class Multigrid {
   Repeats repeats_;
   GlobalId gathered_;
   CellCuts cuts_;  // of the finest level
+  LocalId all_rows_ = 0;
   std::vector<Level> levels_ = std::vector<Level>(1);
 };
 

@@ -15,7 +15,7 @@ void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
-  multigrid_.resize(planes, grid.rows(), grid.columns(), step.depth, {grid.first_row(), grid.count(1)});
+  multigrid_.resize(halo.cuts(), grid.count(1), grid.columns(), step.depth);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
     multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
   });

@@ -72,27 +72,42 @@ void fill(MultigridLevel& cells, const Lake& lake, LocalId k, LocalId r, LocalId
   }
 }
 
-/// A solver of a communicator, with its planes of the lake.
+/// Own planes or rows of one of so many pieces: all the same, or as different as can be.
+LocalId size_of_piece(LocalId all, int kind, int piece, int pieces) {
+  if (kind == 0) return all * (piece + 1) / pieces - all * piece / pieces;
+  const int large = kind == 1 ? 0 : pieces - 1;
+  return piece == large ? all - (pieces - 1) : 1;
+}
+
+/// Slabs that `parts` ranks share, cut elsewhere in each.
+CellCuts cuts_of(const Lake& lake, int kind, int ranks, int parts = 1) {
+  const int slabs = ranks / parts;
+  CellCuts cuts{{0}, parts, {}};
+  for (int slab = 0; slab < slabs; ++slab) {
+    cuts.planes.push_back(cuts.planes.back() + size_of_piece(lake.planes, kind, slab, slabs));
+    cuts.rows.push_back(0);
+    for (int part = 0; part < parts; ++part) {
+      const LocalId rows = parts == 1 ? 1 : size_of_piece(lake.rows, (kind + slab) % 3, part, parts);
+      cuts.rows.push_back(cuts.rows.back() + rows);
+    }
+  }
+  return cuts;
+}
+
+/// A solver of a communicator, with its window of the lake.
 struct Tank {
-  Tank(MPI_Comm comm, const Lake& lake, LocalId own_planes, GlobalId gathered = 4096)
+  Tank(MPI_Comm comm, const Lake& lake, const CellCuts& cuts, GlobalId gathered = 4096)
       : halo(comm, lake.repeats[0]), multigrid(comm, lake.repeats, gathered) {
-    multigrid.resize(own_planes, lake.rows, lake.columns, lake.depth);
-    for (LocalId k = 0; k <= own_planes + 1; ++k)
-      for (LocalId r = 0; r < lake.rows; ++r)
-        for (LocalId c = 0; c < lake.columns; ++c) fill(multigrid.finest(), lake, k, r, c);
-  }
-  /// The same where ranks share slabs.
-  Tank(const Lake& lake, LocalId own_planes, const Range& rows, GlobalId gathered)
-      : halo(world, lake.repeats[0]), multigrid(world, lake.repeats, gathered) {
-    multigrid.resize(own_planes, rows.size(), lake.columns, lake.depth, {rows.begin, lake.rows});
-    for (LocalId k = 1; k <= own_planes; ++k)
-      for (LocalId r = 0; r < rows.size(); ++r)
-        for (LocalId c = 0; c < lake.columns; ++c) fill(multigrid.finest(), lake, k, r, c);
+    multigrid.resize(cuts, lake.rows, lake.columns, lake.depth);
     MultigridLevel& cells = multigrid.finest();
-    // What is beside the own cells comes from their owners, but for links of the plane above.
-    for (LocalId r = 0; r < rows.size(); ++r)
-      for (LocalId c = 0; c < lake.columns; ++c) fill(cells, lake, own_planes + 1, r, c);
+    // Where rows are cut what is beside the own cells comes from their owners, but for links of the plane above.
+    const LocalId first = cells.shape().rows_are_cut() ? 1 : 0;
+    for (LocalId k = first; k <= cells.shape().planes + 1; ++k)
+      for (LocalId r = 0; r < cells.shape().rows; ++r)
+        for (LocalId c = 0; c < lake.columns; ++c) fill(cells, lake, k, r, c);
   }
+  /// All of the lake on this rank.
+  explicit Tank(const Lake& lake) : Tank(MPI_COMM_SELF, lake, cuts_of(lake, 0, 1)) {}
   Halo halo;
   Multigrid multigrid;
 };
@@ -107,7 +122,7 @@ Real energy_norm(MultigridLevel& cells) {
 
 /// The largest share of an error that one of six cycles leaves.
 Real share_left(const Lake& lake) {
-  Tank run(MPI_COMM_SELF, lake, lake.planes);
+  Tank run(lake);
   MultigridLevel& cells = run.multigrid.finest();
   std::fill(cells.rhs.begin(), cells.rhs.end(), 0.0);
   run.multigrid.solve(run.halo, 0);
@@ -149,22 +164,14 @@ TEST(Multigrid, ACycleLeavesAQuarterOfAnErrorWhereTheBoxRepeats) {
 TEST(Multigrid, AFullBoxIsHarmless) {
   for (const LocalId planes : {1, 9}) {
     const Lake lake{planes, planes, 12, 12, 0, 0};
-    Tank run(MPI_COMM_SELF, lake, planes);
+    Tank run(lake);
     run.multigrid.solve(run.halo, 20);
     for (const Real phi : run.multigrid.finest().phi) EXPECT_LT(std::abs(phi), 1e4);
   }
 }
 
-/// Own planes of a rank: all the same, or as different as can be.
-LocalId planes_of_rank(LocalId planes, int kind, int rank = rank_of(world), int ranks = size_of(world)) {
-  if (kind == 0) return planes * (rank + 1) / ranks - planes * rank / ranks;
-  const int large = kind == 1 ? 0 : ranks - 1;
-  return rank == large ? planes - (ranks - 1) : 1;
-}
-
 void expect_same_as_alone(const Lake& lake, int kind, GlobalId gathered) {
-  const LocalId planes = planes_of_rank(lake.planes, kind);
-  Tank many(world, lake, planes, gathered), one(MPI_COMM_SELF, lake, lake.planes);
+  Tank many(world, lake, cuts_of(lake, kind, size_of(world)), gathered), one(lake);
   many.multigrid.solve(many.halo, 2);
   one.multigrid.solve(one.halo, 2);
   const MultigridLevel& mine = many.multigrid.finest();
@@ -173,13 +180,11 @@ void expect_same_as_alone(const Lake& lake, int kind, GlobalId gathered) {
   EXPECT_EQ(std::memcmp(mine.phi.data(), one.multigrid.finest().phi.data() + first * plane, values * sizeof(Real)), 0);
 }
 
-/// With slabs that `parts` ranks share, cut elsewhere in each.
 void expect_same_in_parts(const Lake& lake, int kind, GlobalId gathered, int parts) {
-  const int slab = rank_of(world) / parts, part = rank_of(world) % parts;
-  const LocalId planes = planes_of_rank(lake.planes, kind, slab, size_of(world) / parts);
-  Range rows{0, 0};
-  for (int k = 0; k <= part; ++k) rows = {rows.end, rows.end + planes_of_rank(lake.rows, (kind + slab) % 3, k, parts)};
-  Tank many(lake, planes, rows, gathered), one(MPI_COMM_SELF, lake, lake.planes);
+  const CellCuts cuts = cuts_of(lake, kind, size_of(world), parts);
+  const LocalId planes = cuts.window(rank_of(world)).planes.size();
+  const Range rows = cuts.window(rank_of(world)).rows;
+  Tank many(world, lake, cuts, gathered), one(lake);
   many.multigrid.solve(many.halo, 2);
   one.multigrid.solve(one.halo, 2);
   const MultigridLevel &mine = many.multigrid.finest(), &all = one.multigrid.finest();
@@ -233,11 +238,11 @@ TEST(Multigrid, SameBitsOnOneThreadAndFour) {
   const int before = thread_count();
   const Lake lake{40, 30, 40, 36, 12, 0.1};
   use_threads(1);
-  Tank one(MPI_COMM_SELF, lake, lake.planes);
+  Tank one(lake);
   one.multigrid.solve(one.halo, 2);
   for (const int threads : {2, 4}) {
     use_threads(threads);
-    Tank many(MPI_COMM_SELF, lake, lake.planes);
+    Tank many(lake);
     many.multigrid.solve(many.halo, 2);
     EXPECT_TRUE(std::ranges::equal(many.multigrid.finest().phi, one.multigrid.finest().phi));
   }

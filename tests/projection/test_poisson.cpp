@@ -67,7 +67,7 @@ Real order_of(const char* what, const std::vector<Real>& errors) {
 Real interior_error(LocalId cells) {
   const Real size = 1.0 / cells, link = 1 / (size * size);
   Multigrid multigrid(world);
-  multigrid.resize(cells, cells, cells, cells);
+  multigrid.resize({{0, cells}, 1, {0, 1}}, cells, cells, cells);
   MultigridLevel& finest = multigrid.finest();
   const auto middle = [&](LocalId i) { return pi * (i + 0.5) * size; };
   const auto exact = [&](LocalId k, LocalId r, LocalId c) {
