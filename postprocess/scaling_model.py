@@ -19,7 +19,7 @@ FIELD_EXCHANGES = 1 + 4 + 2  # heights of the water; moments, fits, noise and it
 # Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2
 REDUCTIONS = 4  # depth of the water, guard, two migrations
-GATHERS = 2 + CYCLES  # of the multigrid: cuts, links, and a right-hand side in each cycle
+GATHERS = 1 + CYCLES  # of the multigrid, as reductions: four fields of the equation, and a right-hand side in each cycle
 LOOPS = 57  # of a step that threads share, without those of the levels of the multigrid
 PARTICLE_BYTES, GHOST_BYTES = 300, 45  # of a ghost: record, and an eighth of a coarse cell
 LOOK = 10  # steps between two looks at the balance
@@ -205,12 +205,14 @@ def windows(basin, shape, costs, threads=1, node=Node()):
     # Memory is busy while all threads are.
     busy = particles * costs.particle * share(block.planes * block.rows, threads)
     memory = particles * costs.traffic * node.ranks / node.memory
+    gathered = 8 * GATHERED_CELLS * (4 + CYCLES) / costs.bandwidth * rounds  # at most
     look = (8 * planes / costs.bandwidth + rounds * costs.latency) / LOOK if ranks > 1 else 0
     (sent, count), (out, _) = traffic(basin, block), traffic(basin, of_node)
     return Step(max(busy, memory - coarse), particles * costs.by_planes * share(block.planes, threads),
                 particles * (costs.serial + (costs.migration if ranks > 1 else 0)), coarse,
                 forks + (LOOPS * costs.fork * threads if threads > 1 else 0), count * costs.latency,
-                max(sent / node.between, out / costs.bandwidth), (REDUCTIONS + GATHERS) * rounds * costs.reduction + look)
+                max(sent / node.between, out / costs.bandwidth),
+                (REDUCTIONS + GATHERS) * rounds * costs.reduction + gathered + look)
 
 
 def slabs(basin, ranks, costs, threads=1, node=Node()):
