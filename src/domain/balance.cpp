@@ -40,6 +40,19 @@ Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, Lo
   return work_of(list, order.owned_range(k, l));
 }
 
+void cut_rows(MPI_Comm comm, std::span<const Real> weights, int parts, Slabs& slabs) {
+  const std::vector<LocalId> mine = weights.empty() ? std::vector<LocalId>{} : even_cuts(weights, parts);
+  std::vector<int> counts(static_cast<std::size_t>(size_of(comm)), 0), places(counts.size(), 0);
+  for (int slab = 0; slab < slabs.slabs(); ++slab) {
+    counts[static_cast<std::size_t>(slab * parts)] = parts + 1;
+    places[static_cast<std::size_t>(slab * parts)] = slab * (parts + 1);
+  }
+  std::vector<LocalId> rows(static_cast<std::size_t>(slabs.slabs()) * (static_cast<std::size_t>(parts) + 1));
+  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_INT32_T, rows.data(), counts.data(), places.data(),
+                 MPI_INT32_T, comm);
+  slabs.set_rows(std::move(rows), parts);
+}
+
 // Whole numbers, so that no order of a sum is seen.
 std::vector<Real> Balance::work_of_planes(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const {
   std::vector<Real> mine;
@@ -86,24 +99,15 @@ std::vector<Real> Balance::work_of_rows(const CellOrder& order, const NeighbourL
 Real Balance::cut_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now, Slabs& next) const {
   const int parts = now.parts();
   const std::vector<Real> work = work_of_rows(order, list, now, next);
-  std::vector<LocalId> mine(static_cast<std::size_t>(work.empty() ? 0 : parts + 1));
-  Real most = 0, sum = 0;
+  trevi::cut_rows(comm_, work, parts, next);
+  Real most = 0;
   if (!work.empty()) {
-    mine = even_cuts(work, parts);
-    for (std::size_t q = 0; q + 1 < mine.size(); ++q)
-      most = std::max(most, std::accumulate(work.begin() + mine[q], work.begin() + mine[q + 1], 0.0));
-    sum = std::accumulate(work.begin(), work.end(), 0.0);
+    for (int rank = rank_of(comm_); rank < rank_of(comm_) + parts; ++rank) {
+      const Range rows = next.window(rank, order.grid().rows()).rows;
+      most = std::max(most, std::accumulate(work.begin() + rows.begin, work.begin() + rows.end, 0.0));
+    }
   }
-  std::vector<int> counts(static_cast<std::size_t>(now.ranks()), 0), places(counts.size(), 0);
-  for (int slab = 0; slab < now.slabs(); ++slab) {
-    counts[static_cast<std::size_t>(slab * parts)] = parts + 1;
-    places[static_cast<std::size_t>(slab * parts)] = slab * (parts + 1);
-  }
-  std::vector<LocalId> rows(static_cast<std::size_t>(now.slabs()) * (static_cast<std::size_t>(parts) + 1));
-  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_INT32_T, rows.data(), counts.data(), places.data(),
-                 MPI_INT32_T, comm_);
-  next.set_rows(std::move(rows), parts);
-  return imbalance_of(most, sum, now.ranks());
+  return imbalance_of(most, std::accumulate(work.begin(), work.end(), 0.0), now.ranks());
 }
 
 // From the most work that this rank knows a rank to have, and from the work that it sees to.

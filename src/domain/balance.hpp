@@ -22,6 +22,10 @@ Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, Lo
 /// The same of owned particles.
 Real work_of(const NeighbourList& list, Range particles);
 
+/// Cuts each slab into `parts` runs of rows, so that the largest weight of a run is as small as can be. `weights`: on
+/// the first rank of each slab those of its rows, on others nothing. Collective.
+void cut_rows(MPI_Comm comm, std::span<const Real> weights, int parts, Slabs& slabs);
+
 class Balance {
  public:
   static constexpr std::int64_t interval = 10;  ///< steps between two looks at the weights

@@ -183,26 +183,25 @@ std::vector<Real> block_weights(MPI_Comm comm, const Scene& scene, const CellGri
   return {count.begin(), count.end()};
 }
 
-// The same in each row of each slab.
-std::vector<Real> block_weights_of_rows(MPI_Comm comm, const Sources& sources, const Slabs& slabs) {
+// The same in each row of slabs, of the layers that are this rank's turn.
+void add_block_weights(MPI_Comm comm, const Sources& sources, const Slabs& slabs, RowWeights& weights) {
   const CellGrid& grid = sources.grid;
   const auto rows = static_cast<std::size_t>(grid.rows());
-  std::vector<GlobalId> count(static_cast<std::size_t>(slabs.slabs()) * rows, 0);
   const int rank = rank_of(comm), ranks = size_of(comm);
   all_or_none(comm, [&] {
     for_each_block(sources.scene, sources.places, sources.files.first_id, [&](const Block& block) {
       for_each_layer(block.lattice, grid, [&](GlobalId layer, LocalId plane) {
         if (layer % ranks != rank) return;
-        GlobalId* const of_slab = &count[static_cast<std::size_t>(slabs.slab_of(plane)) * rows];
+        std::vector<Real>& of_slab = weights[slabs.slab_of(plane)];
+        of_slab.resize(rows);
         for_each_point(block.lattice, grid.slab_axis(), layer, [&](GlobalId i, GlobalId j, GlobalId k) {
           const Vec3 point = block.lattice.point(i, j, k);
-          of_slab[grid.row_of(point)] += block.start.is_whole() || block.start.holds_water(point) ? 1 : 0;
+          of_slab[static_cast<std::size_t>(grid.row_of(point))] +=
+              block.start.is_whole() || block.start.holds_water(point) ? 1 : 0;
         });
       });
     });
   });
-  count = sum_over_ranks(comm, count);
-  return {count.begin(), count.end()};
 }
 
 // The same with particles from files, which may be on any rank.
@@ -215,9 +214,9 @@ CellWeights source_weights(MPI_Comm comm, const Sources& sources) {
     throw InputError(scene.path +
                      ": [[particles]]: no particle is left outside of the obstacles and below the surface; move them");
   return {std::move(weights), [=, &sources](const Slabs& slabs) {
-            std::vector<Real> rows = row_weights(comm, sources.grid, slabs, sources.files.particles);
-            const std::vector<Real> of_blocks = block_weights_of_rows(comm, sources, slabs);
-            for (std::size_t k = 0; k < rows.size(); ++k) rows[k] += of_blocks[k];
+            RowWeights rows;
+            add_row_weights(sources.grid, slabs, sources.files.particles, rows);
+            add_block_weights(comm, sources, slabs, rows);
             return rows;
           }};
 }
@@ -230,7 +229,7 @@ Slabs initial_slabs(MPI_Comm comm, const Scene& scene, const CellGrid& grid, std
   const Sources sources{scene, grid, places, files};
   const CellWeights of_cells = source_weights(comm, sources);
   weights = of_cells.planes;
-  return slabs_of(scene, grid, of_cells, size_of(comm));
+  return slabs_of(comm, scene, grid, of_cells);
 }
 
 Particles initial_particles(MPI_Comm comm, const Scene& scene) {
@@ -239,7 +238,7 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
   FileParticles files = read_files(comm, scene, places);
   const Sources sources{scene, grid, places, files};
   const CellWeights weights = source_weights(comm, sources);
-  const Slabs slabs = slabs_of(scene, grid, weights, size_of(comm));
+  const Slabs slabs = slabs_of(comm, scene, grid, weights);
   Particles particles = std::move(files.particles);
   migrate(comm, particles, &Particles::position, grid, slabs);
   const CellWindow own = slabs.window(rank_of(comm), grid.rows());
@@ -279,8 +278,12 @@ Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows row
   }
   if (!particles.has_hue) particles.hue.clear();
   const CellGrid grid = cell_grid(scene, scene.domain);
-  const auto of_rows = [&](const Slabs& slabs) { return row_weights(comm, grid, slabs, particles); };
-  slabs_of(scene, grid, {plane_weights(comm, grid, particles), of_rows}, size_of(comm));  // refuses what cannot be
+  const auto of_rows = [&](const Slabs& slabs) {
+    RowWeights weights;
+    add_row_weights(grid, slabs, particles, weights);
+    return weights;
+  };
+  slabs_of(comm, scene, grid, {plane_weights(comm, grid, particles), of_rows});  // refuses what cannot be
   return particles;
 }
 

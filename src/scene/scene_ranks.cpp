@@ -35,10 +35,10 @@ void read_ranks(Section& domain, Scene& scene) {
   scene.ranks = ranks;
 }
 
-Slabs slabs_of(const Scene& scene, const CellGrid& grid, const CellWeights& weights, int ranks) {
+Slabs slabs_of(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const CellWeights& weights) {
   told_at(scene, method_key, [&] { check_unknowns(scene, weights.planes); });
   const bool shaped = scene.ranks || scene.ranks_by_model;
-  return told_at(scene, shaped ? ranks_key : box_key, [&] { return first_slabs(scene, grid, weights, ranks); });
+  return told_at(scene, shaped ? ranks_key : box_key, [&] { return first_slabs(comm, scene, grid, weights); });
 }
 
 }  // namespace trevi

@@ -11,6 +11,6 @@ void read_ranks(Section& domain, Scene& scene);
 
 /// first_slabs() for a scene: its InputErrors name the file, and the line and key that the number of ranks goes
 /// against.
-Slabs slabs_of(const Scene& scene, const CellGrid& grid, const CellWeights& weights, int ranks);
+Slabs slabs_of(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const CellWeights& weights);
 
 }  // namespace trevi

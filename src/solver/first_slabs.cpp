@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "domain/balance.hpp"
+#include "parallel/waiting.hpp"
 #include "particles/packed.hpp"
 #include "solver/ranks_by_model.hpp"
 #include "trevi/error.hpp"
@@ -66,18 +68,50 @@ std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Parti
   return weights;
 }
 
-std::vector<Real> row_weights(MPI_Comm comm, const CellGrid& grid, const Slabs& slabs, const Particles& particles) {
+void add_row_weights(const CellGrid& grid, const Slabs& slabs, const Particles& particles, RowWeights& weights) {
   const auto rows = static_cast<std::size_t>(grid.rows());
-  std::vector<Real> weights(static_cast<std::size_t>(slabs.slabs()) * rows, 0.0);
   for (const Vec3& p : particles.position) {
-    const auto slab = static_cast<std::size_t>(slabs.slab_of(grid.plane_of(p)));
-    weights[slab * rows + static_cast<std::size_t>(grid.row_of(p))] += 1;
+    std::vector<Real>& of_slab = weights[slabs.slab_of(grid.plane_of(p))];
+    of_slab.resize(rows);
+    of_slab[static_cast<std::size_t>(grid.row_of(p))] += 1;
   }
-  MPI_Allreduce(MPI_IN_PLACE, weights.data(), static_cast<int>(weights.size()), MPI_DOUBLE, MPI_SUM, comm);
-  return weights;
 }
 
-Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks) {
+namespace {
+
+void check_parts(const CellGrid& grid, int parts) {
+  if (parts <= grid.rows()) return;
+  throw InputError(
+      fmt::format("planes have {} rows of cells, fewer than the {} parts of a slab; use at most {} parts, another "
+                  "[domain] slab_axis, or a smaller kernel_radius",
+                  grid.rows(), parts, grid.rows()));
+}
+
+// The sums of all ranks' weights of the rows of a slab, on its first rank; nothing on others. Whole numbers, so that no
+// order is seen.
+std::vector<Real> sum_at_slabs(MPI_Comm comm, const RowWeights& given, int parts, LocalId rows) {
+  std::vector<int> sent(static_cast<std::size_t>(size_of(comm)), 0);
+  std::vector<MPI_Request> requests;
+  for (const auto& [slab, weights] : given) {
+    sent[static_cast<std::size_t>(slab * parts)] = 1;
+    MPI_Isend(weights.data(), rows, MPI_DOUBLE, slab * parts, 0, comm, &requests.emplace_back());
+  }
+  int count = 0;
+  MPI_Reduce_scatter_block(sent.data(), &count, 1, MPI_INT, MPI_SUM, comm);
+  const bool is_first = rank_of(comm) % parts == 0;
+  std::vector<Real> sum(static_cast<std::size_t>(is_first ? rows : 0), 0.0), one(sum.size());
+  for (int k = 0; k < count; ++k) {
+    MPI_Recv(one.data(), rows, MPI_DOUBLE, MPI_ANY_SOURCE, 0, comm, MPI_STATUS_IGNORE);
+    for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += one[r];
+  }
+  wait_all(requests);
+  return sum;
+}
+
+}  // namespace
+
+Slabs first_slabs(MPI_Comm comm, const Settings& settings, const CellGrid& grid, const CellWeights& weights) {
+  const int ranks = size_of(comm);
   const auto [slabs_of_all, parts] = slabs_and_parts(settings, grid, weights.planes, ranks);
   if (std::int64_t{slabs_of_all} * parts != ranks) {
     throw InputError(fmt::format(
@@ -89,8 +123,10 @@ Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeig
   const std::vector<Real> ones(weights.planes.size(), 1);
   Slabs slabs(are_equal ? ones : weights.planes, slabs_of_all);
   if (parts > 1) {
-    const std::vector<Real> of_rows = weights.rows(slabs), equal(of_rows.size(), 1);
-    slabs.cut_rows(are_equal ? equal : of_rows, parts);
+    check_parts(grid, parts);
+    std::vector<Real> of_rows = sum_at_slabs(comm, weights.rows(slabs), parts, grid.rows());
+    if (are_equal) of_rows.assign(of_rows.size(), 1);
+    cut_rows(comm, of_rows, parts, slabs);
   }
   check_unknowns(settings, weights.planes);
   const bool single = settings.density.precision == Precision::single;

@@ -1,9 +1,10 @@
 // How cells are counted and the planes shared at the start of a run: by the number of particles in each. Collective:
-// first_cell, plane_weights.
+// first_cell, plane_weights, first_slabs.
 #pragma once
 
 #include <array>
 #include <functional>
+#include <map>
 #include <vector>
 
 #include "domain/slabs.hpp"
@@ -24,18 +25,22 @@ std::array<LocalId, 3> first_cell(MPI_Comm comm, const Settings& settings, const
 /// Number of particles in each plane, over all ranks.
 std::vector<Real> plane_weights(MPI_Comm comm, const CellGrid& grid, const Particles& particles);
 
-/// The same in each row of each slab, slab by slab.
-std::vector<Real> row_weights(MPI_Comm comm, const CellGrid& grid, const Slabs& slabs, const Particles& particles);
+/// Particles in each row of a slab, of those slabs of which a rank knows any, by their number.
+using RowWeights = std::map<int, std::vector<Real>>;
+/// Adds those of this rank. Not collective.
+void add_row_weights(const CellGrid& grid, const Slabs& slabs, const Particles& particles, RowWeights& weights);
 
-/// Particles of each plane, and what finds those of the rows of slabs, where these are cut inside; collective.
+/// Particles of each plane on all ranks, and what finds those in rows that this rank knows of, where slabs are cut
+/// inside; each particle counts on one rank. No rank has those of all rows of all slabs. Collective.
 struct CellWeights {
   std::vector<Real> planes;
-  std::function<std::vector<Real>(const Slabs&)> rows;
+  std::function<RowWeights(const Slabs&)> rows;
 };
 /// Throws InputError where the method anderson has more unknowns than PETSc can count. `planes`: particles of each.
 void check_unknowns(const Settings& settings, const std::vector<Real>& planes);
-/// Throws InputError where settings.ranks are not so many, where there are more ranks than planes and rows, more
-/// particles or cells than a rank can count, or, with the method anderson, more unknowns than PETSc can count.
-Slabs first_slabs(const Settings& settings, const CellGrid& grid, const CellWeights& weights, int ranks);
+/// Throws InputError where settings.ranks are not as many as there are, where there are more ranks than planes and
+/// rows, more particles or cells than a rank can count, or, with the method anderson, more unknowns than PETSc can
+/// count.
+Slabs first_slabs(MPI_Comm comm, const Settings& settings, const CellGrid& grid, const CellWeights& weights);
 
 }  // namespace trevi

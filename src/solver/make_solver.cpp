@@ -164,9 +164,13 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
     throw InputError("settings of the solver: SolverExtras::first_cell must be in the box");
   parts.grid = std::make_unique<CellGrid>(cell_grid(settings, parts.box));
   parts.particles.predicted = parts.particles.position;
-  const auto rows = [&](const Slabs& slabs) { return row_weights(*parts.comm, *parts.grid, slabs, parts.particles); };
-  parts.slabs = std::make_unique<Slabs>(first_slabs(
-      settings, *parts.grid, {plane_weights(*parts.comm, *parts.grid, parts.particles), rows}, size_of(comm)));
+  const auto rows = [&](const Slabs& slabs) {
+    RowWeights weights;
+    add_row_weights(*parts.grid, slabs, parts.particles, weights);
+    return weights;
+  };
+  parts.slabs = std::make_unique<Slabs>(first_slabs(*parts.comm, settings, *parts.grid,
+                                                    {plane_weights(*parts.comm, *parts.grid, parts.particles), rows}));
   migrate(*parts.comm, parts.particles, &Particles::position, *parts.grid, *parts.slabs);
   parts.balance = make_balance(*parts.comm, settings);
   parts.clock = {extras.step, settings.dt, extras.substeps};
