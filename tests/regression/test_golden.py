@@ -5,6 +5,11 @@ fused multiply-add that this machine has: particles of the last checkpoint, and 
 After a change that is meant to change results TREVI_WRITE_GOLDEN=1 makes it write golden.txt anew; the commit says why.
 TREVI_GOLDEN_CASES names the runs to do in place of all, TREVI_GOLDEN_SHAPES their ranks x threads: "1x2 5x1", where
 "3*2x1" are 3 slabs of 2 ranks each.
+
+TREVI_GOLDEN_RESTARTS=1 makes it run all cases, and scenes that have no hash, in every one of these shapes (default: a
+wide choice), each run parted: steps 1 to 30 in a shape, steps 31 to 60 from the checkpoint in the shape after it. That
+takes hours on two cores, so ctest does not:
+    TREVI_GOLDEN_RESTARTS=1 tests/regression/test_golden.py build/release/trevi mpirun Golden.test_restarts
 """
 
 import hashlib
@@ -37,6 +42,10 @@ def shapes_of(text):
 
 SHAPES = shapes_of(os.environ.get("TREVI_GOLDEN_SHAPES", ALL_SHAPES))
 CUT_SHAPES = shapes_of("" if "TREVI_GOLDEN_SHAPES" in os.environ else "1*2x1 2*4x1 3*2x1 2*2x2")  # as ALL_SHAPES
+# Of runs that change their shape half-way, in this order.
+RESTARTED = shapes_of(os.environ.get("TREVI_GOLDEN_SHAPES", "1x1 2x1 1*2x1 2*2x1 3*2x1 4*4x1 8*2x1 "
+                                     "1x2 2x2 1*2x2 2*2x2 3*2x2 4*4x2 8*2x2"))
+LONG_SCENES = "channel_weir", "floating_bodies", "wave_tank"  # what the small ones have not: openings, bodies, paddles
 ROUNDED = {"SSE2", "SSSE3", "SSE4"}  # without a fused multiply-add: to rounding only
 
 # Everything that a scene may have, and enough of it that all of it acts: jets through a pool, drops that meet walls.
@@ -196,17 +205,34 @@ class Golden(ProgramTest):
         super().setUp()
         self.trevi = self.program  # each run names its instruction set itself
 
-    def hash_of(self, case, instruction_set, shape):
+    def run_to(self, step, case, instruction_set, shape, out, *more):
         _, scene, overrides = case
         slabs, parts, threads = shape
         sets = [*overrides, f"run.instruction_set='{instruction_set}'", "output.series.every_steps=1",
                 "output.checkpoint.every_steps=1000000"]
         if parts > 1:
             sets.append(f"domain.ranks=[{slabs}, {parts}]")
+        self.run_well(slabs * parts, scene, "--steps", step, "--output", out, "--threads", threads, *more,
+                      *(f"--set={o}" for o in sets))
+
+    def hash_of(self, case, instruction_set, shape):
         with tempfile.TemporaryDirectory() as out:
-            self.run_well(slabs * parts, scene, "--steps", 60, "--output", f"{out}/run", "--threads", threads,
-                          *(f"--set={o}" for o in sets))
+            self.run_to(60, case, instruction_set, shape, f"{out}/run")
             return digest(Path(out) / "run")
+
+    def hash_of_parted(self, case, instruction_set, shapes):
+        with tempfile.TemporaryDirectory() as out:
+            self.run_to(30, case, instruction_set, shapes[0], f"{out}/run")
+            self.run_to(60, case, instruction_set, shapes[1], f"{out}/run", "--restart", "latest")
+            return digest(Path(out) / "run")
+
+    def fits(self, case, shape):
+        """Whether there are planes and rows of cells enough. In two dimensions there is one row."""
+        slabs, parts, _ = shape
+        refused = self.run_trevi(slabs * parts, case[1], "--dry-run", f"--set=domain.ranks=[{slabs}, {parts}]")
+        if refused.returncode != 0:
+            self.assertRegex(refused.stderr, "cell planes along the slab axis, fewer|rows of cells, fewer")
+        return refused.returncode == 0
 
     def instruction_sets(self):
         """Those with a fused multiply-add, the best first, as the refusal of another one names them."""
@@ -241,6 +267,24 @@ class Golden(ProgramTest):
                     print(f"{case[0]}, {instruction_set}, {slabs} * {parts} x {threads}: {found}, {verdict} in "
                           "golden.txt", flush=True)
                     self.assertEqual(found, golden[case[0]])
+
+    @unittest.skipUnless(os.environ.get("TREVI_GOLDEN_RESTARTS"), "takes hours")
+    def test_restarts(self):
+        golden = dict(line.split() for line in GOLDEN.read_text().splitlines() if not line.startswith("#"))
+        best = self.instruction_sets()[0]
+        all_cases = [*cases(self.folder), *((name, INPUTS / f"{name}.toml", []) for name in LONG_SCENES)]
+        for case in (case for case in all_cases if not CASES or case[0] in CASES):
+            expected = golden.get(case[0]) or self.hash_of(case, best, (1, 1, 1))
+            fitting = {shape[:2]: self.fits(case, shape) for shape in RESTARTED}
+            shapes = [shape for shape in RESTARTED if fitting[shape[:2]]]
+            for k, shape in enumerate(shapes):
+                after = shapes[(k + 1) % len(shapes)]
+                with self.subTest(case[0], shapes=(shape, after)):
+                    found = self.hash_of_parted(case, best, (shape, after))
+                    told = " then ".join("{} * {} x {}".format(*one) for one in (shape, after))
+                    print(f"{case[0]}, {best}, {told}: {found}, {'as' if found == expected else 'NOT as'} "
+                          f"{'in golden.txt' if case[0] in golden else 'on one rank'}", flush=True)
+                    self.assertEqual(found, expected)
 
     @unittest.skipUnless(os.environ.get("TREVI_WRITE_GOLDEN"), "only after a change that is meant to change results")
     def test_write(self):
