@@ -4,6 +4,7 @@
 #include <cassert>
 #include <exception>
 #include <functional>
+#include <iterator>
 
 #include "base/growth.hpp"
 
@@ -44,14 +45,42 @@ Scratch::Piece Scratch::piece_of(std::size_t size) {
   return {std::unique_ptr<std::byte[], Free>(memory), memory, size, {}};
 }
 
-// In the first gap that is large enough; null where there is none.
+// In the first gap that is large enough; null where there is none. Runs that touch are one, so that thousands of pages,
+// taken one after another, are not gone through for each of them.
 std::byte* Scratch::place_in(Piece& piece, std::size_t size) {
   std::size_t begin = 0;
   auto next = piece.taken.begin();
   while (next != piece.taken.end() && next->begin - begin < size) begin = (next++)->end;
   if (next == piece.taken.end() && piece.size - begin < size) return nullptr;
-  piece.taken.insert(next, {begin, begin + size});
+  const std::size_t end = begin + size;
+  const bool meets_next = next != piece.taken.end() && next->begin == end;
+  if (begin > 0) {
+    const auto last = std::prev(next);
+    last->end = meets_next ? next->end : end;
+    if (meets_next) piece.taken.erase(next);
+  } else if (meets_next) {
+    next->begin = 0;
+  } else {
+    piece.taken.insert(next, {0, end});
+  }
   return piece.memory + begin;
+}
+
+void Scratch::leave(Piece& piece, const Run& left) {
+  const auto after = std::upper_bound(piece.taken.begin(), piece.taken.end(), left.begin,
+                                      [](std::size_t place, const Run& run) { return place < run.begin; });
+  assert(after != piece.taken.begin() && std::prev(after)->end >= left.end);
+  const auto run = std::prev(after);
+  const Run rest{left.end, run->end};
+  run->end = left.begin;
+  const bool is_empty = run->begin == run->end;
+  if (rest.begin == rest.end) {
+    if (is_empty) piece.taken.erase(run);
+  } else if (is_empty) {
+    *run = rest;
+  } else {
+    piece.taken.insert(after, rest);
+  }
 }
 
 void* Scratch::take(std::size_t bytes, bool briefly) {
@@ -85,10 +114,7 @@ void Scratch::give_back(void* memory, std::size_t bytes) {
   for (Piece& piece : pieces_) {
     if (std::less<>()(begin, piece.memory) || !std::less<>()(begin, piece.memory + piece.size)) continue;
     const auto at = static_cast<std::size_t>(begin - piece.memory);
-    const auto found = std::lower_bound(piece.taken.begin(), piece.taken.end(), at,
-                                        [](const Run& run, std::size_t place) { return run.begin < place; });
-    assert(found != piece.taken.end() && found->begin == at && found->end == at + size);
-    piece.taken.erase(found);
+    leave(piece, {at, at + size});
     if (piece.own != nullptr) borrowed_ -= size;
     return;
   }  // a loan that an exception has ended is not among them

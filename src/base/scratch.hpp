@@ -62,10 +62,11 @@ class Scratch {
     std::unique_ptr<std::byte[], Free> own;  // null where it is lent
     std::byte* memory;
     std::size_t size;
-    std::vector<Run> taken;  // in their order
+    std::vector<Run> taken;  // in their order; none touches another
   };
   static Piece piece_of(std::size_t size);
   static std::byte* place_in(Piece& piece, std::size_t size);
+  static void leave(Piece& piece, const Run& left);
   void* take(std::size_t bytes, bool briefly);
   void give_back(void* memory, std::size_t bytes);
   void lend(std::span<std::byte> memory);

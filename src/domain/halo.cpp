@@ -215,6 +215,7 @@ void Halo::start_rows(const RowShape& shape, const RowAddress& address, const Ce
 }
 
 void Halo::finish() {
+  if (requests_.empty()) return wait_all({});
   const ScopedEvent waited(wait_event_);
   wait_all(requests_);
   requests_.clear();

@@ -22,6 +22,12 @@ struct Registry {
   std::vector<PetscLogStage> stages{0};  ///< PETSc's main stage is always there
 };
 
+// Counted from 1, so that it is never that of a LastingEvent which nobody has asked for.
+int& session_number() {
+  static int number = 1;
+  return number;
+}
+
 Registry& registry() {
   static Registry the_one;
   return the_one;
@@ -47,6 +53,14 @@ Event::Event(const std::string& name) {
   handle_ = found != known.events.end() ? found->handle : register_event(known, name);
 }
 
+const Event& LastingEvent::operator()() {
+  if (session_ != session_number()) {
+    event_.emplace(name_);
+    session_ = session_number();
+  }
+  return *event_;
+}
+
 ScopedStage::ScopedStage(const std::string& name) {
   PetscLogStage stage = -1;
   if (PetscLogStageGetId(name.c_str(), &stage) != 0 || stage < 0) {
@@ -63,7 +77,10 @@ void log_work(const Event& event, double flops, double bytes) {
   }
 }
 
-void forget_events() { registry() = {}; }
+void forget_events() {
+  registry() = {};
+  ++session_number();
+}
 
 namespace {
 

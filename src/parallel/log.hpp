@@ -5,6 +5,7 @@
 
 #include <petsclog.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,18 @@ class Event {
 
  private:
   PetscLogEvent handle_ = 0;
+};
+
+/// An event that outlives sessions, for what has no object: registered where a session first asks for it.
+class LastingEvent {
+ public:
+  explicit LastingEvent(const char* name) : name_(name) {}
+  const Event& operator()();
+
+ private:
+  const char* name_;
+  std::optional<Event> event_;
+  int session_ = 0;
 };
 
 /// Times the scope it lives in.

@@ -11,7 +11,10 @@
 namespace trevi {
 
 void wait_all(std::span<MPI_Request> requests) {
-  const ScopedEvent timed(Event{"Waiting"});
+  static LastingEvent event("Waiting");
+  const Event& waiting = event();  // registered by all ranks alike, also by those without a message
+  if (requests.empty()) return;
+  const ScopedEvent timed(waiting);
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::nanoseconds patience = std::chrono::microseconds(50), longest = std::chrono::microseconds(100);
   // Of a sleep Linux makes 50 µs or more otherwise.
@@ -27,7 +30,8 @@ void wait_all(std::span<MPI_Request> requests) {
 }
 
 void all_reduce(MPI_Comm comm, void* data, int count, MPI_Datatype type, MPI_Op op) {
-  const ScopedEvent timed(Event{"Reductions"});
+  static LastingEvent event("Reductions");
+  const ScopedEvent timed(event());
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, data, count, type, op, comm, &request);
   wait_all({&request, 1});

@@ -327,6 +327,8 @@ void NeighbourList::give_back() {
 
 // Pairs of the particles before this one.
 std::int64_t NeighbourList::pairs_before(LocalId i) const {
+  if (i == 0) return 0;
+  if (i == size() && !pairs_of_row_.empty()) return pairs_of_row_.back();
   const auto after = std::upper_bound(first_of_row_.begin(), first_of_row_.end(), i);
   if (after == first_of_row_.begin()) return 0;  // no list yet
   const auto row = static_cast<std::size_t>(after - first_of_row_.begin() - 1);

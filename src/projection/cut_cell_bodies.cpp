@@ -100,14 +100,35 @@ Real integral(Real q0, Real q1, Real mean, Real height) {
   return height * (q0 + height * ((3 * mean - 2 * q0 - q1) + height * (q0 + q1 - 2 * mean)));
 }
 
-// Of the closed part of a side face, as wide as its area and its middle say, and linear in height: the part below a
-// height, and its first moment.
+// Of the closed part of a side face the part below a height, and its first moment. Its width is linear in height, as
+// its area and its middle say; where the middle is beyond a third of the height the width grows from, or falls to, zero
+// on the way: a body that comes down from above closes the upper end only.
 struct Strip {
   Real area, moment;
   Strip(Real closed, Real middle, Real height) {
-    const Real slope = std::clamp(12 * closed * (middle - 0.5), -2 * closed, 2 * closed), low = closed - slope / 2;
-    area = height * (low + height * slope / 2);
-    moment = height * height * (low / 2 + height * slope / 3);
+    const bool upper = middle > 0.5;
+    const Real from_end = std::clamp(upper ? 1 - middle : middle, 0.0, 0.5);
+    const Real length = std::min(3 * from_end, 1.0);  // on which it is wide
+    if (!(length > 0)) {
+      area = upper && height < 1 ? 0 : closed;
+      moment = upper ? area : 0;
+      return;
+    }
+    // From the end where it is widest, in lengths: w(t) = wide (1 − fall t).
+    const Real fall = length < 1 ? 1 : 6 * (1 - 2 * from_end) / (4 - 6 * from_end), wide = closed / (1 - fall / 2);
+    const auto below = [=](Real t) {
+      return std::pair(wide * t * (1 - fall * t / 2), wide * t * t * (0.5 - fall * t / 3));
+    };
+    if (upper) {
+      const auto [rest, rest_moment] = below(std::clamp((1 - height) / length, 0.0, 1.0));
+      const auto [all, all_moment] = below(1);
+      area = all - rest;
+      moment = area - length * (all_moment - rest_moment);
+    } else {
+      const auto [all, all_moment] = below(std::min(height / length, 1.0));
+      area = all;
+      moment = length * all_moment;
+    }
   }
 };
 

@@ -73,41 +73,48 @@ CellFrame CutCells::beside_sheets(const CellFrame& frame, const ProjectionGrid& 
   return narrowed;
 }
 
-// What is open of a cell, as it is shared among the cells around.
-CutCells::Shares CutCells::shares_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
-                                     const std::vector<Cell>& cells) const {
+// What is open of a cell, as it is shared among the cells around: the share of the one with that number.
+Real CutCells::share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell, std::size_t wanted,
+                        const std::vector<Cell>& cells) const {
   const LocalId k = cell[0], r = grid.row_beside(cell[1]), columns = grid.columns();
   const LocalId c = grid.repeats()[2] ? (cell[2] + columns) % columns : cell[2];
   const std::size_t at = grid.index(k, r, c);
   const bool above_columns = c >= columns;
-  if (!above_columns && cells[at].open == 0) return {};
-  Shares shares{};
-  if (!above_columns && cells[at].has_shares) {
-    shares = shares_[at];
-  } else {
+  if (!above_columns && cells[at].open == 0) return 0;
+  const bool own = !above_columns && cells[at].has_shares;
+  std::array<SharesAlong, 3> mean;
+  if (!own) {
     const std::array<Real, 3> place = from_box(corner_of(grid, k, r, c));
-    std::array<SharesAlong, 3> mean;
     for (std::size_t a = 0; a < 3; ++a)
       mean[a] = whole_shares_[a][place[a] == 0 ? 0 : place[a] == grid.count(a) - 1 ? 2 : 1];
-    for (std::size_t n = 0; n < shares.size(); ++n)
-      shares[n] = static_cast<float>(mean[0][n / 9] * mean[1][n / 3 % 3] * mean[2][n % 3]);
   }
-  if (above_columns) return shares;
+  const auto share = [&](std::size_t n) {
+    return own ? shares_[at][n] : static_cast<float>(mean[0][n / 9] * mean[1][n / 3 % 3] * mean[2][n % 3]);
+  };
+  if (above_columns) return share(wanted);
   // A cuboid that would reach through a sheet stays in its own cell.
-  constexpr std::array<std::size_t, 3> weight{9, 3, 1};
+  std::array<std::array<bool, 2>, 3> sheet;
+  bool any = false;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t step = grid.step(a);
     const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0), has_above = a != 0 || k <= grid.planes();
-    const bool sheet_below = has_below && cells[at].face[a] == 0 && cells[at - step].open > 0;
-    const bool sheet_above = has_above && cells[at + step].face[a] == 0 && cells[at + step].open > 0;
+    sheet[a] = {has_below && cells[at].face[a] == 0 && cells[at - step].open > 0,
+                has_above && cells[at + step].face[a] == 0 && cells[at + step].open > 0};
+    any = any || sheet[a][0] || sheet[a][1];
+  }
+  if (!any) return share(wanted);
+  Shares shares;
+  for (std::size_t n = 0; n < shares.size(); ++n) shares[n] = share(n);
+  constexpr std::array<std::size_t, 3> weight{9, 3, 1};
+  for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t n = 0; n < shares.size(); ++n) {
       const std::size_t side = n / weight[a] % 3;
-      if ((side != 0 || !sheet_below) && (side != 2 || !sheet_above)) continue;
+      if (side == 1 || !sheet[a][side / 2]) continue;
       shares[side == 0 ? n + weight[a] : n - weight[a]] += shares[n];
       shares[n] = 0;
     }
   }
-  return shares;
+  return shares[wanted];
 }
 
 Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
@@ -124,7 +131,7 @@ Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId,
       for (LocalId l = -1; l <= 1; ++l) {
         if (is_beyond(0, i) || is_beyond(1, j) || is_beyond(2, l)) continue;
         const auto side = [](LocalId offset) { return static_cast<std::size_t>(1 - offset); };
-        sum += shares_of(grid, {k + i, r + j, c + l}, cells)[number_of(side(i), side(j), side(l))];
+        sum += share_of(grid, {k + i, r + j, c + l}, number_of(side(i), side(j), side(l)), cells);
       }
     }
   }

@@ -191,8 +191,8 @@ class CutCells {
   void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
   Real capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                    const std::vector<Cell>& cells) const;
-  Shares shares_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
-                   const std::vector<Cell>& cells) const;
+  Real share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell, std::size_t wanted,
+                const std::vector<Cell>& cells) const;
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
   Real off_solid(Real height, Real distance, Real slope) const;
   void find_whole_shares(const ProjectionGrid& grid);

@@ -5,6 +5,7 @@
 // up: cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "domain/halo.hpp"
@@ -81,7 +82,10 @@ class FreeSurface {
   void fill_open_parts();
   void level_small_cells(Halo& halo);
   bool is_small(std::size_t at) const;
+  std::optional<Real> fill_beside(const Place& place) const;
   Real level_beside(const Place& place) const;
+  template <class Visit>
+  void for_each_side(const Place& place, const Visit& visit) const;
   template <class Visit>
   void for_widest(const Place& place, const Visit& visit) const;
 

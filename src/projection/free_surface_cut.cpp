@@ -4,7 +4,8 @@
 // dry at the rim of the water, where no pressure held what fell there, and shallow water in a ball never came to rest
 // (2e-2 m²/s², 1e-4 so). Not at upright walls: there cells wet from a fifth on pushed the water off, and a tank made of
 // an obstacle lost two thirds of each swing. What a cell holds of which little is open says hardly anything, so it
-// follows the cell beyond its widest face; beside a body that floats it does so whether it is full or not.
+// follows the cell beyond its widest face; beside a body that floats those beyond its sides, whether it is full or not:
+// a small cell above the surface that followed the one below it pressed the body aside, and shallow bodies sailed.
 #include "projection/free_surface.hpp"
 
 #include "base/threads.hpp"
@@ -37,7 +38,9 @@ void FreeSurface::classify_among_solids(Halo& halo) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
       if (!is_small(at) || (is_wet(at) && !cuts()->floats(at))) continue;
-      joined[at] = 0;
+      const std::optional<Real> fill = cuts()->floats(at) ? fill_beside({k, r, c}) : std::nullopt;
+      joined[at] = fill && *fill >= wet_fill ? 1 : 0;
+      if (fill) continue;
       for_widest({k, r, c}, [&](std::size_t beside) { joined[at] = joined[at] != 0 || is_wet(beside) ? 1 : 0; });
     }
   });
@@ -94,23 +97,42 @@ void FreeSurface::level_small_cells(Halo& halo) {
   height_.swap(level);
 }
 
+// Beside a small cell at a body that floats: what the cells beyond its sides hold, of what they can; none where all of
+// them are small, too. The cell under it holds water long before the surface is as high as its own floor.
+std::optional<Real> FreeSurface::fill_beside(const Place& place) const {
+  Real sum = 0, weight = 0;
+  for_each_side(place, [&](std::size_t beside, Real wide) {
+    sum += wide * std::min(fill_[beside], 1.0);
+    weight += wide;
+  });
+  return weight > 0 ? std::optional(sum / weight) : std::nullopt;
+}
+
 // In a small cell beside a body that floats: that of the columns beyond its sides, wherever their top cells are.
 Real FreeSurface::level_beside(const Place& place) const {
+  Real sum = 0, weight = 0;
+  for_each_side(place, [&](std::size_t beside, Real wide) {
+    const bool wet = is_wet(beside), below = !wet && place.c > 0 && is_top(beside - 1);
+    if (!wet && !below) return;
+    sum += wide * (below ? height_[beside - 1] - 1 : height(beside));
+    weight += wide;
+  });
+  return weight > 0 ? std::clamp(sum / weight, min_height, 1.0) : height_[grid().index(place.k, place.r, place.c)];
+}
+
+// visit(cell, width of the open face to it) for the cells beyond the sides of a cell that are not small.
+template <class Visit>
+void FreeSurface::for_each_side(const Place& place, const Visit& visit) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
-  Real sum = 0, weight = 0;
   for (std::size_t a = 0; a < 2; ++a) {
     for (const bool upper : {false, true}) {
       const Real wide = cuts()->face(a, upper ? at + grid().step(a) : at);
       if (wide == 0 || grid().is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c)) continue;
       const std::size_t beside = upper ? at + grid().step(a) : at - grid().step(a);
-      const bool wet = is_wet(beside), below = !wet && c > 0 && is_top(beside - 1);
-      if (is_small(beside) || !(wet || below)) continue;
-      sum += wide * (below ? height_[beside - 1] - 1 : height(beside));
-      weight += wide;
+      if (!is_small(beside)) visit(beside, wide);
     }
   }
-  return weight > 0 ? std::clamp(sum / weight, min_height, 1.0) : height_[at];
 }
 
 bool FreeSurface::is_small(std::size_t at) const { return cuts()->open(at) > 0 && cuts()->open(at) < small_cell; }

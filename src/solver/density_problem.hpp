@@ -140,6 +140,10 @@ template <class T>
 template <class Work>
 void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(phase)]);
+  if (!near_.halo().has_neighbours()) {
+    work(near_.all());
+    return phase == Phase::lambda ? near_.finish_scalars() : near_.finish_positions();
+  }
   for (const Range& part : near_.boundary()) work(part);
   if (phase == Phase::lambda) {
     near_.start_scalars();

@@ -1,30 +1,74 @@
 #include "solver/diagnostics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "base/threads.hpp"
-#include "domain/plane_sums.hpp"
+#include "parallel/reductions.hpp"
 #include "parallel/waiting.hpp"
 #include "trevi/session.hpp"
 
 namespace trevi {
 
-// The sums over one plane.
-struct DiagnosticsSum::Plane {
-  Real count = 0, rho = 0, compression = 0, compression2 = 0, interior_count = 0, interior_rho = 0;
-  Real v2 = 0, height = 0;
-  Vec3 momentum = Vec3::Zero(), position = Vec3::Zero();
+namespace {
 
-  template <class Visit>
-  void for_each(const Visit& visit) {
-    for (Real* sum : {&count, &rho, &compression, &compression2, &interior_count, &interior_rho, &v2, &height})
-      visit(*sum);
-    for (Real& sum : momentum) visit(sum);
-    for (Real& sum : position) visit(sum);
+// Numbers of a particle that are added, and their place among the sums.
+struct Number {
+  static constexpr std::size_t density = 0, interior_density = 1, compression = 2, compression2 = 3, speed2 = 4;
+  static constexpr std::size_t velocity = 5, place = 8, count = 11;  // of vectors there are three
+};
+using Numbers = std::array<Real, Number::count>;
+
+// A number is added as an integer, a multiple of a unit with which the largest has so many bits: beyond rounding.
+constexpr int bits_of_largest = 50;
+// Of so many particles an integer of 64 bits holds the sum.
+constexpr LocalId particles_of_part = 2048;
+// Sums of parts are added in two integers, what is above so many bits and what is below.
+constexpr int low_bits = 32;
+
+// The power of two for a number that is at most `largest`; it is not so small that numbers in units are infinite.
+Real unit_of(Real largest) {
+  return std::ldexp(1, std::max(std::ilogb(std::max(largest, 1e-200)) + 1 - bits_of_largest, -900));
+}
+
+}  // namespace
+
+// The unit of each number.
+struct DiagnosticsSum::Units {
+  Numbers of{};
+
+  Units(const Diagnostics& largest, const Box& box) {
+    const Real c = largest.compression_max, v = largest.speed_max;
+    of[Number::density] = of[Number::interior_density] = unit_of(largest.density_max);
+    of[Number::compression] = unit_of(c);
+    of[Number::compression2] = unit_of(c * c);
+    of[Number::speed2] = unit_of(v * v);
+    std::fill_n(&of[Number::velocity], 3, unit_of(v));
+    std::fill_n(&of[Number::place], 3, unit_of((box.max - box.min).maxCoeff()));
   }
+
+  Numbers per_unit() const {
+    Numbers per{};
+    std::transform(of.begin(), of.end(), per.begin(), [](Real unit) { return 1 / unit; });
+    return per;
+  }
+};
+
+// How many particles there are, in the interior, too, and of each number the sum in units.
+struct DiagnosticsSum::Part {
+  GlobalId count = 0, interior_count = 0;
+  std::array<GlobalId, Number::count> sums{};
+};
+
+// The same of all particles.
+struct DiagnosticsSum::Total {
+  Real count = 0, interior_count = 0;
+  Numbers sums{};
+
+  Vec3 vector(std::size_t first) const { return {sums[first], sums[first + 1], sums[first + 2]}; }
 };
 
 DiagnosticsSum::DiagnosticsSum(MPI_Comm comm, const DensityModel& model, const Surroundings& around)
@@ -41,24 +85,53 @@ bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
          ((walls_.max - p).array() > model_.h).all();
 }
 
-void DiagnosticsSum::add(const DiagnosticsInput& input, Range range, Plane& sum) const {
+DiagnosticsSum::Part DiagnosticsSum::part_of(const DiagnosticsInput& input, Range range, const Units& units) const {
+  Part part{range.size()};
+  const auto per_unit = units.per_unit();
+  // Rounded in one instruction.
+  const auto add = [&](std::size_t to, Real number) { part.sums[to] += std::llrint(number * per_unit[to]); };
   for (LocalId i = range.begin; i < range.end; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Vec3 &p = input.particles.position[k], &v = input.particles.velocity[k];
     const Real rho = input.density[k], c = std::max(rho / model_.rest_density - 1, 0.0);
-    sum.count += 1;
-    sum.rho += rho;
-    sum.compression += c;
-    sum.compression2 += c * c;
+    add(Number::density, rho);
+    add(Number::compression, c);
+    add(Number::compression2, c * c);
     if (interior(p, input.list.count(i))) {
-      sum.interior_count += 1;
-      sum.interior_rho += rho;
+      ++part.interior_count;
+      add(Number::interior_density, rho);
     }
-    sum.v2 += v.squaredNorm();
-    sum.height -= gravity_.dot(p - box_.min);
-    sum.momentum += v;
-    sum.position += p;
+    add(Number::speed2, v.squaredNorm());
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Eigen::Index>(a);
+      add(Number::velocity + a, v[axis]);
+      add(Number::place + a, p[axis] - box_.min[axis]);
+    }
   }
+  return part;
+}
+
+DiagnosticsSum::Total DiagnosticsSum::total_of(const DiagnosticsInput& input, const Diagnostics& largest) const {
+  const Units units(largest, box_);
+  PerThread<std::vector<GlobalId>> sums;
+  sums.for_each([](auto& own) { own.assign(2 + 2 * Number::count, 0); });
+  for_each_part({0, input.particles.size()}, particles_of_part, [&](Range range) {
+    const Part part = part_of(input, range, units);
+    std::vector<GlobalId>& own = sums.mine();
+    own[0] += part.count;
+    own[1] += part.interior_count;
+    for (std::size_t n = 0; n < Number::count; ++n) {
+      own[2 + 2 * n] += part.sums[n] >> low_bits;
+      own[3 + 2 * n] += part.sums[n] & ((GlobalId{1} << low_bits) - 1);
+    }
+  });
+  const std::vector<GlobalId> all = sum_over_threads_and_ranks(comm_, sums);
+  Total total{static_cast<Real>(all[0]), static_cast<Real>(all[1]), {}};
+  for (std::size_t n = 0; n < Number::count; ++n) {
+    const Real high = std::ldexp(static_cast<Real>(all[2 + 2 * n]), low_bits), low = static_cast<Real>(all[3 + 2 * n]);
+    total.sums[n] = (high + low) * units.of[n];
+  }
+  return total;
 }
 
 void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row) const {
@@ -84,20 +157,21 @@ void DiagnosticsSum::add_maxima(const DiagnosticsInput& input, Diagnostics& row)
 }
 
 Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
-  const auto sum =
-      sum_over_planes<Plane>(comm_, input.order, [&](Plane& plane, Range range) { add(input, range, plane); });
   Diagnostics row;
-  row.particles = static_cast<GlobalId>(sum.count);
-  row.density_mean = sum.rho / sum.count;
-  row.density_interior = sum.interior_rho / sum.interior_count;  // 0/0, nan, where there is no interior
-  row.compression_mean = sum.compression / sum.count;
-  row.compression_rms = std::sqrt(sum.compression2 / sum.count);
-  row.kinetic_energy = water_mass_ / 2 * sum.v2;
-  row.potential_energy = water_mass_ * sum.height;
-  row.momentum = water_mass_ * sum.momentum;
-  row.com = sum.position / sum.count;
   add_maxima(input, row);
-  const auto q99 = static_cast<GlobalId>(std::ceil(0.99 * sum.count));
+  const Total total = total_of(input, row);
+  const Vec3 places = total.vector(Number::place);
+  row.particles = static_cast<GlobalId>(total.count);
+  row.density_mean = total.sums[Number::density] / total.count;
+  row.density_interior =
+      total.sums[Number::interior_density] / total.interior_count;  // 0/0, nan, where there is no interior
+  row.compression_mean = total.sums[Number::compression] / total.count;
+  row.compression_rms = std::sqrt(total.sums[Number::compression2] / total.count);
+  row.kinetic_energy = water_mass_ / 2 * total.sums[Number::speed2];
+  row.potential_energy = -water_mass_ * gravity_.dot(places);
+  row.momentum = water_mass_ * total.vector(Number::velocity);
+  row.com = box_.min + places / total.count;
+  const auto q99 = static_cast<GlobalId>(std::ceil(0.99 * total.count));
   row.front_q99 = nth_smallest(comm_, input.particles.position, 0, q99, box_);
   return row;
 }

@@ -1,7 +1,7 @@
-// The row of series.csv: sums over the particles of each plane, then over planes in order, so that every column except
-// imbalance and wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; SI units.
-// Collective. An interior particle is more than h from every wall and has at least 90 % of the neighbours of a lattice
-// point.
+// The row of series.csv: sums of integers, whose units depend on the largest numbers of all particles, so that every
+// column except imbalance and wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; SI
+// units. Collective. An interior particle is more than h from every wall and has at least 90 % of the neighbours of a
+// lattice point.
 #pragma once
 
 #include "domain/balance.hpp"
@@ -39,8 +39,11 @@ class DiagnosticsSum {
   Diagnostics operator()(const DiagnosticsInput& input) const;
 
  private:
-  struct Plane;
-  void add(const DiagnosticsInput& input, Range range, Plane& sum) const;
+  struct Part;
+  struct Total;
+  struct Units;
+  Part part_of(const DiagnosticsInput& input, Range range, const Units& units) const;
+  Total total_of(const DiagnosticsInput& input, const Diagnostics& largest) const;
   bool interior(const Vec3& p, LocalId neighbours) const;
   void add_maxima(const DiagnosticsInput& input, Diagnostics& row) const;
 

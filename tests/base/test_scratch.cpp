@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <random>
 #include <span>
 #include <utility>
 #include <vector>
@@ -43,6 +44,27 @@ TEST(Scratch, GapsAreFilledAndNothingOverlaps) {
     EXPECT_EQ(scratch.bytes(), bytes);
     for (std::size_t k = 0; k < all.size(); ++k)
       EXPECT_THAT(std::vector<int>(all[k].begin(), all[k].end()), testing::Each(static_cast<int>(k)));
+  }
+}
+
+// Runs of memory that touch are one, so arrays are given back from the ends and from the middle of them.
+TEST(Scratch, ArraysMayBeGivenBackInAnyOrder) {
+  Scratch scratch;
+  std::mt19937 random(1);
+  std::vector<Borrowed<int>> all(40);
+  for (int round = 0; round < 2000; ++round) {
+    const std::size_t k = random() % all.size();
+    if (all[k].empty()) {
+      (all[k] = scratch.borrow<int>(1 + random() % 100)).fill(static_cast<int>(k));
+    } else {
+      EXPECT_THAT(std::vector<int>(all[k].begin(), all[k].end()), testing::Each(static_cast<int>(k)));
+      all[k].give_back();
+    }
+    if (round % 500 == 499) {
+      for (Borrowed<int>& one : all) one.give_back();
+      EXPECT_EQ(scratch.borrowed(), 0U);
+      scratch.join();
+    }
   }
 }
 

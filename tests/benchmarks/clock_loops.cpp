@@ -58,14 +58,15 @@ using RunParts = void (*)(std::int32_t parts, void (*work)(const void* context, 
 
 void run_parts(std::int32_t parts, void (*work)(const void* context, std::int32_t part), const void* context) {
   static const auto real = reinterpret_cast<RunParts>(dlsym(RTLD_NEXT, "_ZN5trevi9run_partsEiPFvPKviES1_"));
+  const double arrival = processor_seconds();
   Loop& loop = table.loops[__builtin_return_address(0)];
+  if (table.end > 0) loop.before += arrival - table.end - table.asking;
+  loop.parts += parts;
+  ++loop.calls;
   const double begin = processor_seconds();
-  if (table.end > 0) loop.before += begin - table.end - table.asking;
   real(parts, work, context);
   table.end = processor_seconds();
   loop.seconds += table.end - begin - table.asking;
-  loop.parts += parts;
-  ++loop.calls;
 }
 
 }  // namespace trevi

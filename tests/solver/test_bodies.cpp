@@ -2,13 +2,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "body_run.hpp"
 #include "boundary/geometry/mass_properties.hpp"
-#include "boundary/rigid_bodies/rigid_body.hpp"
 #include "fluid/constraint/density.hpp"
 #include "support/cloud.hpp"
-#include "support/kept_run.hpp"
 #include "support/output_fixture.hpp"
-#include "support/tank.hpp"
 
 namespace trevi::test {
 namespace {
@@ -145,8 +143,6 @@ TEST(Flight, ALockedAxisDoesNotMove) {
 }
 
 // ---- in the water
-const std::string pool = tank_with_gravity({.max = "1.6, 1.2, 2.0", .water = {{"0, 0, 0", "1.6, 1.2, 1.0"}}});
-
 const std::string light_ball = R"(
 [[body]]
 type = "sphere"
@@ -165,21 +161,6 @@ density = 400
 velocity = [-0.5, 0, -1]
 friction = 0.3
 )";
-
-struct BodyRun : KeptRun {
-  BodyRun(MPI_Comm comm, const std::string& text) : KeptRun(comm, parse_scene("test.toml", text, {})) {}
-  std::vector<BodyState> bodies() const { return solver->bodies(); }
-  /// Of water and bodies, J.
-  Real energy() const {
-    Real sum = rows.back().kinetic_energy + rows.back().potential_energy;
-    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-      RigidBody body(scene.bodies[k], *make_shape(scene.bodies[k]), *scene.gravity, 1000);
-      body.set_state(bodies()[k]);
-      sum += body.energy();
-    }
-    return sum;
-  }
-};
 
 TEST(Bodies, SameBitsOnAnyRanksAndThreads) {
   BodyRun alone(MPI_COMM_SELF, pool + two_bodies);
@@ -270,56 +251,6 @@ TEST(Bodies, ALightBallRisesAndJumps) {
   }
   EXPECT_GT(highest, 1.35) << "it comes out of the water, 1.1 m with it";
   EXPECT_LT(fastest, 4.5);
-}
-
-TEST(Bodies, OfTheWatersDensityStaysWhereItIs) {
-  BodyRun run(world, pool + "[[body]]\ntype = \"sphere\"\ncenter = [0.75, 0.6, 0.5]\nradius = 0.3\ndensity = 1000\n");
-  const Vec3 start = run.bodies()[0].position;
-  run.steps(300);
-  EXPECT_LT((run.bodies()[0].position - start).norm(), 0.05);
-  EXPECT_LT(run.bodies()[0].angular_velocity.norm(), 0.01);
-}
-
-// What pushes along normals cannot turn a ball, however it moves: weight and pressure meet in one point.
-TEST(Bodies, ABallThatDriftsDoesNotTurn) {
-  BodyRun run(world, pool +
-                         "[[body]]\ntype = \"sphere\"\ncenter = [0.6, 0.57, 0.5]\nradius = 0.3\ndensity = 1000\n"
-                         "velocity = [0.2, 0, 0]\n");
-  run.steps(60);
-  EXPECT_GT(run.bodies()[0].position.x(), 0.65);
-  EXPECT_LT(run.bodies()[0].angular_velocity.norm(), 0.02);
-}
-
-// By Archimedes: a box of the density rho floats rho/rho0 of its height deep, in water that it has lifted.
-TEST(Bodies, FloatAsDeepAsTheyAreHeavy) {
-  for (const Real part : {0.25, 0.5, 0.75}) {
-    BodyRun run(world, pool + fmt::format("[[body]]\ntype = \"box\"\ncenter = [0.8, 0.6, {}]\nsize = [0.6, 0.6, 0.6]\n"
-                                          "density = {}\nfree = [\"z\"]\n",
-                                          1.3 - 0.6 * part, 1000 * part));
-    run.steps(240);
-    Real sum = 0;
-    for (int k = 0; k < 60; ++k) {
-      run.steps(1);
-      sum += run.bodies()[0].position.z() / 60;
-    }
-    const Real water = static_cast<Real>(run.rows.front().particles) * 1e-3, area = 1.6 * 1.2, wet = 0.6 * part;
-    const Real level = (water + 0.36 * wet) / area;
-    EXPECT_NEAR(level - (sum - 0.3), wet, 0.03) << part;
-  }
-}
-
-// As cells beside it were wet on one side and dry on the other by the slightest heel, it sailed on at 0.11 m/s.
-TEST(Bodies, ABoxThatIsPushedStopsWhereCellsAreHalfFull) {
-  const std::string tank = tank_with_gravity({.max = "4, 2.4, 2", .water = {{"0, 0, 0", "4, 2.4, 1.1"}}});
-  Real fastest = 0, sum = 0;  // of three places to start from
-  for (const char* const x : {"1.6", "1.63", "1.7"}) {
-    BodyRun run(world, tank + "[[body]]\ntype = 'box'\ndensity = 500\nsize = [1, 0.8, 0.6]\n" +
-                           "velocity = [0.15, 0, 0]\ncenter = [" + x + ", 1.2, 1.1]\n");
-    for (run.steps(240), fastest = 0; run.rows.size() < 300; run.steps(1))
-      fastest = std::max(fastest, run.bodies()[0].velocity.head<2>().norm());
-    sum += fastest;
-  }
-  EXPECT_LT(sum / 3, 0.05);
 }
 
 // ---- contacts

@@ -128,8 +128,9 @@ TEST(OpenChannel, AProfileIsThatOfItsRows) {
   const Particles& particles = run.solver->particles();
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     const Vec3& p = particles.position[i];
-    if (p.x() < 0.06 && p.z() > 0.05 && p.z() < 0.45)
+    if (p.x() < 0.06 && p.z() > 0.05 && p.z() < 0.45) {
       EXPECT_NEAR(particles.velocity[i].x(), 0.2 + p.z(), 0.12) << p.transpose();
+    }
   }
 }
 

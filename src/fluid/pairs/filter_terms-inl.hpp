@@ -41,11 +41,37 @@ struct VectorTerms {
     sums.y = hn::MulAdd(factor, pair.dy, sums.y);
     sums.z = hn::MulAdd(factor, pair.dz, sums.z);
   }
+  template <class D>
+  struct Kept {
+    Unfinished<D> xy, zw;  // single precision: all in xy
+  };
   template <class D, class Sums>
-  Vec4<T> finish(D d, LocalId index, const Groups<Sums>& sums) const {
-    constexpr T per_unit = static_cast<T>(1 / Packed<T>::units_per_h);
-    const Vec4<T> total = sum_of_groups(d, sums);
-    return out[index] = {total.x * per_unit, total.y * per_unit, total.z * per_unit, total.w};
+  static void keep(D d, const Groups<Sums>& sums, std::size_t k, Kept<D>& kept) {
+    const BlockSums<D> of_blocks = sums_of_blocks(d, sums);
+    hn::Store(of_blocks.xy, d, kept.xy.of[k]);
+    if constexpr (sizeof(T) == 8) hn::Store(of_blocks.zw, d, kept.zw.of[k]);
+  }
+  template <class D>
+  void finish(D d, std::size_t first, std::size_t count, const Kept<D>& kept) const {
+    write(d, first, count, kept, static_cast<T>(1 / Packed<T>::units_per_h));
+  }
+
+ protected:
+  // The sums of x, y and z times `per_unit`, and that of w.
+  template <class D>
+  void write(D d, std::size_t first, std::size_t count, const Kept<D>& kept, T per_unit) const {
+    Vec4<T> sums[batch];
+    if constexpr (sizeof(T) == 4) {
+      const Finished<T> all = sum_of_blocks(d, kept.xy);
+      alignas(16) const T scale[4] = {per_unit, per_unit, per_unit, 1};
+      for (std::size_t at = 0; at < batch * 4; at += hn::MaxLanes(d))
+        hn::Store(hn::Mul(hn::Load(d, &all.of[0][0] + at), hn::LoadDup128(d, scale)), d, &sums[0].x + at);
+    } else {
+      const Finished<T> xy = sum_of_blocks(d, kept.xy), zw = sum_of_blocks(d, kept.zw);
+      for (std::size_t k = 0; k < batch; ++k)
+        sums[k] = {xy.of[k][0] * per_unit, xy.of[k][1] * per_unit, zw.of[k][0] * per_unit, zw.of[k][1]};
+    }
+    std::copy_n(sums, count, out + first);
   }
 };
 
@@ -63,8 +89,15 @@ struct NumberTerms {
     return {hn::Zero(d)};
   }
   template <class D>
-  void finish(D d, LocalId index, const Groups<Sums<D>>& sums) const {
-    out[index] = sum_of_lanes(d, Groups<hn::Vec<D>>{sums.a.value, sums.b.value, sums.c.value, sums.e.value});
+  using Kept = Unfinished<D>;
+  template <class D>
+  static void keep(D d, const Groups<Sums<D>>& sums, std::size_t k, Kept<D>& kept) {
+    hn::Store(sum_of_groups<D>({sums.a.value, sums.b.value, sums.c.value, sums.e.value}), d, kept.of[k]);
+  }
+  template <class D>
+  void finish(D d, std::size_t first, std::size_t count, const Kept<D>& kept) const {
+    const Finished<T> sums = sum_of_lanes(d, kept);
+    for (std::size_t k = 0; k < count; ++k) out[first + k] = sums.of[k][0];
   }
 };
 
@@ -115,7 +148,7 @@ struct VelocityTerms : VectorTerms<T> {
   }
   template <class D>
   Four<D> relative(D d, const SumsOf<D>& sums, const PairVector<D>& pair) const {
-    const Four<D> v = gather(d, velocity, pair.index);
+    const Four<D> v = gather(d, velocity, pair.place);
     return {hn::Sub(v.x, sums.self.x), hn::Sub(v.y, sums.self.y), hn::Sub(v.z, sums.self.z), v.w};
   }
 };
@@ -153,8 +186,8 @@ struct SmoothingTerms : VelocityTerms<T> {
     sums.z = hn::MulAdd(weight, v.z, sums.z);
   }
   template <class D>
-  void finish(D d, LocalId index, const Groups<SumsOf<D>>& sums) const {
-    this->out[index] = sum_of_groups(d, sums);
+  void finish(D d, std::size_t first, std::size_t count, const typename VectorTerms<T>::template Kept<D>& kept) const {
+    this->write(d, first, count, kept, 1);
   }
 };
 

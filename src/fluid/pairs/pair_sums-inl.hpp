@@ -51,10 +51,21 @@ struct DensityTerms : VectorTerms<T> {
     this->add_along(sums, pair, slope.per_u);
   }
   template <class D>
-  void finish(D d, LocalId index, const Groups<Sums<D>>& sums) const {
-    VectorTerms<T>::finish(d, index, sums);
-    squares[index] =
-        sum_of_lanes(d, Groups<hn::Vec<D>>{sums.a.squares, sums.b.squares, sums.c.squares, sums.e.squares});
+  struct Kept {
+    typename VectorTerms<T>::template Kept<D> vectors;
+    Unfinished<D> squares;
+  };
+  template <class D>
+  static void keep(D d, const Groups<Sums<D>>& sums, std::size_t k, Kept<D>& kept) {
+    VectorTerms<T>::keep(d, sums, k, kept.vectors);
+    hn::Store(sum_of_groups<D>({sums.a.squares, sums.b.squares, sums.c.squares, sums.e.squares}), d,
+              kept.squares.of[k]);
+  }
+  template <class D>
+  void finish(D d, std::size_t first, std::size_t count, const Kept<D>& kept) const {
+    VectorTerms<T>::finish(d, first, count, kept.vectors);
+    const Finished<T> sums = sum_of_lanes(d, kept.squares);
+    for (std::size_t k = 0; k < count; ++k) squares[first + k] = sums.of[k][0];
   }
 };
 

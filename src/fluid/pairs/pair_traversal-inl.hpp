@@ -10,7 +10,9 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include "fluid/pairs/pair_sums.hpp"
 #include "kernels/shape-inl.hpp"
@@ -24,10 +26,14 @@ struct Four {
   hn::Vec<D> x, y, z, w;
 };
 
-// Block b of the result is the 16 bytes at `base` of the record with number index[b · stride].
+// Where a record lies, in halves of a record: half a record of single precision is a unit in which the processor adds
+// up addresses by itself.
+using Place = std::uint32_t;
+
+// Block b of the result is the 16 bytes at `base` of the record at place[b · stride].
 template <class D>
-HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const LocalId* index, std::size_t stride) {
-  const auto block = [=](std::size_t b) { return base + 4 * static_cast<std::size_t>(index[b * stride]); };
+HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const Place* place, std::size_t stride) {
+  const auto block = [=](std::size_t b) { return base + 2 * static_cast<std::size_t>(place[b * stride]); };
   constexpr std::size_t lanes_per_block = 16 / sizeof(hn::TFromD<D>);
   constexpr std::size_t blocks = HWY_MAX_BYTES >= 16 ? hn::MaxLanes(D()) / lanes_per_block : 1;
   if constexpr (blocks == 1) {
@@ -44,12 +50,12 @@ HWY_INLINE hn::Vec<D> load_blocks(D d, const hn::TFromD<D>* base, const LocalId*
   }
 }
 
-// Lane k of x, y, z, w is the record at index[k].
+// Lane k of x, y, z, w is the record at place[k].
 template <class D>
-requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
+requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Four<D> gather(D d, const void* records, const Place* place) {
   const auto* base = static_cast<const hn::TFromD<D>*>(records);
-  const auto a = load_blocks(d, base, index, 4), b = load_blocks(d, base, index + 1, 4);
-  const auto c = load_blocks(d, base, index + 2, 4), e = load_blocks(d, base, index + 3, 4);
+  const auto a = load_blocks(d, base, place, 4), b = load_blocks(d, base, place + 1, 4);
+  const auto c = load_blocks(d, base, place + 2, 4), e = load_blocks(d, base, place + 3, 4);
   const hn::Repartition<double, D> wide;  // to move two lanes as one
   const auto ab = hn::BitCast(wide, hn::InterleaveLower(d, a, b)), ce = hn::BitCast(wide, hn::InterleaveLower(d, c, e));
   const auto ab2 = hn::BitCast(wide, hn::InterleaveUpper(d, a, b)),
@@ -59,23 +65,12 @@ requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Four<D> gather(D d, const void* 
 }
 
 template <class D>
-requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Four<D> gather(D d, const void* records, const LocalId* index) {
+requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Four<D> gather(D d, const void* records, const Place* place) {
   const auto* base = static_cast<const hn::TFromD<D>*>(records);
-  const auto xy0 = load_blocks(d, base, index, 2), xy1 = load_blocks(d, base, index + 1, 2);
-  const auto zw0 = load_blocks(d, base + 2, index, 2), zw1 = load_blocks(d, base + 2, index + 1, 2);
+  const auto xy0 = load_blocks(d, base, place, 2), xy1 = load_blocks(d, base, place + 1, 2);
+  const auto zw0 = load_blocks(d, base + 2, place, 2), zw1 = load_blocks(d, base + 2, place + 1, 2);
   return {hn::InterleaveLower(d, xy0, xy1), hn::InterleaveUpper(d, xy0, xy1), hn::InterleaveLower(d, zw0, zw1),
           hn::InterleaveUpper(d, zw0, zw1)};
-}
-
-// The sum of the 128-bit blocks of a vector, in one block.
-template <class D, class V>
-HWY_INLINE auto sum_of_blocks(D, V v) {
-  if constexpr (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) <= 16) {
-    return v;
-  } else {
-    const hn::Half<D> half;
-    return sum_of_blocks(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
-  }
 }
 
 // For each 128-bit block, its sums of x, y, z and w over the lanes. In single precision a block holds all four sums; in
@@ -103,7 +98,7 @@ requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE BlockSums<D> sums_of_blocks(D d,
 template <class D>
 struct PairVector {
   hn::Vec<D> dx, dy, dz, r2, w;
-  const LocalId* index;
+  const Place* place;
 };
 
 // The coordinates of a record are integers in single precision; their difference is exact.
@@ -114,23 +109,22 @@ HWY_INLINE hn::Vec<D> difference(D d, hwy::HWY_NAMESPACE::Vec<hn::RebindToSigned
 }
 
 template <class D>
-HWY_INLINE PairVector<D> pair_vector(D d, const Packed<float>& self, const Packed<float>* records,
-                                     const LocalId* index) {
+HWY_INLINE PairVector<D> pair_vector(D d, const Packed<float>& self, const Packed<float>* records, const Place* place) {
   const hn::RebindToSigned<D> di;
-  const Four<D> j = gather(d, records, index);
+  const Four<D> j = gather(d, records, place);
   const auto dx = difference(d, hn::Set(di, self.x), j.x), dy = difference(d, hn::Set(di, self.y), j.y);
   const auto dz = difference(d, hn::Set(di, self.z), j.z);
   const auto scale = hn::Set(d, static_cast<float>(1 / (Packed<float>::units_per_h * Packed<float>::units_per_h)));
-  return {dx, dy, dz, hn::Mul(scale, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)))), j.w, index};
+  return {dx, dy, dz, hn::Mul(scale, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)))), j.w, place};
 }
 
 template <class D>
 HWY_INLINE PairVector<D> pair_vector(D d, const Packed<double>& self, const Packed<double>* records,
-                                     const LocalId* index) {
-  const Four<D> j = gather(d, records, index);
+                                     const Place* place) {
+  const Four<D> j = gather(d, records, place);
   const auto dx = hn::Sub(hn::Set(d, self.x), j.x), dy = hn::Sub(hn::Set(d, self.y), j.y);
   const auto dz = hn::Sub(hn::Set(d, self.z), j.z);
-  return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, index};
+  return {dx, dy, dz, hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), j.w, place};
 }
 
 // A particle's sum has the same structure on every processor: 64 bytes of virtual lanes, however wide the registers
@@ -147,51 +141,81 @@ struct Groups {
   Sums a, b, c, e;
 };
 
-// The sum of all 128-bit blocks of one vector per group, in one block.
+// The sum of one vector per group.
 template <class D>
-HWY_INLINE auto sum_of_blocks(D d, const Groups<hn::Vec<D>>& v) {
+HWY_INLINE hn::Vec<D> sum_of_groups(const Groups<hn::Vec<D>>& v) {
   if constexpr (groups<D> == 1) {
-    return sum_of_blocks(d, v.a);
+    return v.a;
   } else if constexpr (groups<D> == 2) {
-    return sum_of_blocks(d, hn::Add(v.a, v.b));
+    return hn::Add(v.a, v.b);
   } else {
     return hn::Add(hn::Add(v.a, v.c), hn::Add(v.b, v.e));
   }
 }
 
-// The sums of x, y, z and w in each block of one group.
+// The sums of x, y, z and w in each block of all groups. Groups that do not exist are copies of the first and are not
+// used.
 template <class D, class Sums>
-HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Sums& s) {
-  return sums_of_blocks(d, Four<D>{s.x, s.y, s.z, s.w});
+HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Groups<Sums>& s) {
+  const auto of = [=](const Sums& group) { return sums_of_blocks(d, Four<D>{group.x, group.y, group.z, group.w}); };
+  const auto a = of(s.a), b = groups<D> >= 2 ? of(s.b) : a;
+  const auto c = groups<D> == 4 ? of(s.c) : a, e = groups<D> == 4 ? of(s.e) : a;
+  return {sum_of_groups<D>({a.xy, b.xy, c.xy, e.xy}), sum_of_groups<D>({a.zw, b.zw, c.zw, e.zw})};
 }
 
-// The sums of x, y, z and w over all virtual lanes, as one record. Groups that do not exist are copies of the first and
-// are not used.
-template <class D, class Sums>
-HWY_INLINE Vec4<hn::TFromD<D>> sum_of_groups(D d, const Groups<Sums>& s) {
-  using T = hn::TFromD<D>;
-  const auto a = sums_of_blocks(d, s.a), b = groups<D> >= 2 ? sums_of_blocks(d, s.b) : a;
-  const auto c = groups<D> == 4 ? sums_of_blocks(d, s.c) : a, e = groups<D> == 4 ? sums_of_blocks(d, s.e) : a;
-  Vec4<T> result;
-  hn::Store(sum_of_blocks(d, Groups<hn::Vec<D>>{a.xy, b.xy, c.xy, e.xy}), hn::Full128<T>(), &result.x);
-  if constexpr (sizeof(T) == 8)
-    hn::Store(sum_of_blocks(d, Groups<hn::Vec<D>>{a.zw, b.zw, c.zw, e.zw}), hn::Full128<T>(), &result.z);
-  return result;
-}
+// The sums of this many particles are finished together, so that no one waits for a sum of its own.
+inline constexpr std::size_t batch = 4;
 
-// The sum over all virtual lanes of one number; here blocks are added before the lanes within them.
+// A vector of each particle of a batch, of which the blocks are still to be added; and their sums, one block for each.
 template <class D>
-HWY_INLINE hn::TFromD<D> sum_of_lanes(D d, const Groups<hn::Vec<D>>& s) {
-  using T = hn::TFromD<D>;
-  const hn::Full128<T> block;
-  constexpr std::size_t lanes = hn::MaxLanes(block);
-  alignas(16) T lane[lanes];
-  hn::Store(sum_of_blocks(d, s), block, lane);
-  if constexpr (lanes == 4) {
-    return (lane[0] + lane[2]) + (lane[1] + lane[3]);
+struct alignas(64) Unfinished {
+  hn::TFromD<D> of[batch][hn::MaxLanes(D())];
+};
+template <class T>
+struct alignas(64) Finished {
+  static constexpr std::size_t lanes = 16 / sizeof(T);
+  T of[batch][lanes];
+};
+
+// Of two vectors: the sums of their halves, of the one and then of the other.
+template <class D>
+HWY_INLINE hn::Vec<D> halves(D d, hn::Vec<D> a, hn::Vec<D> b) {
+  return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
+}
+
+template <class D>
+HWY_INLINE Finished<hn::TFromD<D>> sum_of_blocks(D d, const Unfinished<D>& v) {
+  Finished<hn::TFromD<D>> sums;
+  const auto load = [&](std::size_t k) { return hn::Load(d, v.of[k]); };
+  constexpr std::size_t blocks = hn::MaxLanes(D()) / Finished<hn::TFromD<D>>::lanes;
+  if constexpr (blocks == 4) {
+    const auto a = halves(d, load(0), load(2)), b = halves(d, load(1), load(3));
+    hn::Store(hn::Add(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a), hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a))),
+              d, sums.of[0]);
+  } else if constexpr (blocks == 2) {
+    hn::Store(halves(d, load(0), load(1)), d, sums.of[0]);
+    hn::Store(halves(d, load(2), load(3)), d, sums.of[2]);
   } else {
-    return lane[0] + lane[1];
+    for (std::size_t k = 0; k < batch; ++k) hn::Store(load(k), d, sums.of[k]);
   }
+  return sums;
+}
+
+// Adds the lanes of each block, too: the sum is then in the first.
+template <class D>
+HWY_INLINE Finished<hn::TFromD<D>> sum_of_lanes(D d, const Unfinished<D>& v) {
+  Finished<hn::TFromD<D>> sums = sum_of_blocks(d, v);
+  for (std::size_t at = 0; at < batch * Finished<hn::TFromD<D>>::lanes; at += hn::MaxLanes(D())) {
+    auto sum = hn::Load(d, &sums.of[0][0] + at);
+    if constexpr (sizeof(hn::TFromD<D>) == 4) {
+      sum = hn::Add(sum, hn::Shuffle1032(sum));
+      sum = hn::Add(sum, hn::Shuffle2301(sum));
+    } else {
+      sum = hn::Add(sum, hn::Shuffle01(sum));
+    }
+    hn::Store(sum, d, &sums.of[0][0] + at);
+  }
+  return sums;
 }
 
 // The row of the neighbour list of one particle, with the records that its indices refer to.
@@ -199,34 +223,35 @@ template <class T>
 struct Row {
   const Packed<T>& self;
   const Packed<T>* records;
-  const LocalId* index;
+  const Place* place;
   LocalId count;
 };
 
-// Writes the indices of the neighbours of a row, and after them a vector of 0, which are indices, too.
+// Writes the places of the neighbours of a row, and after them a vector of 0, which are places, too.
 template <class D>
-HWY_INLINE void decode(D, const NeighbourRow& row, LocalId* HWY_RESTRICT index) {
-  const hn::Rebind<LocalId, D> d;
+HWY_INLINE void decode(D, const NeighbourRow& row, Place* HWY_RESTRICT place) {
+  const hn::Rebind<Place, D> d;
   const hn::Rebind<std::uint16_t, D> d16;
   constexpr auto lanes = static_cast<LocalId>(hn::MaxLanes(D()));
   if constexpr (lanes >= NeighbourRow::windows) {
     if (HWY_LIKELY(row.coded != nullptr)) {
-      const auto shifts = hn::LoadDup128(d, row.shift);
+      const auto shifts = hn::LoadDup128(d, reinterpret_cast<const Place*>(row.shift));
       for (LocalId k = 0; k < row.count; k += lanes) {
         const auto code = hn::PromoteTo(d, hn::LoadU(d16, row.coded + k));
         const auto window = hn::IndicesFromVec(d, hn::ShiftRight<NeighbourRow::bits_of_number>(code));
-        hn::Store(hn::Add(code, hn::TableLookupLanes(shifts, window)), d, index + k);
+        const auto index = hn::Add(code, hn::TableLookupLanes(shifts, window));
+        hn::Store(hn::Add(index, index), d, place + k);
       }
-      return hn::StoreU(hn::Zero(d), d, index + row.count);  // in place of what the codes of the next row gave
+      return hn::StoreU(hn::Zero(d), d, place + row.count);  // in place of what the codes of the next row gave
     }
   }
-  for (LocalId k = 0; k < row.count; ++k) index[k] = row[k];
-  for (LocalId lane = 0; lane < lanes; ++lane) index[row.count + lane] = 0;
+  for (LocalId k = 0; k < row.count; ++k) place[k] = 2 * static_cast<Place>(row[k]);
+  for (LocalId lane = 0; lane < lanes; ++lane) place[row.count + lane] = 0;
 }
 
 template <class D, class Terms, class Sums, class T>
 HWY_INLINE void add_vector(D d, const Terms& terms, Sums& sums, const Row<T>& row, LocalId k) {
-  auto pair = pair_vector(d, row.self, row.records, row.index + k);
+  auto pair = pair_vector(d, row.self, row.records, row.place + k);
   // Lanes past the end of the row are moved to r = h, where every smoothing kernel is zero.
   if (row.count - k < static_cast<LocalId>(hn::Lanes(d)))
     pair.r2 = hn::IfThenElse(hn::FirstN(d, static_cast<std::size_t>(row.count - k)), pair.r2, hn::Set(d, T{1}));
@@ -254,22 +279,31 @@ HWY_INLINE void add_row(D d, const Terms& terms, Groups<Sums>& sums, const Row<T
 }
 
 // For each owned particle i of the range: sums = terms.start(i) in each group, terms.add(sums, pairs) for all its
-// neighbours, terms.finish(index in the range, groups).
+// neighbours, terms.keep(sums, its number in the batch, unfinished sums); and for each batch of particles
+// terms.finish(index in the range of the first, how many, unfinished sums).
 template <class T, class Terms>
 HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Terms& terms) {
-  const hn::ScalableTag<T> d;
+  using D = hn::ScalableTag<T>;
+  const D d;
   const Packed<T>* records = pairs.records.data();
   // Rows are decoded one ahead: what is stored in vectors is not at hand for single loads at once.
   constexpr std::size_t room = static_cast<std::size_t>(NeighbourList::max_neighbours) + RowWriter::slack;
-  alignas(64) LocalId indices[2][room];
-  if (range.size() > 0) decode(d, pairs.list.row(range.begin), indices[range.begin % 2]);
-  for (LocalId i = range.begin; i < range.end; ++i) {
-    if (i + 1 < range.end) decode(d, pairs.list.row(i + 1), indices[(i + 1) % 2]);
-    const LocalId self = pairs.low_ghosts + i;
-    const auto start = terms.start(d, self);
-    Groups<std::remove_const_t<decltype(start)>> sums{start, start, start, start};
-    add_row(d, terms, sums, Row<T>{records[self], records, indices[i % 2], pairs.list.count(i)});
-    terms.finish(d, i - range.begin, sums);
+  alignas(64) Place places[2][room];
+  Place *here = places[0], *next = places[1];
+  if (range.size() > 0) decode(d, pairs.list.row(range.begin), next);
+  typename Terms::template Kept<D> kept{};
+  for (LocalId first = range.begin; first < range.end; first += static_cast<LocalId>(batch)) {
+    const std::size_t count = std::min(batch, static_cast<std::size_t>(range.end - first));
+    for (std::size_t k = 0; k < count; ++k) {
+      const LocalId i = first + static_cast<LocalId>(k), self = pairs.low_ghosts + i;
+      std::swap(here, next);
+      if (i + 1 < range.end) decode(d, pairs.list.row(i + 1), next);
+      const auto start = terms.start(d, self);
+      Groups<std::remove_const_t<decltype(start)>> sums{start, start, start, start};
+      add_row(d, terms, sums, Row<T>{records[self], records, here, pairs.list.count(i)});
+      terms.keep(d, sums, k, kept);
+    }
+    terms.finish(d, static_cast<std::size_t>(first - range.begin), count, kept);
   }
 }
 
