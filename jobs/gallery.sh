@@ -3,7 +3,7 @@
 #
 # Runs the scenes of inputs/gallery, all of them or those that are named, and makes their pictures and films anew:
 # postprocess/results/gallery/SCENE.webp. Runs that are in RUNS (default out/gallery) are not made again. On two cores each
-# scene takes one to ten minutes, its picture half a minute, and a film up to ten.
+# scene takes up to twelve minutes, its picture half a minute, and a film up to ten.
 #
 #   jobs/gallery.sh
 #   jobs/gallery.sh vortex drop
