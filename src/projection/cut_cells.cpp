@@ -126,27 +126,6 @@ void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::
   if (!ranges.empty()) ranges.resize(last + 1);
 }
 
-// visit(k, r, candidates, columns) for the ranges of each row, ghosts included.
-template <class Visit>
-void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
-  const CellRows rows = grid.rows_and_ghosts_of({0, grid.planes() + 2});
-  for_each_part((grid.planes() + 2) * rows.rows, [&](LocalId row) {
-    const LocalId k = row / rows.rows, r = rows.first_row + row % rows.rows;
-    if (!grid.has_row(r)) return;
-    Candidates& own = candidates_.mine();
-    const Vec3 first = corner_of(grid, k, r, 0);
-    find_ranges(
-        {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
-        zones, own.ranges);
-    for (const Range& columns : own.ranges) {
-      const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
-      const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));
-      keep_near(place(middle), reach, all_bodies_, own.of_row, own.distance);
-      visit(k, r, own, columns);
-    }
-  });
-}
-
 // For a ghost beyond the end of a periodic box that of the cell at its other end, which it is like.
 Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const {
   const LocalId planes = grid.count(0), rows = grid.count(1);
