@@ -100,22 +100,6 @@ Slabs::Slabs(std::span<const Real> weights, int slabs) {
   for (int k = 0; k < slabs; ++k) cuts_.rows.insert(cuts_.rows.end(), {0, 1});
 }
 
-void Slabs::cut_rows(std::span<const Real> weights, int parts) {
-  const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs());
-  if (static_cast<std::size_t>(parts) > rows) {
-    throw InputError(
-        fmt::format("planes have {} rows of cells, fewer than the {} parts of a slab; use at most {} parts, another "
-                    "[domain] slab_axis, or a smaller kernel_radius",
-                    rows, parts, rows));
-  }
-  std::vector<LocalId> cuts;
-  for (std::size_t k = 0; k < weights.size(); k += rows) {
-    const std::vector<LocalId> of_slab = even_cuts(weights.subspan(k, rows), parts);
-    cuts.insert(cuts.end(), of_slab.begin(), of_slab.end());
-  }
-  set_rows(std::move(cuts), parts);
-}
-
 void Slabs::set_rows(std::vector<LocalId> rows, int parts) {
   cuts_.rows = std::move(rows);
   cuts_.parts = parts;

@@ -22,10 +22,7 @@ class Slabs {
   /// Cuts the planes so that the largest weight of a slab is as small as whole planes allow. `weights`: one per plane,
   /// in any unit. Throws InputError when there are more slabs than planes.
   Slabs(std::span<const Real> weights, int slabs);
-  /// Cuts each slab into `parts` runs of rows likewise. `weights`: one for each row of each slab, slab by slab. Throws
-  /// InputError when there are more parts than rows.
-  void cut_rows(std::span<const Real> weights, int parts);
-  /// The same with cuts that are known: `rows` as in CellCuts.
+  /// Cuts each slab into `parts` runs of rows: `rows` as in CellCuts.
   void set_rows(std::vector<LocalId> rows, int parts);
 
   const CellCuts& cuts() const { return cuts_; }

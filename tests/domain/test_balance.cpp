@@ -108,7 +108,7 @@ TEST(Balance, CutsInsideSlabsFollowTheWork) {
           plane_work(d.near.order(), d.near.list(), k, k + 1);
     MPI_Allreduce(MPI_IN_PLACE, planes.data(), static_cast<int>(planes.size()), MPI_DOUBLE, MPI_SUM, world);
     Slabs expected(planes, d.slabs.slabs());
-    expected.cut_rows(work_of_all_rows(d, expected), parts);
+    cut_rows_alone(expected, work_of_all_rows(d, expected), parts);
     const Real own = plane_work(d.near.order(), d.near.list(), 0, d.near.order().planes());
     const Real mean = std::accumulate(planes.begin(), planes.end(), 0.0) / size_of(world);
     balance.update(0, d.near.order(), d.near.list(), d.slabs);

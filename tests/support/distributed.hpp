@@ -24,6 +24,17 @@ inline std::vector<int> parts_of_slabs(const CellGrid& grid) {
   return parts;
 }
 
+/// Cuts the slabs inside by the weights of their rows, slab by slab, which all ranks know.
+inline void cut_rows_alone(Slabs& slabs, std::span<const Real> weights, int parts) {
+  const std::size_t rows = weights.size() / static_cast<std::size_t>(slabs.slabs());
+  std::vector<LocalId> cuts;
+  for (std::size_t k = 0; k < weights.size(); k += rows) {
+    const std::vector<LocalId> of_slab = even_cuts(weights.subspan(k, rows), parts);
+    cuts.insert(cuts.end(), of_slab.begin(), of_slab.end());
+  }
+  slabs.set_rows(std::move(cuts), parts);
+}
+
 /// The same number of planes for each slab, however the particles are spread; each cut into parts elsewhere.
 inline Slabs even_slabs(const CellGrid& grid, int parts = 1) {
   Slabs slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), size_of(world) / parts);
@@ -31,7 +42,7 @@ inline Slabs even_slabs(const CellGrid& grid, int parts = 1) {
   std::vector<Real> weights;
   for (int slab = 0; slab < slabs.slabs(); ++slab)
     for (LocalId row = 0; row < grid.rows(); ++row) weights.push_back((slab + row) % 3 + 1);
-  slabs.cut_rows(weights, parts);
+  cut_rows_alone(slabs, weights, parts);
   return slabs;
 }
 
