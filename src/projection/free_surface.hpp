@@ -59,7 +59,7 @@ class FreeSurface {
   /// Fraction of the cell that is not solid; its fill is a fraction of that.
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
-  bool is_wet(std::size_t at) const { return wet_[at] != 0; }
+  bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
@@ -68,6 +68,8 @@ class FreeSurface {
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
 
  private:
+  // In wet_; the last one only while cells are classified.
+  enum : char { dry_cell, wet_cell, dry_at_solid };
   // Cell (r, c) of plane k.
   struct Place {
     LocalId k, r, c;
@@ -80,6 +82,12 @@ class FreeSurface {
   Real min_wet_fill(std::size_t at, LocalId c) const;
   void classify_among_solids(Halo& halo);
   void fill_open_parts();
+  void join_cells_at_solids(Halo& halo);
+  bool joins(const Place& place) const;
+  bool is_at_solid(std::size_t at) const;
+  bool is_pocket(const Place& place) const;
+  template <class Passes>
+  bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
   void level_small_cells(Halo& halo);
   bool is_small(std::size_t at) const;
   std::optional<Real> fill_beside(const Place& place) const;

@@ -6,6 +6,9 @@
 // an obstacle lost two thirds of each swing. What a cell holds of which little is open says hardly anything, so it
 // follows the cell beyond its widest face; beside a body that floats those beyond its sides, whether it is full or not:
 // a small cell above the surface that followed the one below it pressed the body aside, and shallow bodies sailed.
+// Deep in the water there is no surface at a solid, though particles may be too far from it to fill a cell that it has
+// just left: as long as such cells were dry, pressure fell to that of the air in them, and what moved under water felt
+// 0.7 of its buoyancy less in one step and as much more in the next.
 #include "projection/free_surface.hpp"
 
 #include "base/threads.hpp"
@@ -24,30 +27,14 @@ void FreeSurface::fill_open_parts() {
 }
 
 void FreeSurface::classify_among_solids(Halo& halo) {
-  const Range all{0, grid().planes() + 2}, own{1, grid().planes() + 1};
+  const Range all{0, grid().planes() + 2};
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) ? 1 : 0;
+      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) ? wet_cell : dry_cell;
     }
   });
-  grid().complete(halo, wet_);
-  Borrowed<char> joined = grid().scratch().borrow<char>(wet_.size());  // the next wet_
-  std::copy(wet_.begin(), wet_.end(), joined.begin());
-  for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid().columns(); ++c) {
-      const std::size_t at = grid().index(k, r, c);
-      if (!is_small(at) || (is_wet(at) && !cuts()->floats(at))) continue;
-      const std::optional<Real> fill = cuts()->floats(at) ? fill_beside({k, r, c}) : std::nullopt;
-      joined[at] = fill && *fill >= wet_fill ? 1 : 0;
-      if (fill) continue;
-      for_widest({k, r, c}, [&](std::size_t beside) { joined[at] = joined[at] != 0 || is_wet(beside) ? 1 : 0; });
-    }
-  });
-  halo.start_planes(joined, grid().step(0));
-  halo.finish();
-  std::copy(joined.begin(), joined.end(), wet_.begin());
-  joined.give_back();
+  join_cells_at_solids(halo);
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 1; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
@@ -59,6 +46,83 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   grid().complete(halo, wet_);
   grid().complete(halo, height_);
   level_small_cells(halo);
+}
+
+void FreeSurface::join_cells_at_solids(Halo& halo) {
+  const CellRows own = grid().rows_of({1, grid().planes() + 1});
+  const auto for_each_near = [&](const auto& visit) {
+    for_each_row(own, [&](LocalId k, LocalId r) {
+      const Range near = cuts()->columns_near_cut(k, r);
+      for (LocalId c = std::max(near.begin, 0); c < std::min(near.end, grid().columns()); ++c)
+        visit(Place{k, r, c}, grid().index(k, r, c));
+    });
+  };
+  for_each_near([&](const Place&, std::size_t at) {
+    if (!is_wet(at) && !is_drained(at) && is_at_solid(at)) wet_[at] = dry_at_solid;
+  });
+  halo.start_planes(wet_, grid().step(0));
+  halo.finish();
+  grid().complete(halo, wet_);
+  Borrowed<char> joined = grid().scratch().borrow<char>(wet_.size());  // the next wet_
+  std::copy(wet_.begin(), wet_.end(), joined.begin());
+  for_each_near([&](const Place& place, std::size_t at) {
+    if (wet_[at] == dry_at_solid || is_small(at)) joined[at] = joins(place) ? wet_cell : dry_cell;
+  });
+  halo.start_planes(joined, grid().step(0));
+  halo.finish();
+  std::copy(joined.begin(), joined.end(), wet_.begin());
+}
+
+// Whether a cell that is dry or small counts as wet all the same.
+bool FreeSurface::joins(const Place& place) const {
+  const std::size_t at = grid().index(place.k, place.r, place.c);
+  if (is_drained(at)) return false;
+  if (is_pocket(place)) return true;
+  if (!is_small(at)) return false;
+  if (cuts()->floats(at)) {
+    if (const std::optional<Real> fill = fill_beside(place)) return *fill >= wet_fill;
+  } else if (is_wet(at)) {
+    return true;
+  }
+  bool any = false;
+  for_widest(place, [&](std::size_t beside) { any = any || is_wet(beside); });
+  return any;
+}
+
+bool FreeSurface::is_at_solid(std::size_t at) const {
+  const auto is_closed = [&](std::size_t a) {
+    const std::size_t step = grid().step(a);
+    return cuts()->face(a, at) < 1 || cuts()->face(a, at + step) < 1 || open(at - step) < 1 || open(at + step) < 1;
+  };
+  return open(at) < 1 || is_closed(0) || is_closed(1) || is_closed(2);
+}
+
+// A cell at a solid among water that is deeper than it: no air is there, whatever the cell holds. Water stands above
+// it, or above the cells beside it, and none around it is dry but such as are at the solid, too.
+bool FreeSurface::is_pocket(const Place& place) const {
+  const auto [k, r, c] = place;
+  const std::size_t at = grid().index(k, r, c);
+  if (!upright()) return false;
+  bool deep = is_under(at, c, [&](std::size_t above) { return wet_[above] == dry_at_solid; });
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const bool upper : {false, true}) {
+      if (cuts()->face(a, upper ? at + grid().step(a) : at) == 0) continue;
+      if (grid().is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c + (upper && a == 2))) continue;
+      const std::size_t beside = upper ? at + grid().step(a) : at - grid().step(a);
+      if (wet_[beside] == dry_cell) return false;
+      if (deep || a == 2 || open(at) == 1 || !is_wet(beside)) continue;
+      deep = is_under(beside, c, [&](std::size_t above) { return open(above) > 0 && open(above) < 1; });
+    }
+  }
+  return deep;
+}
+
+// Whether the first of the cells above that one of which this does not hold is water, or a solid that lies on it.
+template <class Passes>
+bool FreeSurface::is_under(std::size_t at, LocalId c, const Passes& passes) const {
+  while (++c < grid().columns() && !is_wet(++at) && passes(at)) {
+  }
+  return c < grid().columns() && (is_wet(at) || is_solid(at));
 }
 
 // A body that floats turns, and its sides are upright but for a little: the mark falls with their slope.

@@ -138,12 +138,14 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
 }
 
 // A top cell returns to its volume only as far as the cell above holds water that could fill it, and cells at another
-// surface only when they hold too much: nothing pulls there. Water without a surface keeps its volume as a whole.
+// surface only when they hold too much: nothing pulls there. No particle may fit into a wedge between a slope and the
+// cells beside it, which is never full then. Water without a surface keeps its volume as a whole.
 Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(k, r, c);
   const Real less = surface.fill(at) - 1;
   if (closed_ || surface.is_solid(at) || (less < 0 && may_swell(surface, k, r, c))) return 0;
+  if (surface.is_cut(at) && surface.fill(at) < submerged_fill) return 0;
   Real fraction = step.return_fraction;
   if (surface.upright()) {
     if (surface.is_top(at)) fraction *= std::min(2 * surface.fill(at + 1), 1.0);

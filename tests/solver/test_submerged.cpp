@@ -1,0 +1,48 @@
+// Solids that move deep under water: no air gets to them, so the pressure on them changes as smoothly as their motion.
+// Cells that they had just left counted as dry, as too few particles were there, and pressure fell to that of the air.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "body_run.hpp"
+#include "support/cloud.hpp"
+
+namespace trevi::test {
+namespace {
+
+const std::string deep = tank_with_gravity({.max = "2.4, 1.6, 2.2", .water = {{"0, 0, 0", "2.4, 1.6, 1.8"}}});
+
+// At that speed drag is a hundredth of the weight of the water that it displaces.
+TEST(Submerged, ABallThatIsPulledFeelsItsBuoyancyInEachStep) {
+  const Real radius = 0.4, weight = 1000 * 9.81 * 4 / 3 * std::numbers::pi * std::pow(radius, 3);
+  for (const char* const height : {"0.8", "0.83"}) {
+    BodyRun run(world, deep +
+                           "[[obstacle]]\ntype = 'sphere'\nradius = 0.4\nvelocity = [0.4, 0, 0]\ncenter = [0.8, 0.8, " +
+                           height + "]\n");
+    run.steps(90);
+    for (std::size_t k = 3; k < run.forces.size(); ++k) {
+      const Vec3 part = run.forces[k][0].force / weight;
+      ASSERT_NEAR(part.x(), 0, 0.15) << "step " << k << ", at height " << height;
+      ASSERT_NEAR(part.z(), 1, 0.1) << "step " << k << ", at height " << height;
+    }
+  }
+}
+
+// By less and less as it gets faster and nears the surface, from (rho - rho_b)/(rho_b + rho/2) g on (Lamb,
+// Hydrodynamics, 6th ed., §92), less in a narrow tank. It was thrown back by as much in the 14th step, and twice as far
+// on in the 15th.
+TEST(Submerged, ALightBallIsPushedUpInEachStep) {
+  BodyRun run(world, deep + "[[body]]\ntype = 'sphere'\nradius = 0.4\ndensity = 300\nfree = ['z']\n" +
+                         "center = [1.2, 0.8, 0.6]\n");
+  const Real at_first = 0.7 / 0.8 * 9.81 / 60;
+  for (Real last = 0; run.rows.size() < 19;) {
+    run.steps(1);
+    const Real now = run.bodies()[0].velocity.z();
+    EXPECT_GT(now - last, 0.3 * at_first) << "step " << run.rows.size() - 1;
+    EXPECT_LT(now - last, 1.1 * at_first) << "step " << run.rows.size() - 1;
+    last = now;
+  }
+}
+
+}  // namespace
+}  // namespace trevi::test
