@@ -102,16 +102,15 @@ bool FreeSurface::is_at_solid(std::size_t at) const {
 bool FreeSurface::is_pocket(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
-  if (!upright()) return false;
-  bool deep = is_under(at, c, [&](std::size_t above) { return wet_[above] == dry_at_solid; });
+  bool deep = upright() && is_under(at, c, [&](std::size_t above) { return wet_[above] == dry_at_solid; });
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       if (cuts()->face(a, upper ? at + grid().step(a) : at) == 0) continue;
       if (grid().is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c + (upper && a == 2))) continue;
       const std::size_t beside = upper ? at + grid().step(a) : at - grid().step(a);
       if (wet_[beside] == dry_cell) return false;
-      if (deep || a == 2 || open(at) == 1 || !is_wet(beside)) continue;
-      deep = is_under(beside, c, [&](std::size_t above) { return open(above) > 0 && open(above) < 1; });
+      if (deep || !is_wet(beside) || (upright() && (a == 2 || open(at) == 1))) continue;
+      deep = !upright() || is_under(beside, c, [&](std::size_t above) { return open(above) > 0 && open(above) < 1; });
     }
   }
   return deep;

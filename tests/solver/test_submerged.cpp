@@ -28,6 +28,18 @@ TEST(Submerged, ABallThatIsPulledFeelsItsBuoyancyInEachStep) {
   }
 }
 
+// There is no direction up, but no air, either. It takes the water's momentum in the first step, and drag alone later;
+// 150 times the head of its speed pushed it back in the fourth step.
+TEST(Submerged, NoAirOpensBehindACylinderInAFullTankWithoutGravity) {
+  BodyRun run(world,
+              "[domain]\nmin = [0, 0, 0]\nmax = [2.4, 1.6, 2.4]\n[fluid]\nspacing = 0.1\n[time]\ndt = 0.0166666667\n"
+              "end = 1.0\n[[particles]]\nmin = [0, 0, 0]\nmax = [2.4, 1.6, 2.4]\n[[obstacle]]\ntype = 'cylinder'\n"
+              "axis = [0, 1, 0]\nheight = 6\nradius = 0.4\ncenter = [0.8, 0.8, 1.2]\nvelocity = [0.4, 0, 0]\n");
+  run.steps(30);
+  const Real head = 500 * 0.4 * 0.4 * 0.8 * 1.6;
+  for (std::size_t k = 4; k < run.forces.size(); ++k) EXPECT_LT(run.forces[k][0].force.norm(), 5 * head) << k;
+}
+
 // By less and less as it gets faster and nears the surface, from (rho - rho_b)/(rho_b + rho/2) g on (Lamb,
 // Hydrodynamics, 6th ed., §92), less in a narrow tank. It was thrown back by as much in the 14th step, and twice as far
 // on in the 15th.
