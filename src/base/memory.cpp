@@ -93,9 +93,9 @@ void require_memory(double bytes, const std::string& what, const std::string& re
 
 void give_freed_memory_back() {
 #ifdef __GLIBC__
-  mallopt(M_MMAP_MAX, 65536);
-  mallopt(M_MMAP_THRESHOLD, 128 * 1024);  // bytes; these two are glibc's defaults
-  // The heap holds small arrays only. With glibc's 128 kB it shrank and grew 20 times a step on two ranks.
+  mallopt(M_MMAP_MAX, 65536);  // this and the next are glibc's defaults
+  mallopt(M_MMAP_THRESHOLD, 128 * 1024);
+  // The heap holds small arrays only. With glibc's 128 kB it shrank and grew 20 times a step.
   mallopt(M_TRIM_THRESHOLD, 4 * 1024 * 1024);
 #endif
 }
