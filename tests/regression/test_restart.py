@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 """Restarts: the same bits on another rank count, what a user keeps in the folder, and what may have changed since.
 
-Small scenes with the real program (runs.py says how it is found). A class for each subject, so that
+Small scenes with the real program (runs.py says how it is found). A class for each subject, to be named:
     tests/regression/test_restart.py SceneChanges
-runs this one.
 """
 
 import os
