@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "base/memory.hpp"
 #include "base/simd.hpp"
 #include "bindings.hpp"
 #include "solver.hpp"
@@ -27,6 +28,7 @@ void begin() {
   static int count = 1;
   static char** values = arguments;
   const Denormals denormals;
+  give_freed_memory_back();  // PETSc has been loaded with the module
   process.mpi = std::make_unique<Mpi>(count, values);
   process.session = std::make_unique<Session>(MPI_COMM_WORLD);
   const int fair = process.session->fair_threads();

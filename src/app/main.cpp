@@ -29,6 +29,7 @@ void bound_waiting(char** argv) {
 
 int main(int argc, char** argv) {
   bound_waiting(argv);
+  trevi::give_freed_memory_back();  // libraries have been loaded now
   const trevi::Mpi mpi(argc, argv);
   std::optional<trevi::Session> session;  // outlives the report of an error, as its end needs all ranks
   try {

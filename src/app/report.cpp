@@ -3,7 +3,9 @@
 #include <petscsys.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include "app/placement.hpp"
@@ -50,9 +52,11 @@ RunReport::Versions versions() {
   char mpi[MPI_MAX_LIBRARY_VERSION_STRING] = {};
   int length = 0;
   MPI_Get_library_version(mpi, &length);
+  std::string name = std::string(mpi).substr(0, std::string_view(mpi).find_first_of(",\n"));  // then how it was built
+  std::replace(name.begin(), name.end(), '\t', ' ');
   const std::string petsc = std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
                             std::to_string(PETSC_VERSION_SUBMINOR);
-  return {TREVI_VERSION, std::string(mpi).substr(0, std::string(mpi).find(',')), petsc, hdf5_version(), vtk_version()};
+  return {TREVI_VERSION, name, petsc, hdf5_version(), vtk_version()};
 }
 
 double resident_bytes() {

@@ -13,6 +13,10 @@
 
 #include "trevi/error.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace trevi {
 
 namespace {
@@ -85,6 +89,15 @@ void require_memory(double bytes, const std::string& what, const std::string& re
   if (bytes <= room) return;
   throw InputError(
       fmt::format("{} need {}, and {} of memory are free here; {}", what, bytes_text(bytes), bytes_text(room), remedy));
+}
+
+void give_freed_memory_back() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 65536);  // this and the next are glibc's defaults
+  mallopt(M_MMAP_THRESHOLD, 128 * 1024);
+  // The heap holds small arrays only. With glibc's 128 kB it shrank and grew 20 times a step.
+  mallopt(M_TRIM_THRESHOLD, 4 * 1024 * 1024);
+#endif
 }
 
 std::string text_of(const std::exception& error) {

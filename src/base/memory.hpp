@@ -21,6 +21,12 @@ std::string bytes_text(double bytes);
 /// InputError "<what> need 9.6 GB, and 4.2 GB of memory are free here; <remedy>" when they are not there.
 void require_memory(double bytes, const std::string& what, const std::string& remedy);
 
+/// Has the C library take large arrays from the system and give them back when they are freed, as it does by default:
+/// `libsuperlu_dist`, which PETSc brings, turns that off for the whole process when it is loaded, so that all arrays
+/// lie in one heap that only grows. For programs that Trevi is the owner of, at their start; nothing happens where the
+/// C library is not glibc.
+void give_freed_memory_back();
+
 /// An error for the user: what() as a rule; of an allocation that failed, how much this process has and what is free.
 std::string text_of(const std::exception& error);
 

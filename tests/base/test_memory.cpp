@@ -1,5 +1,6 @@
 // What is told of memory: limits of control groups, refusals, and errors of allocations.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <cmath>
 #include <filesystem>
@@ -31,6 +32,25 @@ TEST(Memory, TheTightestGroupCounts) {
   EXPECT_EQ(free_in_group(top, "/job/step"), 0);
   fs::remove_all(top);
 }
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Bytes that are taken from the system for an array alone, while it lives.
+std::size_t taken_for(std::size_t bytes) {
+  const std::size_t before = mallinfo2().hblkhd;
+  const std::vector<char> array(bytes);
+  static const char* volatile seen = nullptr;  // so that the array is made
+  seen = array.data();
+  return mallinfo2().hblkhd - before;
+}
+
+TEST(Memory, LargeArraysAreTakenFromTheSystemAlone) {
+  constexpr std::size_t large = 1 << 22;
+  mallopt(M_MMAP_MAX, 0);  // as libsuperlu_dist does
+  EXPECT_EQ(taken_for(large), 0);
+  give_freed_memory_back();
+  EXPECT_GE(taken_for(4 * large), 4 * large);  // one of the same size would find its place in the heap
+}
+#endif
 
 TEST(Memory, WhatIsNotThereIsRefused) {
   EXPECT_GT(free_memory(), 1e6);

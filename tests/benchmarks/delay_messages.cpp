@@ -1,15 +1,12 @@
-// Messages as if the way between two ranks took some time, and a rank that is slower than the others: to be preloaded.
+// Messages as if the way between two ranks took some time, and a rank that is slower than the others, to be preloaded:
+// other orders of what ranks do, which no result may see. What both cost is told by hidden_waiting.py.
 //   LD_PRELOAD=.../libdelay_messages.so TREVI_DELAY_US=1000 mpirun -np 2 build/release/trevi SCENE
 // Nothing that this rank waits for is complete until TREVI_DELAY_US microseconds after it sent its own part of the
-// exchange, as ranks do so at about the same time. With TREVI_DELAY_AT_ONCE=1 the time passes where a message is sent,
-// so that no work is behind it: as a program without overlap would have it. TREVI_SLOW_RANK lengthens each stretch of
-// that rank's computing by TREVI_SLOW_PERCENT percent. At the end each rank tells how many exchanges had come when it
-// first asked, all of their way behind work, and what part of the way of all of them was.
+// exchange, as ranks do so at about the same time. TREVI_SLOW_RANK lengthens each stretch of that rank's computing by
+// TREVI_SLOW_PERCENT percent.
 #include <mpi.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 
 namespace {
@@ -22,38 +19,6 @@ double variable(const char* name, double otherwise) {
   return text != nullptr ? std::atof(text) : otherwise;
 }
 
-const Seconds& delay() {
-  static const Seconds read(1e-6 * variable("TREVI_DELAY_US", 0));
-  return read;
-}
-
-bool at_once() {
-  static const bool read = variable("TREVI_DELAY_AT_ONCE", 0) > 0;
-  return read;
-}
-
-// Polling, as a sleep would be longer and would leave the core to others.
-void pass(Seconds time) {
-  const Clock::time_point begin = Clock::now();
-  while (Clock::now() - begin < time) continue;
-}
-
-// Exchanges, those of them that had come when they were asked for, and the time that was still to come of the others.
-struct Count {
-  long all = 0, hidden = 0;
-  Seconds left{0};
-  ~Count() {
-    if (all == 0) return;
-    const double way = static_cast<double>(all) * delay().count();
-    std::fprintf(stderr, "messages: %ld exchanges, %ld of them behind work; %.1f %% of their way\n", all, hidden,
-                 way > 0 ? 100 * (1 - left.count() / way) : 0);
-  }
-} count_of_exchanges;
-
-Clock::time_point arrival;  // of what was sent last
-bool asked = true;          // whether it has been asked for
-Clock::time_point computing_since = Clock::now();
-
 double slowness() {
   static const double part = [] {
     int rank = 0;
@@ -63,27 +28,26 @@ double slowness() {
   return part;
 }
 
-// To be called where a stretch of computing ends.
+Clock::time_point arrival;  // of what was sent last
+bool computing = true;
+Clock::time_point computing_since = Clock::now();
+
+// Polling, as a sleep would be longer and would leave the core to others.
 void end_computing() {
-  if (slowness() > 0) pass(slowness() * (Clock::now() - computing_since));
+  const Clock::time_point now = Clock::now();
+  while (computing && Clock::now() - now < slowness() * (now - computing_since)) continue;
+  computing = false;
+}
+
+void begin_computing() {
+  computing = true;
   computing_since = Clock::now();
 }
 
 void note_sending() {
+  static const Seconds delay(1e-6 * variable("TREVI_DELAY_US", 0));
   end_computing();
-  if (at_once() && asked) pass(delay());
-  arrival = Clock::now() + std::chrono::duration_cast<Clock::duration>(at_once() ? Seconds(0) : delay());
-  asked = false;
-}
-
-// The first question after an exchange was sent.
-void note_question() {
-  end_computing();
-  const Seconds left = at_once() ? delay() : std::max(Seconds(arrival - Clock::now()), Seconds(0));
-  ++count_of_exchanges.all;
-  if (left.count() <= 0) ++count_of_exchanges.hidden;
-  count_of_exchanges.left += left;
-  asked = true;
+  arrival = Clock::now() + std::chrono::duration_cast<Clock::duration>(delay);
 }
 
 }  // namespace
@@ -93,7 +57,7 @@ extern "C" {
 int MPI_Isend(const void* data, int count, MPI_Datatype type, int to, int tag, MPI_Comm comm, MPI_Request* request) {
   note_sending();
   const int result = PMPI_Isend(data, count, type, to, tag, comm, request);
-  computing_since = Clock::now();
+  begin_computing();
   return result;
 }
 
@@ -101,16 +65,16 @@ int MPI_Iallreduce(const void* from, void* to, int count, MPI_Datatype type, MPI
                    MPI_Request* request) {
   note_sending();
   const int result = PMPI_Iallreduce(from, to, count, type, op, comm, request);
-  computing_since = Clock::now();
+  begin_computing();
   return result;
 }
 
 int MPI_Testall(int count, MPI_Request* requests, int* done, MPI_Status* statuses) {
-  if (!asked) note_question();
+  end_computing();
   *done = 0;
   const bool has_come = Clock::now() >= arrival;
   const int result = has_come ? PMPI_Testall(count, requests, done, statuses) : MPI_SUCCESS;
-  if (*done != 0) computing_since = Clock::now();
+  if (*done != 0) begin_computing();
   return result;
 }
 

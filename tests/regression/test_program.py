@@ -98,6 +98,7 @@ class Outputs(ProgramTest):
     def test_run_json_tells_how_it_ended(self):
         self.run_well(2, CUBE, "--output", "run", "--steps", 2)
         report = json.loads((self.folder / "run" / "run.json").read_text())
+        self.assertRegex(report["versions"]["mpi"], r"^[^\n\t,]+$")  # not how it was built
         self.assertIn("done", json.dumps(report))
 
     def test_missed_tolerances_are_told(self):

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include "app/build.hpp"
@@ -236,22 +237,23 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   speed.substep = max_over_ranks(session.comm(), speed.substep);
   if (session.rank() != 0) return;
   const double particles = std::accumulate(weights.begin(), weights.end(), 0.0);
-  fmt::print("scene       {}\n", scene.path);
-  fmt::print("launch      {}\n", launch_text(launch, scene));
-  fmt::print("particles   {:.0f}, {:.6g} kg each\n", particles, water_mass(scene.fluid));
-  fmt::print("space       {:.4g} m³ of water, {:.4g} m³ open\n",
-             particles * water_mass(scene.fluid) / scene.fluid.rest_density, open_volume(scene));
-  fmt::print("{}{}{}", obstacle_text(scene, particles), wave_text(scene), inlet_text(scene));
-  fmt::print("{}{}", shape_text(scene, grid, particles, slabs), slab_table(scene, grid, weights, slabs));
-  if (!scene.gravity) fmt::print("gravity     none, nothing falls; a table [gravity] adds it\n");
-  fmt::print("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
+  std::string text = fmt::format("scene       {}\n", scene.path);
+  text += fmt::format("launch      {}\n", launch_text(launch, scene));
+  text += fmt::format("particles   {:.0f}, {:.6g} kg each\n", particles, water_mass(scene.fluid));
+  text += fmt::format("space       {:.4g} m³ of water, {:.4g} m³ open\n",
+                      particles * water_mass(scene.fluid) / scene.fluid.rest_density, open_volume(scene));
+  text += fmt::format("{}{}{}", obstacle_text(scene, particles), wave_text(scene), inlet_text(scene));
+  text += fmt::format("{}{}", shape_text(scene, grid, particles, slabs), slab_table(scene, grid, weights, slabs));
+  if (!scene.gravity) text += "gravity     none, nothing falls; a table [gravity] adds it\n";
+  text += fmt::format("{}{}", time_text(scene), run_time_text(scene, fullest(weights, slabs), speed));
   const double bytes = output_bytes(scene, particles);
-  fmt::print("{}  in all      up to {}\n", output_text(scene, directory, particles), size_text(bytes));
+  text += fmt::format("{}  in all      up to {}\n", output_text(scene, directory, particles), size_text(bytes));
   std::vector<std::string> warnings = start_warnings(scene);
   for (std::string& warning : volume_warnings(scene, particles)) warnings.push_back(std::move(warning));
   for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
   for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
-  for (const std::string& warning : warnings) fmt::print("warning     {}\n", warning);
+  for (const std::string& warning : warnings) text += fmt::format("warning     {}\n", warning);
+  std::fputs(text.c_str(), stdout);  // throws nothing on a full disk: who flushes tells
 }
 
 }  // namespace trevi
