@@ -93,8 +93,8 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
 }
 
 // Each particle is a cube of one spacing that lies in the box, cut at the foot of the gauge. A wire that is wetted
-// measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on it
-// would miss a part, and crests press more of them there: waves were 2.4 % too low.
+// measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on
+// it would miss a part, and crests press more of them there: waves were 2.4 % too low.
 void GaugeReadings::add_height(std::size_t g, const Vec3& p, std::int64_t& sum) const {
   const Real half = spacing_ / 2, reach = gauges_[g].radius + half;
   const Vec3 from = p.cwiseMax(middles_.min).cwiseMin(middles_.max) - gauges_[g].center;
