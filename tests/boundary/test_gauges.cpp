@@ -158,6 +158,26 @@ TEST_F(Gauges, AHeightIsExactForALattice) {
   for (std::size_t k = 0; k < depths.size(); ++k) EXPECT_NEAR(row[k + 2], depths[k], 1e-8) << k;
 }
 
+// Water whose outermost layers are pressed to the floor and to the walls is as much water.
+TEST_F(Gauges, AHeightCountsWholeParticlesAtTheFloorAndAtWalls) {
+  std::string text = pool;
+  for (const Vec3& foot : {Vec3(0.5, 0.6, 0), Vec3(0.5317, 0.6411, 0), Vec3(0, 0, 0)})
+    text += fmt::format("[[gauge]]\ntype = 'height'\ncenter = [{}, {}, {}]\n", foot.x(), foot.y(), foot.z());
+  const Scene scene = parse_scene("test.toml", text, {});
+  Particles particles = initial_particles(world, scene);
+  for (Vec3& p : particles.position) {
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      if (p[a] - scene.domain.min[a] < scene.fluid.spacing) p[a] -= 0.4 * scene.fluid.spacing;
+    }
+  }
+  GaugeSeries gauges(world, {folder(), *scene.output.series, {}}, scene);
+  const Clock clock{0, scene.dt};
+  gauges.observe({clock, particles, {}, nullptr, {}});
+  if (rank_of(world) != 0) return;
+  const std::vector<Real> row = rows_of(folder()).front();
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(row[k + 2], 1.2, 1e-8) << k;
+}
+
 // Of a block that turns and shears the velocity is exact, in the water and not only at particles; nothing is nan.
 TEST_F(Gauges, AVelocityIsExactInALinearField) {
   const Scene scene = parse_scene("test.toml",

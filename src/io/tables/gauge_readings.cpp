@@ -61,6 +61,17 @@ Vec3 velocity_from(const std::int64_t* sums, bool in_layer) {
   return moments.ldlt().solve(velocities).row(0).transpose();
 }
 
+// Where the middle of a particle's cube may be.
+Box middles_of_cubes(const Settings& settings) {
+  Box middles = settings.domain;
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const Real inwards = settings.periodic[static_cast<std::size_t>(a)] ? -INFINITY : settings.fluid.spacing / 2;
+    middles.min[a] += inwards;
+    middles.max[a] -= inwards;
+  }
+  return middles;
+}
+
 }  // namespace
 
 GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
@@ -68,6 +79,7 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       gauges_(settings.gauges),
       first_{0},
       spacing_(settings.fluid.spacing),
+      middles_(middles_of_cubes(settings)),
       in_layer_(settings.fluid.dimensions == 2),
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
   for (const GaugeSettings& gauge : gauges_) {
@@ -80,11 +92,12 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
   }
 }
 
-// Each particle is a cube of one spacing, cut at the foot of the gauge. A wire that is wetted measures the same: air in
-// the water does not count.
+// Each particle is a cube of one spacing that lies in the box, cut at the foot of the gauge. A wire that is wetted
+// measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on
+// it would miss a part, and crests press more of them there: waves were 2.4 % too low.
 void GaugeReadings::add_height(std::size_t g, const Vec3& p, std::int64_t& sum) const {
   const Real half = spacing_ / 2, reach = gauges_[g].radius + half;
-  const Vec3 from = p - gauges_[g].center;
+  const Vec3 from = p.cwiseMax(middles_.min).cwiseMin(middles_.max) - gauges_[g].center;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
   const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
   const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};

@@ -35,6 +35,7 @@ class GaugeReadings {
   std::vector<GaugeSettings> gauges_;
   std::vector<std::size_t> first_;  // of the sums of each gauge; one more at the end
   Real spacing_;                    // m, the edge of a particle's cube
+  Box middles_;                     // where that of a cube may be
   bool in_layer_;                   // two dimensions
   bool pressures_;
   std::vector<RunUp> run_ups_;
