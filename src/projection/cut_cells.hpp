@@ -83,6 +83,8 @@ class CutCells {
   bool floats(std::size_t at) const {
     return obstacles_.floating() != nullptr && obstacles_.floating()->holds(nearest(at));
   }
+  /// Whether that moves by itself, as the scene says.
+  bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
   /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of
   /// what is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's
   /// own, and so is their centre of volume.

@@ -11,6 +11,8 @@
 // 0.7 of its buoyancy less in one step and as much more in the next.
 #include "projection/free_surface.hpp"
 
+#include <cmath>
+
 #include "base/threads.hpp"
 
 namespace trevi {
@@ -198,7 +200,13 @@ void FreeSurface::for_each_side(const Place& place, const Visit& visit) const {
   }
 }
 
-bool FreeSurface::is_small(std::size_t at) const { return cuts()->open(at) > 0 && cuts()->open(at) < small_cell; }
+bool FreeSurface::is_small(std::size_t at) const {
+  const Real open = cuts()->open(at);
+  if (open == 0 || open >= small_cell_at_driven) return false;
+  if (open < small_cell) return true;
+  const Real slope = std::abs(cuts()->face(2, at + 1) - cuts()->face(2, at));
+  return cuts()->is_driven(at) && open < small_cell_at_driven - slope * (small_cell_at_driven - small_cell);
+}
 
 // The cells beyond the widest faces, which are as good as equal where obstacles lie evenly to the cells.
 template <class Visit>
