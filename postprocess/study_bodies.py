@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Bodies that float, against what is known of them: heave of half a cylinder of water (Ito, 1977) and roll of a barge against linear
 theory in the same tank, draughts of cylinders, logs that float on a side or on an edge, plates thinner than a cell, a duck, a ball of
-the water's density, a light ball that is let go under water, balls that collide, moorings, free fall, and the energy of what floats.
+the water's density, a light ball that is let go under water, balls that collide, moorings, free fall, the energy of what floats, and
+the forces of each step on balls that are drawn through deep water or let go there.
 
 One row for each case and quantity: what is expected, and what the run has. Theory of heave and roll is in known_floating.py.
 """
@@ -43,7 +44,7 @@ every_steps = {every}
 
 def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every=1, kind="body"):
     """Columns of series.csv and bodies.csv of a tank with water up to `depth` and bodies; a row every so many steps. Of the kind
-    "obstacle" they stand."""
+    "obstacle" they stand, or go as they are told, and the columns are those of obstacles.csv."""
     with tempfile.TemporaryDirectory() as folder:
         scene, output = Path(folder) / "scene.toml", Path(folder) / "run"
         lines = "\n".join(f"[[{kind}]]\n" + "\n".join(f"{key} = {value}" for key, value in body.items()) for body in bodies)
@@ -52,7 +53,8 @@ def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every
         code, message = launch(trevi, scene, output, (), 1800)
         if code != 0:
             raise SystemExit(f"study_bodies: {message}")
-        series, bodies = columns_of(output / "series.csv"), columns_of(output / "bodies.csv")
+        series = columns_of(output / "series.csv")
+        bodies = columns_of(output / ("bodies.csv" if kind == "body" else "obstacles.csv"))
         return {k: np.array(v) for k, v in series.items()}, {k: np.array(v) for k, v in bodies.items()}
 
 
@@ -197,6 +199,27 @@ def rises(total, time, rest):
             ("loss of it by then", "J", math.nan, total[0] - total[late][0])]
 
 
+def drawn(trevi, speed, spacing=0.1, radius=0.5):
+    """A ball of 5 spacings drawn through water 1 m under the surface, 1 m far."""
+    weight = 1000 * GRAVITY * 4 / 3 * math.pi * radius**3
+    _, found = run(trevi, {"type": '"sphere"', "radius": radius, "center": [1.0, 1.0, 1.0], "velocity": [float(speed), 0.0, 0.0]},
+                   box=(3, 2, 3), depth=2, spacing=spacing, dt=1 / 60, end=1 / speed, kind="obstacle")
+    along, up = (found[f"force_{a}_0"][4:] / weight for a in "xz")
+    return [("force along its way, of the weight of its water, mean", "1", 0, along.mean()),
+            ("scatter of that from step to step", "1", 0, along.std()),
+            ("force upwards, mean", "1", 1, up.mean()), ("scatter of that", "1", 0, up.std())], None
+
+
+def released(trevi, density, spacing=0.1, radius=0.5):
+    """A ball let go 2 m under water; it is pushed by (rho - rho_b) g V, and moves with half of the water's mass besides."""
+    _, found = run(trevi, {"type": '"sphere"', "radius": radius, "center": [2.0, 2.0, 2.0], "density": density, "free": '["z"]'},
+                   box=(4, 4, 5), depth=4, spacing=spacing, dt=1 / 60, end=0.2)
+    steps = np.diff(found["vz_0"]) * 60 / ((1000 - density) / (density + 500) * GRAVITY)
+    return [("acceleration over that of an ideal fluid, mean of 0.1 s", "1", 1, steps[:6].mean()),
+            ("least of a step, from the second to the twelfth", "1", 1, steps[1:12].min()),
+            ("most of a step", "1", 1, steps[1:12].max())], None
+
+
 def raft(trevi, layers, spacing=0.05):
     size, density, depth = np.array([0.4, 0.3, 0.15]), 500, layers * spacing
     body = {"type": '"box"', "size": list(map(float, size)), "center": [0.6, 0.4, depth + 0.09], "rotate": [0.0, 5.0, 0.0],
@@ -325,6 +348,8 @@ CASES = {"free fall": fall, "light ball": light, "ball of the water's density": 
          **{f"log of {d} kg/m³": (lambda trevi, d=d, rest=rest: log(trevi, d, rest)) for d, rest in ((150, 0), (500, 45))},
          **{f"plate of {d} kg/m³, 0.6 spacings thick": (lambda trevi, d=d: plate(trevi, d)) for d in (500, 3000)},
          "duck": bath_duck, "two balls that collide": collision, "ball on a spring in the air": spring, "buoy on a line": buoy,
+         **{f"ball drawn at {u:g} m/s": (lambda trevi, u=u: drawn(trevi, u)) for u in (0.25, 0.5, 1)},
+         **{f"ball of {d} kg/m³ let go": (lambda trevi, d=d: released(trevi, d)) for d in (50, 500, 2000)},
          **{f"cylinder of {d} kg/m³": (lambda trevi, d=d: draught(trevi, d)) for d in (300, 500, 700)},
          **{f"heave, {n} spacings a radius": (lambda trevi, n=n: heave(trevi, 1 / n)) for n in (10, 20)},
          **{f"roll, {n} spacings of draught": (lambda trevi, n=n: roll(trevi, 0.5 / n)) for n in (10,)}}

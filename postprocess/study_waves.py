@@ -4,9 +4,10 @@
   postprocess/study_waves.py postprocess/results/waves.csv
 
 Regular waves: the first harmonic of each of a row of gauges over whole periods once the waves are there is split by least
-squares into one wave that goes and decays, and one that comes back; beside it stands what potential flow (known_waves.py) has of
-the same piston, over what it has of waves a tenth as high. Irregular waves: H_m0 and the peak of the spectrum of one
-gauge. Solitary wave: its speed between two gauges, and its height. One row for each quantity, beside what theory says.
+squares into one wave that goes and decays, and one that comes back; three harmonics make up crests and troughs. Beside it
+stands what potential flow (known_waves.py) has of the same piston, over what it has of waves a tenth as high. Irregular
+waves: H_m0 and the peak of the spectrum of one gauge. Solitary wave: its speed between two gauges, and its height. One row
+for each quantity, beside what theory says.
 """
 
 import math
@@ -82,13 +83,19 @@ def run(text, folder, name, trevi):
     return columns["time"], np.array(heights)
 
 
-def first_harmonic(time, height, period, cycles):
-    """a of a cos(wt) + b sin(wt) as a - ib, over the last cycles."""
+def harmonics_of(time, height, period, cycles):
+    """Of n = 1, 2, 3: a of a cos(nwt) + b sin(nwt) as a - ib, over the last cycles."""
     late = time > time[-1] - cycles * period
     t, h = time[late], height[late]
     waves = [f(2 * math.pi * n * t / period) for n in (1, 2, 3) for f in (np.cos, np.sin)]
-    a, b = np.linalg.lstsq(np.stack([np.ones_like(t), *waves], axis=1), h, rcond=None)[0][1:3]
-    return complex(a, -b)
+    parts = np.linalg.lstsq(np.stack([np.ones_like(t), *waves], axis=1), h, rcond=None)[0][1:]
+    return parts[::2] - 1j * parts[1::2]
+
+
+def crest_to_trough(harmonics):
+    """Of the wave that they make up."""
+    phase = np.linspace(0, 2 * math.pi, 360, endpoint=False)
+    return np.ptp(sum((a * np.exp(1j * n * phase)).real for n, a in enumerate(harmonics, 1)))
 
 
 def split(places, harmonics):
@@ -115,12 +122,14 @@ def regular(case, folder, name, trevi):
     text = tank(case, f'type = "{case["paddle"]}"\nperiod = {period}', length=6 * length, absorbing=2 * length,
                 seconds=25 * period, places=places * length)
     time, heights = run(text, folder, name, trevi)
-    harmonics = np.array([first_harmonic(time, height, period, 11) for height in heights])
-    long, decay, amplitude, back = split(places, harmonics)
+    harmonics = np.array([harmonics_of(time, height, period, 11) for height in heights])
+    long, decay, amplitude, back = split(places, harmonics[:, 0])
     over = 2 * amplitude / (case["height"] * SPACING)
     yield "wavelength over that of theory", 1, long
     for n in (0, 2, 5):
         yield f"height over that of theory, {n} wavelengths from the paddle", 1, over * math.exp(-decay * n)
+    crests = np.mean([crest_to_trough(one) for one in harmonics]) / (case["height"] * SPACING)
+    yield "height from crest to trough over that of theory, mean of all gauges", 1, crests
     yield "height lost per wavelength", 0, 1 - math.exp(-decay)
     yield "reflection from the zone", 0, back
     if case["paddle"] == "piston":
