@@ -97,7 +97,8 @@ Real CutCells::share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>
   bool any = false;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t step = grid.step(a);
-    const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0), has_above = a != 0 || k <= grid.planes();
+    const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0);
+    const bool has_above = (a != 0 || k <= grid.planes()) && (a != 1 || r < grid.rows());
     sheet[a] = {has_below && cells[at].face[a] == 0 && cells[at - step].open > 0,
                 has_above && cells[at + step].face[a] == 0 && cells[at + step].open > 0};
     any = any || sheet[a][0] || sheet[a][1];

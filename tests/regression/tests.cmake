@@ -108,3 +108,6 @@ if(TREVI_FUZZ)
     target_link_options(fuzz_${subject} PRIVATE -fsanitize=fuzzer)
   endforeach()
 endif()
+# The longest start first, also where ctest has not seen them run.
+set_tests_properties(golden PROPERTIES COST 500)
+set_tests_properties(survival_Restart bad_files bad_input survival_Kill inputs faults PROPERTIES COST 100)
