@@ -29,8 +29,8 @@ void FreeSurface::fill_open_parts() {
 }
 
 void FreeSurface::classify_among_solids(Halo& halo) {
-  const Range all{0, grid().planes() + 2};
-  for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
+  const Range own{1, grid().planes() + 1}, all{0, grid().planes() + 2};
+  for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
       wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) ? wet_cell : dry_cell;

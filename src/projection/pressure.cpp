@@ -138,8 +138,9 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
 }
 
 // A top cell returns to its volume only as far as the cell above holds water that could fill it, and cells at another
-// surface only when they hold too much: nothing pulls there. No particle may fit into a wedge between a slope and the
-// cells beside it, which is never full then. Water without a surface keeps its volume as a whole.
+// surface only when they hold too much: nothing pulls there. Nor does a cut cell return that holds hardly anything:
+// into a wedge between a slope and the cells beside it no particle may fit. Water without a surface keeps its volume as
+// a whole.
 Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(k, r, c);

@@ -1,6 +1,5 @@
 // Solids that move deep under water: no air gets to them, so the pressure on them changes as smoothly as their motion.
 // Cells that they had just left counted as dry, as too few particles were there, and pressure fell to that of the air.
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
