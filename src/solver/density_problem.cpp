@@ -7,6 +7,7 @@
 
 #include "base/hash.hpp"
 #include "domain/plane_sums.hpp"
+#include "fluid/pairs/for_each_sum.hpp"
 #include "fluid/pairs/particle_loops.hpp"
 
 namespace trevi {
@@ -53,6 +54,9 @@ template <class T>
 void DensityProblem<T>::prepare() {
   Scratch& scratch = near_.scratch();
   const std::size_t particles = particles_->id.size();
+  swept_.start(near_.order());
+  swept_.find_moved_ghosts(near_.records());
+  moved_rows_ = {near_.all()};
   rho_ = scratch.borrow<Real>(particles);
   multiplier_ = scratch.borrow<T>(particles);
   for_each_index(near_.all(), [of = multiplier_.data()](std::size_t i) { of[i] = 0; });
@@ -74,8 +78,17 @@ void DensityProblem<T>::give_back() {
 
 template <class T>
 void DensityProblem<T>::find_lambda(Range part, const UseLambda& use) {
-  constraint_.lambdas(pairs(), part, particles_->predicted, {{rho_.data(), rho_.size()}, field_, use});
-  count_pass(lambda_event(), part, DensityConstraint<T>::density_flops);
+  for_each_piece(part, moved_rows_, [&](Range piece, bool has_moved) {
+    if (has_moved) {
+      constraint_.lambdas(pairs(), piece, particles_->predicted, {{rho_.data(), rho_.size()}, field_, use});
+      return count_pass(lambda_event(), piece, DensityConstraint<T>::density_flops);
+    }
+    constexpr std::array<T, sums_chunk> none{};
+    for_each_part(piece, sums_chunk, [&](Range here) {
+      field_.clear(here);
+      use(here, none.data());
+    });
+  });
 }
 
 template <class T>
@@ -95,12 +108,41 @@ void DensityProblem<T>::count_pass(const Event& event, Range part, double flops_
   log_work(event, pairs * flops_per_pair, near_.list().bytes_read(part) + each * part.size());
 }
 
+// The artificial pressure pushes without multipliers, too.
+template <class T>
+void DensityProblem<T>::find_swept_rows() {
+  if (constraint_.is_tensile()) {
+    swept_.move_all();
+    swept_rows_ = {near_.all()};
+  } else {
+    swept_.find_multipliers(near_.records());
+    swept_.move();
+    swept_rows_ = swept_.with_multipliers(true);
+  }
+}
+
+template <class T>
+void DensityProblem<T>::find_delta(Range part) {
+  for_each_piece(part, swept_rows_, [&](Range piece, bool is_swept) {
+    if (!is_swept) return for_each_part(piece, sums_chunk, [&](Range here) { field_.clear(here); });
+    constraint_.deltas(pairs(), piece, particles_->predicted, field_);
+    count_pass(delta_event_, piece, DensityConstraint<T>::delta_flops);
+  });
+}
+
+template <class T>
+void DensityProblem<T>::finish_moves() {
+  near_.finish_positions();
+  swept_.find_moved_ghosts(near_.records());
+  moved_rows_ = swept_.moved();
+}
+
 template <class T>
 void DensityProblem<T>::compute_delta() {
   const ScopedEvent timed(delta_event_);
   if (positions_only_) note_sweep();
-  constraint_.deltas(pairs(), near_.all(), particles_->predicted, field_);
-  count_pass(delta_event_, near_.all(), DensityConstraint<T>::delta_flops);
+  find_swept_rows();
+  find_delta(near_.all());
 }
 
 // Particles of the boundary may move once those in the cells beside it have their deltas, too.
@@ -114,12 +156,10 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
     return with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   }
   if (positions_only_) note_sweep();
+  find_swept_rows();
   const auto find = [&](const std::vector<Range>& parts, bool inside) {
     const ScopedEvent timed(delta_event_);
-    for (const Range& part : parts) {
-      constraint_.deltas(pairs(), part, particles_->predicted, field_);
-      count_pass(delta_event_, part, DensityConstraint<T>::delta_flops);
-    }
+    for (const Range& part : parts) find_delta(part);
     if (separate) separate_coincident(inner, inside);
   };
   find(near_.boundary(beside), false);
@@ -128,7 +168,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   find(near_.interior(beside), true);
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
   for (const Range& part : near_.interior()) collide_and_move(part);
-  near_.finish_positions();
+  finish_moves();
 }
 
 template <class T>
@@ -161,8 +201,10 @@ void DensityProblem<T>::move_in(const Box& open, Range few, Real relaxation) {
   const std::size_t count = move_particles<T>(shift, &shifts[first], {p, records}, left.data());
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(left[k]);
+    const Vec3 before = p[i];
     p[i] = boundary_.collide(p[i], relaxation * vector_of(shifts[first + i]));
     near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
+    if (p[i] != before) swept_.move(few.begin + left[k]);  // out of a solid, without a shift
   }
 }
 
@@ -197,41 +239,6 @@ void DensityProblem<T>::note_sweep() {
   });
 }
 
-// Rows of cells that have a multiplier in or beside them.
-template <class T>
-std::vector<Range> DensityProblem<T>::rows_in_flight() const {
-  const CellOrder& order = near_.order();
-  const LocalId rows = order.rows(), planes = order.planes();
-  // Rows are counted with one before them and one after them.
-  std::vector<char> held(static_cast<std::size_t>(planes + 2) * static_cast<std::size_t>(rows + 2), 0);
-  for_each_part((planes + 2) * (rows + 2), [&](LocalId row) {
-    const LocalId r = row % (rows + 2) - 1;
-    const auto [begin, end] = order.row(row / (rows + 2), order.rows_are_cut() ? r : (r + rows) % rows);
-    const std::span<const Packed<T>> records = near_.records();
-    for (LocalId i = begin; i < end; ++i)
-      if (records[static_cast<std::size_t>(i)].w != 0) held[static_cast<std::size_t>(row)] = 1;
-  });
-  std::vector<Range> found;
-  for (LocalId k = 1; k <= planes; ++k) {
-    for (LocalId r = 0; r < rows; ++r) {
-      bool any = false;
-      for (LocalId i = k - 1; i <= k + 1; ++i) {
-        for (LocalId j = r - 1; j <= r + 1; ++j)
-          any = any || held[static_cast<std::size_t>(i * (rows + 2) + j + 1)] != 0;
-      }
-      const auto [begin, end] = order.row(k, r);
-      const Range owned{begin - order.low_ghosts(), end - order.low_ghosts()};
-      if (!any || owned.size() == 0) continue;
-      if (!found.empty() && found.back().end == owned.begin) {
-        found.back().end = owned.end;
-      } else {
-        found.push_back(owned);
-      }
-    }
-  }
-  return found;
-}
-
 template <class T>
 void DensityProblem<T>::release_in_flight() {
   with_halo(Phase::lambda, [&](Range part) {
@@ -244,7 +251,8 @@ void DensityProblem<T>::release_in_flight() {
   multiplier_.give_back();
   const ScopedEvent timed(delta_event_);
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
-  for (const Range& part : rows_in_flight()) {
+  swept_.find_multipliers(near_.records());
+  for (const Range& part : swept_.with_multipliers(false)) {
     constraint_.deltas_in_flight(pairs(), part, particles_->predicted, particles_->velocity, dt_, field_);
     for_each_index(part, [&](std::size_t i) { particles_->velocity[i] += field_.shift(i) / dt_; });
     count_pass(delta_event_, part, DensityConstraint<T>::delta_flops);
@@ -285,6 +293,7 @@ void DensityProblem<T>::separate_coincident(const CellWindow& window, bool insid
     const Vec3 away = shift * direction_of(particles_->id[i], particles_->id[j], dimensions);
     field_.add_to_shift(i, away);
     field_.add_to_shift(j, -away);
+    swept_.move(static_cast<LocalId>(i));
   };
   const CellOrder& order = near_.order();
   const LocalId rows = order.rows(), columns = order.grid().columns();

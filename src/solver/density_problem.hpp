@@ -9,6 +9,9 @@
 // would resist. Where the grid does not act, in sheets, thin jets and spray, the sweeps are all there is: there their
 // multipliers become velocity, too, each with its own fraction 1 − act_i, so that the two of a pair keep their
 // momentum.
+//
+// Rows of cells in which a pass would find what is known, densities where nothing has moved and no shift where there is
+// no multiplier, are left out of it (swept_rows.hpp).
 #pragma once
 
 #include <array>
@@ -18,6 +21,7 @@
 #include "domain/neighbourhood.hpp"
 #include "fluid/constraint/density.hpp"
 #include "projection/projection.hpp"
+#include "solver/swept_rows.hpp"
 
 namespace trevi {
 
@@ -107,13 +111,15 @@ class DensityProblem {
   using UseLambda = std::function<void(Range here, const T* multipliers)>;
   void find_lambda(Range part, const UseLambda& use);
   void set_multipliers(Range part);
+  void find_swept_rows();
+  void find_delta(Range part);
+  void finish_moves();
   static constexpr LocalId moved_at_once = 512;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const Box& open, Range few, Real relaxation);
   // Of the cells inside of a window of the own ones, or outside of it.
   void separate_coincident(const CellWindow& window, bool inside);
   void note_sweep();
-  std::vector<Range> rows_in_flight() const;
   void count_pass(const Event& event, Range part, double flops_per_pair);
 
   MPI_Comm comm_;
@@ -128,6 +134,8 @@ class DensityProblem {
   bool positions_only_ = false, is_projected_ = false;
   Borrowed<T> act_;        // how far the grid acts on each particle
   Borrowed<T> in_flight_;  // m², of all sweeps, times 1 − act_
+  SweptRows swept_;
+  std::vector<Range> swept_rows_, moved_rows_;  // owned particles: of the present sweep, and of those that have moved
   bool looks_later_ = false;
   Borrowed<Real> swept_rho_;  // kg/m³, that the last sweep saw, where rho_ may be later ones
   double pair_passes_ = 0;
@@ -142,7 +150,7 @@ void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(phase)]);
   if (!near_.halo().has_neighbours()) {
     work(near_.all());
-    return phase == Phase::lambda ? near_.finish_scalars() : near_.finish_positions();
+    return phase == Phase::lambda ? near_.finish_scalars() : finish_moves();
   }
   for (const Range& part : near_.boundary()) work(part);
   if (phase == Phase::lambda) {
@@ -152,7 +160,7 @@ void DensityProblem<T>::with_halo(Phase phase, Work&& work) {
   } else {
     near_.start_positions();
     for (const Range& part : near_.interior()) work(part);
-    near_.finish_positions();
+    finish_moves();
   }
 }
 
@@ -172,6 +180,7 @@ template <class T>
 template <class Position>
 void DensityProblem<T>::set_positions(Range part, Position&& position) {
   std::vector<Vec3>& p = particles_->predicted;
+  swept_.move_all();
   constexpr LocalId part_size = 512;
   for_each_part(part, part_size, [&](Range few) {  // encoded while they are in the cache
     for (LocalId i = few.begin; i < few.end; ++i) p[static_cast<std::size_t>(i)] = position(i);

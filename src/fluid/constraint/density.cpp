@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cmath>
 
 #include "fluid/pairs/for_each_sum.hpp"
 #include "fluid/pairs/particle_loops.hpp"
@@ -18,9 +18,9 @@ Real particle_mass(const FluidSettings& fluid) {
   return fluid.rest_density / lattice_density_sum(kernels_of(fluid).density, lattice_of(fluid), fluid.kernel_radius);
 }
 
-Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours) {
-  Real c = rho / model.rest_density - 1;
-  if (model.constraint == Constraint::inequality) c = std::max(c, 0.0);
+Real lambda(const DensityModel& model, Real least, Real rho, const Vec3& gradient, Real neighbours) {
+  const Real c = rho / model.rest_density - 1;
+  if (c <= least) return 0;
   // A particle without neighbours has no gradient; with epsilon = 0 that would be 0/0.
   return 0 - c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
 }
@@ -109,6 +109,7 @@ DensityConstraint<T>::DensityConstraint(const DensityModel& model, const std::op
       gradient_factor_(model.mass / model.rest_density * model.kernels.gradient.slope_factor(model.h)),
       loops_(constraint_loops<T>(model.kernels)),
       delta_loop_(loops_.delta),
+      is_tensile_(tensile.has_value()),
       walls_(std::move(walls)),
       obstacles_(std::move(obstacles)) {
   if (tensile) {
@@ -141,18 +142,19 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
   };
   const Real slope = gradient_factor_, slope2 = slope * slope;
   const MultiplierLaw law{model_.rest_density, density_factor_ / model_.rest_density, slope2, model_.epsilon,
-                          model_.constraint == Constraint::inequality ? 0 : std::numeric_limits<Real>::lowest()};
+                          model_.constraint == Constraint::inequality ? no_compression<T> : -INFINITY};
   for_each_sum<Vec4<T>, T>(range, loop, [&](Range here, const Vec4<T>* sums, const T* squares) {
     const auto first = static_cast<std::size_t>(here.begin), count = static_cast<std::size_t>(here.size());
     std::array<T, sums_chunk> multiplier;
     find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
-    out.field.clear_walls(here);
+    out.field.clear(here);
     for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
       const std::size_t k = i - first;
       const BoundaryDensity boundary_density = together(walls_->at(p[i]), wall, obstacles);
       out.rho[i] += model_.rest_density * boundary_density.density;
       const Vec3 gradient = boundary_density.gradient - slope * vector_of(sums[k]);
-      multiplier[k] = static_cast<T>(lambda(model_, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
+      multiplier[k] =
+          static_cast<T>(lambda(model_, law.least, out.rho[i], gradient, slope2 * static_cast<Real>(squares[k])));
       out.field.set_wall(i, boundary_density.gradient, wall);
     });
     out.use(here, multiplier.data());
@@ -165,7 +167,7 @@ template <class T>
 void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                             std::span<const Vec3> velocity, Real dt, WallsOrShifts<T>& field) const {
   constexpr Real mirrored = WallSlope::of_velocities / WallSlope::of_positions;
-  for_each_part(range, sums_chunk, [&](Range here) { field.clear_walls(here); });
+  for_each_part(range, sums_chunk, [&](Range here) { field.clear(here); });
   sum_deltas(loops_.delta, pairs, range, p, field);
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   for_each_part(range, sums_chunk, [&](Range here) {

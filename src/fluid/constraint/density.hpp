@@ -1,6 +1,6 @@
 // The density constraint of position based fluids (Macklin & Müller 2013, eqs. 1, 11, 12 and 14); units as in the
 // scene:
-//   rho_i = m Σ_j W(p_ij);  C_i = rho_i/rho0 − 1 (inequality: not below 0)
+//   rho_i = m Σ_j W(p_ij);  C_i = rho_i/rho0 − 1 (inequality: 0 where that is not above no_compression)
 //   lambda_i = −C_i / (Σ_k |∇_k C_i|² + epsilon)
 //   delta_i = (m/rho0) Σ_j (lambda_i + lambda_j + s_corr) ∇G(p_ij) [+ lambda_i times the gradient of the walls'
 //   contribution]
@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,8 +45,14 @@ Real particle_mass(const FluidSettings& fluid);
 DensityModel density_model(const Settings& settings);
 std::optional<Tensile> tensile_of(const Settings& settings);
 
-/// The multiplier lambda_i, m², from gradient = ∇_i C_i, 1/m, and neighbours = Σ_j |∇_j C_i|², 1/m².
-Real lambda(const DensityModel& model, Real rho, const Vec3& gradient, Real neighbours);
+/// Compression that sums of that precision do not tell from none: water at rest on its lattice has a third of it by
+/// rounding. An inequality takes less for none, so that nothing is swept there.
+template <class T>
+inline constexpr Real no_compression = 32 * std::numeric_limits<T>::epsilon();
+
+/// The multiplier lambda_i, m², of a constraint C_i that is above `least`, else 0; from gradient = ∇_i C_i, 1/m, and
+/// neighbours = Σ_j |∇_j C_i|², 1/m².
+Real lambda(const DensityModel& model, Real least, Real rho, const Vec3& gradient, Real neighbours);
 
 template <class T>
 class DensityConstraint {
@@ -55,6 +62,8 @@ class DensityConstraint {
                     std::optional<AnalyticWallDensity> walls, std::shared_ptr<Obstacles> obstacles = nullptr);
 
   const DensityModel& model() const { return model_; }
+  /// Whether there is artificial pressure, which shifts particles without multipliers.
+  bool is_tensile() const { return is_tensile_; }
 
   /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
@@ -98,6 +107,7 @@ class DensityConstraint {
   Real gradient_factor_;  // m/rho0 times the slope factor of the gradient kernel, 1/m
   ConstraintLoops<T> loops_;
   DeltaLoop delta_loop_;
+  bool is_tensile_;
   std::optional<AnalyticWallDensity> walls_;
   std::shared_ptr<Obstacles> obstacles_;
 };

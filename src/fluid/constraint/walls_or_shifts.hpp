@@ -28,10 +28,11 @@ class WallsOrShifts {
     return {memory_.data() + range.begin, static_cast<std::size_t>(range.size())};
   }
 
+  /// No wall near the particles of the range, or no shift of them.
+  void clear(Range range) { std::fill(memory_.begin() + range.begin, memory_.begin() + range.end, Vec4<T>{}); }
+
   // ---- while it holds gradients
 
-  /// No wall near the particles of the range.
-  void clear_walls(Range range) { std::fill(memory_.begin() + range.begin, memory_.begin() + range.end, Vec4<T>{}); }
   /// `gradient` in 1/m.
   void set_wall(std::size_t i, const Vec3& gradient, Wall wall) {
     memory_[i] = {static_cast<T>(gradient.x()), static_cast<T>(gradient.y()), static_cast<T>(gradient.z()),
@@ -40,11 +41,11 @@ class WallsOrShifts {
   bool has_wall(std::size_t i) const { return memory_[i].w != 0; }
   Wall wall(std::size_t i) const { return static_cast<Wall>(static_cast<int>(memory_[i].w)); }
   Vec3 gradient(std::size_t i) const { return vector_of(memory_[i]); }
-  /// From here on the shift of the particle, m: factor · sum + multiplier · gradient.
+  /// From here on the shift of the particle, m: factor · sum + multiplier · gradient; 0 without a sign.
   void make_shift(std::size_t i, const Vec4<T>& sum, T factor, T multiplier) {
     Vec4<T>& out = memory_[i];
-    out = {sum.x * factor + multiplier * out.x, sum.y * factor + multiplier * out.y,
-           sum.z * factor + multiplier * out.z, 0};
+    out = {sum.x * factor + multiplier * out.x + T{0}, sum.y * factor + multiplier * out.y + T{0},
+           sum.z * factor + multiplier * out.z + T{0}, 0};
   }
 
   // ---- while it holds shifts, m

@@ -74,7 +74,7 @@ HWY_INLINE void multipliers(const MultiplierLaw& law, const DensitySums<T>& in, 
       hn::Max(hn::MulAdd(g2, hn::Set(d, static_cast<T>(law.slope2)), hn::Set(d, static_cast<T>(law.epsilon))),
               hn::Set(d, static_cast<T>(1e-30)));
   const auto least = hn::Set(d, static_cast<T>(law.least));
-  hn::StoreU(hn::Div(hn::Sub(hn::Zero(d), hn::Max(c, least)), stiffness), d, lambda + k);
+  hn::StoreU(hn::IfThenElseZero(hn::Gt(c, least), hn::Div(hn::Neg(c), stiffness)), d, lambda + k);
   const auto density = hn::Set(wide, law.rest_density * law.alone);
   hn::StoreU(hn::MulAdd(widened<T>(w), density, density), wide, rho + k);
 }

@@ -11,9 +11,9 @@
 
 namespace trevi {
 
-/// lambda = −C / (slope2 (|Σ g r̂|² + Σ g²) + epsilon) with C = max(alone (1 + Σ w) − 1, least); rho = rest_density
-/// alone (1 + Σ w). `alone` is what a particle without neighbours has of the rest density, slope2 the square of
-/// the gradient factor, 1/m².
+/// lambda = −C / (slope2 (|Σ g r̂|² + Σ g²) + epsilon) with C = alone (1 + Σ w) − 1, and 0 where C is not above `least`;
+/// rho = rest_density alone (1 + Σ w). `alone` is what a particle without neighbours has of the rest density, slope2
+/// the square of the gradient factor, 1/m².
 struct MultiplierLaw {
   Real rest_density, alone, slope2, epsilon, least;
 };

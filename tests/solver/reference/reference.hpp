@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "reference_projection.hpp"
@@ -291,9 +292,8 @@ class Reference {
   }
 
   Real lambda_of(std::size_t i) const {
-    Real c = rho_[i] / s_.fluid.rest_density - 1;
-    if (s_.density.constraint == Constraint::inequality) c = std::max(c, 0.0);
-    if (c == 0) return 0;
+    const Real c = rho_[i] / s_.fluid.rest_density - 1;
+    if (s_.density.constraint == Constraint::inequality && c <= 32 * std::numeric_limits<double>::epsilon()) return 0;
     Vec3 own = has_walls() ? walls_.at(p_[i]).gradient : Vec3::Zero();
     Real sum = 0;
     for (const std::size_t j : near_[i]) {
