@@ -45,13 +45,21 @@ Scratch::Piece Scratch::piece_of(std::size_t size) {
   return {std::unique_ptr<std::byte[], Free>(memory), memory, size, {}};
 }
 
-// In the first gap that is large enough; null where there is none. Runs that touch are one, so that thousands of pages,
-// taken one after another, are not gone through for each of them.
+// In the smallest gap that is large enough, the first of them; null where there is none. Runs that touch are one, so
+// that thousands of pages, taken one after another, are not gone through for each of them.
 std::byte* Scratch::place_in(Piece& piece, std::size_t size) {
-  std::size_t begin = 0;
-  auto next = piece.taken.begin();
-  while (next != piece.taken.end() && next->begin - begin < size) begin = (next++)->end;
-  if (next == piece.taken.end() && piece.size - begin < size) return nullptr;
+  std::size_t begin = 0, least = piece.size + 1, at = 0;
+  auto next = piece.taken.end();
+  for (auto run = piece.taken.begin();; at = (run++)->end) {
+    const std::size_t gap = (run == piece.taken.end() ? piece.size : run->begin) - at;
+    if (gap >= size && gap < least) {
+      least = gap;
+      begin = at;
+      next = run;
+    }
+    if (run == piece.taken.end()) break;
+  }
+  if (least > piece.size) return nullptr;
   const std::size_t end = begin + size;
   const bool meets_next = next != piece.taken.end() && next->begin == end;
   if (begin > 0) {

@@ -176,11 +176,18 @@ void Halo::start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const
   if (grid.empty()) return;
   const auto planes = static_cast<LocalId>(grid.size() / plane) - 2;
   const std::size_t row = plane / (static_cast<std::size_t>(peers.rows) + 2);
-  const auto slice = [&](LocalId k, const Range& rows) {
-    const std::span<std::byte> whole = grid.subspan(static_cast<std::size_t>(k) * plane, plane);
-    if (!peers.rows_are_cut) return whole;
-    return whole.subspan(static_cast<std::size_t>(rows.begin + 1) * row, static_cast<std::size_t>(rows.size()) * row);
-  };
+  start_planes(
+      planes,
+      [&](LocalId k, const Range& rows) {
+        const std::span<std::byte> whole = grid.subspan(static_cast<std::size_t>(k) * plane, plane);
+        if (!peers.rows_are_cut) return whole;
+        return whole.subspan(static_cast<std::size_t>(rows.begin + 1) * row,
+                             static_cast<std::size_t>(rows.size()) * row);
+      },
+      peers);
+}
+
+void Halo::start_planes(LocalId planes, const PlaneSlice& slice, const CellPeers& peers) {
   for (const CellPiece& piece : peers.from) {
     if (piece.row != 0) continue;
     const std::span<std::byte> ghosts = slice(planes_to_fill(piece, planes).begin, piece.rows);

@@ -86,6 +86,10 @@ class Halo {
     static_assert(std::is_trivially_copyable_v<T>);
     start_plane_bytes(std::as_writable_bytes(grid), per_plane * sizeof(T), peers_);
   }
+  /// The same of planes that have lengths of their own: slice(k, rows) is what there is of plane k, of `planes` own
+  /// ones, and where rows are cut, of these rows of it.
+  using PlaneSlice = std::function<std::span<std::byte>(LocalId k, const Range& rows)>;
+  void start_planes(LocalId planes, const PlaneSlice& slice) { start_planes(planes, slice, peers_); }
   /// All cells around those of a grid, between other ranks than the neighbours; `grid` may have no owned ones.
   template <class Field>
   void start_cells(Field& grid, std::size_t per_plane, const CellPeers& peers) {
@@ -141,6 +145,7 @@ class Halo {
   void exchange_counts(CellOrder& order);
   void find_slices(const CellOrder& order);
   void start_bytes(std::byte* field, std::size_t size);
+  void start_planes(LocalId planes, const PlaneSlice& slice, const CellPeers& peers);
   void start_plane_bytes(std::span<std::byte> grid, std::size_t plane, const CellPeers& peers);
   template <class Field>
   void start_rows(Field& grid, std::size_t per_plane, const CellPeers& peers) {

@@ -77,8 +77,8 @@ inline void clear_cells(const RowToWrite& row, Range columns) {
 
 class CellFields {
  public:
-  /// `numbers` of each cell, and `more` of those in whole rows, which are exchanged.
-  explicit CellFields(std::size_t numbers, std::size_t more = 0) : numbers_(numbers), in_whole_(numbers + more) {}
+  /// `numbers` of each cell, and `more` of those in planes and rows that are exchanged.
+  explicit CellFields(std::size_t numbers, std::size_t more = 0) : numbers_(numbers), in_exchanged_(numbers + more) {}
 
   /// Memory for the grid as it is now, until give_back(): 0 in planes that neighbours exchange; else not yet written.
   void borrow(Scratch& scratch, const RowStorage& storage) {
@@ -92,8 +92,8 @@ class CellFields {
 
   /// Row (k, r); −1 and rows() are the rows of the ring.
   RowToWrite row(LocalId k, LocalId r) {
-    if (rest_ > 0 && storage_->is_whole(k, r))
-      return {values_.data(), storage_->places(k, r), storage_->nowhere(), in_whole_};
+    if (rest_ > 0 && storage_->is_exchanged(k, r))
+      return {values_.data(), storage_->places(k, r), storage_->nowhere(), in_exchanged_};
     return {values_.data() + rest_, storage_->places(k, r), storage_->nowhere(), numbers_};
   }
   RowToRead row(LocalId k, LocalId r) const { return const_cast<CellFields*>(this)->row(k, r); }
@@ -123,13 +123,15 @@ class CellFields {
   std::size_t per_row() const { return storage_->per_row() * numbers_; }
   /// Begins to exchange boundary planes, and rows where these are cut.
   void start(Halo& halo) {
-    const std::size_t per_plane = storage_->per_plane() * in_whole_;
-    halo.start_planes(std::span(values_.data(), storage_->whole_planes() * in_whole_), per_plane);
-    if (!halo.rows_are_cut()) return;
     const LocalId planes = storage_->shape().cells.planes.end - 2;
-    halo.start_rows({planes, storage_->per_row() * in_whole_ * sizeof(EightCells)}, [this](LocalId k, LocalId r, int) {
-      return values_.data() + storage_->places(k, r)[0] * in_whole_;
+    halo.start_planes(planes, [this](LocalId k, const Range& rows) {
+      const auto [first, count] = storage_->exchanged_plane(k, rows);
+      return std::as_writable_bytes(std::span(values_.data() + first * in_exchanged_, count * in_exchanged_));
     });
+    if (!halo.rows_are_cut()) return;
+    halo.start_rows(
+        {planes, storage_->per_row() * in_exchanged_ * sizeof(EightCells)},
+        [this](LocalId k, LocalId r, int) { return values_.data() + storage_->places(k, r)[0] * in_exchanged_; });
   }
   std::size_t numbers() const { return numbers_; }
 
@@ -137,19 +139,19 @@ class CellFields {
   template <class Borrow>
   void borrow(const RowStorage& storage, const Borrow& memory) {
     storage_ = &storage;
-    rest_ = storage_->exchanged() * (in_whole_ - numbers_);
+    rest_ = (storage_->exchanged() + 1) * (in_exchanged_ - numbers_);
     values_.give_back();
     values_ = memory(rest_ + storage_->size() * numbers_);
-    const std::size_t first =
-        storage_->exchanged() * in_whole_ + numbers_;  // with the eight that stands for all others
+    // With the eight that stands for all others, which has as many numbers, too.
+    const std::size_t first = (storage_->exchanged() + 1) * in_exchanged_;
     for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
   }
   static constexpr LocalId eight_cells = EightCells::count;
   static std::size_t eight(LocalId c) { return static_cast<std::size_t>(c / eight_cells); }
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
 
-  std::size_t numbers_, in_whole_;
-  std::size_t rest_ = 0;  // where places in rows that are not whole are counted from
+  std::size_t numbers_, in_exchanged_;
+  std::size_t rest_ = 0;  // where places in rows that are not exchanged are counted from
   const RowStorage* storage_ = nullptr;
   Borrowed<EightCells> values_;
 };

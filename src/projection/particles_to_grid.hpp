@@ -77,7 +77,7 @@ class ParticlesToGrid {
   // moments of the cell's particles.
   static constexpr std::size_t volumes = 3;
   RowToWrite volumes_of(LocalId k, LocalId r) {
-    return grid_.storage().is_whole(k, r) ? sums_.row(k, r).from_number(numbers::moments) : volumes_.row(k, r);
+    return grid_.storage().is_exchanged(k, r) ? sums_.row(k, r).from_number(numbers::moments) : volumes_.row(k, r);
   }
   RowToRead volumes_of(LocalId k, LocalId r) const { return const_cast<ParticlesToGrid*>(this)->volumes_of(k, r); }
   void sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts);

@@ -13,8 +13,8 @@ void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<c
   places_.resize(rows * whole_);
   held_.resize(rows * whole_);
   begin_.assign(rows, 0);
-  place_whole_planes();
   for_each_row(cells, [&](LocalId k, LocalId r) { find_held(order, k, r, columns[row_index(k, r)]); });
+  place_exchanged();
   for_each_row(cells, [&](LocalId k, LocalId r) {
     for (std::size_t e = 0; e < whole_; ++e) begin_[row_index(k, r)] += is_needed(k, r, e) ? 1U : 0U;
   });
@@ -47,54 +47,68 @@ void RowStorage::find_begins() {
   size_ = next;
 }
 
-void RowStorage::place_whole_planes() {
-  const CellRows& cells = shape_.cells;
+void RowStorage::place_exchanged() {
+  const LocalId planes = shape_.cells.planes.end;
   nowhere_ = 0;
-  for (LocalId k = 0; k < cells.planes.end; ++k) {
-    if (!is_whole(k)) continue;
-    const std::size_t first = row_index(k, -1) * whole_;
-    for (std::size_t i = 0; i < per_plane(); ++i) places_[first + i] = nowhere_++;
-  }
-  whole_planes_ = nowhere_;
-  for (LocalId k = 0; k < cells.planes.end; ++k) place_whole_rows(k);
-  for (LocalId k = 0; k < cells.planes.end; ++k) {
-    for (const LocalId r : {-1, cells.rows})
-      if (!is_whole(k, r)) std::fill_n(&places_[row_index(k, r) * whole_], whole_, nowhere_);
-  }
-}
-
-void RowStorage::place_whole_rows(LocalId k) {
-  if (is_whole(k) || !(shape_.rows_exchanged[0] || shape_.rows_exchanged[1])) return;
-  for (LocalId r = -1; r <= shape_.cells.rows; ++r) {
-    for (std::size_t e = 0; e < whole_ && is_whole(k, r); ++e) places_[row_index(k, r) * whole_ + e] = nowhere_++;
-  }
-}
-
-void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns) {
-  char* const held = &held_[row_index(k, r) * whole_];
-  std::fill_n(held, whole_, 0);
-  const LocalId all = shape_.cells.columns, first = r * order.grid().columns();
-  for (LocalId c = 0; c < columns; ++c) {
-    if (order.start(k, first + c) == order.start(k, first + c + 1)) continue;
-    held[c / 8] = 1;
-    for (const LocalId beside : {c - 1, c + 1}) {
-      if (shape_.beside) held[(shape_.repeats[2] ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / 8] = 1;
+  planes_.assign(static_cast<std::size_t>(planes), {});
+  for (LocalId k = 0; k < planes; ++k)
+    if (is_exchanged(k)) place_exchanged_plane(k);
+  for (LocalId k = 0; k < planes; ++k) place_whole_rows(k);
+  for (LocalId k = 0; k < planes; ++k) {
+    for (const LocalId r : {-1, shape_.cells.rows})
+      if (!are_cut() || !is_exchanged(k, r)) std::fill_n(&places_[row_index(k, r) * whole_], whole_, nowhere_);
+    if (!is_exchanged(k) || are_cut()) continue;
+    for (LocalId r = 0; r < shape_.cells.rows; ++r) {
+      for (std::size_t e = 0; e < whole_; ++e)
+        if (!is_held(k, r, e, true)) places_[row_index(k, r) * whole_ + e] = nowhere_;
     }
   }
 }
 
-bool RowStorage::is_needed(LocalId k, LocalId r, std::size_t eight) const {
-  if (is_whole(k, r)) return false;
-  if (!shape_.beside) return held_[row_index(k, r) * whole_ + eight] != 0;
-  const bool are_cut = shape_.rows_exchanged[0] || shape_.rows_exchanged[1];
-  const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] && !are_cut ? 1 : 0;
+void RowStorage::place_exchanged_plane(LocalId k) {
+  const std::size_t before = nowhere_;
+  const LocalId ring = are_cut() ? 1 : 0;
+  for (LocalId r = -ring; r < shape_.cells.rows + ring; ++r) {
+    for (std::size_t e = 0; e < whole_; ++e)
+      if (are_cut() || is_held(k, r, e, true)) places_[row_index(k, r) * whole_ + e] = nowhere_++;
+  }
+  planes_[static_cast<std::size_t>(k)] = {before, nowhere_ - before};
+}
+
+void RowStorage::place_whole_rows(LocalId k) {
+  if (is_exchanged(k) || !are_cut()) return;
+  for (LocalId r = -1; r <= shape_.cells.rows; ++r) {
+    for (std::size_t e = 0; e < whole_ && is_exchanged(k, r); ++e) places_[row_index(k, r) * whole_ + e] = nowhere_++;
+  }
+}
+
+// In planes that are exchanged in all of their columns, which is what both ranks know.
+void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns) {
+  char* const held = &held_[row_index(k, r) * whole_];
+  std::fill_n(held, whole_, 0);
+  const LocalId all = shape_.cells.columns, first = r * order.grid().columns();
+  const bool beside_it = shape_.beside || is_exchanged(k);
+  if (is_exchanged(k)) columns = all;
+  for (LocalId c = 0; c < columns; ++c) {
+    if (order.start(k, first + c) == order.start(k, first + c + 1)) continue;
+    held[c / 8] = 1;
+    for (const LocalId beside : {c - 1, c + 1}) {
+      if (beside_it) held[(shape_.repeats[2] ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / 8] = 1;
+    }
+  }
+}
+
+// Whether a cell of the eight holds particles, or with `beside` one that is next to it in its plane.
+bool RowStorage::is_held(LocalId k, LocalId r, std::size_t eight, bool beside) const {
+  if (!beside) return held_[row_index(k, r) * whole_ + eight] != 0;
+  const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] && !are_cut() ? 1 : 0;
   for (LocalId row = std::max(r - 1, -beyond); row <= std::min(r + 1, rows - 1 + beyond); ++row)
     if (held_[row_index(k, (row + rows) % rows) * whole_ + eight] != 0) return true;
   return false;
 }
 
 void RowStorage::place_row(LocalId k, LocalId r) {
-  if (is_whole(k, r)) return;
+  if (is_exchanged(k, r)) return;
   std::uint32_t next = begin_[row_index(k, r)];
   std::uint32_t* const places = &places_[row_index(k, r) * whole_];
   for (std::size_t e = 0; e < whole_; ++e) places[e] = is_needed(k, r, e) ? next++ : nowhere_;

@@ -1,9 +1,10 @@
 // Where CellFields keep the cells of rows, counted in eights of cells: there is memory for eights that hold a cell with
 // particles, or for some fields also one beside such a cell in its plane, and all others are one and the same eight,
-// which is 0 and never written. Only planes at ends beyond which other ranks go on, the last own one and the ghost
-// plane, which neighbours exchange, have memory for all of their cells and for a ring of rows around them, one plane
-// after another, so that ranks agree on them without a word; of the other planes the same rows have where slabs are cut
-// inside, the last own one and the ghost row. Not collective.
+// which is 0 and never written. Planes at ends beyond which other ranks go on, the last own one and the ghost plane,
+// which neighbours exchange, come first, one after another, and have memory for the eights beside cells with particles,
+// too. Ranks agree on them without a word, as both know the particles of all cells of these planes. Where slabs are cut
+// inside, that is not so at the corners: there those planes have memory for all of their cells and for a ring of rows
+// around them, and of the other planes the rows that are exchanged, the last own one and the ghost row. Not collective.
 #pragma once
 
 #include <cstddef>
@@ -38,23 +39,30 @@ class RowStorage {
   const std::uint32_t* places(LocalId k, LocalId r) const { return &places_[row_index(k, r) * whole_]; }
   /// The place of the eight that stands for all that there is no memory for.
   std::uint32_t nowhere() const { return nowhere_; }
-  /// Eights of a whole row, of a whole plane, of all whole planes, which come first, of these and all other whole rows,
-  /// which come next, and of all.
+  /// Eights of a whole row, of all planes and rows that are exchanged, and of all.
   std::size_t per_row() const { return whole_; }
-  std::size_t per_plane() const { return (static_cast<std::size_t>(shape_.cells.rows) + 2) * whole_; }
-  std::size_t whole_planes() const { return whole_planes_; }
   std::size_t exchanged() const { return nowhere_; }
   std::size_t size() const { return size_; }
-  bool is_whole(LocalId k) const {
+  /// Eights one after another.
+  struct Run {
+    std::size_t first = 0, count = 0;
+  };
+  /// Those of an exchanged plane; where rows are cut, of these rows of it.
+  Run exchanged_plane(LocalId k, const Range& rows) const {
+    if (!are_cut()) return planes_[static_cast<std::size_t>(k)];
+    return {places(k, rows.begin)[0], static_cast<std::size_t>(rows.size()) * whole_};
+  }
+  bool is_exchanged(LocalId k) const {
     return (shape_.exchanged[0] && k <= 1) || (shape_.exchanged[1] && k + 2 >= shape_.cells.planes.end);
   }
-  bool is_whole(LocalId k, LocalId r) const {
-    return is_whole(k) || (shape_.rows_exchanged[0] && r <= 0) ||
+  bool is_exchanged(LocalId k, LocalId r) const {
+    return is_exchanged(k) || (shape_.rows_exchanged[0] && r <= 0) ||
            (shape_.rows_exchanged[1] && r + 1 >= shape_.cells.rows);
   }
   const Shape& shape() const { return shape_; }
   std::size_t bytes() const {
-    return places_.capacity() * sizeof(std::uint32_t) + held_.capacity() + begin_.capacity() * sizeof(begin_[0]);
+    return planes_.capacity() * sizeof(Run) + places_.capacity() * sizeof(std::uint32_t) + held_.capacity() +
+           begin_.capacity() * sizeof(begin_[0]);
   }
 
  private:
@@ -62,9 +70,14 @@ class RowStorage {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(shape_.cells.rows + 2) +
            static_cast<std::size_t>(r + 1);
   }
+  bool are_cut() const { return shape_.rows_exchanged[0] || shape_.rows_exchanged[1]; }
   void find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns);
-  bool is_needed(LocalId k, LocalId r, std::size_t eight) const;
-  void place_whole_planes();
+  bool is_held(LocalId k, LocalId r, std::size_t eight, bool beside) const;
+  bool is_needed(LocalId k, LocalId r, std::size_t eight) const {
+    return !is_exchanged(k, r) && is_held(k, r, eight, shape_.beside);
+  }
+  void place_exchanged();
+  void place_exchanged_plane(LocalId k);
   void place_whole_rows(LocalId k);
   void place_row(LocalId k, LocalId r);
   void find_begins();
@@ -75,11 +88,12 @@ class RowStorage {
   }
 
   Shape shape_{};
-  std::size_t whole_ = 0, whole_planes_ = 0, size_ = 0;
+  std::size_t whole_ = 0, size_ = 0;
   std::uint32_t nowhere_ = 0;
   std::vector<std::uint32_t> places_;
   std::vector<char> held_;            // of each eight, whether particles in or beside it are in its row
   std::vector<std::uint32_t> begin_;  // of each row, the first place
+  std::vector<Run> planes_;           // of each plane that is exchanged, where rows are not cut
 };
 
 }  // namespace trevi

@@ -45,7 +45,10 @@ class Sum {
     constexpr Real volumes = 3, moments = 23, fit = 13, flow = 12;
     const Real noise = water_.upright ? flow + fit : 0, ring = columns_ + 2;
     const Zones rows = zones(block_.planes, ringed(block_.rows));
-    add(rows.all() * (4 + 8 * std::ceil(columns_ / 8) * number_bytes * (volumes + 2 * (moments + fit) + noise)),
+    // Of planes that are whole the cells of the water and above it; where rows are cut, all cells.
+    const Real held = block_.rows_are_cut ? columns_ : std::min(water_.wet_columns + 1, water_.columns);
+    add(rows.all() * 4 + zones(block_.planes, block_.rows).all() * 8 * std::ceil(held / 8) * number_bytes *
+                             (volumes + 2 * (moments + fit) + noise),
         messages_.all() * (water_.upright ? 7 : 5));
     add(rows.beside * number_bytes * ring, messages_.beside);
     // Volumes that rows give one another, wetness, heights of the surface, links, the last pressure.

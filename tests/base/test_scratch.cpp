@@ -47,6 +47,23 @@ TEST(Scratch, GapsAreFilledAndNothingOverlaps) {
   }
 }
 
+// A small array leaves the large gap for a large one.
+TEST(Scratch, TheSmallestGapIsTaken) {
+  Scratch scratch;
+  for (int step = 0; step < 2; ++step) {
+    scratch.join();
+    Borrowed<int> large = scratch.borrow<int>(4000), between = scratch.borrow<int>(100),
+                  small = scratch.borrow<int>(500), last = scratch.borrow<int>(100);
+    const int *const of_large = large.data(), *const of_small = small.data();
+    large.give_back();
+    small.give_back();
+    small = scratch.borrow<int>(400);
+    large = scratch.borrow<int>(3900);
+    EXPECT_EQ(small.data(), of_small);
+    EXPECT_EQ(large.data(), of_large);
+  }
+}
+
 // Runs of memory that touch are one, so arrays are given back from the ends and from the middle of them.
 TEST(Scratch, ArraysMayBeGivenBackInAnyOrder) {
   Scratch scratch;

@@ -16,8 +16,8 @@ namespace {
 // multiple of four, and a ring.
 constexpr int rows = 2, columns = 8, water_columns = 5, coarse_columns = (water_columns + 2 + 3) / 4 * 4;
 constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (coarse_columns + 2);
-// Fields of several numbers of a cell have a ring of rows only, and columns eight at a time.
-constexpr std::int64_t field_cells_per_plane = (rows + 2) * ((coarse_columns + 7) / 8 * 8);
+// Fields of several numbers of a cell have no ring, and columns eight at a time, with the one above the water.
+constexpr std::int64_t field_cells_per_plane = rows * ((water_columns + 1 + 7) / 8 * 8);
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
 const std::string still_scene = tank_with_gravity({.min = "0.0, 0.0, 0.0",

@@ -144,7 +144,7 @@ class Model(unittest.TestCase):
 
     def test_traffic_is_that_of_test_traffic_cpp(self):
         basin = Basin(length=34, width=4, depth=10, air=6)  # its still_scene
-        coarse = 32 * 8 * 100 + 40 * (8 * 1 + 8 * 15)
+        coarse = 16 * 8 * 100 + 40 * (8 * 1 + 8 * 15)
         heights = 4 * 4
         self.assertEqual(exchange_bytes(basin), 64 + 88 * 80 + heights + coarse)
         self.assertEqual(exchange_bytes(basin, filters=3), 64 + (88 + 28) * 80 + heights + coarse)
