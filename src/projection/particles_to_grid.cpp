@@ -169,14 +169,12 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
     const LocalId r = (row + rows) % rows;
     const Range near = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
     const CellSums* const known = known_sums(k, r);
-    for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-      const CellParticles cell = particles_of(order, k, r, c);
-      if (cell.begin == cell.end) continue;
+    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
       const CellSums sums =
           known != nullptr ? known[c] : sums_of({k, r, c}, cell, motion, is_in(c, near) ? cuts : nullptr);
       add_volume(k, row, c, own, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
-    }
+    });
   }
   if (grid_.rows_are_cut() && own.end == rows && grid_.has_row(rows)) add_ghost_row(k, 1);
 }
@@ -213,9 +211,7 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
   const LocalId r = side == 0 ? 0 : grid_.rows() - 1;
   const std::size_t i = side == 0 ? 0 : 2;
   const Range near = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
-  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-    const CellParticles cell = particles_of(order, k, r, c);
-    if (cell.begin == cell.end) continue;
+  for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
     const CellSums& sums = ends_[side][beside_index(k, c)] =
         sums_of({k, r, c}, cell, motion, is_in(c, near) ? cuts : nullptr);
     VolumesBeside& beside = given_[side][beside_index(k, c)];
@@ -223,7 +219,7 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
       for (std::size_t j = 0; j < 3; ++j)
         beside[3 * plane + j] = along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
     }
-  }
+  });
 }
 
 // Adds what the row before the own ones, or after them, adds to the own row beside it, in the order of its cells.

@@ -41,6 +41,18 @@ class ParticlesToGrid {
 
   /// The particles of a cell, in the order of storage; those that were in it when `order` was made.
   CellParticles particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const;
+  /// use(c, particles) for the cells of a row that hold any, in their order.
+  template <class Use>
+  void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
+    constexpr LocalId eight = EightCells::count;
+    for (LocalId first = 0; first < grid_.columns(k, r); first += eight) {
+      if (!grid_.storage().has(k, r, static_cast<std::size_t>(first / eight))) continue;
+      for (LocalId c = first; c < std::min(first + eight, grid_.columns(k, r)); ++c) {
+        const CellParticles cell = particles_of(order, k, r, c);
+        if (cell.begin < cell.end) use(c, cell);
+      }
+    }
+  }
 
   const CellFrame& frame() const { return frame_; }
   /// Volumes of the water in the cells of an own row, in cells.

@@ -60,7 +60,7 @@ void Projection::displacements(const CellOrder& order, Real dt, const Motion& mo
   const ScopedEvent timed(event_);
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
     grid_to_particles_.find_damping(damping, k, r);
-    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+    particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
       displace_cell(particles_to_grid_.frame(), motion, cell,
                     grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
     });
@@ -106,15 +106,6 @@ void Projection::give_back() {
   surface_.give_back();
 }
 
-// use(c, particles) for the cells of a row that hold any.
-template <class Use>
-void Projection::for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
-  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
-    const CellParticles cell = particles_to_grid_.particles_of(order, k, r, c);
-    if (cell.begin < cell.end) use(c, cell);
-  }
-}
-
 // Particles above a row's cells are in flight.
 template <class T>
 void Projection::leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const {
@@ -129,7 +120,7 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
   shift_filter_.for_each_plane(halo, {order, swept.shifts, swept.densities}, [&](Range planes) {
     for_each_row_of_few<ShiftFilter::Smooth>(grid_, planes, [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
       shift_filter_.find_smooth(smooth, k, r);
-      for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+      particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
         remove_smooth(particles_to_grid_.frame(), swept, cell, smooth.at(c), &out[cell.begin]);
       });
       leave_flying<T>(order, k, r, out);
@@ -143,7 +134,7 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
   for_each_row(own_rows(), [&](LocalId k, LocalId r) {
-    for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
+    particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
       std::array<ByAxis, 3> slope = particles_to_grid_.fits().cell<AffineMap>(k, r, c).b;
       for (ByAxis& of_axis : slope) {
         for (std::size_t b = 0; b < 3; ++b) of_axis[b] *= per_length[b] / dt;

@@ -63,8 +63,6 @@ class Projection {
   void measure_rows(const CellOrder& order, Halo& halo);
   void solve(Halo& halo, const Pressure::Step& step);
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
-  template <class Use>
-  void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const;
   template <class T>
   void record_forces(const CellOrder& order, Real g_dt2, std::span<Vec4<T>> out) const;
   template <class T>

@@ -34,6 +34,7 @@ HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t 
   const std::size_t i = faces.axis;
   sides.for_each([&](std::vector<Real>& of) { of.assign(first + count + 2 * max_lanes, 0.0); });
   for (Part part{0, count}; part.begin < part.end; ++part) {
+    if (!part.is_in(row.moments)) continue;
     const Numbers<> moments{part.of(row.moments)}, fit{part.of(row.fit)};
     const std::size_t face = first + part.begin;
     const auto weighted = [&](std::size_t sum, std::size_t with_y) {
@@ -55,7 +56,13 @@ HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t 
   }
 }
 
-// Along a row the cell below a face is the one before.
+// Whether there are particles in any cell beside the next faces; along a row the cell below a face is the one before.
+HWY_INLINE bool are_wet(const FaceRow& faces, const Part& part, std::size_t cells) {
+  if (faces.repeats) return true;
+  if (faces.along && part.begin > 0 && faces.below.moments.has((part.begin - 1) / max_lanes)) return true;
+  return part.begin < cells && (part.is_in(faces.above.moments) || part.is_in(faces.below.moments));
+}
+
 void displace_faces_of(const FaceRow& faces, std::size_t count, Real* out) {
   static thread_local Sides over, under;
   const std::size_t cells = count - (faces.along ? 1 : 0);
@@ -67,6 +74,7 @@ void displace_faces_of(const FaceRow& faces, std::size_t count, Real* out) {
   }
   const V zero = set(0), one = set(1);
   for (Part part{0, count}; part.begin < part.end; ++part) {
+    if (!are_wet(faces, part, cells)) continue;
     const auto sum = [&](const std::vector<Real>& a, const std::vector<Real>& b) {
       return hn::Add(load(a.data(), part), load(b.data(), part));
     };

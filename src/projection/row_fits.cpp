@@ -163,6 +163,7 @@ void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
 void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
   const TenCells *const noise_sums = sum_across<MapSums>(noise), *const map_sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(noise); part.begin < part.end; ++part) {
+    if (!part.is_in(noise.rows[1][1])) continue;
     const TentSums<MapSums> second(noise_sums, part), first(map_sums, part);
     Real* const out = part.of(damping, numbers::map);
     const V whole = set(maps.per_tent), kept = hn::Mul(hn::Mul(whole, whole), second.from()[0]);
@@ -175,6 +176,7 @@ void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* 
 void add_maps_of(const RowsAround& maps, EightCells* sum) {
   const TenCells* const sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(maps); part.begin < part.end; ++part) {
+    if (!part.is_in(maps.rows[1][1])) continue;
     const TentSums<MapSums> around(sums, part);
     Real* const out = part.of(sum, numbers::map);
     for (std::size_t q = 0; q < numbers::map; ++q)
@@ -185,6 +187,7 @@ void add_maps_of(const RowsAround& maps, EightCells* sum) {
 void average_maps_of(const RowsAround& maps, const Real* factor, EightCells* mean) {
   const TenCells* const sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(maps); part.begin < part.end; ++part) {
+    if (!part.is_in(maps.rows[1][1])) continue;
     const TentSums<MapSums> around(sums, part);
     Real* const out = part.of(mean, numbers::map);
     const V weight = around.from()[0];

@@ -3,7 +3,8 @@
 // projection::tent along each axis: first across the planes, then across the rows of the plane, then along the row.
 // Each cell is worked on by itself, in the same operations on every processor: the same bits on any ranks and threads.
 // Of cells beyond a wall there is nothing; where the box repeats they are those at its other end, and ghost planes must
-// have come. Not collective, on this thread.
+// have come. Of eights of cells for which the row has no memory, as they hold no particles, nothing is found. Not
+// collective, on this thread.
 #pragma once
 
 #include "projection/cell_fields.hpp"
@@ -11,13 +12,13 @@
 namespace trevi {
 
 /// What tents keep from row to row, as the rows of a plane come in their order: the sums across the planes of the rows
-/// around. One for each field, and for each part of a loop of threads.
+/// around, as far as they have been asked for. One for each field, and for each part of a loop of threads.
 class TentMemory {
  public:
-  /// Of the cells [begin, end) of row r of plane k.
+  /// Of row r of plane k, of the eights that are known.
   struct Row {
     LocalId k = -1, r = -1;
-    std::size_t begin = 0, end = 0;
+    std::vector<char> is_known;
     std::vector<EightCells> values;
   };
   /// Eight cells of a row, with those before and after them.
@@ -27,7 +28,11 @@ class TentMemory {
   /// Memory for that row, or what it holds already, with as many `numbers` of each cell.
   Row& row(LocalId k, LocalId r, std::size_t numbers, std::size_t columns) {
     Row& row = rows_[static_cast<std::size_t>((r + 3) % 3)];
-    if (row.k != k || row.r != r) row = {k, r, 0, 0, std::move(row.values)};
+    if (row.k != k || row.r != r) {
+      row.k = k;
+      row.r = r;
+      row.is_known.assign(eights(columns), 0);
+    }
     row.values.resize(eights(columns) * numbers);
     return row;
   }
@@ -109,7 +114,8 @@ struct FaceRow {
   std::array<const Real*, 3> middle;
   bool along, repeats;
 };
-/// Displacements of the water at `count` faces, m (particles_to_grid.hpp).
+/// Displacements of the water at `count` faces, m (particles_to_grid.hpp); of faces without particles around nothing is
+/// written.
 void displace_faces(const FaceRow& faces, std::size_t count, Real* out);
 
 }  // namespace trevi

@@ -37,6 +37,8 @@ class RowStorage {
 
   /// Of row (k, r) the places of its eights in the memory; −1 and rows() are the rows of the ring.
   const std::uint32_t* places(LocalId k, LocalId r) const { return &places_[row_index(k, r) * whole_]; }
+  /// Whether there is memory for an eight of it.
+  bool has(LocalId k, LocalId r, std::size_t eight) const { return places(k, r)[eight] != nowhere_; }
   /// The place of the eight that stands for all that there is no memory for.
   std::uint32_t nowhere() const { return nowhere_; }
   /// Eights of a whole row, of all planes and rows that are exchanged, and of all.

@@ -35,6 +35,7 @@ struct Part {
   HWY_INLINE const Real* of(const RowToRead& row) const { return row[begin / max_lanes]->of + begin % max_lanes; }
   HWY_INLINE Real* of(const RowToWrite& row) const { return row[begin / max_lanes]->of + begin % max_lanes; }
   HWY_INLINE bool is_in(const RowToWrite& row) const { return row.has(begin / max_lanes); }
+  HWY_INLINE bool is_in(const RowToRead& row) const { return row.has(begin / max_lanes); }
 };
 HWY_INLINE V load(const Real* row, const Part& part) { return hn::LoadU(Wide(), row + part.begin); }
 /// Nothing beyond the end is written: it may be another thread's.
@@ -133,30 +134,35 @@ HWY_INLINE Part cells_around(const RowsAround& rows) {
   return {begin / max_lanes * max_lanes, (end + max_lanes - 1) / max_lanes * max_lanes};
 }
 
+// Whether the sums of an eight are asked for: its row holds something there, or in the eight beside it and the rows
+// around hold something there, too.
+HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t e) {
+  const std::size_t last = (rows.columns - 1) / max_lanes;
+  const auto is_own = [&](std::size_t of) { return rows.rows[1][1].has(of); };
+  if (is_own(e)) return true;
+  const bool below = e > 0 ? is_own(e - 1) : rows.repeats && is_own(last);
+  const bool above = e < last ? is_own(e + 1) : rows.repeats && is_own(0);
+  if (!below && !above) return false;
+  for (const auto& of_row : rows.rows) {
+    for (const RowToRead& row : of_row)
+      if (row.has(e)) return true;
+  }
+  return false;
+}
+
+// Of an eight of row i of those around, across the planes.
 template <class Sums>
-HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, Part part, EightCells* out) {
-  for (; part.begin < part.end; ++part) {
-    const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(rows.rows[i][j])}; };
+HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, std::size_t e, EightCells* out) {
+  const std::array<RowToRead, 3>& planes = rows.rows[i];
+  if (!planes[0].has(e) && !planes[1].has(e) && !planes[2].has(e)) {
+    std::fill_n(out + e * Sums::count, Sums::count, EightCells{});
+    return;
+  }
+  for (Part part{e * max_lanes, (e + 1) * max_lanes}; part.begin < part.end; ++part) {
+    const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(planes[j])}; };
     add_beside<Sums>(rows.axis[0],
                      Beside<max_lanes, max_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
   }
-}
-
-// Row i of those around, across the planes, as far as that has not been done for a row before.
-template <class Sums>
-HWY_INLINE const EightCells* planes_of(const RowsAround& rows, std::size_t i) {
-  TentMemory::Row& row = rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.columns);
-  EightCells* const out = row.values.data();
-  if (rows.is_layer && i != 1) return out;  // never written: 0
-  const Part needed = cells_around(rows);
-  if (row.begin == row.end) row.begin = row.end = needed.begin;
-  if (needed.begin < row.begin) sum_planes<Sums>(rows, i, {needed.begin, row.begin}, out);
-  row.begin = std::min(row.begin, needed.begin);
-  if (needed.end > row.end) {
-    sum_planes<Sums>(rows, i, {row.end, needed.end}, out);
-    row.end = needed.end;
-  }
-  return out;
 }
 
 // What eight cells need of those before and after them, and of the other end where the row repeats.
@@ -178,16 +184,32 @@ HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
   }
 }
 
-/// Sums over the rows around; null where no cell is asked for.
+/// Sums over the rows around, of the eights in which the row holds something; null where no cell is asked for.
 template <class Sums>
 HWY_INLINE const TenCells* sum_across(const RowsAround& rows) {
   if (rows.begin == rows.end) return nullptr;
-  const EightCells* const across[3] = {planes_of<Sums>(rows, 0), planes_of<Sums>(rows, 1), planes_of<Sums>(rows, 2)};
+  std::array<TentMemory::Row*, 3> across;
+  for (std::size_t i = 0; i < 3; ++i)
+    across[i] = &rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.columns);
   TenCells* const sums = rows.memory.sums(Sums::count, rows.columns).data();
-  for (Part part = cells_around(rows); part.begin < part.end; ++part) {
-    const auto of_row = [&](std::size_t i) { return Numbers<>{part.of(across[i], Sums::count)}; };
-    Real* const out = sums[part.begin / max_lanes * Sums::count].of + part.begin % max_lanes + 1;
-    add_beside<Sums>(rows.axis[1], Beside<max_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});
+  const Part around = cells_around(rows);
+  for (std::size_t e = around.begin / max_lanes; e < around.end / max_lanes; ++e) {
+    if (!is_asked(rows, e)) {
+      std::fill_n(sums + e * Sums::count, Sums::count, TenCells{});
+      continue;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      if ((rows.is_layer && i != 1) || across[i]->is_known[e] != 0) continue;  // beside a layer all is 0
+      sum_planes<Sums>(rows, i, e, across[i]->values.data());
+      across[i]->is_known[e] = 1;
+    }
+    for (Part part{e * max_lanes, (e + 1) * max_lanes}; part.begin < part.end; ++part) {
+      const auto of_row = [&](std::size_t i) {
+        return Numbers<>{part.of(static_cast<const EightCells*>(across[i]->values.data()), Sums::count)};
+      };
+      Real* const out = sums[e * Sums::count].of + part.begin % max_lanes + 1;
+      add_beside<Sums>(rows.axis[1], Beside<max_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});
+    }
   }
   join_eights<Sums::count>(rows, sums);
   return sums;

@@ -41,18 +41,15 @@ void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
 
 void ShiftFilter::sum_row(const Input& input, LocalId k, LocalId r) {
   const auto& [order, shifts, densities] = input;
-  const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid& water = surface_.water();
   sums_.clear(k, r);
-  for (LocalId c = 0; c < grid.columns(k, r); ++c) {
-    const CellParticles cell = water.particles_of(order, k, r, c);
-    if (cell.begin == cell.end) continue;
+  water.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
     const MotionSums motion = sum_motion(water.frame(), shifts, cell);
     Moments sums{{static_cast<Real>(cell.end - cell.begin), motion.y, motion.yy}, {motion.u, motion.uy}, 0};
     for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += densities.rho[i];
     sums.more = sums.more / densities.rest - sums.at.n;
     sums_.set(k, r, c, sums);
-  }
+  });
 }
 
 void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
