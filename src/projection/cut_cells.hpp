@@ -80,9 +80,8 @@ class CutCells {
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
   /// Whether that is a body that moves freely.
-  bool floats(std::size_t at) const {
-    return obstacles_.floating() != nullptr && obstacles_.floating()->holds(nearest(at));
-  }
+  bool floats(std::size_t at) const { return any_floats() && obstacles_.floating()->holds(nearest(at)); }
+  bool any_floats() const { return obstacles_.floating() != nullptr; }
   /// Whether that moves by itself, as the scene says.
   bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
   /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of

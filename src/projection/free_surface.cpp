@@ -28,6 +28,7 @@ void FreeSurface::classify(Halo& halo) {
   if (cuts() != nullptr) fill_open_parts();
   halo.start_planes(fill_, grid().step(0));
   halo.finish();
+  if (cuts() != nullptr && cuts()->any_floats()) grid().complete(halo, fill_);  // small cells look at those beside
   classify_cells(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
 }

@@ -92,6 +92,20 @@ void read_in_wall(Section& section, InletSettings& inlet) {
   }
 }
 
+// All heights of the opening count, at the start.
+void read_mean_speed(Section& section, InletSettings& inlet, Real spacing) {
+  constexpr Real highest = 1e4;
+  try {
+    inlet.speed = mean_speed(inlet, spacing);
+    section.check("profile", inlet.speed <= highest,
+                  fmt::format("is {:.4g} m/s in the mean over the opening, and at most "
+                              "{:g} can be; check the units",
+                              inlet.speed, highest));
+  } catch (const InputError& error) {
+    section.check("profile", false, error.what());
+  }
+}
+
 void check_place(Section& section, const Scene& scene, const InletSettings& inlet) {
   const Vec3 reach = InletLattice(inlet, scene.fluid.spacing).reach(), low = inlet.center - reach,
              high = inlet.center + reach;
@@ -149,7 +163,7 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   read_jet(section, scene, inlet);
   read_times(section, inlet);
   read_in_wall(section, inlet);
-  if (lattice && inlet.profile) inlet.speed = mean_speed(inlet, scene.fluid.spacing);
+  if (lattice && inlet.profile) read_mean_speed(section, inlet, scene.fluid.spacing);
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
   if (lattice && known.box && section.fine("center") && section.fine("direction")) {
     check_place(section, scene, inlet);

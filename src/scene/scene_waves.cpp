@@ -132,6 +132,11 @@ void read_damping(Section& section, Scene& scene, bool box_known) {
   lay_in_plane(zone, scene.fluid);
   if (section.fine("min"))
     section.check("max", (zone.max - zone.min).minCoeff() > 0, "must be greater than min on every axis");
+  if (box_known && section.fine("min") && section.fine("max"))
+    section.check(
+        "min",
+        (zone.min.array() < scene.domain.max.array()).all() && (zone.max.array() > scene.domain.min.array()).all(),
+        "the zone is out of the box, and no water would come to rest in it; move it");
   section.number({"rate", "how fast velocities die at the end of the zone in 1/s", true}, zone.rate, at_least(0));
   Vec3 direction;
   if (section.direction({"direction", "the way [x, y, z] to its end, along x or y; default to the nearest wall"},

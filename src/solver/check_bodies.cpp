@@ -7,6 +7,7 @@
 #include "boundary/geometry/mass_properties.hpp"
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
+#include "boundary/rigid_bodies/rigid_body.hpp"
 
 namespace trevi {
 
@@ -65,12 +66,12 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   if (!mooring.anchor.allFinite() || (mooring.point && !mooring.point->allFinite()) || !is_amount(mooring.stiffness) ||
       !is_amount(mooring.damping) || !is_amount(mooring.length.value_or(0)))
     return "has a mooring with a place that is not finite, or a negative stiffness, damping or length";
-  const Real mass = body.mass ? *body.mass : *body.density * mass_properties(body).volume;
+  const Real mass = RigidBody(body, *make_shape(body), Vec3::Zero(), settings.fluid.rest_density).mass_at_mooring();
   const Real max_stiffness = mass / (settings.dt * settings.dt), max_damping = mass / settings.dt;
-  if (mooring.stiffness > max_stiffness || mooring.damping > max_damping)
+  if (!(mooring.stiffness <= max_stiffness && mooring.damping <= max_damping))
     return fmt::format(
-        "has a mooring too stiff for its mass of {:.3g} kg and steps of {:.3g} s; lower stiffness to "
-        "{:.3g} N/m, damping to {:.3g} N s/m, or dt",
+        "has a mooring too stiff for the {:.3g} kg that its end moves with, and steps of {:.3g} s; lower stiffness to "
+        "{:.3g} N/m, damping to {:.3g} N s/m, or dt, or fix it nearer to the centre of mass",
         mass, settings.dt, max_stiffness, max_damping);
   return "";
 }

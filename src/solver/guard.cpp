@@ -40,6 +40,18 @@ void Guard::check(const Particles& particles, const Walls& walls, std::int64_t s
   if (failed < particles.size()) note_particle(particles, static_cast<std::size_t>(failed), step);
 }
 
+void Guard::check(std::span<const BodyState> bodies, std::int64_t step) {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const BodyState& body = bodies[k];
+    const Real sum = body.position.sum() + body.momentum.sum() + body.angular_momentum.sum() + body.velocity.sum() +
+                     body.angular_velocity.sum() + body.orientation[0];
+    if (std::isfinite(sum)) continue;
+    return note(step, fmt::format("body {} is at {} with velocity {}: not a number; use a smaller dt, and look at its "
+                                  "mass, its mooring and what it touches",
+                                  k, text_of(body.position), text_of(body.velocity)));
+  }
+}
+
 void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_t step) {
   const Vec3 &p = particles.predicted[i], &v = particles.velocity[i];
   const char* what = p.allFinite() && v.allFinite() ? "outside the box" : "not a number";

@@ -46,6 +46,9 @@ class Guard {
   /// Notes the first particle whose p* is outside the box, or whose p* or v is not a number.
   void check(const Particles& particles, const Walls& walls, std::int64_t step);
 
+  /// Notes the first body whose place or motion is not a number.
+  void check(std::span<const BodyState> bodies, std::int64_t step);
+
   /// Notes the compression of the water, from the densities of the owned particles; counted with the next agree().
   void note_compression(std::span<const Real> density, Real rest_density);
 

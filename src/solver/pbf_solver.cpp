@@ -237,6 +237,7 @@ template <class T>
 void PbfSolver<T>::agree_on_failures() {
   const std::int64_t step = parts_.clock.step + 1;
   guard_.check(parts_.particles, parts_.boundary->walls(), step);
+  guard_.check(bodies(), step);
   guard_.agree(parts_.particles, step);
 }
 

@@ -96,6 +96,25 @@ TEST_F(Probes, AFlowIsSpeedTimesArea) {
   for (std::size_t k = 0; k < cases.size(); ++k) EXPECT_NEAR(row[k + 2], cases[k].expected, 1e-7) << k;
 }
 
+// Particles come nearer to walls than half a spacing, and their cubes still are in the box: through a rectangle from
+// wall to wall and from the floor on goes all of the water.
+TEST_F(Probes, AFlowFromWallToWallMissesNothing) {
+  const Scene scene = parse_scene(
+      "test.toml", tank + "[[gauge]]\ntype = 'flow'\ncenter = [1, 0.6, 0.9]\nsize = [1.2, 1.8]\nnormal = [1, 0, 0]\n",
+      {});
+  Particles particles = initial_particles(world, scene);
+  std::fill(particles.velocity.begin(), particles.velocity.end(), Vec3(0.7, 0, 0));
+  for (Vec3& p : particles.position) {
+    if (p.y() < 0.1) p.y() = 0.01;
+    if (p.y() > 1.1) p.y() = 1.18;
+    if (p.z() < 0.1) p.z() = 0.02;
+  }
+  GaugeSeries gauges(world, {folder(), *scene.output.gauges, {}}, scene);
+  const Clock clock{0, scene.dt};
+  gauges.observe({clock, particles, {}, nullptr, {}});
+  if (rank_of(world) == 0) EXPECT_NEAR(rows_of(folder()).front()[2], 0.7 * 1.2 * 1.2, 1e-7);
+}
+
 // Water cut by a beach of 1 in 1 that begins at x = 0.5: its edge is at its level to a spacing, in the strip and not
 // beyond it.
 TEST_F(Probes, WaterAtRestOnABeachStandsAtItsLevel) {

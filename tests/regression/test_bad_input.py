@@ -337,6 +337,9 @@ class BadInput(ProgramTest):
         drain = "\n".join(GOOD) + "\n[gravity]\n[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n"
         bad = [("an expression", opening.replace("+ z", "+ q"), ["[[inlet]] profile: ", "give an expression of z, t"]),
                ("no number", opening.replace("+ z", "/ t"), ["[[inlet]] profile: ", "is not a finite number at z = 0.25 m, t = 0"]),
+               ("no number at its top", opening.replace("0.5 + z", "z < 0.3 ? 1 : 0/0"),
+                ["[[inlet]] profile: ", "is not a finite number at z = 0."]),
+               ("too fast", opening.replace("+ z", "+ 1e9"), ["[[inlet]] profile: ", "check the units"]),
                ("a speed, too", opening + "speed = 1\n", ["[[inlet]] profile: speed is given, too"]),
                ("askew", opening.replace("[1, 0, 0]", "[1, 0.1, 0]"), ["[[inlet]] direction: must lead straight out"]),
                ("away from the wall", opening.replace("0.05, 0.5", "0.5, 0.5"), ["[[inlet]] center: must be half a spacing"]),

@@ -13,7 +13,8 @@ namespace trevi::test {
 inline const std::string pool = tank_with_gravity({.max = "1.6, 1.2, 2.0", .water = {{"0, 0, 0", "1.6, 1.2, 1.0"}}});
 
 struct BodyRun : KeptRun {
-  BodyRun(MPI_Comm comm, const std::string& text) : KeptRun(comm, parse_scene("test.toml", text, {})) {}
+  BodyRun(MPI_Comm comm, const std::string& text, const std::vector<std::string>& overrides = {})
+      : KeptRun(comm, parse_scene("test.toml", text, overrides)) {}
   std::vector<BodyState> bodies() const { return solver->bodies(); }
   /// Of water and bodies, J.
   Real energy() const {

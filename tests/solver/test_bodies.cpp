@@ -1,4 +1,6 @@
 // Rigid bodies that move freely: their masses, their flight, and how they and the water move each other.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -176,6 +178,16 @@ TEST(Bodies, SameBitsOnAnyRanksAndThreads) {
   use_threads(before);
 }
 
+// Cells beside a body look at those of the next row, which another rank has.
+TEST(Bodies, SameBitsWhereRanksShareASlab) {
+  BodyRun alone(MPI_COMM_SELF, pool + two_bodies),
+      together(world, pool + two_bodies, {fmt::format("domain.ranks=[1, {}]", size_of(world))});
+  alone.steps(30);
+  together.steps(30);
+  expect_same_bits(gathered(world, together.solver->particles()), gathered(MPI_COMM_SELF, alone.solver->particles()));
+  EXPECT_EQ(together.bodies(), alone.bodies());
+}
+
 TEST(Bodies, ARestartGoesOnWithTheSameBits) {
   BodyRun through(MPI_COMM_SELF, pool + two_bodies);
   through.steps(15);
@@ -305,6 +317,17 @@ TEST(Contacts, FrictionHoldsABoxOnASlope) {
   }
 }
 
+TEST(BodyInput, IsRefusedInTheRunWhereABodyIsNoNumber) {
+  BodyRun run(world, pool + light_ball + "mooring = { anchor = [1e200, 0, 0], stiffness = 1, length = 1 }\n");
+  std::string why;
+  try {
+    run.steps(1);
+  } catch (const BlowUp& error) {
+    why = error.what();
+  }
+  expect_mentions(why, {"step 1", "body 0", "not a number", "mooring"});
+}
+
 TEST(BodyInput, IsRefusedWithItsPlace) {
   const auto refusal = [](const std::string& keys) {
     return input_error_of([&] { parse_scene("test.toml", pool + "[[body]]\n" + keys, {}); });
@@ -323,6 +346,12 @@ TEST(BodyInput, IsRefusedWithItsPlace) {
                   {"bodies[0]", "out of the box"});
   expect_mentions(of_solver(sphere + "density = 1\n[body.mooring]\nanchor = [0, 0, 0]\nstiffness = 1e9\n"),
                   {"bodies[0]", "too stiff"});
+  // 33.5 kg, of which 9.57 move with a point of the surface: as light as that, the end would be thrown further each
+  // step.
+  const std::string hooked = sphere + "density = 1000\n[body.mooring]\nanchor = [0, 0, 0]\nstiffness = 6e4\n";
+  EXPECT_NO_THROW(BodyRun(world, pool + "[[body]]\n" + hooked));
+  expect_mentions(of_solver(hooked + "point = [0.9, 0.6, 0.5]\n"),
+                  {"bodies[0]", "the 9.57 kg that its end moves with"});
   expect_mentions(of_solver(sphere + "density = 1\n[[body]]\n" + sphere + "density = 2\n"), {"reaches into body"});
   expect_mentions(of_solver(sphere + "density = 1\n"), {"bodies[0]", "less than a particle of water"});
 }

@@ -15,6 +15,15 @@ constexpr Real settled = 1e-9;   // of all impulses, when a round changes no mor
 constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
 constexpr Real push_out = 0.25;  // of an overlap, in a substep
 
+// In some order, each of them once.
+void keep_one_of_each(std::vector<Vec3>& points, Real closer) {
+  const auto key = [](const Vec3& p) { return std::make_tuple(p.x(), p.y(), p.z()); };
+  std::sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) { return key(p) < key(q); });
+  points.erase(std::unique(points.begin(), points.end(),
+                           [&](const Vec3& p, const Vec3& q) { return (p - q).squaredNorm() < closer * closer; }),
+               points.end());
+}
+
 // Of a surface, no further apart than `step`.
 std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step) {
   std::vector<Vec3> points;
@@ -27,12 +36,14 @@ std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step) {
       for (int v = 0; u + v <= n; ++v) points.push_back(a + (b - a) * (Real(u) / n) + (c - a) * (Real(v) / n));
     }
   }
-  const auto key = [](const Vec3& p) { return std::make_tuple(p.x(), p.y(), p.z()); };
-  std::sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) { return key(p) < key(q); });
-  points.erase(std::unique(points.begin(), points.end(),
-                           [&](const Vec3& p, const Vec3& q) { return (p - q).squaredNorm() < 1e-12 * step * step; }),
-               points.end());
+  keep_one_of_each(points, 1e-6 * step);
   return points;
+}
+
+bool is_convex(const ObstacleSettings& solid) {
+  using enum ShapeKind;
+  return !solid.inside &&
+         (solid.shape == sphere || solid.shape == box || solid.shape == cylinder || solid.shape == capsule);
 }
 
 Vec3 tangent_of(const Vec3& normal) {
@@ -44,6 +55,27 @@ Vec3 tangent_of(const Vec3& normal) {
 
 }  // namespace
 
+Contacts::Round::Round(const ObstacleSettings& solid) : kind(solid.shape) {
+  if (kind == ShapeKind::sphere || kind == ShapeKind::cylinder || kind == ShapeKind::capsule) radius = solid.radius;
+  if (kind == ShapeKind::torus) radius = solid.tube;
+  if (kind == ShapeKind::capsule) middle = std::max(solid.height / 2 - solid.radius, 0.0);
+  if (kind == ShapeKind::torus) middle = solid.radius;
+}
+
+Vec3 Contacts::Round::middle_of(const Vec3& p) const {
+  if (kind == ShapeKind::capsule) return {0, 0, std::clamp(p.z(), -middle, middle)};
+  if (kind == ShapeKind::cylinder) return {0, 0, p.z()};
+  const Real along = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  return kind == ShapeKind::torus && along > 0 ? Vec3(middle / along * p.x(), middle / along * p.y(), 0) : Vec3::Zero();
+}
+
+Vec3 Contacts::Round::nearest(const Vec3& p, const Vec3& normal) const {
+  constexpr Real flat = 0.3;  // a cylinder that stands does so on all of its edge
+  const Vec3 across(normal.x(), normal.y(), is_side() ? 0 : normal.z());
+  const Real length = across.norm();
+  return length > flat ? Vec3(middle_of(p) - radius / length * across) : p;
+}
+
 Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all)
     : all_(&all),
       first_(settings.obstacles.size()),
@@ -53,6 +85,8 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
       wall_restitution_(settings.walls.restitution) {
   const auto note = [&](const ObstacleSettings& one) {
     surface_.emplace_back(one.restitution.value_or(settings.walls.restitution), one.friction);
+    is_convex_.push_back(is_convex(one));
+    is_ball_.push_back(is_ball_.size() >= first_ && one.shape == ShapeKind::sphere);
   };
   for (const ObstacleSettings& one : settings.obstacles) note(one);
   constexpr Real parts = 24;  // of a large body
@@ -61,6 +95,10 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
     const Shape& shape = all[first_ + points_.size()]->shape();
     const Real size = (shape.bounds().max - shape.bounds().min).maxCoeff();
     points_.push_back(points_of(shape.surface(spacing_ / 50), std::max(spacing_, size / parts)));
+    round_.emplace_back(one);
+    middles_.emplace_back();
+    for (const Vec3& p : points_.back()) middles_.back().push_back(round_.back().middle_of(p));
+    keep_one_of_each(middles_.back(), 1e-6 * size);
   }
 }
 
@@ -101,19 +139,55 @@ void Contacts::find_walls(const std::vector<RigidBody>& bodies, std::size_t k) {
     for (const int side : {-1, 1}) {
       const auto gap_of = [&](const Vec3& p) { return side < 0 ? p[a] - box_.min[a] : box_.max[a] - p[a]; };
       if (gap_of(pose.center) - radius > margin) continue;
-      std::vector<Near> near;
-      for (const Vec3& point : points_[k]) {
-        const Vec3 p = pose.into_world(point);
-        if (gap_of(p) < margin) near.push_back({gap_of(p), p, -side * Vec3::Unit(a), Vec3::Zero()});
-      }
+      const Vec3 normal = -side * Vec3::Unit(a);
+      std::vector<Near> near = near_points(k, true, margin, gap_of, [&](const Vec3&) { return normal; });
       add(bodies, k, nobody, near,
           {std::min(surface_[first_ + k].first, wall_restitution_), surface_[first_ + k].second});
     }
   }
 }
 
-// Points of body k near another solid.
+// What of body k is nearer than `margin` to something: of what is round of it, where it is nearest. Something convex
+// has one such place for each ball.
+template <class Gap, class Normal>
+std::vector<Contacts::Near> Contacts::near_points(std::size_t k, bool convex, Real margin, const Gap& gap_of,
+                                                  const Normal& normal_at) const {
+  const Pose& pose = poses_[first_ + k];
+  const Round& round = round_[k];
+  std::vector<Near> near;
+  const auto note = [&](Real gap, const Vec3& p) {
+    if (gap < margin) near.push_back({gap, p, normal_at(p), Vec3::Zero()});
+  };
+  if (convex && round.radius > 0 && !round.is_side()) {
+    for (const Vec3& middle : middles_[k]) {
+      const Vec3 m = pose.into_world(middle);
+      const Real gap = gap_of(m) - round.radius;
+      if (gap < margin) note(gap, m - round.radius * normal_at(m));
+    }
+    return near;
+  }
+  for (const Vec3& point : points_[k]) {
+    const Vec3 p = pose.into_world(point);
+    const Real gap = gap_of(p);
+    if (gap >= margin) continue;
+    if (round.radius == 0) {
+      note(gap, p);
+      continue;
+    }
+    const Vec3 q = pose.into_world(round.nearest(point, pose.turn.transpose() * normal_at(p)));
+    const Real gap_there = gap_of(q);
+    const Vec3& nearest = gap_there <= gap ? q : p;
+    const bool is_there = std::any_of(near.begin(), near.end(), [&](const Near& one) {
+      return (one.p - nearest).squaredNorm() < 1e-8 * spacing_ * spacing_;
+    });
+    if (!is_there) note(std::min(gap, gap_there), nearest);
+  }
+  return near;
+}
+
+// Points of body k near another solid. A ball finds all that is convex, which need not find it.
 void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid) {
+  if (is_ball_[solid] && (is_ball_[first_ + k] ? solid < first_ + k : is_convex_[first_ + k])) return;
   const Body &own = *(*all_)[first_ + k], &other = *(*all_)[solid];
   const Pose &pose = poses_[first_ + k], &there = poses_[solid];
   Real reach = reach_of(bodies[k], own.radius(), dt_);
@@ -122,14 +196,13 @@ void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, s
   const Real margin = 2 * reach + slack * spacing_;
   if (other.shape().distance_within(there.into_body(pose.center), own.radius() + margin) >= own.radius() + margin)
     return;
-  std::vector<Near> near;
-  for (const Vec3& point : points_[k]) {
-    const Vec3 p = pose.into_world(point), in_other = there.into_body(p);
-    const Real gap = other.shape().distance_within(in_other, margin);
-    if (gap >= margin) continue;
-    const Vec3 surface = solid < first_ ? Vec3((ends_[solid].into_world(in_other) - p) / dt_) : Vec3::Zero();
-    near.push_back({gap, p, there.turn * other.shape().normal(in_other), surface});
-  }
+  const Real within = margin + round_[k].radius;
+  std::vector<Near> near = near_points(
+      k, is_convex_[solid], margin,
+      [&](const Vec3& p) { return other.shape().distance_within(there.into_body(p), within); },
+      [&](const Vec3& p) { return Vec3(there.turn * other.shape().normal(there.into_body(p))); });
+  if (solid < first_)
+    for (Near& one : near) one.surface = (ends_[solid].into_world(there.into_body(one.p)) - one.p) / dt_;
   const auto& [e, mu] = surface_[first_ + k];
   const auto& [e_other, mu_other] = surface_[solid];
   add(bodies, k, solid < first_ ? nobody : solid - first_, near, {std::min(e, e_other), std::max(mu, mu_other)});
@@ -152,6 +225,14 @@ void Contacts::keep_few(std::vector<Near>& near) {
   near.resize(std::min(near.size(), nearest_points + spread_points));
 }
 
+// The speed apart at the end of a substep that began with the speed v together at a distance, after a bounce on the way
+// under the acceleration a. Then they rise as high as if they had bounced when they met, though they have moved by that
+// speed all the time: by the speed v times the restitution alone a ball would rise by v dt more, and gain energy.
+Real Contacts::rebound(Real restitution, Real v, Real a, Real distance) const {
+  const Real lost = a * dt_, fall = 2 * a * distance;
+  return std::sqrt(std::max(lost * lost + restitution * restitution * (v * v + fall) - fall, 0.0)) - lost;
+}
+
 // What the bodies have to do there.
 void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
                    const std::pair<Real, Real>& restitution_and_friction) {
@@ -160,21 +241,24 @@ void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::siz
     Contact contact{k, other, {}, {}, {}, 0, restitution_and_friction.second, {}, {}, {}, {}};
     const Vec3 tangent = tangent_of(one.normal);
     const std::array<Vec3, 3> directions{one.normal, tangent, one.normal.cross(tangent)};
-    Real approach = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3& d = directions[i];
       contact.arm[i] = six_of(d, (one.p - bodies[k].state().position).cross(d));
       contact.surface[i] = one.surface.dot(d);
       if (other != nobody) contact.against[i] = six_of(d, (one.p - bodies[other].state().position).cross(d));
     }
-    const Six before = six_of(bodies[k].state().velocity, bodies[k].state().angular_velocity);
-    approach = contact.surface[0] - dot(contact.arm[0], before);
-    if (other != nobody)
-      approach +=
-          dot(contact.against[0], six_of(bodies[other].state().velocity, bodies[other].state().angular_velocity));
+    const auto approach_of = [&](const auto& twist_of) {
+      const Real own = contact.surface[0] - dot(contact.arm[0], twist_of(bodies[k]));
+      return other == nobody ? own : own + dot(contact.against[0], twist_of(bodies[other]));
+    };
+    const Real approach =
+        approach_of([](const RigidBody& body) { return six_of(body.state().velocity, body.state().angular_velocity); });
+    const Real later = approach_of([](const RigidBody& body) { return body.twist(); });
     contact.least = one.gap > 0 ? -one.gap / dt_ : -push_out * one.gap / dt_;
-    const bool bounces = approach > 4 * gravity_ * dt_ && approach * dt_ > one.gap;
-    if (bounces) contact.least = std::max(contact.least, restitution_and_friction.first * approach);
+    const bool bounces = approach > 4 * gravity_ * dt_ && std::max(approach, later) * dt_ > one.gap;
+    if (bounces)
+      contact.least = std::max(contact.least, rebound(restitution_and_friction.first, approach,
+                                                      std::max(later - approach, 0.0) / dt_, std::max(one.gap, 0.0)));
     contacts_.push_back(contact);
   }
 }

@@ -2,7 +2,8 @@
 // to the surface of another solid in the substep. They are known before they touch, so that nothing passes through
 // anything, and a body comes to rest on another one without a jump. Impulses with Coulomb's friction by Gauss and
 // Seidel in the order of the contacts (Catto, Iterative dynamics with temporal coherence, 2005), against the inertia
-// that a body has with the water around it. The same bits on any rank. Not collective.
+// that a body has with the water around it. What is round of a body touches where it is nearest, not by points: facets
+// would brake what rolls. The same bits on any rank. Not collective.
 #pragma once
 
 #include <memory>
@@ -42,12 +43,29 @@ class Contacts {
     Real gap;
     Vec3 p, normal, surface;
   };
+  /// What is round of a body: all that is no further than `radius` from the middle of a ball, from the line in a
+  /// capsule or the ring in a torus; of a cylinder its side, about the axis only. Of other shapes nothing.
+  struct Round {
+    ShapeKind kind;
+    Real radius = 0;  // m
+    Real middle = 0;  // m: half the line, or the radius of the ring
+    explicit Round(const ObstacleSettings& solid);
+    bool is_side() const { return kind == ShapeKind::cylinder; }
+    /// Next to a point of the surface; both in the frame of the shape.
+    Vec3 middle_of(const Vec3& p) const;
+    /// Of what is round next to p the point that is nearest to a surface with that normal; p where nothing is.
+    Vec3 nearest(const Vec3& p, const Vec3& normal) const;
+  };
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
   void find_walls(const std::vector<RigidBody>& bodies, std::size_t k);
   void find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid);
+  template <class Gap, class Normal>
+  std::vector<Near> near_points(std::size_t k, bool convex, Real margin, const Gap& gap_of,
+                                const Normal& normal_at) const;
   void add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
            const std::pair<Real, Real>& restitution_and_friction);
   const Pose& pose_of(std::size_t solid) const { return poses_[solid]; }
+  Real rebound(Real restitution, Real v, Real a, Real distance) const;
   static void keep_few(std::vector<Near>& near);
   void find_answers(const std::vector<RigidBody>& bodies);
   static Real step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists);
@@ -58,7 +76,10 @@ class Contacts {
   Real spacing_, gravity_, dt_ = 0;
   std::vector<std::pair<Real, Real>> surface_;  // restitution and friction of each solid
   Real wall_restitution_;
-  std::vector<std::vector<Vec3>> points_;  // of each body, in its frame
+  std::vector<std::vector<Vec3>> points_;  // of each body, in its frame; the next two as well
+  std::vector<std::vector<Vec3>> middles_;
+  std::vector<Round> round_;
+  std::vector<bool> is_convex_, is_ball_;  // of all solids; balls that are bodies
   std::vector<Pose> poses_, ends_;         // of all solids in the substep
   std::vector<Contact> contacts_;
   Real driven_work_ = 0;

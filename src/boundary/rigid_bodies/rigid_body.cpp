@@ -1,5 +1,6 @@
 #include "boundary/rigid_bodies/rigid_body.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -130,6 +131,20 @@ Six RigidBody::mooring_force() const {
   if (mooring_->slack) pull = std::max(pull, 0.0);
   const Vec3 force = pull * here.direction;
   return six_of(force, here.arm.cross(force));
+}
+
+// What a pull of 1 N s makes of the velocity of the hook is a symmetric matrix; its largest eigenvalue is 1 over that.
+Real RigidBody::mass_at_mooring() const {
+  const Rotation turn = rotation_of(state_.orientation);
+  const Mass6 mass = mass_matrix(mass_, inertia_at(turn));
+  const Vec3 arm = turn * hook_;
+  Eigen::Matrix3d mobility;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Six answer = solved(mass, six_of(Vec3::Unit(i), arm.cross(Vec3(Vec3::Unit(i)))), free_);
+    mobility.col(i) = along_of(answer) + about_of(answer).cross(arm);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> values(mobility, Eigen::EigenvaluesOnly);
+  return 1 / std::max(values.eigenvalues().maxCoeff(), 0.0);
 }
 
 Real RigidBody::mooring_energy() const {

@@ -52,6 +52,8 @@ class RigidBody {
   /// The pressure's answer to the present twist. What changed since the last one tells of the added mass.
   void hear(const Six& pressure);
   bool is_moored() const { return mooring_.has_value(); }
+  /// The least mass against which the mooring pulls, kg: that of the body at its centre, less off it, as it turns.
+  Real mass_at_mooring() const;
   /// Ends the substep: momentum() has all that was given. `touched`: by anything but gravity.
   void finish(bool touched);
 

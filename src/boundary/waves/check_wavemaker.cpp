@@ -20,9 +20,13 @@ std::optional<WrongMember> in_numbers(const WavemakerSettings& w) {
   if (!is_positive(w.depth))
     return WrongMember{"depth", "must be positive; give the depth of the still water in metres"};
   if (!is_positive(w.gravity))
-    return WrongMember{"wave", "needs gravity along -z, and the scene has none; add [gravity]"};
+    return WrongMember{"wave", "needs gravity along -z alone; add [gravity], or give it acceleration = [0, 0, -9.8]"};
   if (w.wave != WaveKind::solitary && !is_positive(w.period))
     return WrongMember{"period", "must be positive; give the period of the waves in seconds"};
+  constexpr Real longest = 1e4;  // rounding spoils the theory of waves some ten thousand times longer still
+  if (const Real unit = std::sqrt(w.depth / w.gravity); w.wave != WaveKind::solitary && w.period > longest * unit)
+    return WrongMember{"period", fmt::format("is {:.4g} s, a tide for water of {:.4g} m; give at most {:.4g} s",
+                                             w.period, w.depth, longest * unit)};
   if (!(w.ramp >= 0 && std::isfinite(w.ramp))) return WrongMember{"ramp", "must not be negative"};
   if (!(w.peak_enhancement >= 1 && std::isfinite(w.peak_enhancement)))
     return WrongMember{"peak_enhancement", "must be at least 1; that of the North Sea is 3.3"};

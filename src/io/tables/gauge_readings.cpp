@@ -119,7 +119,8 @@ void GaugeReadings::add(std::size_t g, const Particles& particles, Range part, s
         add_velocity(gauges_[g], p, v, &first);
         break;
       case GaugeKind::flow:
-        first += std::llround(flows_[g].flow(p, v) / unit_of_flow(spacing_));
+        first +=
+            std::llround(flows_[g].flow(p.cwiseMax(middles_.min).cwiseMin(middles_.max), v) / unit_of_flow(spacing_));
         break;
       default:
         break;
