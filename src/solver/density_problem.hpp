@@ -101,6 +101,7 @@ class DensityProblem {
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return boundary_.walls(); }
   Particles& particles() { return *particles_; }
+  const Particles& particles() const { return *particles_; }
   std::span<const Real> density() const { return {rho_.data(), rho_.size()}; }
   /// Number of pairs summed over all passes of the pair loops so far (events Lambda and Delta), those for observers
   /// included.

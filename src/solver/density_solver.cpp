@@ -186,9 +186,8 @@ std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& set
   std::unique_ptr<DensitySolver<T>> fine = make_fine<T>(rest, context);
   if (!shifts_positions_only(settings, context.gravity))
     return std::make_unique<ProjectionFirst<T>>(context, std::move(fine));
-  auto projected = std::make_unique<Projected<T>>(context, std::move(fine), rest.tolerance.has_value());
-  if (!context.gravity.isZero()) return projected;
-  return std::make_unique<FreeMomentum<T>>(context, std::move(projected));
+  return std::make_unique<FreeMomentum<T>>(
+      context, std::make_unique<Projected<T>>(context, std::move(fine), rest.tolerance.has_value()));
 }
 
 template std::unique_ptr<DensitySolver<float>> make_density_solver(const DensitySettings&, const DensitySolverContext&);

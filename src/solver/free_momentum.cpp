@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <atomic>
 
 #include "base/threads.hpp"
 #include "boundary/obstacles/obstacles.hpp"
 #include "domain/plane_sums.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 
@@ -42,6 +44,25 @@ bool FreeMomentum<T>::is_near_solid(const Vec3& p) const {
 }
 
 template <class T>
+bool FreeMomentum<T>::is_free(const Vec3& p) const {
+  const bool inside = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
+  return inside && (obstacles_ == nullptr || !is_near_solid(p));
+}
+
+// Whether a particle is near a wall or a solid; most water has one among the first that are looked at.
+template <class T>
+bool FreeMomentum<T>::is_touched(const DensityProblem<T>& problem) const {
+  const std::vector<Vec3>& p = problem.particles().predicted;
+  std::atomic<bool> found = false;
+  constexpr LocalId part_size = 512;
+  for_each_part(problem.all(), part_size, [&](Range part) {
+    for (LocalId i = part.begin; i < part.end && !found.load(std::memory_order_relaxed); ++i)
+      if (!is_free(p[static_cast<std::size_t>(i)])) found.store(true, std::memory_order_relaxed);
+  });
+  return max_over_ranks(comm_, found.load() ? 1.0 : 0.0) > 0;
+}
+
+template <class T>
 template <class Velocity>
 typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& problem, const Velocity& velocity) const {
   const Particles& particles = problem.particles();
@@ -49,8 +70,7 @@ typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& probl
     for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
       const Vec3 &p = particles.predicted[i], v = velocity(i);
       sums.count += 1;
-      const bool free = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
-      sums.near_walls += free && (obstacles_ == nullptr || !is_near_solid(p)) ? 0 : 1;
+      sums.near_walls += is_free(p) ? 0 : 1;
       sums.p += p;
       sums.v += v;
       sums.spin += p.cross(v);
@@ -61,6 +81,7 @@ typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& probl
 
 template <class T>
 SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
+  if (is_touched(problem)) return solver_->solve(problem);
   Particles& particles = problem.particles();
   // A free path does not change p × v.
   const Sums before = sums_of(problem, [&, dt = problem.dt()](std::size_t i) {
@@ -68,7 +89,7 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   });
   const SolveResult result = solver_->solve(problem);
   const Sums after = sums_of(problem, [&](std::size_t i) { return particles.velocity[i]; });
-  if (before.near_walls + after.near_walls > 0 || before.count == 0) return result;
+  if (after.near_walls > 0 || before.count == 0) return result;
   if (obstacles_ != nullptr && obstacles_->floating() != nullptr && obstacles_->is_touched(comm_)) return result;
   const Vec3 drift = (after.v - before.v) / after.count, centre = after.p / after.count;
   Vec3 turn = Vec3::Zero();

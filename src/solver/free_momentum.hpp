@@ -1,4 +1,4 @@
-// Keeps the linear and angular momentum of water without gravity that touches nothing. The projection hands its
+// Keeps the linear and angular momentum of water that touches nothing, beside what gravity gives. The projection hands its
 // pressure to the particles of a face as if they were as many as full water has there, and sweeps shift positions
 // without velocity: both are right in the mean, but not to rounding. What the substep has changed of the two momenta is
 // undone by a translation and a rotation of all velocities; where the box repeats along an axis by a translation alone.
@@ -41,6 +41,8 @@ class FreeMomentum : public DensitySolver<T> {
   Sums sums_of(DensityProblem<T>& problem, const Velocity& velocity) const;
 
   bool is_near_solid(const Vec3& p) const;
+  bool is_free(const Vec3& p) const;
+  bool is_touched(const DensityProblem<T>& problem) const;
 
   MPI_Comm comm_;
   Box interior_;  // m, where no wall acts
