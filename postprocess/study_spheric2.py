@@ -47,7 +47,9 @@ MEASURED_PRESSURES = {
 def gauges_of(trevi, name):
     """Columns of gauges.csv of a run at that spacing."""
     spacing = float(name)
-    settings = [f"fluid.spacing={spacing!r}", f"time.dt={DT * spacing!r}", "output.vtu.every=10"]
+    radius = max(0.04, spacing)  # m, of a gauge of pressure: a spacing at least
+    settings = [f"fluid.spacing={spacing!r}", f"time.dt={DT * spacing!r}", "output.vtu.every=10",
+                *(f"gauge.{k}.radius={radius!r}" for k in PRESSURES.values())]
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "run"
         code, message = launch(trevi, SCENE, output, settings, time_limit=36000)

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Draws the rows of study_error.py: errors against run time, log-log, a panel for each error, the Pareto front marked.
+"""Draws the rows of study_error.py: errors against the time of the processor, start and output included, log-log, a
+panel for each error, the Pareto front marked.
 
 A run is on the front when none is both faster and more exact. Iterations are written at the points. Errors below a
 panel's least or above its most are drawn there.
@@ -50,7 +51,7 @@ def errors(rows, column, exact, least):
         if row[column] != "":
             error = abs(float(row[column]) - exact)
             error = MOST if math.isnan(error) else min(max(error, least), MOST)
-            found.append(row | {"time": float(row["wall_seconds"]), "error": error})
+            found.append(row | {"time": float(row["cpu_seconds"]), "error": error})
     return found
 
 
@@ -96,7 +97,7 @@ def main():
     for axis, (scene, column, exact, title, least) in zip(axes.flat, panels):
         draw(axis, errors([row for row in rows if row["scene"] == scene], column, exact, least), title)
     for axis in axes[-1]:
-        axis.set_xlabel("run time (s)")
+        axis.set_xlabel("time of the processor (s)")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncol=9, frameon=False)
     figure.get_layout_engine().set(rect=(0, 0.5 / size[1], 1, 1 - 0.5 / size[1]))
     figure.savefig(arguments.output, dpi=110)
