@@ -18,7 +18,7 @@ FIELDS = 8 * (VOLUMES + 2 * (MOMENTS + FIT) + FLOW + FIT)  # bytes of a cell of 
 FIELD_EXCHANGES = 1 + 4 + 2  # heights of the water; moments, fits, noise and its fits; shifts and theirs
 # Records, projected move, lambda and place of each sweep over particles, water in flight, filtered shifts.
 EXCHANGES = 1 + 1 + 2 * (ITERATIONS - 1) + 2
-REDUCTIONS = 4  # depth of the water, guard, two migrations
+REDUCTIONS = 5  # depth of the water, whether it touches anything, guard, two migrations
 GATHERS = 1 + CYCLES  # of the multigrid, as reductions: four fields of the equation, and a right-hand side in each cycle
 LOOPS = 57  # of a step that threads share, without those of the levels of the multigrid
 PARTICLE_BYTES, GHOST_BYTES = 300, 45  # of a ghost: record, and an eighth of a coarse cell
