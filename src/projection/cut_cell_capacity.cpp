@@ -45,16 +45,28 @@ Real CutCells::off_solid(Real height, Real distance, Real slope) const {
 
 // In the mean over a cell, in the first cells along each direction, in others and in the last ones.
 void CutCells::find_whole_shares(const ProjectionGrid& grid) {
+  std::array<std::array<SharesAlong, 3>, 3> mean{};  // by direction
   for (std::size_t a = 0; a < 3; ++a) {
     const std::array<LocalId, 3> corners{0, 1, grid.count(a) - 1};
     for (std::size_t n = 0; n < 3; ++n) {
-      whole_shares_[a][n] = {};
       for (int k = 0; k < samples; ++k) {
         const SharesAlong one = shares_along(a, sample(k), corners[n]);
-        for (std::size_t i = 0; i < 3; ++i) whole_shares_[a][n][i] += one[i] / samples;
+        for (std::size_t i = 0; i < 3; ++i) mean[a][n][i] += one[i] / samples;
       }
     }
   }
+  for (std::size_t place = 0; place < whole_shares_.size(); ++place) {
+    const SharesAlong &u = mean[0][place / 9], &v = mean[1][place / 3 % 3], &w = mean[2][place % 3];
+    for (std::size_t n = 0; n < 27; ++n)
+      whole_shares_[place][n] = static_cast<float>(u[n / 9] * v[n / 3 % 3] * w[n % 3]);
+  }
+}
+
+const CutCells::Shares& CutCells::whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c) const {
+  const std::array<Real, 3> place = from_box(corner_of(grid, k, r, c));
+  std::array<std::size_t, 3> end{};
+  for (std::size_t a = 0; a < 3; ++a) end[a] = place[a] == 0 ? 0 : place[a] == grid.count(a) - 1 ? 2 : 1;
+  return whole_shares_[number_of(end[0], end[1], end[2])];
 }
 
 CellFrame CutCells::beside_sheets(const CellFrame& frame, const ProjectionGrid& grid,
@@ -73,26 +85,10 @@ CellFrame CutCells::beside_sheets(const CellFrame& frame, const ProjectionGrid& 
   return narrowed;
 }
 
-// What is open of a cell, as it is shared among the cells around: the share of the one with that number.
-Real CutCells::share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell, std::size_t wanted,
-                        const std::vector<Cell>& cells) const {
-  const LocalId k = cell[0], r = grid.row_beside(cell[1]), columns = grid.columns();
-  const LocalId c = grid.repeats()[2] ? (cell[2] + columns) % columns : cell[2];
+// A cuboid that would reach through a sheet stays in its own cell.
+void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells) {
   const std::size_t at = grid.index(k, r, c);
-  const bool above_columns = c >= columns;
-  if (!above_columns && cells[at].open == 0) return 0;
-  const bool own = !above_columns && cells[at].has_shares;
-  std::array<SharesAlong, 3> mean;
-  if (!own) {
-    const std::array<Real, 3> place = from_box(corner_of(grid, k, r, c));
-    for (std::size_t a = 0; a < 3; ++a)
-      mean[a] = whole_shares_[a][place[a] == 0 ? 0 : place[a] == grid.count(a) - 1 ? 2 : 1];
-  }
-  const auto share = [&](std::size_t n) {
-    return own ? shares_[at][n] : static_cast<float>(mean[0][n / 9] * mean[1][n / 3 % 3] * mean[2][n % 3]);
-  };
-  if (above_columns) return share(wanted);
-  // A cuboid that would reach through a sheet stays in its own cell.
+  if (cells[at].open == 0) return;
   std::array<std::array<bool, 2>, 3> sheet;
   bool any = false;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -103,9 +99,10 @@ Real CutCells::share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>
                 has_above && cells[at + step].face[a] == 0 && cells[at + step].open > 0};
     any = any || sheet[a][0] || sheet[a][1];
   }
-  if (!any) return share(wanted);
-  Shares shares;
-  for (std::size_t n = 0; n < shares.size(); ++n) shares[n] = share(n);
+  if (!any) return;
+  Shares& shares = shares_[at];
+  if (!cells[at].has_shares) shares = whole_shares(grid, k, r, c);
+  cells[at].has_shares = true;
   constexpr std::array<std::size_t, 3> weight{9, 3, 1};
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t n = 0; n < shares.size(); ++n) {
@@ -115,24 +112,31 @@ Real CutCells::share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>
       shares[n] = 0;
     }
   }
-  return shares[wanted];
 }
 
 Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                            const std::vector<Cell>& cells) const {
-  const auto [k, r, c] = cell;
-  const auto is_beyond = [&](std::size_t a, LocalId offset) {
+  const LocalId columns = grid.columns();
+  std::array<std::array<bool, 3>, 3> beyond{};
+  for (std::size_t a = 0; a < 3; ++a) {
     std::array<LocalId, 3> above = cell;
-    if (offset > 0) ++above[a];
-    return offset != 0 && grid.is_wall(a, above[0], above[1], above[2]);
-  };
+    ++above[a];
+    beyond[a] = {grid.is_wall(a, cell[0], cell[1], cell[2]), false, grid.is_wall(a, above[0], above[1], above[2])};
+  }
   Real sum = 0;
-  for (LocalId i = -1; i <= 1; ++i) {
-    for (LocalId j = -1; j <= 1; ++j) {
-      for (LocalId l = -1; l <= 1; ++l) {
-        if (is_beyond(0, i) || is_beyond(1, j) || is_beyond(2, l)) continue;
-        const auto side = [](LocalId offset) { return static_cast<std::size_t>(1 - offset); };
-        sum += share_of(grid, {k + i, r + j, c + l}, number_of(side(i), side(j), side(l)), cells);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LocalId k = cell[0] + static_cast<LocalId>(i) - 1;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const LocalId r = grid.row_beside(cell[1] + static_cast<LocalId>(j) - 1);
+      for (std::size_t l = 0; l < 3; ++l) {
+        if (beyond[0][i] || beyond[1][j] || beyond[2][l]) continue;
+        LocalId c = cell[2] + static_cast<LocalId>(l) - 1;
+        if (grid.repeats()[2]) c = (c + columns) % columns;
+        const std::size_t at = grid.index(k, r, c);
+        const bool above_columns = c >= columns;
+        if (!above_columns && cells[at].open == 0) continue;
+        const bool own = !above_columns && cells[at].has_shares;
+        sum += (own ? shares_[at] : whole_shares(grid, k, r, c))[number_of(2 - i, 2 - j, 2 - l)];
       }
     }
   }
@@ -142,6 +146,9 @@ Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId,
 void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
                                   std::vector<Cell>& cells) {
   find_whole_shares(grid);
+  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
+    for (LocalId c = columns.begin; c < columns.end; ++c) confine_shares(grid, k, r, c, cells);
+  });
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
     if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
     for (LocalId c = columns.begin; c < columns.end; ++c) {

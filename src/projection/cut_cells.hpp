@@ -192,11 +192,11 @@ class CutCells {
   void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
   Real capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                    const std::vector<Cell>& cells) const;
-  Real share_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell, std::size_t wanted,
-                const std::vector<Cell>& cells) const;
+  void confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells);
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
   Real off_solid(Real height, Real distance, Real slope) const;
   void find_whole_shares(const ProjectionGrid& grid);
+  const Shares& whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c) const;
   // Of a corner counted from that of the first own cell, in cells from that of the box.
   std::array<Real, 3> from_box(const Vec3& corner) const {
     return {corner[0] + (first_ - 1), corner[1] + first_row_, corner[2]};
@@ -225,9 +225,9 @@ class CutCells {
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   CellFrame frame_{};
-  std::array<std::array<SharesAlong, 3>, 3> whole_shares_{};  // by direction
-  std::vector<Cell> all_;                                     // of all columns of the box
-  std::unique_ptr<Shares[]> shares_;                          // of cells near solids, by index; of others not written
+  std::array<Shares, 27> whole_shares_{};  // of cells without solids: the first, others and the last by direction
+  std::vector<Cell> all_;                  // of all columns of the box
+  std::unique_ptr<Shares[]> shares_;       // of cells near solids, by index; of others not written
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
