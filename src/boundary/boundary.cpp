@@ -1,6 +1,7 @@
 #include "boundary/boundary.hpp"
 
 #include "base/threads.hpp"
+#include "boundary/obstacles/open_pieces.hpp"
 
 namespace trevi {
 
@@ -127,13 +128,16 @@ std::unique_ptr<Boundary> make(BoundaryParts parts) {
 void Boundary::predict(Particles& particles, Real dt) {
   const std::vector<Vec3>&x = particles.position, &v = particles.velocity;
   for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
-    const auto first = static_cast<std::size_t>(part.begin), end = static_cast<std::size_t>(part.end);
-    const Box open = open_box({&x[first], end - first}, Extent::path);
-    for (std::size_t i = first; i < end; ++i) {
-      const Vec3 straight = x[i] + v[i] * dt;
-      const bool free = open.contains(x[i]) && open.contains(straight);
-      particles.predicted[i] = free ? straight : predict(x[i], v[i], dt);
-    }
+    const auto open_to = [&](Range some) {
+      return open_box({&x[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())}, Extent::path);
+    };
+    for_each_open_piece(part, open_to, [&](const Box& open, Range some) {
+      for (auto i = static_cast<std::size_t>(some.begin); i < static_cast<std::size_t>(some.end); ++i) {
+        const Vec3 straight = x[i] + v[i] * dt;
+        const bool free = open.contains(x[i]) && open.contains(straight);
+        particles.predicted[i] = free ? straight : predict(x[i], v[i], dt);
+      }
+    });
   });
 }
 

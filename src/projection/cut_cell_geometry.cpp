@@ -83,10 +83,15 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
 
 bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
   const Real size = size_.maxCoeff();
-  const Vec3 margin = Vec3::Constant(2 * size);
-  return Box{box_.min + margin, box_.max - margin}.contains(middle) &&
-         std::all_of(bodies.begin(), bodies.end(),
-                     [&](std::size_t k) { return obstacles_.body(k).shape().min_thickness() > 1.1 * size; });
+  const Vec3 margin = Vec3::Constant(size);
+  const Box within{box_.min + margin, box_.max - margin};
+  const bool far_from_walls = Box{within.min + margin, within.max - margin}.contains(middle);
+  return std::all_of(bodies.begin(), bodies.end(), [&](std::size_t k) {
+    const Body& body = obstacles_.body(k);
+    if (!(body.shape().min_thickness() > 1.1 * size)) return false;
+    const Box place = body.surface_box();
+    return far_from_walls || (!body.is_vessel() && within.contains(place.min) && within.contains(place.max));
+  });
 }
 
 // `corner` of the cell, in cells; its lower face in direction a.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "boundary/obstacles/open_pieces.hpp"
 #include "domain/plane_sums.hpp"
 #include "fluid/pairs/for_each_sum.hpp"
 #include "fluid/pairs/particle_loops.hpp"
@@ -179,14 +180,7 @@ void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
           {&particles_->predicted[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())},
           Extent::shift);
     };
-    const Box open = open_to(few);
-    if (!(open.min.array() > open.max.array()).any()) return move_in(open, few, relaxation);
-    // Of a part that lies around an obstacle most pieces do not.
-    constexpr LocalId piece = 16;
-    for (LocalId begin = few.begin; begin < few.end; begin += piece) {
-      const Range some{begin, std::min(begin + piece, few.end)};
-      move_in(open_to(some), some, relaxation);
-    }
+    for_each_open_piece(few, open_to, [&](const Box& open, Range some) { move_in(open, some, relaxation); });
   });
 }
 
@@ -201,10 +195,10 @@ void DensityProblem<T>::move_in(const Box& open, Range few, Real relaxation) {
   const std::size_t count = move_particles<T>(shift, &shifts[first], {p, records}, left.data());
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(left[k]);
-    const Vec3 before = p[i];
-    p[i] = boundary_.collide(p[i], relaxation * vector_of(shifts[first + i]));
+    const Vec3 before = p[i], way = vector_of(shifts[first + i]);
+    p[i] = boundary_.collide(p[i], relaxation * way);
     near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
-    if (p[i] != before) swept_.move(few.begin + left[k]);  // out of a solid, without a shift
+    if (way.isZero(0) && p[i] != before) swept_.move(few.begin + left[k]);  // out of a solid
   }
 }
 

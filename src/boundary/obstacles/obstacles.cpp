@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "boundary/obstacles/open_pieces.hpp"
 #include "kernels/kernels.hpp"
 
 namespace trevi {
@@ -196,13 +197,17 @@ void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const V
   sounding_ = true;
   for (int round = 0; round < 2; ++round) {
     for_each_part({0, static_cast<LocalId>(p.size())}, at_once, [&](Range part) {
-      const Box open = open_box(p.subspan(static_cast<std::size_t>(part.begin), static_cast<std::size_t>(part.size())),
-                                Extent::path);
-      for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
-        const Vec3 straight = p[i] + v[i] * dt;
-        if (open.contains(p[i]) && open.contains(straight)) continue;
-        if (is_near_floating(p[i], straight)) predict_among(p[i], v[i], dt);
-      }
+      const auto open_to = [&](Range some) {
+        return open_box(p.subspan(static_cast<std::size_t>(some.begin), static_cast<std::size_t>(some.size())),
+                        Extent::path);
+      };
+      for_each_open_piece(part, open_to, [&](const Box& open, Range some) {
+        for (auto i = static_cast<std::size_t>(some.begin); i < static_cast<std::size_t>(some.end); ++i) {
+          const Vec3 straight = p[i] + v[i] * dt;
+          if (open.contains(p[i]) && open.contains(straight)) continue;
+          if (is_near_floating(p[i], straight)) predict_among(p[i], v[i], dt);
+        }
+      });
     });
     if (!floating_->settle(comm)) break;
   }

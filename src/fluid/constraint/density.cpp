@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "boundary/obstacles/open_pieces.hpp"
 #include "fluid/pairs/for_each_sum.hpp"
 #include "fluid/pairs/particle_loops.hpp"
 
@@ -48,26 +49,26 @@ template <class T>
 template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
   if (!walls_) return;
-  const auto first = static_cast<std::size_t>(range.begin);
-  const std::span<const Vec3> here = part_of(p, range);
   const Box& interior = walls_->interior();
   std::array<LocalId, sums_chunk> near;
   if (!obstacles_) {
-    const std::size_t count = find_outside(interior, here, near.data());
-    for (std::size_t k = 0; k < count; ++k) visit(first + static_cast<std::size_t>(near[k]), Wall::box, {});
+    const std::size_t count = find_outside(interior, part_of(p, range), near.data());
+    for (std::size_t k = 0; k < count; ++k) visit(static_cast<std::size_t>(range.begin + near[k]), Wall::box, {});
     return;
   }
-  const Box open = obstacles_->open_box(here, Extent::density);
-  const std::size_t count = find_outside(common(open, interior), here, near.data());
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = first + static_cast<std::size_t>(near[k]);
-    const std::optional<BoundaryDensity> all = open.contains(p[i]) ? std::nullopt : obstacles_->near_density(p[i]);
-    if (all) {
-      visit(i, Wall::obstacle, *all);
-    } else if (!interior.contains(p[i])) {
-      visit(i, Wall::box, {});
+  const auto open_to = [&](Range some) { return obstacles_->open_box(part_of(p, some), Extent::density); };
+  for_each_open_piece(range, open_to, [&](const Box& open, Range some) {
+    const std::size_t count = find_outside(common(open, interior), part_of(p, some), near.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = static_cast<std::size_t>(some.begin + near[k]);
+      const std::optional<BoundaryDensity> all = open.contains(p[i]) ? std::nullopt : obstacles_->near_density(p[i]);
+      if (all) {
+        visit(i, Wall::obstacle, *all);
+      } else if (!interior.contains(p[i])) {
+        visit(i, Wall::box, {});
+      }
     }
-  }
+  });
 }
 
 namespace {
