@@ -156,7 +156,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
   std::array<std::array<SharesAlong, samples>, 2> of_samples;
   for (std::size_t a = 0; a < 2; ++a)
     for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
-  std::array<Real, 27> shared{};
+  std::array<std::array<SharesAlong, samples>, samples> of_lines{};  // of what is open of those above each other
   Real sum = 0, solid = 0;
   std::array<Real, 3> moment{};
   for (int i = 0; i < samples * samples * samples; ++i) {
@@ -175,10 +175,9 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
     const Real open = clipped_cube(at(here), slope), closed = 1 - open;
     sum += open;
     if (open > 0) {
-      const SharesAlong &u = of_samples[0][static_cast<std::size_t>(here[1])],
-                        &v = of_samples[1][static_cast<std::size_t>(here[2])],
-                        w = shares_along(2, off_solid(sample(here[0]), at(here), slope[0]), place[2]);
-      for (std::size_t n = 0; n < shared.size(); ++n) shared[n] += open * u[n / 9] * v[n / 3 % 3] * w[n % 3];
+      const SharesAlong w = shares_along(2, off_solid(sample(here[0]), at(here), slope[0]), place[2]);
+      SharesAlong& line = of_lines[static_cast<std::size_t>(here[1])][static_cast<std::size_t>(here[2])];
+      for (std::size_t n = 0; n < 3; ++n) line[n] += open * w[n];
     }
     if (!candidates.floats || closed == 0) continue;
     solid += closed;
@@ -186,6 +185,13 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
     for (std::size_t a = 0; a < 3; ++a) moment[(a + 2) % 3] += closed * (sample(here[a]) + off[a] / samples);
   }
   for (std::size_t a = 0; a < 3 && solid > 0; ++a) candidates.solid_middle[a] = static_cast<float>(moment[a] / solid);
+  std::array<Real, 27> shared{};
+  for (std::size_t i = 0; i < samples; ++i) {
+    std::array<Real, 9> of_plane{};
+    for (std::size_t j = 0; j < samples; ++j)
+      for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[i][j][n % 3];
+    for (std::size_t n = 0; n < shared.size(); ++n) shared[n] += of_samples[0][i][n / 9] * of_plane[n % 9];
+  }
   constexpr int all = samples * samples * samples;
   for (std::size_t n = 0; n < shared.size(); ++n) candidates.shares[n] = static_cast<float>(shared[n] / all);
   return sum / all;
