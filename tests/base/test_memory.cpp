@@ -38,7 +38,7 @@ TEST(Memory, TheTightestGroupCounts) {
 std::size_t taken_for(std::size_t bytes) {
   const std::size_t before = mallinfo2().hblkhd;
   const std::vector<char> array(bytes);
-  static const char* volatile seen = nullptr;  // so that the array is made
+  [[maybe_unused]] static const char* volatile seen = nullptr;  // so that the array is made
   seen = array.data();
   return mallinfo2().hblkhd - before;
 }
