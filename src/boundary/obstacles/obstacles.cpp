@@ -71,16 +71,16 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
-// Where they are is told by a few of them.
+// Where they are is told by a few of them. Few bodies are all asked: what they leave open reaches further than a path.
 Box Obstacles::open_box(std::span<const Vec3> p, Extent extent) const {
-  constexpr std::size_t parts = 4;
+  constexpr std::size_t parts = 4, few_bodies = 4;
   Box water{p.back(), p.back()}, open = walls_.box();
   for (std::size_t k = 0; k < p.size(); k += p.size() / parts + 1) {
     water.min = water.min.cwiseMin(p[k]);
     water.max = water.max.cwiseMax(p[k]);
   }
   ObstacleIndex::Bits bits = index_->all();
-  if (index_->counts_few(water)) {  // and nobody else comes as near as that
+  if (bodies_.size() > few_bodies && index_->counts_few(water)) {  // and nobody else comes as near as that
     bits = index_->in(water);
     open.min = open.min.cwiseMax(water.min - Vec3::Constant(index_->longest_path()));
     open.max = open.max.cwiseMin(water.max + Vec3::Constant(index_->longest_path()));
