@@ -300,6 +300,8 @@ void DensityProblem<T>::separate_coincident(const CellWindow& window, bool insid
       const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());
       for (std::size_t i = begin; i < end; ++i) {
         for (std::size_t j = begin; j < i; ++j) {
+          const Real x = p[i].x() - p[j].x(), z = p[i].z() - p[j].z();
+          if (x * x >= coincident || z * z >= coincident) continue;  // nearly all
           if ((p[i] - p[j]).squaredNorm() < coincident) part(i, j);
         }
       }
