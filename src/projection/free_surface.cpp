@@ -13,7 +13,7 @@ void FreeSurface::borrow() {
   fill_ = scratch.borrow_briefly<Real>(grid().cells());
   fill_.fill(0);
   height_ = scratch.borrow_briefly<Real>(grid().cells());
-  height_.fill(1);
+  height_.fill(0);
 }
 
 void FreeSurface::keep_wet() {
@@ -64,10 +64,18 @@ void FreeSurface::close_ceiling(LocalId k, LocalId r) {
 void FreeSurface::find_tops(LocalId k, LocalId r) {
   if (!upright()) return;
   const std::size_t floor = grid().index(k, r, 0);
-  bool standing = true;
+  bool standing = true, flying = false;
   Real excess = 0;  // volume in the wet cells below the top one beyond one cell each, in cells
   for (LocalId c = 0; c < grid().columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
+    if (open(at) < 1 || is_drained(at)) {
+      flying = false;
+    } else if (!is_wet(at)) {
+      flying = true;
+    } else if (flying) {
+      wet_[at] = flying_cell;
+    }
+    height_[at] = fill_[at];
     if (!is_wet(at)) {
       standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {

@@ -59,17 +59,34 @@ class FreeSurface {
   /// Fraction of the cell that is not solid; its fill is a fraction of that.
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
-  bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
+  bool is_wet(std::size_t at) const { return wet_[at] == wet_cell || wet_[at] == flying_cell; }
+  /// A wet cell of a column that has air under it, under gravity.
+  bool flies(std::size_t at) const { return wet_[at] == flying_cell; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
+  /// Distance, in cells, between the points on both sides of a face where phi is given: the middles of wet cells and
+  /// the surface. Water in flight ends where its volume does on all of its sides. The cells lie above each other; or
+  /// beside each other, and one of them is dry.
+  Real distance_across(std::size_t below, std::size_t at) const {
+    if (is_wet(below)) return is_wet(at) ? 1 : above_middle(below);
+    return flies(at) ? past_middle(at, below) : 1;
+  }
+  Real distance_aside(std::size_t low, std::size_t high) const {
+    if (flies(low) && !is_wet(high)) return past_middle(low, high);
+    return flies(high) && !is_wet(low) ? past_middle(high, low) : 1;
+  }
 
  private:
   // In wet_; the last one only while cells are classified.
-  enum : char { dry_cell, wet_cell, dry_at_solid };
+  enum : char { dry_cell, wet_cell, flying_cell, dry_at_solid };
+  Real past_middle(std::size_t wet, std::size_t dry) const {
+    const Real fill = is_top(wet) ? height_[wet] - height_[wet + 1] : height_[wet];
+    return std::clamp(fill + height_[dry] - 0.5, projection::min_height, 1.0);
+  }
   // Cell (r, c) of plane k.
   struct Place {
     LocalId k, r, c;
@@ -99,7 +116,7 @@ class FreeSurface {
 
   Openings* openings_ = nullptr;
   Sources from_;
-  Borrowed<Real> fill_, height_;
+  Borrowed<Real> fill_, height_;  // height_: of the surface in top cells, of others their fill
   Borrowed<char> wet_;
 };
 

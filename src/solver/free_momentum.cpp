@@ -95,12 +95,17 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   Vec3 turn = Vec3::Zero();
   const Eigen::Matrix3d spread = after.pp - after.count * centre * centre.transpose();
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
+  // About the centre of all, which goes back to where free flight takes it.
+  const auto about_centre = [](const Sums& sums) -> Vec3 { return sums.spin - (sums.p / sums.count).cross(sums.v); };
   // A single particle or a line of particles has no inertia about some axis, and no rotation about it to correct.
   const Real size = inertia.trace();
   if (turns_ && inertia.determinant() > 1e-9 * size * size * size)
-    turn = inertia.inverse() * (after.spin - before.spin - centre.cross(after.v - before.v));
-  for_each_index(problem.all(),
-                 [&](std::size_t i) { particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre); });
+    turn = inertia.inverse() * (about_centre(after) - about_centre(before));
+  const Vec3 off = (after.p - before.p) / after.count;
+  for_each_index(problem.all(), [&](std::size_t i) {
+    particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre);
+    particles.predicted[i] -= off;
+  });
   return result;
 }
 

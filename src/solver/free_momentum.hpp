@@ -1,7 +1,8 @@
 // Keeps the linear and angular momentum of water that touches nothing, beside what gravity gives. The projection hands
 // its pressure to the particles of a face as if they were as many as full water has there, and sweeps shift positions
 // without velocity: both are right in the mean, but not to rounding. What the substep has changed of the two momenta is
-// undone by a translation and a rotation of all velocities; where the box repeats along an axis by a translation alone.
+// undone by a translation and a rotation of all velocities, where the box repeats along an axis by a translation alone;
+// and their centre goes back to where free flight takes it.
 // Collective.
 #pragma once
 
