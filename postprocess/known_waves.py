@@ -1,7 +1,7 @@
 """Waves of a piston in a tank by potential flow in which nothing is small: what a paddle that moves as linear theory says really
 makes. Coordinates along the tank go with the paddle, upright ones with the surface (differences of second order and Chebyshev's
-polynomials), in time the method of Runge and Kutta; a zone at the end takes the waves. No program of its own; study_waves.py runs
-it.
+polynomials), in time the method of Runge and Kutta; a zone at the end takes the waves. What the disc of a gauge takes of waves.
+No program of its own; study_waves.py runs it.
 """
 
 import math
@@ -9,6 +9,7 @@ import math
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import spsolve
+from scipy.special import jv
 
 from study import GRAVITY
 
@@ -24,6 +25,23 @@ def chebyshev():
     off = x[:, None] - x[None]
     d = np.outer(c, 1 / c) / (off + np.eye(n + 1))
     return (x + 1) / 2, 2 * (d - np.diag(d.sum(axis=1)))
+
+
+def wave_numbers(frequencies, depth):
+    """Of linear waves, 1/m, of an array of angular frequencies (Newton's method from Eckart's approximation)."""
+    deep = np.asarray(frequencies) ** 2 * depth / GRAVITY
+    kd = deep / np.sqrt(np.tanh(deep))
+    for _ in range(12):
+        t = np.tanh(kd)
+        kd = kd - (kd * t - deep) / (t + kd * (1 - t * t))
+    return kd / depth
+
+
+def share_seen(k, spacing, radius, dimensions):
+    """What a gauge of height has of the amplitude of waves: the mean over its disc or segment with the weight 1 - d²/R², of
+    particles that are cubes (inputs/README.md, Gauges)."""
+    a, cube = k * radius, np.sinc(k * spacing / (2 * np.pi))
+    return cube * (8 * jv(2, a) / a**2 if dimensions == 3 else 3 * (np.sin(a) - a * np.cos(a)) / a**3)
 
 
 def differences(n):
@@ -50,6 +68,28 @@ class Piston:
         grown, growth = u * u * (3 - 2 * u), 6 * (u - u * u) / self.ramp
         place = self.first * math.sin(w * time) + self.second * math.sin(2 * w * time)
         speed = w * (self.first * math.cos(w * time) + 2 * self.second * math.cos(2 * w * time))
+        return grown * place, growth * place + grown * speed
+
+
+class IrregularPiston:
+    """JONSWAP by sines, as the program moves it (wave_theory.cpp), with phases of its own."""
+
+    def __init__(self, height, depth, k, seed):
+        self.omega = math.sqrt(GRAVITY * k * math.tanh(k * depth))
+        self.ramp, random, bands = 4 * math.pi / self.omega, np.random.default_rng(seed), 128
+        ratio = 0.5 + 2 / bands * (np.arange(bands) + random.random(bands))
+        off = (ratio - 1) / np.where(ratio <= 1, 0.07, 0.09)
+        amplitude = np.sqrt(np.exp(-1.25 / ratio**4) / ratio**5 * 3.3 ** np.exp(-off**2 / 2))
+        amplitude *= height / 4 / math.sqrt((amplitude**2).sum() / 2)
+        self.frequencies, self.phases = self.omega * ratio, 2 * math.pi * random.random(bands)
+        kd = wave_numbers(self.frequencies, depth) * depth
+        self.amplitudes = amplitude * (np.sinh(2 * kd) + 2 * kd) / (2 * np.cosh(2 * kd) - 2)
+
+    def at(self, time):
+        u, phase = min(time / self.ramp, 1), self.frequencies * time + self.phases
+        grown, growth = u * u * (3 - 2 * u), 6 * (u - u * u) / self.ramp
+        place = float((self.amplitudes * np.sin(phase)).sum())
+        speed = float((self.frequencies * self.amplitudes * np.cos(phase)).sum())
         return grown * place, growth * place + grown * speed
 
 
@@ -162,3 +202,11 @@ def crests_of_solitary(height, depth, places):
     seconds = piston.duration / 2 + (places[-1] + 3) * depth / piston.celerity
     _, levels = tank.levels(np.array(places) * depth, dt, round(seconds / dt))
     return levels.max(axis=0) / height
+
+
+def levels_of_irregular(height, length, depth, periods, seed=1):
+    """Times and levels at one wavelength of the peak from the paddle."""
+    piston = IrregularPiston(height, depth, 2 * math.pi / length, seed)
+    tank = Tank(piston, depth, length / 60, (2.2 + 1.5) * length, 1.5 * length)
+    times, levels = tank.levels(np.array([length]), 2 * math.pi / piston.omega / PER_PERIOD, periods * PER_PERIOD)
+    return times, levels[:, 0]

@@ -3,11 +3,11 @@
 
   postprocess/study_waves.py postprocess/results/waves.csv
 
-Regular waves: the first harmonic of each of a row of gauges over whole periods once the waves are there is split by least
-squares into one wave that goes and decays, and one that comes back; three harmonics make up crests and troughs. Beside it
-stands what potential flow (known_waves.py) has of the same piston, over what it has of waves a tenth as high. Irregular
-waves: H_m0 and the peak of the spectrum of one gauge. Solitary wave: its speed between two gauges, and its height. One row
-for each quantity, beside what theory says.
+What the disc of a gauge takes of a wave is divided out. Regular waves: the first harmonic of each of a row of gauges over
+whole periods once the waves are there is split by least squares into one wave that goes and decays, and one that comes back;
+three harmonics make up crests and troughs. Irregular waves: H_m0 and the peak of the spectrum of one gauge. Beside both stands
+what potential flow (known_waves.py) has of the same piston, over what it has of waves a tenth as high. Solitary wave: its speed
+between two gauges, and its height. One row for each quantity, beside what theory says.
 """
 
 import math
@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from known_waves import crests_of_solitary, first_harmonic_of_piston
+from known_waves import crests_of_solitary, first_harmonic_of_piston, levels_of_irregular, share_seen, wave_numbers
 from study import GRAVITY, columns_of, launch, parser_of, two_at_a_time, write_table
 
 SPACING = 0.05  # m
@@ -24,6 +24,7 @@ LAYERS = 15
 LENGTH = 60  # spacings a wavelength
 WIDE = 6  # spacings, across
 DEPTH = LAYERS * SPACING
+GAUGE_RADIUS = 2  # spacings, the default
 SCENE = """
 [domain]
 min = [0, 0, 0]
@@ -50,7 +51,7 @@ rate = {rate}
 every = 0.0333333333333333
 """
 GAUGE = '[[gauge]]\ntype = "height"\ncenter = [{}, {}, 0]\n'
-# Height in spacings, a step in s.
+# Height in spacings, a step in s; finer: layers of half the spacing, in two dimensions.
 CASES = {
     "piston": {"paddle": "piston", "height": 3, "dt": 1 / 60},
     "piston, half the step": {"paddle": "piston", "height": 3, "dt": 1 / 120},
@@ -58,6 +59,7 @@ CASES = {
     "flap": {"paddle": "flap", "height": 3, "dt": 1 / 60},
     "solitary": {"paddle": "piston", "height": 0.3 * LAYERS, "dt": 1 / 60},
     "jonswap": {"paddle": "piston", "height": 4, "dt": 1 / 60},
+    "jonswap, half as steep": {"paddle": "piston", "height": 4, "dt": 1 / 120, "finer": 2},
 }
 
 
@@ -66,16 +68,17 @@ def tank(case, waves, **more):
     front = 1.0 if "solitary" in waves else 0.5
     zone = front + more["length"]
     end = round((zone + more["absorbing"]) / (2 * SPACING)) * 2 * SPACING
-    text = SCENE.format(end=end, wide=WIDE * SPACING, high=2 * DEPTH, spacing=SPACING, depth=DEPTH, dt=case["dt"],
-                        seconds=more["seconds"], waves=waves, height=case["height"] * SPACING, front=front,
+    spacing = SPACING / case.get("finer", 1)
+    text = SCENE.format(end=end, wide=WIDE * SPACING, high=2 * DEPTH, spacing=spacing, depth=DEPTH, dt=case["dt"],
+                        seconds=more["seconds"], waves=waves, height=case["height"] * spacing, front=front,
                         zone=end - more["absorbing"], rate=more.get("rate", 5))
     return text + "".join(GAUGE.format(front + x, WIDE * SPACING / 2) for x in more["places"])
 
 
-def run(text, folder, name, trevi):
+def run(text, folder, name, trevi, settings=()):
     scene, output = folder / f"{name}.toml", folder / name
     scene.write_text(text, encoding="utf-8")
-    code, message = launch(trevi, scene, output, [], 7200)
+    code, message = launch(trevi, scene, output, settings, 7200)
     if code != 0:
         raise SystemExit(f"study_waves.py: {name}: {message}")
     columns = {key: np.array(values) for key, values in columns_of(output / "gauges.csv").items()}
@@ -123,6 +126,7 @@ def regular(case, folder, name, trevi):
                 seconds=25 * period, places=places * length)
     time, heights = run(text, folder, name, trevi)
     harmonics = np.array([harmonics_of(time, height, period, 11) for height in heights])
+    harmonics /= share_seen(k * np.arange(1, 4), SPACING, GAUGE_RADIUS * SPACING, 3)
     long, decay, amplitude, back = split(places, harmonics[:, 0])
     over = 2 * amplitude / (case["height"] * SPACING)
     yield "wavelength over that of theory", 1, long
@@ -159,24 +163,38 @@ def solitary(case, folder, name, trevi):
     yield "height lost in 20 depths, potential flow in place of particles", 0, 1 - far / near
 
 
+def significant_height(time, level, period, seen=None):
+    """H_m0 from 0.4 to 3 of the peak's frequency, and the peak's over what was asked for, from eight periods on; seen: of each
+    angular frequency the share of the amplitude that is measured, by default all."""
+    late = time > 8 * period
+    level, step = level[late] - level[late].mean(), time[1] - time[0]
+    frequency, density = np.fft.rfftfreq(len(level), step), np.abs(np.fft.rfft(level)) ** 2
+    band = (frequency > 0.4 / period) & (frequency < 3 / period)
+    frequency, density = frequency[band], density[band] * 2 / len(level) ** 2
+    if seen is not None:
+        density /= seen(2 * math.pi * frequency) ** 2
+    wide = np.convolve(density, np.ones(9) / 9, "same") ** 4
+    # Delft: a mean weighted by the fourth power of the smoothed density.
+    return 4 * math.sqrt(density.sum()), (frequency * wide).sum() / wide.sum() * period
+
+
 def irregular(case, folder, name, trevi):
-    length = LENGTH * SPACING
-    k = 2 * math.pi / length
+    length, spacing, plane = LENGTH * SPACING, SPACING / case.get("finer", 1), "finer" in case
+    k, height = 2 * math.pi / length, case["height"] * spacing
     period = 2 * math.pi / math.sqrt(GRAVITY * k * math.tanh(k * DEPTH))
     text = tank(case, f'type = "piston"\nwave = "irregular"\nperiod = {period}', length=2 * length, absorbing=2 * length,
                 seconds=72 * period, places=[length], rate=6)
-    time, heights = run(text, folder, name, trevi)
-    late = time > 8 * period
-    level = heights[0][late] - heights[0][late].mean()
-    step = time[1] - time[0]
-    frequency, density = np.fft.rfftfreq(len(level), step), np.abs(np.fft.rfft(level)) ** 2
-    band = (frequency > 0.4 / period) & (frequency < 3 / period)
-    share = density[band].sum() / density[1:].sum()
-    yield "H_m0 over what was asked for, from 0.4 to 3 of the peak's frequency", 1, \
-        4 * level.std() * math.sqrt(share) / (case["height"] * SPACING)
-    wide = np.convolve(density, np.ones(9) / 9, "same")[band] ** 4
-    # Delft: a mean weighted by the fourth power of the smoothed density.
-    yield "peak's frequency over what was asked for", 1, (frequency[band] * wide).sum() / wide.sum() * period
+    settings = ["domain.dimensions=2", "domain.periodic=[]"] if plane else []
+    time, heights = run(text, folder, name, trevi, settings)
+
+    def seen(omega):
+        return share_seen(wave_numbers(omega, DEPTH), spacing, GAUGE_RADIUS * spacing, 2 if plane else 3)
+
+    significant, peak = significant_height(time, heights[0], period, seen)
+    yield "H_m0 over what was asked for, from 0.4 to 3 of the peak's frequency", 1, significant / height
+    yield "peak's frequency over what was asked for", 1, peak
+    high, low = (significant_height(*levels_of_irregular(h, length, DEPTH, 40), period)[0] for h in (height, height / 10))
+    yield "H_m0 over what was asked for, potential flow in place of particles", 1, high / low / 10
 
 
 def main():
@@ -187,7 +205,7 @@ def main():
 
     def rows_of(name):
         case = CASES[name]
-        quantities = kinds.get(name, regular)(case, folder, name.replace(", ", "_").replace(" ", "_"), options.trevi)
+        quantities = kinds.get(name.split(",")[0], regular)(case, folder, name.replace(", ", "_").replace(" ", "_"), options.trevi)
         return [{"case": name, "height_spacings": case["height"], "step_s": round(case["dt"], 5), "quantity": quantity,
                  "theory": theory, "measured": round(float(measured), 4)} for quantity, theory, measured in quantities]
 

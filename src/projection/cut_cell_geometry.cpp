@@ -202,7 +202,8 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
   cell.nearest = static_cast<std::uint32_t>(far.body) & 0x7fffffffU;
-  if (std::abs(far.distance) > 2 * size_.maxCoeff()) {  // no face of it comes within reach of is_passage()
+  candidates.near = std::abs(far.distance) <= 2 * size_.maxCoeff();
+  if (!candidates.near) {  // no face of it comes within reach of is_passage()
     cell.open = far.distance > 0 ? 1 : 0;
     cell.face.fill(cell.open);
     return cell;

@@ -141,8 +141,14 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
+      const Vec3 corner = corner_of(grid, k, r, c);
       near.solid_middle = {0.5F, 0.5F, 0.5F};
-      cells[at] = cell_at(corner_of(grid, k, r, c), near);
+      cells[at] = cell_at(corner, near);
+      for_each_upper_wall(grid, k, r, c, [&](std::size_t a, std::size_t beyond) {
+        cells[beyond] = {};
+        cells[beyond].face[a] = cells[at].open;
+        if (near.near) measure_face(a, corner + Vec3::Unit(static_cast<Eigen::Index>(a)), near, cells[beyond]);
+      });
       if (cells[at].has_shares) shares_[at] = near.shares;
       if (obstacles_.floating() != nullptr) solid_middles_[at] = near.solid_middle;
     }
@@ -156,6 +162,9 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
         const bool low_closed = has_below && cells[at - grid.step(a)].open == 0;
         if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
       }
+      for_each_upper_wall(grid, k, r, c, [&](std::size_t a, std::size_t beyond) {
+        if (cells[at].open == 0) cells[beyond].face[a] = 0;
+      });
     }
   });
   grid.repeat(cells);
@@ -168,21 +177,27 @@ void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone
   PerThread<std::vector<BodyFace>> faces;
   const RigidBodies* const floating = obstacles_.floating();
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates& near, Range columns) {
+    const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
+      if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
+      const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;
+      Vec3 p = place(corner_of(grid, cell[0], cell[1], cell[2]) + half);
+      const std::size_t nearest = nearest_at(p, near.of_row).body;
+      const Body& body = obstacles_.body(nearest);
+      const bool floats = floating != nullptr && floating->holds(nearest);
+      // The flux of a rotation is exact there, and a ball that turns moves no water.
+      if (floats) p = middle_of_closed(a, cell, at);
+      if (floats) faces.mine().push_back({at, a, nearest, p});
+      const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
+      moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
+    };
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       moved_[at] = {0, 0, 0};
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) continue;  // nothing moves across a layer
-        Vec3 p = place(corner_of(grid, k, r, c) + Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
-        const std::size_t nearest = nearest_at(p, near.of_row).body;
-        const Body& body = obstacles_.body(nearest);
-        const bool floats = floating != nullptr && floating->holds(nearest);
-        // The flux of a rotation is exact there, and a ball that turns moves no water.
-        if (floats) p = middle_of_closed(a, {k, r, c}, at);
-        if (floats) faces.mine().push_back({at, a, nearest, p});
-        const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
-        moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
-      }
+      for (std::size_t a = 0; a < 3; ++a) measure_face(a, {k, r, c}, at);
+      for_each_upper_wall(grid, k, r, c, [&](std::size_t a, std::size_t beyond) {
+        moved_[beyond] = {0, 0, 0};
+        measure_face(a, {k, r + (a == 1), c + (a == 2)}, beyond);
+      });
     }
   });
   grid.repeat(moved_);

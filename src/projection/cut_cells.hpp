@@ -138,6 +138,7 @@ class CutCells {
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
+    bool near = false;    // any of them to the cell
     bool thick = false;   // those of the cell
     bool floats = false;  // the nearest to the cell
     InCell solid_middle{0.5F, 0.5F, 0.5F};
@@ -183,6 +184,14 @@ class CutCells {
   void measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
   Cell cell_at(const Vec3& corner, Candidates& candidates) const;
   void measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const;
+  // visit(a, index beyond) for the upper faces of a cell that are in walls of the box, across rows and columns. The
+  // ring holds them as lower faces of the cells beyond, of which nothing else counts; of planes ghosts do.
+  template <class Visit>
+  static void for_each_upper_wall(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, const Visit& visit) {
+    const std::size_t at = grid.index(k, r, c);
+    if (r < grid.rows() && grid.is_wall(1, k, r + 1, c)) visit(std::size_t{1}, at + grid.step(1));
+    if (grid.is_wall(2, k, r, c + 1)) visit(std::size_t{2}, at + grid.step(2));
+  }
   // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;

@@ -251,6 +251,40 @@ density = 300
   EXPECT_LT((momentum() - start).norm(), 1e-6 * start.norm());
 }
 
+// A block of water meets a box in the air, off its middle. As long as what the transfer leaves over had its moment
+// about the origin of coordinates the box turned at 30 rad/s or, 64 m from there, the water flew apart.
+TEST(Bodies, ABlobTurnsABoxAlikeWhereverTheOriginIs) {
+  const auto met = [](Real x) {  // m, so that nothing is rounded
+    const auto at = [x](Real a, Real b, Real c) { return fmt::format("[{}, {}, {}]", x + a, x + b, x + c); };
+    BodyRun run(world,
+                fmt::format(R"(
+[domain]
+min = {}
+max = {}
+[fluid]
+spacing = 0.125
+[[particles]]
+min = {}
+max = {}
+velocity = [3, 0, 0]
+[time]
+dt = 0.0078125
+end = 1
+[[body]]
+type = "box"
+center = {}
+size = [0.375, 0.5, 0.625]
+density = 500
+)",
+                            at(0, 0, 0), at(3, 2, 2), at(0.5, 0.625, 0.625), at(1.25, 1.25, 1.375), at(1.5625, 1, 1)));
+    run.steps(16);
+    return run.bodies().front();
+  };
+  const BodyState here = met(0), there = met(64);
+  EXPECT_GT(here.momentum.x(), 50);
+  EXPECT_LT((there.angular_momentum - here.angular_momentum).norm(), 1e-6 * here.angular_momentum.norm());
+}
+
 TEST(Bodies, ALightBallRisesAndJumps) {
   BodyRun run(world, pool + light_ball);
   const Real start = run.energy();

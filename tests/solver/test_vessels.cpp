@@ -97,6 +97,43 @@ TEST(Vessels, BuoyancyIsThatOfArchimedes) {
   }
 }
 
+// A gate whose face goes through the middles of cells, from wall to wall and to the lid, along both axes: water presses
+// it along its normal, and the walls alike on both sides. As long as its part of the upper wall counted as open it was
+// pushed there with an eighth of that.
+TEST(Vessels, AGateFromWallToWallIsPressedAlongItsNormal) {
+  for (const bool along_x : {true, false}) {
+    VesselRun run(world, tank_with_gravity({.max = along_x ? "2.4, 0.8, 1" : "0.8, 2.4, 1",
+                                            .water = {{along_x ? "0.5, 0, 0" : "0, 0.5, 0",
+                                                       along_x ? "2.4, 0.8, 0.8" : "0.8, 2.4, 0.8"}}}) +
+                             "[[obstacle]]\ntype = 'box'\nsize = [3, 3, 3]\n" +
+                             (along_x ? "center = [-1, 0.4, 0.5]\n" : "center = [0.4, -1, 0.5]\n"));
+    run.steps(3);
+    Vec3 force = run.forces.back()[0].force;
+    if (!along_x) std::swap(force.x(), force.y());
+    EXPECT_NEAR(force.x() / (-1000 * 9.8 * 0.8 * 0.8 * 0.8 / 2), 1, 2e-3);
+    EXPECT_LT(std::abs(force.y()), 1e-6 * std::abs(force.x()));
+  }
+}
+
+// What the transfer between particles and cells leaves over once had its moment about the origin, so that a torque was
+// 50 times as large 64 m from there.
+TEST(Vessels, TorquesAreAboutTheCentreWhereverTheOriginIs) {
+  const auto torque = [](const std::string& x) {  // m, so that nothing is rounded
+    VesselRun run(world, tank_with_gravity({.min = x + ".0, 0, 0",
+                                            .max = x + ".75, 0.5, 1",
+                                            .water = {{x + ".0, 0, 0", x + ".25, 0.5, 0.5"}},
+                                            .spacing = "0.0625"}) +
+                             "[[obstacle]]\ntype = 'box'\ncenter = [" + x +
+                             ".4375, 0.28125, 0.1875]\nsize = [0.1875, 0.25, 0.375]\n");
+    run.steps(15);
+    return run.forces.back()[0];
+  };
+  const BodyForce here = torque("0"), there = torque("64");
+  EXPECT_GT(here.force.norm(), 10);
+  EXPECT_LT((there.force - here.force).norm(), 1e-3 * here.force.norm());
+  EXPECT_LT((there.torque - here.torque).norm(), 1e-3 * here.torque.norm());
+}
+
 // Shaken at 10 m/s and 20 g for half a second: a swing of 0.51 m along x, with the same along z a quarter later.
 TEST(Vessels, NobodyLeavesAShakenBall) {
   const std::string text =
@@ -180,8 +217,8 @@ std::vector<Swing> swings_of(const VesselRun& run, Real middle) {
 }
 
 // The walls of the obstacle go through cells of the coarse grid, those of the box do not. As long as cells at upright
-// walls counted as ones on the floor, the third swing was an eighth of that in the box, or two fifths. Six cells a length
-// are few: with the walls between faces of cells a swing takes some 4 % longer.
+// walls counted as ones on the floor, the third swing was an eighth of that in the box, or two fifths. Six cells a
+// length are few: with the walls between faces of cells a swing takes some 4 % longer.
 TEST(Vessels, ATankMadeOfAnObstacleSloshesAsTheBox) {
   const auto tank = [](const char* box, const char* obstacle) {
     return std::string("[domain]\n") + box + R"(

@@ -29,6 +29,13 @@ Expected expected_of(const WavemakerSettings& w) {
   return {k, two_pi / k, two_pi / k / w.period, 2 * paddle_reach(w)};
 }
 
+// From where on potential flow has 2 % less of the waves of a piston than Biésel's transfer, which is for small motions
+// (postprocess/results/waves.md, at kd = 1.57).
+bool is_steep(Real height_over_length) {
+  constexpr Real steep = 0.045;
+  return height_over_length > steep;
+}
+
 std::string text_of(std::size_t n, const WavemakerSettings& w, Real spacing) {
   const Expected e = expected_of(w);
   const char* paddle = w.kind == PaddleKind::piston ? "piston" : "flap";
@@ -42,10 +49,12 @@ std::string text_of(std::size_t n, const WavemakerSettings& w, Real spacing) {
         solitary_duration(w.height, w.depth, w.gravity), w.position);
   const bool irregular = w.wave == WaveKind::irregular;
   return fmt::format(
-      "waves {:<5} {} = {:.4g} m, {} = {:.4g} s on {:.4g} m: k = {:.4g} 1/m, L = {:.4g} m, {:.4g} m/s; {}\n"
+      "waves {:<5} {} = {:.4g} m, {} = {:.4g} s on {:.4g} m: k = {:.4g} 1/m, L = {:.4g} m, H/L = {:.3f}{}, {:.4g} m/s; "
+      "{}\n"
       "  {:<9} {} of {:.4g} m about {:.4g} m, H/S = {:.4g}, ramp of {:.4g} s\n",
-      n, irregular ? "H_m0" : "H", w.height, irregular ? "T_p" : "T", w.period, w.depth, e.k, e.length, e.celerity,
-      resolved, paddle, irregular ? "strokes up" : "a stroke", e.stroke, w.position,
+      n, irregular ? "H_m0" : "H", w.height, irregular ? "T_p" : "T", w.period, w.depth, e.k, e.length,
+      w.height / e.length, is_steep(w.height / e.length) ? " (steep: lower than linear theory has them)" : "",
+      e.celerity, resolved, paddle, irregular ? "strokes up" : "a stroke", e.stroke, w.position,
       biesel_transfer(w.kind, e.k * w.depth), w.ramp);
 }
 

@@ -164,8 +164,8 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
   const TotalImpulse rest = all.back();
   all.pop_back();
-  // It is of all the water, and its moment would turn bodies that are light: they have of it only what nobody else
-  // takes.
+  // It is of all the water, wherever that is, so that a share acts where what it goes by does. It would turn bodies
+  // that are light: they have of it only what nobody else takes.
   Real sum = 0, of_fixed = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     sum += all[k].shift.norm();
@@ -174,12 +174,11 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   const bool by_fixed = floating_ && of_fixed > 0;
   if (by_fixed) sum = of_fixed;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const bool is_box = k == box_account();
     if (by_fixed && floating_->holds(k)) continue;
-    const Real part = sum > 0 ? all[k].shift.norm() / sum : is_box ? 1 : 0;
-    const Vec3 center = is_box ? Vec3(Vec3::Zero()) : arm_center(k);
-    all[k].shift += part * rest.shift;
-    all[k].moment += part * (rest.moment - center.cross(rest.shift));
+    const Real part = sum > 0 ? all[k].shift.norm() / sum : k == box_account() ? 1 : 0;
+    const Vec3 own = all[k].shift, share = part * rest.shift;
+    all[k].shift += share;
+    if (own != Vec3::Zero()) all[k].moment += own.cross(all[k].moment).cross(share) / own.squaredNorm();
   }
   return all;
 }
