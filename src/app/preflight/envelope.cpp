@@ -91,6 +91,7 @@ std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& e
   if (std::any_of(scene.inlets.begin(), scene.inlets.end(), in_wall) ||
       std::any_of(scene.drains.begin(), scene.drains.end(), in_wall))
     return warnings;
+  if (!scene.density.coarse_grid && !scene.inlets.empty()) return warnings;  // nor of that before any other inlet
   const std::string remedy =
       is_gravity(scene) ? fmt::format("; set [viscosity] nu = {:.2g} m²/s, which damps it", quieting_viscosity(scene))
                         : std::string("; use a smaller dt, or time.cfl");
