@@ -188,8 +188,12 @@ void read_drain(Section& section, Scene& scene, const KnownGood& known) {
   if (section.number({"level", "the level in metres that is held before a wall that water leaves by"}, value))
     drain.level = value;
   if (section.number({"flow", "the water that leaves by a wall in m³/s"}, value, at_least(0))) drain.flow = value;
-  if (known.box && known.spacing && section.fine("min") && section.fine("max"))
-    refuse_in_wall(section, why_not_in_wall(drain, scene));
+  if (known.box && known.spacing && section.fine("min") && section.fine("max") && section.fine("level") &&
+      section.fine("flow")) {
+    const std::optional<WallRefusal> refusal = why_not_in_wall(drain, scene);
+    refuse_in_wall(section, refusal);
+    if (!refusal) refuse_in_wall(section, why_not_beside(drain, scene.drains, scene));
+  }
   section.reject_unknown();
   scene.drains.push_back(drain);
 }

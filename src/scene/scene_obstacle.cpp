@@ -53,6 +53,8 @@ void read_lengths(Section& section, const FluidSettings& fluid, ObstacleSettings
     section.number(
         {"height", "the height along the axis in metres, from end to end; in two dimensions there is none", !in_plane},
         obstacle.height, above(0));
+  section.check("height", !in_plane || shape != ShapeKind::cylinder || !section.given("height"),
+                "is for three dimensions; in two a cylinder goes on along y; leave it out");
   if (shape == ShapeKind::capsule && section.fine("radius"))
     section.check("height", obstacle.height >= 2 * obstacle.radius,
                   "must be at least twice the radius, as it goes from end to end; take a sphere");

@@ -83,6 +83,25 @@ std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Set
   return std::nullopt;
 }
 
+std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,
+                                          const Settings& settings) {
+  if (!drain.is_in_wall()) return std::nullopt;
+  const UprightWall wall = walls_beside(drain, settings).front();
+  const Real rounding = 1e-6 * settings.fluid.spacing;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    const DrainSettings& other = others[k];
+    if (!other.is_in_wall() || why_not_in_wall(other, settings)) continue;
+    const UprightWall its = walls_beside(other, settings).front();
+    if (its.axis != wall.axis || its.at_max != wall.at_max) continue;
+    if (((drain.max.cwiseMin(other.max) - drain.min.cwiseMax(other.min)).array() > rounding).all())
+      return WallRefusal{drain.level ? "level" : "flow",
+                         fmt::format("its box overlaps that of drain {} at the same wall, which would take the same "
+                                     "water; part their boxes, or leave one out",
+                                     k)};
+  }
+  return std::nullopt;
+}
+
 Real mean_speed(const InletSettings& inlet, Real spacing) {
   const InletLattice lattice(inlet, spacing);
   const auto rows = static_cast<Real>(lattice.rows());

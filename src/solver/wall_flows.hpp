@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ struct WallRefusal {
 /// Of settings whose box and spacing are known; `inlet.direction` has the length 1.
 std::optional<WallRefusal> why_not_in_wall(const InletSettings& inlet, const Settings& settings);
 std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Settings& settings);
+/// Of one drain more than those of the settings: two of a wall that overlap would both take, and both measure, the same
+/// water. It is good by itself, the others need not be.
+std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,
+                                          const Settings& settings);
 /// Of the rows of an inlet with a profile at time 0, m/s.
 Real mean_speed(const InletSettings& inlet, Real spacing);
 

@@ -99,6 +99,7 @@ class BadInput(ProgramTest):
                  "gravity along y": (15, "[gravity]\nacceleration = [0, 1, -9]", ["scene.toml:18:", "acceleration"]),
                  "ball": (15, ball, ["scene.toml:18:", "type", 'type = "cylinder"']),
                  "rod across": (15, rod + "axis = [1, 0, 0]", ["scene.toml:21:", "axis", "along y"]),
+                 "a height": (15, rod + "height = 0.2", ["scene.toml:21:", "height", "goes on along y; leave it out"]),
                  "turned out of the plane": (15, rod + "rotate = [10, 0, 0]", ["scene.toml:21:", "rotate", "about y"]),
                  "round basin": (15, "[[obstacle]]\ntype = 'basin'\ncenter = [1, 0.5]\nradius = 0.3\nheight = 0.3",
                                  ["scene.toml:18:", "type", "give size"])}

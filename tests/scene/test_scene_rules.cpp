@@ -202,6 +202,10 @@ INSTANTIATE_TEST_SUITE_P(
                              "15: [[drain]] axis", "must not be zero"},
                     BadScene{appended, "[[drain]]\ntype = 'cylinder'\ncenter = [0, 0, 0]\nradius = 1",
                              "12: [[drain]] height", "missing"},
+                    BadScene{appended,
+                             "[gravity]\n[[drain]]\nmin = [1.1, 0.1, 0]\nmax = [2, 0.5, 1]\nlevel = 0.5\n"
+                             "[[drain]]\nmin = [1, 0.45, 0.5]\nmax = [2, 0.9, 1]\nflow = 0.1",
+                             "20: [[drain]] flow", "overlaps that of drain 0"},
                     BadScene{appended, "[[drain]]\ntype = 'ball'", "13: [[drain]] type", "\"box\" or \"cylinder\""}));
 
 // Line 12 is the first of what is appended.
@@ -253,6 +257,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "15: [[wavemaker]] height", "waves break"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 0.01\nperiod = 1\nposition = 9",
                  "17: [[wavemaker]] position", "out of the box"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 0.01\nperiod = 1\ndepth = 1.01",
+                 "17: [[wavemaker]] depth", "the box is 1 m high"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nwave = 'solitary'\nheight = 0.1",
                  "15: [[wavemaker]] wave", "is by a piston"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\ndirection = [1, 1, 0]",
