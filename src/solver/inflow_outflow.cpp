@@ -143,24 +143,10 @@ StepState InflowOutflow::exchange(Particles& particles, const StepInfo& info, co
   return change;
 }
 
-// Those that leave through walls, in ascending order.
-std::vector<LocalId> InflowOutflow::leaving(const Particles& particles, Real dt) {
-  std::vector<LocalId> gone;
-  std::vector<GlobalId> of_drain(flows_->drains(), 0);
-  for (std::size_t i = 0; i < particles.id.size(); ++i) {
-    const int taker = flows_->taker(particles.position[i], particles.velocity[i], dt);
-    if (taker < 0) continue;
-    gone.push_back(static_cast<LocalId>(i));
-    ++of_drain[static_cast<std::size_t>(taker)];
-  }
-  flows_->note_taken(comm_, std::move(of_drain), state_);
-  return gone;
-}
-
 void InflowOutflow::drain(Particles& particles, Real dt, StepState& change) {
   std::vector<LocalId> gone = drained(parts_.drains, particles.position);
   if (flows_) {
-    const std::vector<LocalId> through = leaving(particles, dt);
+    const std::vector<LocalId> through = flows_->leaving(comm_, particles, dt, state_);
     std::vector<LocalId> all;
     std::set_union(gone.begin(), gone.end(), through.begin(), through.end(), std::back_inserter(all));
     gone.swap(all);

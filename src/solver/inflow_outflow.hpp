@@ -87,7 +87,6 @@ class InflowOutflow {
   std::vector<char> free_places(std::size_t k, const std::vector<Due>& due, const std::vector<RowDue>& rows,
                                 const Particles& particles) const;
   void run_rows(std::size_t k, Water& water, StepState& change);
-  std::vector<LocalId> leaving(const Particles& particles, Real dt);
   void drain(Particles& particles, Real dt, StepState& change);
   void run(std::size_t k, Water& water, StepState& change);
   std::vector<char> places(const Layers& layers, const Particles& particles) const;

@@ -15,7 +15,7 @@ constexpr Real share = 0x1p-20;         // of a particle, and of its momentum pe
 constexpr Real following_time = 20;     // of means, sqrt(d/g)
 constexpr Real beside = 2, strip = 16;  // spacings from an opening to where its level is measured, and their length
 constexpr Real min_length = 8;          // spacings, of the box of a drain
-constexpr Real taken_before = 0.25;     // spacings from the wall at which a particle leaves
+constexpr Real max_due = 2;             // layers that a drain has still to take
 constexpr Real fastest = 3;             // sqrt(g d): no level asks for more
 
 // Part of the edge of a particle's cube that is between two places, in spacings.
@@ -263,33 +263,13 @@ void WallFlows::drive_drain(Opening& opening, const Water& water, const StepInfo
     state.level += (water.level - state.level) * follow;
   }
   opening.speeds[0] = deep > 0 ? std::clamp(state.speed + high, 0.0, limit) : 0;
+  if (drain.flow) {  // forgotten where there is no water
+    const Real layer = depth * (opening.across[1] - opening.across[0]) / (spacing_ * spacing_);
+    state.due = std::min(state.due + opening.speeds[0] * info.dt / spacing_ * layer, max_due * layer);
+  }
   if (drain.level) {
     state.speed = std::clamp(state.speed + high * follow, 0.0, limit);
     state.level = water.level;
-  }
-}
-
-int WallFlows::taker(const Vec3& position, const Vec3& velocity, Real dt) const {
-  int n = 0;
-  for (const Opening& one : openings_) {
-    if (one.drain == nullptr) continue;
-    const int axis = one.wall.axis, other = 1 - axis;
-    const Real sign = one.wall.at_max ? 1 : -1,
-               wall = one.wall.at_max ? settings_.domain.max[axis] : settings_.domain.min[axis];
-    const Real speed = sign * velocity[axis], left = sign * (wall - position[axis]) - speed * dt;
-    if (one.speeds[0] > 0 && speed > 0 && left < taken_before * spacing_ && position[other] >= one.across[0] &&
-        position[other] <= one.across[1] && position.z() >= one.bottom && position.z() <= one.top)
-      return n;
-    ++n;
-  }
-  return -1;
-}
-
-void WallFlows::note_taken(MPI_Comm comm, std::vector<GlobalId> mine, FlowState& state) const {
-  const std::vector<GlobalId> all = sum_over_ranks(comm, std::move(mine));
-  const std::size_t first = openings_.size() - drains_;
-  for (std::size_t n = 0; n < drains_; ++n) {
-    if (openings_[first + n].drain->flow) state.openings[first + n].owed -= static_cast<Real>(all[n]);
   }
 }
 
