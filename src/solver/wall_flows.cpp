@@ -80,6 +80,29 @@ std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Set
     return WallRefusal{"level", "must be in the box of the drain, between min and max"};
   if (drain.flow && !(*drain.flow >= 0 && std::isfinite(*drain.flow)))
     return WallRefusal{"flow", "must not be negative"};
+  const Real opening = (drain.max.z() - drain.min.z()) * (drain.max[1 - axis] - drain.min[1 - axis]);
+  if (constexpr Real highest = 1e4; drain.flow && !(*drain.flow <= highest * opening))
+    return WallRefusal{"flow", fmt::format("is more than {:g} m/s through all of the box; check the units", highest)};
+  return std::nullopt;
+}
+
+std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<const InletSettings> others,
+                                          const Settings& settings) {
+  if (!inlet.is_in_wall()) return std::nullopt;
+  const InletLattice lattice(inlet, settings.fluid.spacing);
+  const Real rounding = 1e-6 * settings.fluid.spacing;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (!others[k].is_in_wall() || why_not_in_wall(others[k], settings)) continue;
+    const InletLattice other(others[k], settings.fluid.spacing);
+    const Vec3 from = (inlet.center - lattice.reach()).cwiseMax(others[k].center - other.reach());
+    const Vec3 to = (inlet.center + lattice.reach()).cwiseMin(others[k].center + other.reach());
+    const Eigen::Index axis = std::abs(inlet.direction.x()) > std::abs(inlet.direction.y()) ? 0 : 1;
+    const bool same_wall = inlet.direction.dot(others[k].direction) > 0.5;
+    if (same_wall && (to - from)[1 - axis] > rounding && (to - from).z() > rounding)
+      return WallRefusal{"center", fmt::format("the opening overlaps that of inlet {} in the same wall, which would "
+                                               "bring water to the same places; part them, or leave one out",
+                                               k)};
+  }
   return std::nullopt;
 }
 

@@ -37,6 +37,9 @@ struct WallRefusal {
 /// Of settings whose box and spacing are known; `inlet.direction` has the length 1.
 std::optional<WallRefusal> why_not_in_wall(const InletSettings& inlet, const Settings& settings);
 std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Settings& settings);
+/// Of one inlet more than those of the settings: two of a wall that overlap would bring water to the same places.
+std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<const InletSettings> others,
+                                          const Settings& settings);
 /// Of one drain more than those of the settings: two of a wall that overlap would both take, and both measure, the same
 /// water. It is good by itself, the others need not be.
 std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,

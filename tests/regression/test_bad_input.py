@@ -352,6 +352,17 @@ class BadInput(ProgramTest):
                ("a level outside", drain.replace("= 0.5", "= 0.95"), ["[[drain]] level: must be in the box"])]
         self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad], rank_counts=(1, 2))
 
+    def test_what_bodies_and_files_of_obstacles_show(self):
+        ball = (good := "\n".join([*GOOD, "[gravity]\n"])) + "[[body]]\ntype = 'sphere'\ncenter = [1.5, 0.5, 0.5]\nradius = 0.2\n"
+        line = ball + "density = 500\nmooring = {{anchor = [1.5, 0.5, {}], stiffness = 10{}}}\n"
+        drain = good + "[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n[[obstacle]]\ntype = 'box'\n"
+        bad = [("heavy", ball + "mass = 1e300\n", ["scene.toml:17: [[body]]: ", "check the units of mass"]),
+               ("far", line.format("1e200", ""), ["scene.toml:17: [[body]]: ", "whose anchor is inf m away"]),
+               ("long", line.format("0.5", ", length = 1e300"), ["scene.toml:17: [[body]]: ", "a length of 1e+300 m"]),
+               ("in", drain + "center = [1.6, 0.5, 0.1]\nsize = [1, 1, 1]\n", [":17: [[drain]] level: obstacle 0 is in its"])]
+        for k, ranks in ((0, 3), (2, 5)):
+            self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad[k:k + 2]], (ranks,))
+
     def test_gauges(self):
         """Whether a gauge of pressure is on a surface is known once the obstacles' files are read."""
         text = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"
