@@ -45,6 +45,7 @@ struct FlowState {
   struct Opening {
     Real speed = 0, level = 0, owed = 0;
     bool known = false;
+    Real due = 0;  ///< of a drain with a flow: particles of what has gone through it that it has still to take
   };
   std::vector<Opening> openings;  ///< of inlets with a profile or a level, then of drains with a level or a flow
   std::vector<Real> rows;  ///< of these inlets: how far the water of each row has come since its last particles, m

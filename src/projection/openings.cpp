@@ -149,6 +149,60 @@ void Openings::measure(const ProjectionGrid& grid) {
     drained_[marked_.back()] = 1;
   }
   for (const WallOpening& wall : walls_) measure_wall(grid, wall);
+  gains_.clear();
+  for (const Source& source : sources_) measure_source(grid, source);
+}
+
+// The cube around the place fills up, as far as it is in the box.
+void Openings::measure_source(const ProjectionGrid& grid, const Source& source) {
+  std::array<LocalId, 3> from{}, to{};
+  std::array<Real, 3> low{}, high{}, place{};  // in cells
+  Real volume = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real half = spacing_ / 2 / grid.size()[static_cast<Eigen::Index>(a)];
+    place[a] = grid.cells_to(source.place, a);
+    low[a] = std::max(place[a] - half, Real{0});
+    high[a] = std::min(place[a] + half, static_cast<Real>(grid.count(a)));
+    from[a] = std::clamp(static_cast<LocalId>(low[a]), 0, grid.count(a) - 1);
+    to[a] = std::clamp(static_cast<LocalId>(high[a]), 0, grid.count(a) - 1);
+    volume *= high[a] - low[a];
+  }
+  for (LocalId k = from[0]; k <= to[0]; ++k) {
+    for (LocalId r = from[1]; r <= to[1]; ++r) {
+      for (LocalId c = from[2]; c <= to[2]; ++c) {
+        const Cell cell{k, r, c};
+        Real share = source.volume / grid.size().prod() / volume, ahead = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+          share *= overlap(cell[a], cell[a] + 1, low[a], high[a]);
+          ahead += source.direction[static_cast<Eigen::Index>(grid.axis(a))] * (cell[a] + 0.5 - place[a]);
+        }
+        if (share > 0) add_gain(grid, source.direction, cell, {share, ahead});
+      }
+    }
+  }
+}
+
+// `cell` of the box, with its share and how far ahead of the opening its middle is, in cells.
+void Openings::add_gain(const ProjectionGrid& grid, const Vec3& direction, const Cell& cell,
+                        const std::pair<Real, Real>& share_ahead) {
+  constexpr Real whole = -0.25;  // a cell as far behind the opening as that is water behind it
+  const auto [share, ahead] = share_ahead;
+  const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]);
+  if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows() || cell[2] >= grid.columns()) return;
+  const std::size_t at = grid.index(k, r, cell[2]);
+  const auto along = [&](std::size_t a) { return direction[static_cast<Eigen::Index>(grid.axis(a))]; };
+  std::size_t main = 0;
+  for (std::size_t a = 1; a < 3; ++a) main = std::abs(along(a)) > std::abs(along(main)) ? a : main;
+  const bool up = along(main) > 0, wall = cell[main] == (up ? 0 : grid.count(main) - 1);
+  const std::size_t before = up ? at - grid.step(main) : at + grid.step(main);
+  const std::size_t behind = ahead < whole ? at : before;
+  const auto same = [&](const Gain& gain) { return gain.cell == at && gain.behind == behind; };
+  const auto known = std::find_if(gains_.rbegin(), gains_.rend(), same);
+  if (known != gains_.rend()) {
+    known->share += share;
+  } else {
+    gains_.push_back({k, r, cell[2], at, behind, wall && behind != at, share});
+  }
 }
 
 void Openings::measure_wall(const ProjectionGrid& grid, const WallOpening& wall) {

@@ -5,7 +5,10 @@
 // collective.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "projection/grid.hpp"
@@ -32,6 +35,16 @@ class Openings {
 
   /// Those of the substep that comes.
   void set_walls(std::vector<WallOpening> walls) { walls_ = std::move(walls); }
+  /// Water that inlets bring in the substep that comes, around places of their openings.
+  struct Source {
+    Vec3 place, direction;
+    Real volume;  ///< m³
+  };
+  /// Each fills cubes of edge `spacing`.
+  void set_sources(std::vector<Source> sources, Real spacing) {
+    sources_ = std::move(sources);
+    spacing_ = spacing;
+  }
 
   /// For the planes and columns that `grid` has now.
   void measure(const ProjectionGrid& grid);
@@ -53,6 +66,27 @@ class Openings {
   };
   const std::vector<Face>& faces() const { return faces_; }
 
+  /// What sources bring to an own cell, as a share of the cell, and what is behind the opening: a cell or a wall.
+  struct Gain {
+    LocalId k, r, c;
+    std::size_t cell, behind;
+    bool wall_behind;
+    Real share;
+  };
+  /// On all ranks alike.
+  bool has_sources() const { return !sources_.empty(); }
+  const std::vector<Gain>& gains() const { return gains_; }
+
+  /// Adds what pressed water takes to make room, m² of phi times the volume of a particle: of the own cells.
+  void add_work(Real work, Real dt) {
+    constexpr Real highest = 1e12;  // of what no run survives
+    const Real units = work / (dt * dt * work_unit);
+    if (std::abs(units) < highest) work_ += std::llround(units);
+  }
+  /// The same since it was last taken, in work_unit of a particle: whole numbers, so that no order is seen in it.
+  std::int64_t take_work() { return std::exchange(work_, 0); }
+  static constexpr Real work_unit = 1.0 / (1 << 20);  ///< m²/s²
+
   std::size_t bytes() const;
 
  private:
@@ -68,6 +102,9 @@ class Openings {
   void close(std::size_t a, std::size_t at);
   void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
   void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
+  void measure_source(const ProjectionGrid& grid, const Source& source);
+  void add_gain(const ProjectionGrid& grid, const Vec3& direction, const Cell& cell,
+                const std::pair<Real, Real>& share_ahead);
 
   std::vector<Drain> drains_;
   std::vector<WallOpening> walls_;
@@ -78,6 +115,10 @@ class Openings {
   std::vector<unsigned char> closed_;  // a bit for each direction
   std::array<std::vector<Real>, 2> through_;
   std::vector<Face> faces_;
+  std::vector<Source> sources_;
+  Real spacing_ = 0;
+  std::vector<Gain> gains_;
+  std::int64_t work_ = 0;
 };
 
 }  // namespace trevi

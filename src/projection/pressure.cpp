@@ -24,7 +24,10 @@ void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
   if (grid.repeats()[2]) grid.repeat(multigrid_.finest().link[2]);
   closed_ = has_no_surface(surface);
   for_each_row(grid.rows_of(own), [&](LocalId k, LocalId r) { find_sources(surface, step, k, r); });
-  if (surface.openings() != nullptr) find_flow_through_walls(surface);
+  if (surface.openings() != nullptr) {
+    find_flow_through_walls(surface);
+    find_inflow(surface);
+  }
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
   multigrid_.solve(halo, closed_ ? closed_cycles : cycles);
@@ -136,6 +139,34 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
                       surface.grid().size()[static_cast<Eigen::Index>(face.a)];
     rhs[face.cell] += face.at_max ? flow : -flow;
   }
+}
+
+// Water that comes out of an inlet under water needs room, in cells with water behind the opening, or a wall and water
+// down to the floor. Beside air they need no more than what moves on leaves. Where no water has a surface there is none
+// to be made.
+void Pressure::find_inflow(const FreeSurface& surface) {
+  inflow_.clear();
+  if (closed_) return;
+  const auto is_full = [&](std::size_t at) { return surface.is_wet(at) && surface.fill(at) >= wet_fill; };
+  for (const Openings::Gain& gain : surface.openings()->gains()) {
+    if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell)) continue;
+    const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
+    if (wall ? !stands_on_floor(surface, gain) : !is_full(gain.behind)) continue;
+    Real share = gain.share;
+    if (may_swell(surface, gain.k, gain.r, gain.c)) share = std::clamp(divergence(surface, gain.cell), 0.0, share);
+    inflow_.push_back({gain.cell, share});
+    multigrid_.finest().rhs[gain.cell] -= share;
+  }
+}
+
+bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain) {
+  if (!surface.upright()) return false;
+  std::size_t at = gain.cell;
+  for (LocalId c = gain.c; c > 0; --c) {
+    --at;
+    if (!surface.is_wet(at) && !surface.is_solid(at)) return false;
+  }
+  return true;
 }
 
 // A top cell returns to its volume only as far as the cell above holds water that could fill it, and cells at another

@@ -58,6 +58,12 @@ class Pressure {
 
   /// phi of a cell, m².
   Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+  /// What a cell gets from inlets, as a share of the cell.
+  struct Inflow {
+    std::size_t cell;
+    Real share;
+  };
+  const std::vector<Inflow>& inflow() const { return inflow_; }
   /// What finish() would make of it, where water has a surface.
   Real phi_so_far(std::size_t at) const { return closed_ ? phi(at) : std::min(phi(at), 0.0); }
 
@@ -68,6 +74,8 @@ class Pressure {
   void weigh_row(const FreeSurface& surface, LocalId k, LocalId r);
   void find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r);
   void find_flow_through_walls(const FreeSurface& surface);
+  void find_inflow(const FreeSurface& surface);
+  static bool stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
   Real divergence(const FreeSurface& surface, std::size_t at) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
@@ -77,6 +85,7 @@ class Pressure {
 
   MPI_Comm comm_;
   bool closed_ = false;  // no water has a surface
+  std::vector<Inflow> inflow_;
   // Its links first hold the weight of each face: its area under water, as a fraction of the whole area, over the
   // distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
   Multigrid multigrid_;

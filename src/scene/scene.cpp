@@ -171,9 +171,10 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
   read_obstacle_files(comm, scene);
   check_no_images(scene);
   check_body_places(scene);
-  if (!scene.inlets.empty() || !scene.gauges.empty()) {
+  if (!scene.inlets.empty() || !scene.drains.empty() || !scene.gauges.empty()) {
     const FreePlaces places(scene);
     check_openings(scene, places);
+    check_drains(scene, places);
     check_gauge_places(scene, places);
   }
   return scene;

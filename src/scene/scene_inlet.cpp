@@ -167,7 +167,8 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
   if (lattice && known.box && section.fine("center") && section.fine("direction")) {
     check_place(section, scene, inlet);
-    refuse_in_wall(section, why_not_in_wall(inlet, scene));
+    const std::optional<WallRefusal> refusal = why_not_in_wall(inlet, scene);
+    refuse_in_wall(section, refusal ? refusal : why_not_beside(inlet, scene.inlets, scene));
   }
   section.reject_unknown();
   scene.inlets.push_back(inlet);
@@ -188,10 +189,14 @@ void read_drain(Section& section, Scene& scene, const KnownGood& known) {
   if (section.number({"level", "the level in metres that is held before a wall that water leaves by"}, value))
     drain.level = value;
   if (section.number({"flow", "the water that leaves by a wall in m³/s"}, value, at_least(0))) drain.flow = value;
-  if (known.box && known.spacing && section.fine("min") && section.fine("max"))
-    refuse_in_wall(section, why_not_in_wall(drain, scene));
+  if (known.box && known.spacing && section.fine("min") && section.fine("max") && section.fine("level") &&
+      section.fine("flow")) {
+    const std::optional<WallRefusal> refusal = why_not_in_wall(drain, scene);
+    refuse_in_wall(section, refusal ? refusal : why_not_beside(drain, scene.drains, scene));
+  }
   section.reject_unknown();
   scene.drains.push_back(drain);
+  SceneTable::add(scene, "drain", section.line());
 }
 
 void check_flow(Section& root, const Scene& scene) {
@@ -207,6 +212,43 @@ void check_flow(Section& root, const Scene& scene) {
              std::string("with a profile or a level it ") + needs);
   root.check("drain", projects || std::none_of(scene.drains.begin(), scene.drains.end(), in_wall),
              std::string("with a level or a flow it ") + needs);
+}
+
+namespace {
+
+// The first obstacle in the box of a drain in a wall, where the level is measured; -1 where there is none.
+int solid_in(const DrainSettings& drain, const Scene& scene, const FreePlaces& places) {
+  constexpr Real most = 40;  // samples along an axis
+  const Vec3 low = drain.min.cwiseMax(scene.domain.min), extent = drain.max.cwiseMin(scene.domain.max) - low;
+  std::array<int, 3> count{};
+  for (int a = 0; a < 3; ++a)
+    count[static_cast<std::size_t>(a)] =
+        static_cast<int>(std::clamp(std::ceil(extent[a] / scene.fluid.spacing - 1e-6), 1.0, most));
+  const int last = count[0] * count[1] * count[2];
+  for (int n = 0; n < last; ++n) {
+    const Vec3 at(n % count[0] + 0.5, n / count[0] % count[1] + 0.5, n / (count[0] * count[1]) + 0.5);
+    const int solid = places.solid_at(low + extent.cwiseProduct(at.cwiseQuotient(Vec3(count[0], count[1], count[2]))));
+    if (solid >= 0) return solid;
+  }
+  return -1;
+}
+
+}  // namespace
+
+void check_drains(const Scene& scene, const FreePlaces& places) {
+  if (places.all()) return;
+  for (std::size_t k = 0; k < scene.drains.size(); ++k) {
+    const DrainSettings& drain = scene.drains[k];
+    const int solid = drain.is_in_wall() ? solid_in(drain, scene, places) : -1;
+    if (solid < 0) continue;
+    const auto obstacles = static_cast<int>(scene.obstacles.size());
+    told_at(scene, {"drain", k}, drain.level ? "level" : "flow", [&] {
+      throw InputError(
+          fmt::format("{} {} is in its box, in which the level of the water is measured; move it out, or "
+                      "make the box smaller",
+                      solid < obstacles ? "obstacle" : "body", solid < obstacles ? solid : solid - obstacles));
+    });
+  }
 }
 
 void check_openings(const Scene& scene, const FreePlaces& places) {

@@ -17,5 +17,7 @@ void check_flow(Section& root, const Scene& scene);
 /// That no opening is in an obstacle at the start, where its water would be made in the solid; once the obstacles'
 /// files are read.
 void check_openings(const Scene& scene, const FreePlaces& places);
+/// The same of solids in boxes of drains in walls.
+void check_drains(const Scene& scene, const FreePlaces& places);
 
 }  // namespace trevi

@@ -53,6 +53,8 @@ void read_lengths(Section& section, const FluidSettings& fluid, ObstacleSettings
     section.number(
         {"height", "the height along the axis in metres, from end to end; in two dimensions there is none", !in_plane},
         obstacle.height, above(0));
+  section.check("height", !in_plane || shape != ShapeKind::cylinder || !section.given("height"),
+                "is for three dimensions; in two a cylinder goes on along y; leave it out");
   if (shape == ShapeKind::capsule && section.fine("radius"))
     section.check("height", obstacle.height >= 2 * obstacle.radius,
                   "must be at least twice the radius, as it goes from end to end; take a sphere");
@@ -71,6 +73,9 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
     section.numbers({"center", "the middle [x, y, z] in metres", true}, obstacle.center);
   }
   section.numbers({"rotate", "degrees [x, y, z] about the axes through the centre, x first"}, obstacle.rotate);
+  constexpr Real max_degrees = 1e6;  // of which rounding leaves a millionth of a degree
+  section.check("rotate", obstacle.rotate.cwiseAbs().maxCoeff() <= max_degrees,
+                "must be at most a million degrees about each axis; check the units");
   if (obstacle.shape != ShapeKind::basin)
     section.flag({"inside", "whether it is a vessel that holds water inside"}, obstacle.inside);
 }
@@ -114,8 +119,11 @@ void read_oscillation(Section section, ObstacleSettings& obstacle) {
   section.check("amplitude", !swing.amplitude.isZero() || !swing.rotation.isZero(),
                 "is zero, and so is rotation: it would not move; give one of them, or leave motion out");
   const Real fastest = 2 * std::numbers::pi / swing.period * swing.amplitude.norm();
+  const Real turns = 2 * std::numbers::pi / swing.period * swing.rotation.norm() * std::numbers::pi / 180;
   section.check("period", !section.fine("period") || fastest <= fastest_obstacle,
                 "with this amplitude makes it faster than 10000 m/s; check the units");
+  section.check("period", !section.fine("period") || turns <= fastest_obstacle,
+                "with this rotation makes it turn faster than 10000 rad/s; check the units");
   section.reject_unknown();
   obstacle.oscillation = swing;
 }

@@ -9,8 +9,9 @@ int SceneTable::line_in(const Scene& scene) const {
 
 std::string SceneTable::place_in(const Scene& scene, const std::string& key) const {
   const int line = line_in(scene);
-  return scene.path + (line > 0 ? ":" + std::to_string(line) : "") + ": [[" + list_ + "]]" + (key.empty() ? "" : " ") +
-         key + ": ";
+  const bool paddle = list_ == "obstacle" && index_ < scene.obstacles.size() && scene.obstacles[index_].wavemaker;
+  return scene.path + (line > 0 ? ":" + std::to_string(line) : "") + ": [[" + (paddle ? "wavemaker" : list_) + "]]" +
+         (key.empty() ? "" : " ") + key + ": ";
 }
 
 std::string SceneKey::place_in(const Scene& scene) const {

@@ -17,17 +17,6 @@ namespace {
 
 bool is_along_x_or_y(const Vec3& direction) { return direction.z() == 0 && (direction.x() == 0 || direction.y() == 0); }
 
-// m above the floor; none where a file says where the water is, or an expression.
-std::optional<Real> depth_of_water(const Scene& scene) {
-  Real top = scene.domain.min.z();
-  for (const ParticleSource& source : scene.particles) {
-    if (source.type != ParticleSource::Type::block || !source.surface.empty()) return std::nullopt;
-    const Real s = scene.fluid.spacing;
-    top = std::max(top, source.min.z() + s * std::round((source.max.z() - source.min.z()) / s));
-  }
-  return top > scene.domain.min.z() ? std::optional(top - scene.domain.min.z()) : std::nullopt;
-}
-
 void read_irregular(Section& section, WavemakerSettings& maker) {
   section.choice<WaveSpectrum>(
       {"spectrum", "irregular: the shape of the spectrum; default jonswap"}, maker.spectrum,
@@ -94,6 +83,16 @@ bool is_right(Section& section, const WavemakerSettings& maker, const Box& box) 
 }
 
 }  // namespace
+
+std::optional<Real> depth_of_water(const Scene& scene) {
+  Real top = scene.domain.min.z();
+  for (const ParticleSource& source : scene.particles) {
+    if (source.type != ParticleSource::Type::block || !source.surface.empty()) return std::nullopt;
+    const Real s = scene.fluid.spacing;
+    top = std::max(top, source.min.z() + s * std::round((source.max.z() - source.min.z()) / s));
+  }
+  return top > scene.domain.min.z() ? std::optional(top - scene.domain.min.z()) : std::nullopt;
+}
 
 void read_wavemaker(Section& section, Scene& scene, const KnownGood& known) {
   WavemakerSettings maker;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "boundary/geometry/mass_properties.hpp"
@@ -26,6 +27,17 @@ std::string why_no_mass(const BodySettings& body) {
   const Real given = body.density ? *body.density : *body.mass;
   if (!(given > 0) || !std::isfinite(given)) return "has a density or a mass that is not positive; give one that is";
   return "";
+}
+
+// Of what its energy would be, rounding would leave nothing of the water's.
+std::string why_too_heavy(const Settings& settings, const BodySettings& body) {
+  constexpr Real most = 1e6;  // of the mass of its water
+  const Real volume = mass_properties(body).volume, water = settings.fluid.rest_density * volume;
+  const Real mass = body.mass ? *body.mass : *body.density * volume;
+  if (mass <= most * water) return "";
+  return fmt::format(
+      "has a mass of {:.3g} kg, more than a million times the {:.3g} kg of its water; check the units of {}", mass,
+      water, body.mass ? "mass" : "density");
 }
 
 // Water that bounces off a lighter one throws it by more than its own speed, in steps that see it only once.
@@ -66,13 +78,23 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   if (!mooring.anchor.allFinite() || (mooring.point && !mooring.point->allFinite()) || !is_amount(mooring.stiffness) ||
       !is_amount(mooring.damping) || !is_amount(mooring.length.value_or(0)))
     return "has a mooring with a place that is not finite, or a negative stiffness, damping or length";
-  const Real mass = RigidBody(body, *make_shape(body), Vec3::Zero(), settings.fluid.rest_density).mass_at_mooring();
+  const RigidBody start(body, *make_shape(body), Vec3::Zero(), settings.fluid.rest_density);
+  const Real mass = start.mass_at_mooring();
   const Real max_stiffness = mass / (settings.dt * settings.dt), max_damping = mass / settings.dt;
   if (!(mooring.stiffness <= max_stiffness && mooring.damping <= max_damping))
     return fmt::format(
         "has a mooring too stiff for the {:.3g} kg that its end moves with, and steps of {:.3g} s; lower stiffness to "
         "{:.3g} N/m, damping to {:.3g} N s/m, or dt, or fix it nearer to the centre of mass",
         mass, settings.dt, max_stiffness, max_damping);
+  constexpr Real fastest = 1e4;  // m/s, as of all that moves in a scene
+  const Real distance = (mooring.point.value_or(start.state().position) - mooring.anchor).norm();
+  const Real longer = distance - mooring.length.value_or(distance);
+  const Real pull = mooring.stiffness * (mooring.slack ? std::max(longer, 0.0) : std::abs(longer));
+  if (!(pull * settings.dt <= fastest * mass && std::isfinite(distance)))
+    return fmt::format(
+        "has a mooring whose anchor is {:.3g} m away, for a length of {:.3g} m, which throws the {:.3g} kg that its "
+        "end moves with at more than {:g} m/s in a step; check its anchor, point and length",
+        distance, mooring.length.value_or(distance), mass, fastest);
   return "";
 }
 
@@ -113,6 +135,7 @@ std::string why_no_body(const Settings& settings, std::size_t k) {
   if (std::string wrong = why_no_start(settings, body); !wrong.empty()) return wrong;
   if (std::string wrong = why_no_mooring(settings, body); !wrong.empty()) return wrong;
   if (std::string wrong = why_in_another(settings, k); !wrong.empty()) return wrong;
+  if (std::string wrong = why_too_heavy(settings, body); !wrong.empty()) return wrong;
   return why_too_light(settings, body);
 }
 

@@ -108,8 +108,16 @@ void normalise(Vec3& direction) {
 void check_flow(const Settings& all) {
   for (std::size_t k = 0; k < all.fountains.size(); ++k)
     check_fountain(all, all.fountains[k], fmt::format("fountains[{}].", k));
-  for (std::size_t k = 0; k < all.inlets.size(); ++k) check_inlet(all, all.inlets[k], fmt::format("inlets[{}].", k));
-  for (std::size_t k = 0; k < all.drains.size(); ++k) check_drain(all, all.drains[k], fmt::format("drains[{}].", k));
+  for (std::size_t k = 0; k < all.inlets.size(); ++k) {
+    const std::string name = fmt::format("inlets[{}].", k);
+    check_inlet(all, all.inlets[k], name);
+    demand_in_wall(why_not_beside(all.inlets[k], std::span(all.inlets).first(k), all), name);
+  }
+  for (std::size_t k = 0; k < all.drains.size(); ++k) {
+    const std::string name = fmt::format("drains[{}].", k);
+    check_drain(all, all.drains[k], name);
+    demand_in_wall(why_not_beside(all.drains[k], std::span(all.drains).first(k), all), name);
+  }
   check_live_sound(all);
   const auto in_wall = [](const auto& one) { return one.is_in_wall(); };
   demand((std::none_of(all.inlets.begin(), all.inlets.end(), in_wall) &&

@@ -129,6 +129,7 @@ StepState InflowOutflow::exchange(Particles& particles, const StepInfo& info, co
   StepState change;
   if (flows_) flows_->measure(comm_, particles, info, state_);
   if (!parts_.drains.empty() || flows_) drain(particles, info.dt, change);
+  sources_.clear();
   Water water{particles, info, grid, slabs};
   for (std::size_t k = 0; k < parts_.inlets.size(); ++k) {
     if (flows_ && flows_->first_row(k) >= 0) {
@@ -138,27 +139,14 @@ StepState InflowOutflow::exchange(Particles& particles, const StepInfo& info, co
     }
   }
   if (flows_) openings_->set_walls(flows_->walls(info.dt));
+  openings_->set_sources(sources_, parts_.spacing);
   return change;
-}
-
-// Those that leave through walls, in ascending order.
-std::vector<LocalId> InflowOutflow::leaving(const Particles& particles, Real dt) {
-  std::vector<LocalId> gone;
-  std::vector<GlobalId> of_drain(flows_->drains(), 0);
-  for (std::size_t i = 0; i < particles.id.size(); ++i) {
-    const int taker = flows_->taker(particles.position[i], particles.velocity[i], dt);
-    if (taker < 0) continue;
-    gone.push_back(static_cast<LocalId>(i));
-    ++of_drain[static_cast<std::size_t>(taker)];
-  }
-  flows_->note_taken(comm_, std::move(of_drain), state_);
-  return gone;
 }
 
 void InflowOutflow::drain(Particles& particles, Real dt, StepState& change) {
   std::vector<LocalId> gone = drained(parts_.drains, particles.position);
   if (flows_) {
-    const std::vector<LocalId> through = leaving(particles, dt);
+    const std::vector<LocalId> through = flows_->leaving(comm_, particles, dt, state_);
     std::vector<LocalId> all;
     std::set_union(gone.begin(), gone.end(), through.begin(), through.end(), std::back_inserter(all));
     gone.swap(all);
@@ -204,7 +192,20 @@ void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
     stream.blocked += (owed - stream.travelled) / parts_.spacing * in_layer;
   }
   stream.speed = inlet.speed(water.info);
-  stream.travelled += inlet.path_length(water.info);
+  const Real path = inlet.path_length(water.info);
+  stream.travelled += path;
+  add_sources(inlet, path);
+}
+
+// Where the water of a layer comes out; what is in its way has to make room from now on, not at once when the layer is
+// made.
+void InflowOutflow::add_sources(const Inlet& inlet, Real path) {
+  const InletLattice& lattice = inlet.lattice();
+  for (GlobalId place = 0; path > 0 && place < lattice.places(); ++place) {
+    const Vec3 from = lattice.position(place, 0);
+    if (lattice.is_open(place) && !covers(from, lattice.position(place, parts_.spacing)))
+      sources_.push_back({from, lattice.direction(), path * parts_.spacing * parts_.spacing});
+  }
 }
 
 std::vector<char> InflowOutflow::places(const Layers& layers, const Particles& particles) const {

@@ -87,10 +87,10 @@ class InflowOutflow {
   std::vector<char> free_places(std::size_t k, const std::vector<Due>& due, const std::vector<RowDue>& rows,
                                 const Particles& particles) const;
   void run_rows(std::size_t k, Water& water, StepState& change);
-  std::vector<LocalId> leaving(const Particles& particles, Real dt);
   void drain(Particles& particles, Real dt, StepState& change);
   void run(std::size_t k, Water& water, StepState& change);
   std::vector<char> places(const Layers& layers, const Particles& particles) const;
+  void add_sources(const Inlet& inlet, Real path);
   bool covers(const Vec3& from, const Vec3& place) const;
   Made make(const Layers& layers, Water& water, StepState& change);
   void add(Water& water, const Vec3& place, const Vec3& velocity) const;
@@ -102,6 +102,7 @@ class InflowOutflow {
   FlowState state_;
   bool recycles_;
   std::unique_ptr<Openings> openings_;
+  std::vector<Openings::Source> sources_;  // of the substep
   std::optional<StepConsensus> consensus_;
   Event event_{"OpenFlow"};
 };

@@ -106,6 +106,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   reporter_.note_search(info.substep);
   const SolveResult result = parts_.density_solver->solve(problem_);  //  8 to 19
   reporter_.note_solution(result);
+  if (parts_.flow) reporter_.note_work_of_inflow(parts_.flow->openings()->take_work());
   if (!parts_.density_solver->sets_velocities()) update_velocities(info.dt);  // 21
   apply_velocity_filters(info.dt);                                            // 22
   parts_.boundary->finish_bodies(*parts_.comm);

@@ -51,6 +51,10 @@ class Reporter {
   void set_force_sums(ForceSums sums) { sums_ = std::move(sums); }
   /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
   void measure_supply(const std::function<void()>& work);
+  /// The work of this rank's water that comes in, against the pressure there, in SuppliedEnergy::unit.
+  void note_work_of_inflow(std::int64_t units) {
+    if (watches_energy()) supplied_.add_measured(units);
+  }
   /// What the step has been supplied with is added to what was before: what bodies have less of, too.
   void add_supply();
   /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.

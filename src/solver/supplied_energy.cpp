@@ -9,8 +9,7 @@ namespace trevi {
 
 namespace {
 
-constexpr Real unit = 1.0 / (1 << 20);  // of the energy of a kilogram, m²/s²
-constexpr Real highest = 1e12;          // m²/s², of speeds that no run survives
+constexpr Real highest = 1e12;  // m²/s², of speeds that no run survives
 
 }  // namespace
 

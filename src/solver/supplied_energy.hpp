@@ -20,6 +20,9 @@ class SuppliedEnergy {
 
   /// Counts by how much `work` changes the kinetic and potential energy of this rank's particles.
   void measure(const Particles& particles, const std::function<void()>& work);
+  /// What this rank's water was given beside, in units of a particle.
+  void add_measured(std::int64_t units) { measured_ += units; }
+  static constexpr Real unit = 1.0 / (1 << 20);  ///< of the energy of a kilogram, m²/s²
   /// The same on all ranks.
   void add(Real joules) { joules_ += joules; }
   /// Adds what all ranks have measured in a step.

@@ -15,7 +15,7 @@ constexpr Real share = 0x1p-20;         // of a particle, and of its momentum pe
 constexpr Real following_time = 20;     // of means, sqrt(d/g)
 constexpr Real beside = 2, strip = 16;  // spacings from an opening to where its level is measured, and their length
 constexpr Real min_length = 8;          // spacings, of the box of a drain
-constexpr Real taken_before = 0.25;     // spacings from the wall at which a particle leaves
+constexpr Real max_due = 2;             // layers that a drain has still to take
 constexpr Real fastest = 3;             // sqrt(g d): no level asks for more
 
 // Part of the edge of a particle's cube that is between two places, in spacings.
@@ -80,6 +80,48 @@ std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Set
     return WallRefusal{"level", "must be in the box of the drain, between min and max"};
   if (drain.flow && !(*drain.flow >= 0 && std::isfinite(*drain.flow)))
     return WallRefusal{"flow", "must not be negative"};
+  const Real opening = (drain.max.z() - drain.min.z()) * (drain.max[1 - axis] - drain.min[1 - axis]);
+  if (constexpr Real highest = 1e4; drain.flow && !(*drain.flow <= highest * opening))
+    return WallRefusal{"flow", fmt::format("is more than {:g} m/s through all of the box; check the units", highest)};
+  return std::nullopt;
+}
+
+std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<const InletSettings> others,
+                                          const Settings& settings) {
+  if (!inlet.is_in_wall()) return std::nullopt;
+  const InletLattice lattice(inlet, settings.fluid.spacing);
+  const Real rounding = 1e-6 * settings.fluid.spacing;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (!others[k].is_in_wall() || why_not_in_wall(others[k], settings)) continue;
+    const InletLattice other(others[k], settings.fluid.spacing);
+    const Vec3 from = (inlet.center - lattice.reach()).cwiseMax(others[k].center - other.reach());
+    const Vec3 to = (inlet.center + lattice.reach()).cwiseMin(others[k].center + other.reach());
+    const Eigen::Index axis = std::abs(inlet.direction.x()) > std::abs(inlet.direction.y()) ? 0 : 1;
+    const bool same_wall = inlet.direction.dot(others[k].direction) > 0.5;
+    if (same_wall && (to - from)[1 - axis] > rounding && (to - from).z() > rounding)
+      return WallRefusal{"center", fmt::format("the opening overlaps that of inlet {} in the same wall, which would "
+                                               "bring water to the same places; part them, or leave one out",
+                                               k)};
+  }
+  return std::nullopt;
+}
+
+std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,
+                                          const Settings& settings) {
+  if (!drain.is_in_wall()) return std::nullopt;
+  const UprightWall wall = walls_beside(drain, settings).front();
+  const Real rounding = 1e-6 * settings.fluid.spacing;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    const DrainSettings& other = others[k];
+    if (!other.is_in_wall() || why_not_in_wall(other, settings)) continue;
+    const UprightWall its = walls_beside(other, settings).front();
+    if (its.axis != wall.axis || its.at_max != wall.at_max) continue;
+    if (((drain.max.cwiseMin(other.max) - drain.min.cwiseMax(other.min)).array() > rounding).all())
+      return WallRefusal{drain.level ? "level" : "flow",
+                         fmt::format("its box overlaps that of drain {} at the same wall, which would take the same "
+                                     "water; part their boxes, or leave one out",
+                                     k)};
+  }
   return std::nullopt;
 }
 
@@ -244,33 +286,13 @@ void WallFlows::drive_drain(Opening& opening, const Water& water, const StepInfo
     state.level += (water.level - state.level) * follow;
   }
   opening.speeds[0] = deep > 0 ? std::clamp(state.speed + high, 0.0, limit) : 0;
+  if (drain.flow) {  // forgotten where there is no water
+    const Real layer = depth * (opening.across[1] - opening.across[0]) / (spacing_ * spacing_);
+    state.due = std::min(state.due + opening.speeds[0] * info.dt / spacing_ * layer, max_due * layer);
+  }
   if (drain.level) {
     state.speed = std::clamp(state.speed + high * follow, 0.0, limit);
     state.level = water.level;
-  }
-}
-
-int WallFlows::taker(const Vec3& position, const Vec3& velocity, Real dt) const {
-  int n = 0;
-  for (const Opening& one : openings_) {
-    if (one.drain == nullptr) continue;
-    const int axis = one.wall.axis, other = 1 - axis;
-    const Real sign = one.wall.at_max ? 1 : -1,
-               wall = one.wall.at_max ? settings_.domain.max[axis] : settings_.domain.min[axis];
-    const Real speed = sign * velocity[axis], left = sign * (wall - position[axis]) - speed * dt;
-    if (one.speeds[0] > 0 && speed > 0 && left < taken_before * spacing_ && position[other] >= one.across[0] &&
-        position[other] <= one.across[1] && position.z() >= one.bottom && position.z() <= one.top)
-      return n;
-    ++n;
-  }
-  return -1;
-}
-
-void WallFlows::note_taken(MPI_Comm comm, std::vector<GlobalId> mine, FlowState& state) const {
-  const std::vector<GlobalId> all = sum_over_ranks(comm, std::move(mine));
-  const std::size_t first = openings_.size() - drains_;
-  for (std::size_t n = 0; n < drains_; ++n) {
-    if (openings_[first + n].drain->flow) state.openings[first + n].owed -= static_cast<Real>(all[n]);
   }
 }
 

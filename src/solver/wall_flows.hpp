@@ -4,11 +4,13 @@
 //   U = mean + sqrt(g/d) (level - held level)  out of a drain, and with the other sign into an inlet,
 // which is what a long wave that leaves needs: none comes back. The mean follows U in 20 sqrt(d/g), so that the level
 // is held. Where a flow is held the mean speed is given, and the level that waves are counted from follows the water.
-// Sums over particles are integers: no bit depends on the ranks. Collective: measure() and note_taken().
+// Sums over particles are integers: no bit depends on the ranks. Collective: measure() and leaving().
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/threads.hpp"
@@ -35,6 +37,13 @@ struct WallRefusal {
 /// Of settings whose box and spacing are known; `inlet.direction` has the length 1.
 std::optional<WallRefusal> why_not_in_wall(const InletSettings& inlet, const Settings& settings);
 std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Settings& settings);
+/// Of one inlet more than those of the settings: two of a wall that overlap would bring water to the same places.
+std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<const InletSettings> others,
+                                          const Settings& settings);
+/// Of one drain more than those of the settings: two of a wall that overlap would both take, and both measure, the same
+/// water. It is good by itself, the others need not be.
+std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,
+                                          const Settings& settings);
 /// Of the rows of an inlet with a profile at time 0, m/s.
 Real mean_speed(const InletSettings& inlet, Real spacing);
 
@@ -47,18 +56,16 @@ class WallFlows {
   bool any() const { return !openings_.empty(); }
   /// How fast the water goes in the substep, from where it stands. `state` is that of the flow.
   void measure(MPI_Comm comm, const Particles& particles, const StepInfo& info, FlowState& state);
-  /// The number among drains of that which a particle leaves by in the time dt, or -1. By one that draws nothing none
-  /// leaves: what is still trembles, and would be lost particle by particle.
-  int taker(const Vec3& position, const Vec3& velocity, Real dt) const;
-  /// `mine`: particles that each drain took on this rank.
-  void note_taken(MPI_Comm comm, std::vector<GlobalId> mine, FlowState& state) const;
+  /// The particles of this rank that leave through walls in the time dt, in ascending order. By a drain that draws
+  /// nothing none does: what is still trembles, and would be lost particle by particle. By one with a flow as many as
+  /// what goes through it is worth, those nearest to the wall.
+  std::vector<LocalId> leaving(MPI_Comm comm, const Particles& particles, Real dt, FlowState& state) const;
   std::vector<WallOpening> walls(Real dt) const;
 
   /// The first of the rows of an inlet in FlowState::rows; -1 where it is not in a wall.
   std::ptrdiff_t first_row(std::size_t inlet) const { return first_row_[inlet]; }
   /// m/s, of each row of an inlet; those above its level are not there.
   const std::vector<Real>& speeds(std::size_t inlet) const { return openings_[of_inlet_[inlet]].speeds; }
-  std::size_t drains() const { return drains_; }
 
  private:
   struct Opening {
@@ -75,6 +82,16 @@ class WallFlows {
   struct Water {
     Real level, speed;  // m; m/s along the axis
   };
+  // A particle that may leave by a drain with a flow: the nearest to the wall, m, is first.
+  struct Leaving {
+    Real left;
+    GlobalId id;
+    LocalId local;
+    int rank;
+    bool operator<(const Leaving& other) const { return std::tie(left, id) < std::tie(other.left, other.id); }
+  };
+  std::optional<Real> distance_left(const Opening& one, const Vec3& position, const Vec3& velocity, Real dt) const;
+  static std::vector<Leaving> first_of_all(MPI_Comm comm, std::vector<Leaving> mine, GlobalId due);
   void add_inlet(const InletSettings& inlet, std::size_t rows);
   void add_drain(const DrainSettings& drain);
   void find_seen(Opening& opening) const;

@@ -76,6 +76,14 @@ TEST(Envelope, TellsOfCrushedWater) {
               ElementsAre(AllOf(HasSubstr("from step 7 on"), HasSubstr("up to 21 %"), HasSubstr("is 5 %"))));
 }
 
+TEST(Envelope, TellsOfBodiesThatFloatTooDeep) {
+  const std::string ball =
+      scene_plus("[gravity]\n[[body]]\ntype = 'sphere'\ncenter = [1, 0.5, 0.5]\nradius = 0.2\ndensity = 500");
+  EXPECT_THAT(envelope_warnings(parse(ball, {})), IsEmpty());
+  for (const char* method : {"density.method='jacobi'", "density.preset='report'", "density.coarse_grid=false"})
+    EXPECT_THAT(envelope_warnings(parse(ball, {method})), testing::Contains(HasSubstr("bodies float too deep")));
+}
+
 TEST(Envelope, NothingFallsWithoutGravity) {
   EXPECT_THAT(envelope_warnings(parse(scene_plus(), {"time.dt=0.002", "density.iterations=1"})), IsEmpty());
 }

@@ -99,6 +99,7 @@ class BadInput(ProgramTest):
                  "gravity along y": (15, "[gravity]\nacceleration = [0, 1, -9]", ["scene.toml:18:", "acceleration"]),
                  "ball": (15, ball, ["scene.toml:18:", "type", 'type = "cylinder"']),
                  "rod across": (15, rod + "axis = [1, 0, 0]", ["scene.toml:21:", "axis", "along y"]),
+                 "a height": (15, rod + "height = 0.2", ["scene.toml:21:", "height", "goes on along y; leave it out"]),
                  "turned out of the plane": (15, rod + "rotate = [10, 0, 0]", ["scene.toml:21:", "rotate", "about y"]),
                  "round basin": (15, "[[obstacle]]\ntype = 'basin'\ncenter = [1, 0.5]\nradius = 0.3\nheight = 0.3",
                                  ["scene.toml:18:", "type", "give size"])}
@@ -350,6 +351,17 @@ class BadInput(ProgramTest):
                ("short", drain.replace("[1.1,", "[1.9,"), ["[[drain]] level: needs a box that reaches 0.8 m"]),
                ("a level outside", drain.replace("= 0.5", "= 0.95"), ["[[drain]] level: must be in the box"])]
         self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad], rank_counts=(1, 2))
+
+    def test_what_bodies_and_files_of_obstacles_show(self):
+        ball = (good := "\n".join([*GOOD, "[gravity]\n"])) + "[[body]]\ntype = 'sphere'\ncenter = [1.5, 0.5, 0.5]\nradius = 0.2\n"
+        line = ball + "density = 500\nmooring = {{anchor = [1.5, 0.5, {}], stiffness = 10{}}}\n"
+        drain = good + "[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n[[obstacle]]\ntype = 'box'\n"
+        bad = [("heavy", ball + "mass = 1e300\n", ["scene.toml:17: [[body]]: ", "check the units of mass"]),
+               ("far", line.format("1e200", ""), ["scene.toml:17: [[body]]: ", "whose anchor is inf m away"]),
+               ("long", line.format("0.5", ", length = 1e300"), ["scene.toml:17: [[body]]: ", "a length of 1e+300 m"]),
+               ("in", drain + "center = [1.6, 0.5, 0.1]\nsize = [1, 1, 1]\n", [":17: [[drain]] level: obstacle 0 is in its"])]
+        for k, ranks in ((0, 3), (2, 5)):
+            self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad[k:k + 2]], (ranks,))
 
     def test_gauges(self):
         """Whether a gauge of pressure is on a surface is known once the obstacles' files are read."""

@@ -168,6 +168,11 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadScene{appended, "[[inlet]]\nradius = 0.1\nspeed = 1", "12: [[inlet]] center", "missing"},
         BadScene{appended, good_inlet, "12: [[inlet]] radius", "missing"},
+        BadScene{appended,
+                 "[gravity]\n[[inlet]]\ntype = 'rectangle'\ncenter = [0.05, 0.5, 0.5]\nsize = [0.4, 0.4]\n"
+                 "direction = [1, 0, 0]\nprofile = '1'\n[[inlet]]\ntype = 'rectangle'\ncenter = [0.1, 0.7, 0.3]\n"
+                 "size = [0.4, 0.4]\ndirection = [1, 0, 0]\nprofile = '1'",
+                 "21: [[inlet]] center", "overlaps that of inlet 0"},
         BadScene{appended, std::string(good_inlet) + "radius = 0", "15: [[inlet]] radius", "must be positive"},
         BadScene{appended, std::string(good_inlet) + "radius = 0.6", "13: [[inlet]] center", "out of the box"},
         BadScene{appended, std::string(good_inlet) + "size = [0.1, 0.1]", "15: [[inlet]] size", "has a radius"},
@@ -202,6 +207,12 @@ INSTANTIATE_TEST_SUITE_P(
                              "15: [[drain]] axis", "must not be zero"},
                     BadScene{appended, "[[drain]]\ntype = 'cylinder'\ncenter = [0, 0, 0]\nradius = 1",
                              "12: [[drain]] height", "missing"},
+                    BadScene{appended,
+                             "[gravity]\n[[drain]]\nmin = [1.1, 0.1, 0]\nmax = [2, 0.5, 1]\nlevel = 0.5\n"
+                             "[[drain]]\nmin = [1, 0.45, 0.5]\nmax = [2, 0.9, 1]\nflow = 0.1",
+                             "20: [[drain]] flow", "overlaps that of drain 0"},
+                    BadScene{appended, "[gravity]\n[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 1]\nflow = 1e9",
+                             "16: [[drain]] flow", "check the units"},
                     BadScene{appended, "[[drain]]\ntype = 'ball'", "13: [[drain]] type", "\"box\" or \"cylinder\""}));
 
 // Line 12 is the first of what is appended.
@@ -241,6 +252,14 @@ INSTANTIATE_TEST_SUITE_P(
                      "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.5, 0]\nnormal = [0, 0, 0]\n[output.series]",
                  "19: [[gauge]] normal", "must not be zero"}));
 
+INSTANTIATE_TEST_SUITE_P(Obstacle, BadSceneTest,
+                         testing::Values(BadScene{appended, std::string(good_ball) + "rotate = [1e300, 0, 0]",
+                                                  "16: [[obstacle]] rotate", "at most a million degrees"},
+                                         BadScene{appended,
+                                                  std::string(good_ball) +
+                                                      "motion = {type = 'sine', rotation = [0, 0, 1e300], period = 1}",
+                                                  "16: [obstacle.motion] period", "turn faster than 10000 rad/s"}));
+
 // Line 12 is the first of what is appended.
 INSTANTIATE_TEST_SUITE_P(
     Waves, BadSceneTest,
@@ -253,6 +272,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "15: [[wavemaker]] height", "waves break"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 0.01\nperiod = 1\nposition = 9",
                  "17: [[wavemaker]] position", "out of the box"},
+        BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'piston'\nheight = 0.01\nperiod = 1\ndepth = 1.01",
+                 "17: [[wavemaker]] depth", "the box is 1 m high"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nwave = 'solitary'\nheight = 0.1",
                  "15: [[wavemaker]] wave", "is by a piston"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\ndirection = [1, 1, 0]",

@@ -117,15 +117,39 @@ TEST(Flow, ALostParticleIsStillFound) {
   EXPECT_NE(message.find("step 21"), std::string::npos) << message;
 }
 
+struct EnergyWatch : Observer {
+  bool due(const Clock&) const override { return true; }
+  bool wants_diagnostics() const override { return true; }
+  bool wants_forces() const override { return forces; }
+  void observe(const Frame& frame) override {
+    energy.push_back(frame.diagnostics->kinetic_energy + frame.diagnostics->potential_energy);
+    supplied.push_back(frame.supplied_energy);
+    compression.push_back(frame.diagnostics->compression_max);
+  }
+  bool forces = false;
+  std::vector<Real> energy, supplied, compression;
+};
+
+std::pair<EnergyWatch*, std::unique_ptr<Solver>> watched(const Scene& scene, MPI_Comm comm = world) {
+  auto watch = std::make_unique<EnergyWatch>();
+  watch->forces = !scene.obstacles.empty();
+  EnergyWatch* const seen = watch.get();
+  std::vector<std::unique_ptr<Observer>> observers;
+  observers.push_back(std::move(watch));
+  return {seen, solver_of(comm, scene, std::move(observers))};
+}
+
 TEST(Flow, SameBitsOnAnyRanks) {
   for (const char* key : {"density.precision='double'", "density.precision='single'", "domain.max=[1.6, 1.8, 1.6]",
                           "particles.0.max=[0.3, 0.8, 0.5]"}) {  // the last leaves ranks empty
     SCOPED_TRACE(key);
     const Scene scene = scene_with(fountain, {key});
-    const std::unique_ptr<Solver> many = solver_of(world, scene), one = solver_of(MPI_COMM_SELF, scene);
+    const auto [seen, many] = watched(scene);
+    const auto [seen_by_one, one] = watched(scene, MPI_COMM_SELF);
     for (int k = 0; k < 40; ++k) {
       many->step();
       one->step();
+      EXPECT_EQ(seen->supplied.back(), seen_by_one->supplied.back());
       EXPECT_EQ(many->flow()->next_id, one->flow()->next_id);
       EXPECT_EQ(many->flow()->waiting, one->flow()->waiting);
     }
@@ -164,27 +188,6 @@ TEST(Flow, TankFillsToItsWeirAndStays) {
   EXPECT_NEAR(static_cast<Real>(gone[last] - gone[full]) * volume, brought, 0.05 * brought);
 }
 
-struct EnergyWatch : Observer {
-  bool due(const Clock&) const override { return true; }
-  bool wants_diagnostics() const override { return true; }
-  bool wants_forces() const override { return forces; }
-  void observe(const Frame& frame) override {
-    energy.push_back(frame.diagnostics->kinetic_energy + frame.diagnostics->potential_energy);
-    supplied.push_back(frame.supplied_energy);
-  }
-  bool forces = false;
-  std::vector<Real> energy, supplied;
-};
-
-std::pair<EnergyWatch*, std::unique_ptr<Solver>> watched(const Scene& scene) {
-  auto watch = std::make_unique<EnergyWatch>();
-  watch->forces = !scene.obstacles.empty();
-  EnergyWatch* const seen = watch.get();
-  std::vector<std::unique_ptr<Observer>> observers;
-  observers.push_back(std::move(watch));
-  return {seen, solver_of(world, scene, std::move(observers))};
-}
-
 // A jet in the air has all that it was given until a drain takes it; while it falls each kilogram loses g² dt²/2 a
 // step.
 TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
@@ -202,6 +205,37 @@ TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
       EXPECT_LE(seen->energy[k], seen->supplied[k] + (*weight == 0 ? 1e-5 * kilograms : 1e-3 * given)) << weight << k;
       EXPECT_GE(seen->energy[k], seen->supplied[k] - max_lost) << weight << k;
     }
+  }
+}
+
+// An inlet at the floor lifts the pool, which stays level: of water that comes with little speed the work is the
+// potential energy that the level tells. It gets room as it comes, and is pressed by some per cent at most.
+TEST(SuppliedEnergy, OfAnInletUnderWaterIsWhatItLifts) {
+  constexpr Real area = 1.6 * 0.8, depth = 0.6, speed = 0.5, seconds = 2;
+  for (const char* way :
+       {"direction = [0, 0, 1]\ncenter = [0.8, 0.4, 0.2]", "direction = [1, 0, 0]\ncenter = [0.1, 0.4, 0.3]"}) {
+    SCOPED_TRACE(way);
+    const Scene scene = scene_with(
+        tank_with_gravity(
+            {.max = "1.6, 0.8, 1.2", .water = {{"0, 0, 0", "1.6, 0.8, 0.6"}}, .dt = "0.0166666667", .end = "2"}) +
+            "[[inlet]]\ntype = \"rectangle\"\nsize = [0.4, 0.4]\n" + way + "\n",
+        {fmt::format("inlet.0.speed={}", speed)});
+    const auto [seen, solver] = watched(scene);
+    run(*solver, seconds);
+    const auto volume = static_cast<Real>(solver->flow()->inflow) * spacing * spacing * spacing;
+    EXPECT_NEAR(volume, 0.16 * speed * seconds, 0.16 * spacing * 1.5) << "the last layer";
+    const auto lifted_by = [&](Real more) {
+      const Real level = depth + more / area;
+      return 1000 * 9.81 * area * (level * level - depth * depth) / 2;
+    };
+    const Real lifted = lifted_by(volume);
+    const Real rise = seen->energy.back() - seen->energy.front(), work = seen->supplied.back();
+    EXPECT_NEAR(rise, lifted, 0.05 * lifted);
+    EXPECT_NEAR(work, lifted_by(0.16 * speed * seconds), 0.05 * lifted) << "room is made before the layer comes";
+    for (std::size_t k = 0; k < seen->energy.size(); ++k)
+      EXPECT_LT(seen->energy[k] - seen->energy[0], seen->supplied[k] + 0.01 * lifted) << k;
+    const Real pressed = std::accumulate(seen->compression.begin(), seen->compression.end(), Real{0});
+    EXPECT_LT(pressed / static_cast<Real>(seen->compression.size()), 0.06);
   }
 }
 

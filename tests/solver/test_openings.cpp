@@ -110,13 +110,26 @@ TEST(OpenChannel, AUniformFlowStaysUniform) {
 // The drain takes a tenth more than the flow at the start; the inlet brings what the level asks for.
 TEST(OpenChannel, AFlowAndALevelAreHeld) {
   KeptRun run(MPI_COMM_SELF, parse_scene("test.toml", channel("speed = 0.5\nlevel = 0.5", "flow = 0.01375\n"), {}));
-  run.steps(40 * 60);
+  run.steps(20 * 60);
   const GlobalId before = run.solver->flow()->outflow, came = run.solver->flow()->inflow;
   run.steps(20 * 60);
   constexpr Real asked = 20 * 0.01375 / (0.05 * 0.05 * 0.05);
   EXPECT_NEAR(static_cast<Real>(run.solver->flow()->outflow - before), asked, 0.02 * asked);
   EXPECT_NEAR(static_cast<Real>(run.solver->flow()->inflow - came), asked, 0.02 * asked);
   EXPECT_NEAR(flow_in(run.solver->particles()).level, 0.5, 0.02);
+}
+
+// A drain with a flow takes as many particles as what goes through it is worth, and what waves make of that it gives
+// back. Who came near to the wall was taken before: 2.8 % too many in 30 s.
+TEST(OpenChannel, ADrainTakesItsFlowToAFewParticles) {
+  KeptRun run(MPI_COMM_SELF, parse_scene("test.toml", channel("speed = 0.5\nlevel = 0.5", "flow = 0.0125\n"), {}));
+  for (int second = 1; second <= 12; ++second) {
+    run.steps(60);
+    const FlowState& state = *run.solver->flow();
+    EXPECT_NEAR(static_cast<Real>(state.outflow), second * 100, 5) << "half a column";
+    EXPECT_GE(state.openings.back().due, 0) << second;
+    EXPECT_LT(state.openings.back().due, 1) << second;
+  }
 }
 
 // Each row has the speed of its height, and a flow that changes with time brings its integral.

@@ -34,9 +34,14 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
   const Real g = scene.gravity.value_or(Vec3::Zero()).norm();
   if (g == 0) return {};
   if (!scene.density.coarse_grid) {
-    return {
+    std::vector<std::string> warnings{
         "the density solve has no coarse grid, and without it water at rest gained energy in most cases of the "
         "stability study; leave out density.preset and density.method, or set density.coarse_grid = true"};
+    if (!scene.bodies.empty())
+      warnings.emplace_back(
+          "without the coarse grid, whose pressure carries them, bodies float too deep, by up to two and a half "
+          "spacings; leave out density.preset and density.method, or set density.coarse_grid = true");
+    return warnings;
   }
   if (!is_downward(*scene.gravity)) {
     return {
@@ -91,6 +96,7 @@ std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& e
   if (std::any_of(scene.inlets.begin(), scene.inlets.end(), in_wall) ||
       std::any_of(scene.drains.begin(), scene.drains.end(), in_wall))
     return warnings;
+  if (!scene.density.coarse_grid && !scene.inlets.empty()) return warnings;  // nor of that before any other inlet
   const std::string remedy =
       is_gravity(scene) ? fmt::format("; set [viscosity] nu = {:.2g} m²/s, which damps it", quieting_viscosity(scene))
                         : std::string("; use a smaller dt, or time.cfl");

@@ -8,6 +8,7 @@
 
 #include "boundary/waves/paddle_motion.hpp"
 #include "scene/scene_place.hpp"
+#include "scene/scene_waves.hpp"
 
 namespace trevi {
 
@@ -84,6 +85,11 @@ std::vector<std::string> wave_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   for_each_wavemaker(scene, [&](const WavemakerSettings& w, int line) {
     const Real s = scene.fluid.spacing, length = expected_of(w).length;
+    if (const auto depth = depth_of_water(scene); depth && std::abs(*depth - w.depth) > s)
+      warnings.push_back(
+          fmt::format("the waves of line {} are those of water {:.4g} m deep, and the blocks of [[particles]] are "
+                      "{:.4g} m deep; leave depth out, or give that of the still water",
+                      line, w.depth, *depth));
     if (length < min_length * s)
       warnings.push_back(
           fmt::format("the waves of line {} are {:.1f} spacings long, and die early with less than "

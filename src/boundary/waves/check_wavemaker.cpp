@@ -58,6 +58,10 @@ std::optional<WrongMember> in_height(const WavemakerSettings& w) {
 std::optional<WrongMember> what_is_wrong(const WavemakerSettings& w, const Box& domain) {
   if (auto wrong = in_numbers(w)) return wrong;
   if (auto wrong = in_height(w)) return wrong;
+  if (!(w.depth <= domain.max.z() - domain.min.z()))
+    return WrongMember{
+        "depth", fmt::format("is {:.4g} m, and the box is {:.4g} m high; make it less, or the box higher", w.depth,
+                             domain.max.z() - domain.min.z())};
   const Eigen::Index axis = w.direction.x() != 0 ? 0 : 1;
   const Real reach = paddle_reach(w), low = domain.min[axis], high = domain.max[axis];
   if (!(w.position - reach > low && w.position + reach < high))

@@ -30,6 +30,7 @@ class InletLattice {
   GlobalId open_places() const { return open_; }
   /// `ahead`: distance from the opening along the direction, m.
   Vec3 position(GlobalId place, Real ahead) const;
+  const Vec3& direction() const { return settings_.direction; }
   /// Farthest that the opening reaches from its centre along each coordinate, m.
   Vec3 reach() const;
 

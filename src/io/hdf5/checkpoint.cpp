@@ -48,10 +48,13 @@ void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
   write_on_root(comm, file, "/streams", streams);
   write_on_root(comm, file, "/stream_counts", counts);
   if (flow->openings.empty()) return;
-  std::vector<Real> openings;
-  for (const FlowState::Opening& one : flow->openings)
+  std::vector<Real> openings, due;
+  for (const FlowState::Opening& one : flow->openings) {
     openings.insert(openings.end(), {one.speed, one.level, one.owed, one.known ? 1.0 : 0.0});
+    due.push_back(one.due);
+  }
   write_on_root(comm, file, "/openings", openings);
+  write_on_root(comm, file, "/openings_due", due);
   write_on_root(comm, file, "/opening_rows", flow->rows);
 }
 
@@ -69,6 +72,10 @@ void read_openings(const std::string& path, const Hdf5Reader& file, FlowState& f
   const std::vector<Real> openings = all("/openings");
   for (std::size_t k = 0; k + values <= openings.size(); k += values)
     flow.openings.push_back({openings[k], openings[k + 1], openings[k + 2], openings[k + 3] != 0});
+  if (file.has("/openings_due")) {
+    const std::vector<Real> due = all("/openings_due");
+    for (std::size_t k = 0; k < std::min(due.size(), flow.openings.size()); ++k) flow.openings[k].due = due[k];
+  }
   flow.rows = all("/opening_rows");
 }
 
