@@ -128,6 +128,26 @@ def ball_figures(run):
             "momentum_error": np.linalg.norm(off) / np.linalg.norm(run.states[0][1], axis=1).mean()}
 
 
+def meeting(rate, offset=0.0, spacing=0.05, seconds=0.4):
+    """Two blocks of 8 x 8 x 8 meet in the air, at 3 and -1.5 m/s, above a pool of two layers, of which nothing reaches
+    them; offset: m by which the second one is off the first across their way, and the lattice."""
+    place = np.concatenate([lattice((8, 8, 8), spacing, (1.3, 1.8, 3.0)),
+                            lattice((8, 8, 8), spacing, np.array([2.3, 1.8, 3.0]) + offset)])
+    velocity = np.zeros_like(place)
+    velocity[:, 0] = np.repeat([3.0, -1.5], len(place) // 2)
+    velocity[:, 2] = 1
+    pool = lattice((80, 80, 2), spacing)
+    text = scene_of((0, 0, 0), (4, 4, 5), spacing, 1 / rate, seconds, every=seconds)
+    return Motion(text, partial(meeting_figures, len(place)),
+                  (np.concatenate([place, pool]), np.concatenate([velocity, 0 * pool])))
+
+
+def meeting_figures(count, run):
+    first, last = (state[1][:count] for state in (run.states[0], run.states[-1]))
+    off = (last - first).mean(axis=0) - DOWN * run.times[-1]
+    return {"momentum_error": np.linalg.norm(off) / np.linalg.norm(first, axis=1).mean()}
+
+
 # A jet.
 
 def jet(rate, spacing=0.05, speed=4.0, radius=0.15, way=2.4, high=3.0):

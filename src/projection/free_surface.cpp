@@ -13,7 +13,7 @@ void FreeSurface::borrow() {
   fill_ = scratch.borrow_briefly<Real>(grid().cells());
   fill_.fill(0);
   height_ = scratch.borrow_briefly<Real>(grid().cells());
-  height_.fill(0);
+  height_.fill(1);
 }
 
 void FreeSurface::keep_wet() {
@@ -77,7 +77,6 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
     } else if (flying) {
       wet_[at] = flying_cell;
     }
-    height_[at] = fill_[at];
     if (!is_wet(at)) {
       standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {

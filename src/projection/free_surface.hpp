@@ -68,25 +68,16 @@ class FreeSurface {
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
-  /// Distance, in cells, between the points on both sides of a face where phi is given: the middles of wet cells and
-  /// the surface. Water in flight ends where its volume does on all of its sides. The cells lie above each other; or
-  /// beside each other, and one of them is dry.
+  /// Distance, in cells, between the points above each other where phi is given: the middles of wet cells and the
+  /// surface. Water in flight ends where its volume does at its lower side, too.
   Real distance_across(std::size_t below, std::size_t at) const {
     if (is_wet(below)) return is_wet(at) ? 1 : above_middle(below);
-    return flies(at) ? past_middle(at, below) : 1;
-  }
-  Real distance_aside(std::size_t low, std::size_t high) const {
-    if (flies(low) && !is_wet(high)) return past_middle(low, high);
-    return flies(high) && !is_wet(low) ? past_middle(high, low) : 1;
+    return flies(at) ? std::clamp(fill_[at] + fill_[below] - 0.5, projection::min_height, 1.0) : 1;
   }
 
  private:
   // In wet_; the last one only while cells are classified.
   enum : char { dry_cell, wet_cell, flying_cell, dry_at_solid };
-  Real past_middle(std::size_t wet, std::size_t dry) const {
-    const Real fill = is_top(wet) ? height_[wet] - height_[wet + 1] : height_[wet];
-    return std::clamp(fill + height_[dry] - 0.5, projection::min_height, 1.0);
-  }
   // Cell (r, c) of plane k.
   struct Place {
     LocalId k, r, c;
@@ -116,7 +107,7 @@ class FreeSurface {
 
   Openings* openings_ = nullptr;
   Sources from_;
-  Borrowed<Real> fill_, height_;  // height_: of the surface in top cells, of others their fill
+  Borrowed<Real> fill_, height_;
   Borrowed<char> wet_;
 };
 

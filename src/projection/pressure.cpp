@@ -74,8 +74,7 @@ void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
         weight[a][at] = 1 / surface.distance_across(below, at);
       } else {
         weight[a][at] =
-            low && high ? (surface.height(below) + surface.height(at)) / 2
-                        : surface.height(low ? below : at) / surface.distance_aside(below, at);
+            low && high ? (surface.height(below) + surface.height(at)) / 2 : surface.height(low ? below : at);
       }
       weight[a][at] *= open;
     }

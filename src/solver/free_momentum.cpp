@@ -101,7 +101,7 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   const Real size = inertia.trace();
   if (turns_ && inertia.determinant() > 1e-9 * size * size * size)
     turn = inertia.inverse() * (about_centre(after) - about_centre(before));
-  const Vec3 off = (after.p - before.p) / after.count;
+  const Vec3 off = turns_ ? Vec3((after.p - before.p) / after.count) : Vec3(Vec3::Zero());
   for_each_index(problem.all(), [&](std::size_t i) {
     particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre);
     particles.predicted[i] -= off;

@@ -49,6 +49,18 @@ TEST(Guard, NamesTheParticleThatIsOutsideOnOneRank) {
   EXPECT_NE(told.find("step 7: particle " + id + " is at (1.5, "), std::string::npos) << told;
 }
 
+TEST(Guard, NamesTheBodyThatIsNoNumber) {
+  const Particles particles = some_particles();
+  Guard guard(world, particles, {});
+  std::vector<BodyState> bodies(2);
+  guard.check(bodies, 7);
+  EXPECT_EQ(told_by(guard, particles), "nothing");
+  bodies[1].angular_momentum.y() = NAN;
+  guard.check(bodies, 8);
+  const std::string told = told_by(guard, particles);
+  EXPECT_NE(told.find("step 8: body 1 is at ("), std::string::npos) << told;
+}
+
 TEST(Guard, AParticleMayGoOnlyWhereItIsExpectedTo) {
   Particles particles = some_particles();
   Guard guard(world, particles, {});

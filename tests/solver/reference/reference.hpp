@@ -183,13 +183,15 @@ class Reference {
   /// Of all particles, each of unit mass.
   struct Momentum {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // about the origin
-    bool is_free = true;                                 // nothing is near a wall
+    Vec3 centre = Vec3::Zero();
+    bool is_free = true;  // nothing is near a wall
   };
   Momentum momentum() const {
     Momentum sum;
     for (std::size_t i = 0; i < size(); ++i) {
       sum.linear += cloud_.velocity[i];
       sum.angular += p_[i].cross(cloud_.velocity[i]);
+      sum.centre += p_[i] / static_cast<Real>(size());
       for (int a = 0; a < 3; ++a) {
         const Real gap = std::min(p_[i][a] - s_.domain.min[a], s_.domain.max[a] - p_[i][a]);
         if (!is_open(a) && gap <= 1.25 * h()) sum.is_free = false;
@@ -197,13 +199,13 @@ class Reference {
     }
     return sum;
   }
-  /// Gives water that touches nothing back the momenta that it had, by a translation and a rotation; where the box
-  /// repeats along any axis there is no rotation.
+  /// Gives water that touches nothing back the momenta that it had, by a translation and a rotation about its centre,
+  /// which goes where free flight takes it; where the box repeats along any axis there are no rotation and no centre.
   void restore(const Momentum& before) {
     const Momentum after = momentum();
     if (!before.is_free || !after.is_free || size() == 0) return;
-    Vec3 centre = Vec3::Zero(), turn = Vec3::Zero();
-    for (const Vec3& p : p_) centre += p / static_cast<Real>(size());
+    Vec3 turn = Vec3::Zero();
+    const Vec3 centre = after.centre, off = after.centre - before.centre;
     const Vec3 gained = after.linear - before.linear;
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
     for (const Vec3& p : p_) {
@@ -212,9 +214,12 @@ class Reference {
     }
     const bool turns = !repeats(0) && !repeats(1) && !repeats(2);
     if (turns && inertia.determinant() > 1e-9 * std::pow(inertia.trace(), 3))
-      turn = inertia.fullPivLu().solve(after.angular - before.angular - centre.cross(gained));
-    for (std::size_t i = 0; i < size(); ++i)
+      turn = inertia.fullPivLu().solve(after.angular - after.centre.cross(after.linear) - before.angular +
+                                       before.centre.cross(before.linear));
+    for (std::size_t i = 0; i < size(); ++i) {
       cloud_.velocity[i] -= gained / static_cast<Real>(size()) + turn.cross(p_[i] - centre);
+      if (turns) p_[i] -= off;
+    }
   }
 
   void apply_forces(const StepInfo& info) {
