@@ -66,17 +66,10 @@ void FreeSurface::close_ceiling(LocalId k, LocalId r) {
 void FreeSurface::find_tops(LocalId k, LocalId r) {
   if (!upright()) return;
   const std::size_t floor = grid().index(k, r, 0);
-  bool standing = true, flying = false;
+  bool standing = true;
   Real excess = 0;  // volume in the wet cells below the top one beyond one cell each, in cells
   for (LocalId c = 0; c < grid().columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
-    if (open(at) < 1 || is_drained(at)) {
-      flying = false;
-    } else if (!is_wet(at)) {
-      flying = true;
-    } else if (flying) {
-      wet_[at] = flying_cell;
-    }
     if (!is_wet(at)) {
       standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {

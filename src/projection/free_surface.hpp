@@ -59,25 +59,17 @@ class FreeSurface {
   /// Fraction of the cell that is not solid; its fill is a fraction of that.
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
-  bool is_wet(std::size_t at) const { return wet_[at] == wet_cell || wet_[at] == flying_cell; }
-  /// A wet cell of a column that has air under it, under gravity.
-  bool flies(std::size_t at) const { return wet_[at] == flying_cell; }
+  bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
-  /// Distance, in cells, between the points above each other where phi is given: the middles of wet cells and the
-  /// surface. Water in flight ends where its volume does at its lower side, too.
-  Real distance_across(std::size_t below, std::size_t at) const {
-    if (is_wet(below)) return is_wet(at) ? 1 : above_middle(below);
-    return flies(at) ? std::clamp(fill_[at] + fill_[below] - 0.5, projection::min_height, 1.0) : 1;
-  }
 
  private:
   // In wet_; the last one only while cells are classified.
-  enum : char { dry_cell, wet_cell, flying_cell, dry_at_solid };
+  enum : char { dry_cell, wet_cell, dry_at_solid };
   // Cell (r, c) of plane k.
   struct Place {
     LocalId k, r, c;

@@ -71,7 +71,7 @@ void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
       if (!surface.upright()) {
         weight[a][at] = 1;
       } else if (a == 2) {
-        weight[a][at] = 1 / surface.distance_across(below, at);
+        weight[a][at] = low && !high ? 1 / surface.above_middle(below) : 1;
       } else {
         weight[a][at] =
             low && high ? (surface.height(below) + surface.height(at)) / 2 : surface.height(low ? below : at);

@@ -6,12 +6,11 @@
 // Under gravity the surface lies where the water ends, not at the edge of a cell (the ghost-fluid method: Gibou et al.,
 // J. Comput. Phys. 176, 2002; Enright et al. 2003): the face above a top cell has the weight 1/theta, theta being the
 // height of the surface above the middle of the cell in cells; a face at its side has the fraction of its area that is
-// under water. Water in flight ends where its volume does below, too, or else it is thrown up: the lower face
-// of its last wet cell has half of the particles that a face between two wet cells has. The divergence of d counts both
-// side faces of a cell with the cell's own height of water: water that moves as a whole then has none, whatever the
-// fill of its cells, and no pressure acts on water in flight. Without gravity phi is 0 in the middle of the first dry
-// cell. (Links over the mass of the particles at a face would keep momentum to rounding, but the noise of eight
-// particles a cell costs energy: a vortex without viscosity keeps 0.92 of it after 1 s so, and 1.00 with even links.)
+// under water. The divergence of d counts both side faces of a cell with the cell's own height of water: water that
+// moves as a whole then has none, whatever the fill of its cells, and no pressure acts on water in flight. Without
+// gravity phi is 0 in the middle of the first dry cell. (Links over the mass of the particles at a face would keep
+// momentum to rounding, but the noise of eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of
+// it after 1 s so, and 1.00 with even links.)
 //
 // Solved by V-cycles of a multigrid (multigrid.hpp) from the hydrostatic pressure of each column, which is the exact
 // solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
@@ -51,7 +50,8 @@ class Pressure {
     const Borrowed<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
     const Real u = (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)];
-    return surface.upright() && a == 2 ? u / surface.distance_across(below, at) : u;
+    return surface.upright() && a == 2 && surface.is_wet(below) && !surface.is_wet(at) ? u / surface.above_middle(below)
+                                                                                       : u;
   }
 
   /// phi of a cell, m².

@@ -124,11 +124,6 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return own + std::clamp(excess, -0.25, 0.25);
   }
   Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
-  // Of cells above each other, in cells; water in flight, with a dry cell under it, ends in that.
-  Real distance_across(const Cell& below, const Cell& c) const {
-    if (is_top(below)) return above_middle(below);
-    return wet(c) && !wet(below) ? std::clamp((*fill_)[c] + (*fill_)[below] - 0.5, 0.05, 1.0) : 1;
-  }
 
   // ---- the pressure -----------------------------------------------------------------------------------------------
 
@@ -138,7 +133,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell below = c - unit(a);
     if (!is_open(a, c)) return 0;
     if (!upright()) return 1;
-    if (a == 2) return 1 / distance_across(below, c);
+    if (a == 2) return is_top(below) ? 1 / above_middle(below) : 1;
     if (wet(below) && wet(c)) return ((*height_)[below] + (*height_)[c]) / 2;
     return (*height_)[wet(c) ? c : below];
   }
@@ -277,7 +272,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
     const Real u = ((*phi_)[face] - (*phi_)[below]) / size_[a];
-    return a == 2 && upright() ? u / distance_across(below, face) : u;
+    return a == 2 && is_top(below) ? u / above_middle(below) : u;
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
