@@ -30,6 +30,8 @@ main() {
       *) arguments+=("$1") && shift ;;
     esac
   done
+  # All of its runs are among those of `golden`.
+  [[ ${#arguments[@]} -gt 0 ]] || arguments=(-E '^golden_quick$')
   setup "$preset"
   # Several mpiruns at a time would all bind to the first cores and starve each other.
   export OMPI_MCA_hwloc_base_binding_policy=none
