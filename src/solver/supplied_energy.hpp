@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "projection/openings.hpp"
 #include "trevi/particles.hpp"
 #include "trevi/session.hpp"
 
@@ -22,7 +23,7 @@ class SuppliedEnergy {
   void measure(const Particles& particles, const std::function<void()>& work);
   /// What this rank's water was given beside, in units of a particle.
   void add_measured(std::int64_t units) { measured_ += units; }
-  static constexpr Real unit = 1.0 / (1 << 20);  ///< of the energy of a kilogram, m²/s²
+  static constexpr Real unit = Openings::work_unit;  ///< of the energy of a kilogram, m²/s²
   /// The same on all ranks.
   void add(Real joules) { joules_ += joules; }
   /// Adds what all ranks have measured in a step.
