@@ -85,10 +85,23 @@ Real lattice_density_sum(const Kernel& kernel, const PointLattice& lattice, Real
   return sum;
 }
 
-Real lattice_laplacian_moment(const PointLattice& lattice, Real h) {
-  const Kernel& poly6 = kernel_named(Poly6::name, lattice.dimensions);
+Real friction_weight(Real u2, int dimensions) {
+  const Real rest = std::max(1 - u2, 0.0);
+  return rest * (dimensions == 2 ? rest : std::sqrt(rest));
+}
+
+Real lattice_friction_sum(const PointLattice& lattice, Real h) {
   Real sum = 0;
-  for_each_lattice_point(lattice, h, [&](const Vec3& r) { sum += r.x() * r.x() * poly6.value(r, h); });
+  for_each_lattice_point(lattice, h,
+                         [&](const Vec3& r) { sum += friction_weight(r.squaredNorm() / (h * h), lattice.dimensions); });
+  return sum;
+}
+
+Real lattice_laplacian_moment(const PointLattice& lattice, Real h) {
+  Real sum = 0;
+  for_each_lattice_point(lattice, h, [&](const Vec3& r) {
+    sum += r.x() * r.x() * friction_weight(r.squaredNorm() / (h * h), lattice.dimensions);
+  });
   return sum / 2;
 }
 

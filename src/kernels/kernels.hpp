@@ -50,8 +50,15 @@ Kernels kernels_of(const FluidSettings& fluid);
 
 /// Sum of the kernel over a lattice of as many dimensions around one of its points, itself included, 1/m³; h in metres.
 Real lattice_density_sum(const Kernel& kernel, const PointLattice& lattice, Real h);
-/// ½ Σ W6(r) x² over the same points, 1/m: Σ_j (v_j − v_i) W6(p_ij) is this times ∇²v, to the second order of v's
-/// Taylor series (the first vanishes by symmetry, and x², y², z² have the same sums). W6 is Poly6.
+/// The weight F of the friction between two particles a distance u h apart, (1 − u²)^(3/2), (1 − u²)² in two
+/// dimensions; zero from u = 1 on. On a plane, or line, z away it adds up to a multiple of (1 − z²/h²)^(5/2), so that
+/// Σ F x² and Σ F z² over layers a spacing apart along z are alike within 1.5 % at h = 2 s and 0.4 % from 2.5 s on,
+/// however the particles lie in their layers. With Poly6 they differ by 7 % at h = 2 s.
+Real friction_weight(Real u2, int dimensions);
+/// Σ F over the lattice around one of its points, itself included.
+Real lattice_friction_sum(const PointLattice& lattice, Real h);
+/// ½ Σ F x² over the same points, m²: Σ_j (v_j − v_i) F(p_ij) is this times ∇²v, to the second order of v's Taylor
+/// series (the first vanishes by symmetry, and x², y², z² have the same sums).
 Real lattice_laplacian_moment(const PointLattice& lattice, Real h);
 /// Points of the lattice nearer than h, without the point itself.
 int lattice_neighbours(const PointLattice& lattice, Real h);

@@ -46,10 +46,10 @@ struct ConstraintSums {
   }
 };
 
-/// The same of the velocity filters: Spiky's gradient, Poly6's value.
+/// The same of the velocity filters: Spiky's gradient, Poly6's value, and the weight of friction in both dimensions.
 struct FilterSums {
-  Vec3 curl = Vec3::Zero(), gradient = Vec3::Zero(), smoothing = Vec3::Zero(), weighted = Vec3::Zero();
-  Real second_moment = 0, scale = 0.01;
+  Vec3 curl = Vec3::Zero(), gradient = Vec3::Zero(), smoothing = Vec3::Zero(), friction[2] = {smoothing, smoothing};
+  Real second_moment[2] = {}, scale = 0.01;
 
   void add(const Seen& i, const Seen& j) {
     const Vec3 d = i.place - j.place;
@@ -59,9 +59,12 @@ struct FilterSums {
     curl += (j.velocity - i.velocity).cross(along);
     gradient += (j.w - i.w) * along;
     smoothing += (j.velocity - i.velocity) * q * q * q;
-    weighted += (i.weight + j.weight) * (j.velocity - i.velocity) * q * q * q;
-    second_moment += u * u * q * q * q;
-    scale += t * t + q * q * q;
+    for (const int k : {0, 1}) {
+      const Real weight = friction_weight(u * u, k + 2);
+      friction[k] += (i.weight + j.weight) * (j.velocity - i.velocity) * weight;
+      second_moment[k] += u * u * weight;
+    }
+    scale += t * t + std::pow(q, 1.5);
   }
 };
 
@@ -128,20 +131,23 @@ struct FoundByConstraint {
 
 template <class T>
 struct FoundByFilters {
-  std::vector<Vec4<T>> curl, gradient, smoothing, weighted;
-  std::vector<T> second_moment;
+  std::vector<Vec4<T>> curl, gradient, smoothing, friction[2];
+  std::vector<T> second_moment[2];
 
   FoundByFilters(const Drifted<T>& d, Range range) {
     const auto n = static_cast<std::size_t>(range.size());
-    for (auto* field : {&curl, &gradient, &smoothing, &weighted}) field->resize(n);
-    second_moment.resize(n);
+    for (auto* field : {&curl, &gradient, &smoothing}) field->resize(n);
     const Pairs<T> pairs{d.near.records(), d.near.list(), d.near.order().low_ghosts()};
     const FilterLoops<T> loops = filter_loops<T>();
     loops.curl(pairs, range, d.velocity.data(), curl.data());
     loops.gradient(pairs, range, gradient.data());
     loops.smoothing(pairs, range, d.velocity.data(), smoothing.data());
-    loops.weighted_smoothing(pairs, range, d.velocity.data(), weighted.data());
-    loops.second_moment(pairs, range, second_moment.data());
+    for (const int k : {0, 1}) {
+      friction[k].resize(n);
+      second_moment[k].resize(n);
+      friction_loops<T>(k + 2).friction(pairs, range, d.velocity.data(), friction[k].data());
+      friction_loops<T>(k + 2).second_moment(pairs, range, second_moment[k].data());
+    }
   }
 };
 
@@ -177,8 +183,10 @@ void expect_brute_force(const Drifted<T>& d) {
     expect_near(found.curl[k], sums.curl, 3 * sums.scale);
     expect_near(found.gradient[k], sums.gradient, 2 * sums.scale);
     expect_near(found.smoothing[k], sums.smoothing, 3 * sums.scale);
-    expect_near(found.weighted[k], sums.weighted, 4 * 3 * sums.scale);
-    expect_near(Vec4<T>{found.second_moment[k], 0, 0, 0}, Vec3(sums.second_moment, 0, 0), sums.scale);
+    for (const int m : {0, 1}) {
+      expect_near(found.friction[m][k], sums.friction[m], 4 * 3 * sums.scale);
+      expect_near(Vec4<T>{found.second_moment[m][k], 0, 0, 0}, Vec3(sums.second_moment[m], 0, 0), sums.scale);
+    }
   }
 }
 
@@ -208,8 +216,10 @@ TYPED_TEST(PairSumsOf, DoNotDependOnTheRange) {
     const FoundByFilters<TypeParam> alone(d, {i, i + 1});
     const auto k = static_cast<std::size_t>(i);
     EXPECT_TRUE(same(alone.curl[0], filtered.curl[k]) && same(alone.smoothing[0], filtered.smoothing[k]));
-    EXPECT_TRUE(same(alone.weighted[0], filtered.weighted[k]));
-    EXPECT_EQ(alone.second_moment[0], filtered.second_moment[k]);
+    for (const int m : {0, 1}) {
+      EXPECT_TRUE(same(alone.friction[m][0], filtered.friction[m][k]));
+      EXPECT_EQ(alone.second_moment[m][0], filtered.second_moment[m][k]);
+    }
   }
   for (const Kernels& kernels : all_pairs_of_kernels()) {
     const FoundByConstraint<TypeParam> whole(d, kernels, {0, owned});

@@ -5,19 +5,16 @@
 #include <numbers>
 
 #include "kernels/kernels.hpp"
-#include "kernels/poly6-inl.hpp"
 
 namespace trevi {
 
 template <class T>
 NoSlip<T>::NoSlip(Real nu, const FluidSettings& fluid, const Box& walls, std::shared_ptr<Obstacles> obstacles)
-    : dimensions_(fluid.dimensions), h_(fluid.kernel_radius), walls_(walls), obstacles_(std::move(obstacles)) {
+    : h_(fluid.kernel_radius), walls_(walls), obstacles_(std::move(obstacles)) {
   const Real s = fluid.spacing;
-  const bool in_plane = dimensions_ == 2;
-  const Real particles = in_plane ? h_ * h_ / (s * s) : h_ * h_ * h_ / (s * s * s);
-  const Real poly6 = kernel_named(Poly6::name, dimensions_).factor(h_);
-  factor_ = nu / lattice_laplacian_moment(lattice_of(fluid), h_) * particles * poly6;
-  factor_ = in_plane ? factor_ * 32 / 315 : factor_ * std::numbers::pi / 40;
+  const Real u = h_ / s;
+  const Real per_volume = u * u * (fluid.dimensions == 2 ? 16.0 / 105 : u * 2 * std::numbers::pi / 35);
+  factor_ = nu / lattice_laplacian_moment(lattice_of(fluid), h_) * per_volume;
   least_ = s / 8;  // a particle that is pushed against the wall is not there for ever
 }
 
@@ -26,7 +23,7 @@ template <class T>
 Real NoSlip<T>::rate(Real distance) const {
   const Real u = std::max(distance, least_) / h_, rest = 1 - u * u;
   if (!(rest > 0)) return 0;
-  return factor_ * rest * rest * rest * rest * (dimensions_ == 2 ? std::sqrt(rest) : rest) / u;
+  return factor_ * rest * rest * rest * std::sqrt(rest) / u;
 }
 
 // visit(account, distance, displacement of the surface in the substep).

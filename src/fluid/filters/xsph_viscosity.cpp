@@ -1,6 +1,7 @@
 #include "fluid/filters/xsph_viscosity.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include "fluid/pairs/for_each_sum.hpp"
 #include "kernels/poly6-inl.hpp"
@@ -20,10 +21,11 @@ void add_sums(const Neighbourhood<T>& near, const Loop& loop, Real factor, std::
 
 const Kernel& poly6_in(int dimensions) { return kernel_named(Poly6::name, dimensions); }
 
-// ½ ∫ W6 x² over the volume of a particle: the second moment of neighbours that lie anywhere.
+// ½ ∫ F x² over the volume of a particle: the second moment of neighbours that lie anywhere, m².
 Real moment_without_order(const PointLattice& lattice, Real h) {
-  const Real s = lattice.spacing;
-  return lattice.dimensions == 2 ? h * h / (20 * s * s) : h * h / (22 * s * s * s);
+  constexpr Real pi = std::numbers::pi;
+  const Real u = h / lattice.spacing;
+  return h * h * u * u * (lattice.dimensions == 2 ? pi / 48 : pi * pi * u / 128);
 }
 
 }  // namespace
@@ -43,8 +45,8 @@ void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real)
 }
 
 Real longest_viscous_step(Real nu, const PointLattice& lattice, Real h) {
-  const Kernel& poly6 = poly6_in(lattice.dimensions);
-  return lattice_laplacian_moment(lattice, h) / (nu * lattice_density_sum(poly6, lattice, h));
+  const Real least = min_second_moment(lattice, h) * lattice_laplacian_moment(lattice, h);
+  return least / (nu * (lattice_friction_sum(lattice, h) - 1));
 }
 
 Real min_second_moment(const PointLattice& lattice, Real h) {
@@ -54,10 +56,11 @@ Real min_second_moment(const PointLattice& lattice, Real h) {
 }
 
 template <class T>
-KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, Real h) : loops_(filter_loops<T>()) {
-  const Real moment = lattice_laplacian_moment(lattice, h), factor = poly6_in(lattice.dimensions).factor(h);
-  per_second_ = nu / moment * factor / 2;
-  moment_factor_ = static_cast<T>(h * h * factor / (2 * lattice.dimensions * moment));
+KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, Real h)
+    : loops_(friction_loops<T>(lattice.dimensions)) {
+  const Real moment = lattice_laplacian_moment(lattice, h);
+  per_second_ = nu / moment / 2;
+  moment_factor_ = static_cast<T>(h * h / (2 * lattice.dimensions * moment));
   least_ = static_cast<T>(min_second_moment(lattice, h));
 }
 
@@ -80,10 +83,8 @@ void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, 
   Borrowed<Vec4<T>> velocities = own_velocities(near, particles.velocity);
   weigh(pairs, near.all(), velocities.data() + near.order().low_ghosts());
   near.exchange(velocities);
-  const auto smoothing = [&](Range part, Vec4<T>* out) {
-    loops_.weighted_smoothing(pairs, part, velocities.data(), out);
-  };
-  add_sums(near, smoothing, per_second_ * dt, particles.velocity);
+  const auto friction = [&](Range part, Vec4<T>* out) { loops_.friction(pairs, part, velocities.data(), out); };
+  add_sums(near, friction, per_second_ * dt, particles.velocity);
   log_work(event_, static_cast<double>(near.list().pairs()) * (14 + 24), bytes_of_passes(near, 2));
 }
 

@@ -119,12 +119,18 @@ struct RecordTerms : VectorTerms<T> {
   }
 };
 
-template <class T>
+// friction_weight().
+template <int dimensions, class D>
+HWY_INLINE hn::Vec<D> weight_of_friction(D d, const PairVector<D>& pair) {
+  const auto rest = rest_to_one(d, pair.r2);
+  return hn::Mul(rest, dimensions == 2 ? rest : hn::Sqrt(rest));
+}
+
+template <class T, int dimensions>
 struct SecondMomentTerms : NumberTerms<T> {
   template <class D, class Sums>
   void add(D d, Sums& sums, const PairVector<D>& pair) const {
-    const Product<D> value = Shape<Poly6>::value(d, distance_of(pair));
-    sums.value = hn::MulAdd(hn::Mul(value.first, value.second), pair.r2, sums.value);
+    sums.value = hn::MulAdd(weight_of_friction<dimensions>(d, pair), pair.r2, sums.value);
   }
 };
 
@@ -172,12 +178,8 @@ template <class T>
 struct SmoothingTerms : VelocityTerms<T> {
   template <class D>
   void add(D d, SumsOf<D>& sums, const PairVector<D>& pair) const {
-    add_weighted(sums, this->relative(d, sums, pair), weight(d, pair));
-  }
-  template <class D>
-  static hn::Vec<D> weight(D d, const PairVector<D>& pair) {
     const Product<D> value = Shape<Poly6>::value(d, distance_of(pair));
-    return hn::Mul(value.first, value.second);
+    add_weighted(sums, this->relative(d, sums, pair), hn::Mul(value.first, value.second));
   }
   template <class D>
   static void add_weighted(SumsOf<D>& sums, const Four<D>& v, hn::Vec<D> weight) {
@@ -191,12 +193,12 @@ struct SmoothingTerms : VelocityTerms<T> {
   }
 };
 
-template <class T>
-struct WeightedSmoothingTerms : SmoothingTerms<T> {
+template <class T, int dimensions>
+struct FrictionTerms : SmoothingTerms<T> {
   template <class D>
   void add(D d, SumsOf<D>& sums, const PairVector<D>& pair) const {
     const Four<D> v = this->relative(d, sums, pair);
-    this->add_weighted(sums, v, hn::Mul(hn::Add(sums.self.w, v.w), this->weight(d, pair)));
+    this->add_weighted(sums, v, hn::Mul(hn::Add(sums.self.w, v.w), weight_of_friction<dimensions>(d, pair)));
   }
 };
 

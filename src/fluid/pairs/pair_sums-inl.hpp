@@ -131,13 +131,13 @@ template <class T>
 void smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
   for_each_particle(pairs, range, SmoothingTerms<T>{{{out}, velocity}});
 }
-template <class T>
-void weighted_smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
-  for_each_particle(pairs, range, WeightedSmoothingTerms<T>{{{{out}, velocity}}});
+template <class T, int dimensions>
+void friction(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
+  for_each_particle(pairs, range, FrictionTerms<T, dimensions>{{{{out}, velocity}}});
 }
-template <class T>
+template <class T, int dimensions>
 void second_moment(const Pairs<T>& pairs, Range range, T* out) {
-  for_each_particle(pairs, range, SecondMomentTerms<T>{{out}});
+  for_each_particle(pairs, range, SecondMomentTerms<T, dimensions>{{out}});
 }
 
 // The loops of all pairs of kernels; that with number k has density kernel k / count and gradient kernel k % count.
@@ -160,7 +160,12 @@ ConstraintLoops<T> loops_of_constraint(const Kernels& kernels) {
 }
 template <class T>
 FilterLoops<T> loops_of_filters() {
-  return {curl<T>, gradient<T>, smoothing<T>, weighted_smoothing<T>, second_moment<T>};
+  return {curl<T>, gradient<T>, smoothing<T>};
+}
+template <class T>
+FrictionLoops<T> loops_of_friction(int dimensions) {
+  if (dimensions == 2) return {friction<T, 2>, second_moment<T, 2>};
+  return {friction<T, 3>, second_moment<T, 3>};
 }
 
 }  // namespace HWY_NAMESPACE

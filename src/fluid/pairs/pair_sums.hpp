@@ -58,10 +58,6 @@ struct FilterLoops {
   void (*gradient)(const Pairs<T>&, Range, Vec4<T>* out);
   /// out = Σ (v_j − v_i) w.
   void (*smoothing)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
-  /// out = Σ (f_i + f_j) (v_j − v_i) w, with f the scalar of the velocities.
-  void (*weighted_smoothing)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
-  /// out = Σ u² w.
-  void (*second_moment)(const Pairs<T>&, Range, T* out);
 };
 
 template <class T>
@@ -70,5 +66,21 @@ template <>
 FilterLoops<float> filter_loops<float>();
 template <>
 FilterLoops<double> filter_loops<double>();
+
+/// The loops of viscous friction, F being friction_weight(). Velocities are given for all particles, ghosts included.
+template <class T>
+struct FrictionLoops {
+  /// out = Σ (f_i + f_j) (v_j − v_i) F, with f the scalar of the velocities.
+  void (*friction)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
+  /// out = Σ u² F.
+  void (*second_moment)(const Pairs<T>&, Range, T* out);
+};
+
+template <class T>
+FrictionLoops<T> friction_loops(int dimensions);
+template <>
+FrictionLoops<float> friction_loops<float>(int dimensions);
+template <>
+FrictionLoops<double> friction_loops<double>(int dimensions);
 
 }  // namespace trevi

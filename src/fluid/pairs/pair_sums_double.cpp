@@ -15,6 +15,7 @@ namespace HWY_NAMESPACE {
 
 ConstraintLoops<double> constraint_loops_double(const Kernels& kernels) { return loops_of_constraint<double>(kernels); }
 FilterLoops<double> filter_loops_double() { return loops_of_filters<double>(); }
+FrictionLoops<double> friction_loops_double(int dimensions) { return loops_of_friction<double>(dimensions); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace trevi
@@ -25,6 +26,7 @@ namespace trevi {
 
 HWY_EXPORT(constraint_loops_double);
 HWY_EXPORT(filter_loops_double);
+HWY_EXPORT(friction_loops_double);
 
 template <>
 ConstraintLoops<double> constraint_loops<double>(const Kernels& kernels) {
@@ -33,6 +35,10 @@ ConstraintLoops<double> constraint_loops<double>(const Kernels& kernels) {
 template <>
 FilterLoops<double> filter_loops<double>() {
   return HWY_DYNAMIC_DISPATCH(filter_loops_double)();
+}
+template <>
+FrictionLoops<double> friction_loops<double>(int dimensions) {
+  return HWY_DYNAMIC_DISPATCH(friction_loops_double)(dimensions);
 }
 
 }  // namespace trevi

@@ -15,6 +15,7 @@ namespace HWY_NAMESPACE {
 
 ConstraintLoops<float> constraint_loops_single(const Kernels& kernels) { return loops_of_constraint<float>(kernels); }
 FilterLoops<float> filter_loops_single() { return loops_of_filters<float>(); }
+FrictionLoops<float> friction_loops_single(int dimensions) { return loops_of_friction<float>(dimensions); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace trevi
@@ -25,6 +26,7 @@ namespace trevi {
 
 HWY_EXPORT(constraint_loops_single);
 HWY_EXPORT(filter_loops_single);
+HWY_EXPORT(friction_loops_single);
 
 template <>
 ConstraintLoops<float> constraint_loops<float>(const Kernels& kernels) {
@@ -33,6 +35,10 @@ ConstraintLoops<float> constraint_loops<float>(const Kernels& kernels) {
 template <>
 FilterLoops<float> filter_loops<float>() {
   return HWY_DYNAMIC_DISPATCH(filter_loops_single)();
+}
+template <>
+FrictionLoops<float> friction_loops<float>(int dimensions) {
+  return HWY_DYNAMIC_DISPATCH(friction_loops_single)(dimensions);
 }
 
 }  // namespace trevi
