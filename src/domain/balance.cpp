@@ -57,7 +57,7 @@ void cut_rows(MPI_Comm comm, std::span<const Real> weights, int parts, Slabs& sl
 std::vector<Real> Balance::work_of_planes(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const {
   std::vector<Real> mine;
   for (LocalId k = 0; k < order.planes(); ++k) mine.push_back(plane_work(order, list, k, k + 1));
-  if (slabs.parts() == 1) return gather_planes(comm_, mine);
+  if (slabs.parts() == 1) return gather_over_ranks(comm_, mine);
   std::vector<Real> all(static_cast<std::size_t>(order.grid().planes()), 0.0);
   std::copy(mine.begin(), mine.end(), all.begin() + order.window().planes.begin);
   all_reduce(comm_, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM);

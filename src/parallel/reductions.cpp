@@ -44,19 +44,19 @@ GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value) {
   return rank_of(comm) == 0 ? 0 : sum;  // MPI_Exscan leaves it undefined on rank 0
 }
 
-std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial) {
-  const int mine = static_cast<int>(partial.size());
+std::vector<std::byte> gather_over_ranks(MPI_Comm comm, std::span<const std::byte> mine) {
+  const int bytes = static_cast<int>(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size_of(comm)));
-  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  std::vector<int> offsets(counts.size(), 0);
-  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
-  std::vector<Real> rows(static_cast<std::size_t>(offsets.back() + counts.back()));
-  MPI_Allgatherv(partial.data(), mine, MPI_DOUBLE, rows.data(), counts.data(), offsets.data(), MPI_DOUBLE, comm);
-  return rows;
+  MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  std::vector<int> places(counts.size(), 0);
+  std::exclusive_scan(counts.begin(), counts.end(), places.begin(), 0);
+  std::vector<std::byte> all(static_cast<std::size_t>(places.back() + counts.back()));
+  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), places.data(), MPI_BYTE, comm);
+  return all;
 }
 
 std::vector<Real> sum_over_planes(MPI_Comm comm, std::span<const Real> partial, int columns) {
-  const std::vector<Real> rows = gather_planes(comm, partial);
+  const std::vector<Real> rows = gather_over_ranks(comm, std::vector<Real>(partial.begin(), partial.end()));
   std::vector<Real> totals(static_cast<std::size_t>(columns), 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) totals[k % totals.size()] += rows[k];
   return totals;

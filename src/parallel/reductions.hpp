@@ -6,7 +6,10 @@
 
 #include <mpi.h>
 
+#include <cstddef>
+#include <cstring>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "base/threads.hpp"
@@ -23,8 +26,16 @@ std::vector<GlobalId> sum_over_threads_and_ranks(MPI_Comm comm, PerThread<std::v
 /// Sum over the ranks below this one: the index of this rank's first row where ranks write rows in rank order.
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value);
 
-/// Joins the rows that each rank has for its planes, in plane order, on all ranks. All rows have the same length.
-std::vector<Real> gather_planes(MPI_Comm comm, std::span<const Real> partial);
+/// What each rank has, joined in the order of the ranks, on all ranks.
+std::vector<std::byte> gather_over_ranks(MPI_Comm comm, std::span<const std::byte> mine);
+template <class T>
+std::vector<T> gather_over_ranks(MPI_Comm comm, const std::vector<T>& mine) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const std::vector<std::byte> bytes = gather_over_ranks(comm, std::as_bytes(std::span(mine)));
+  std::vector<T> all(bytes.size() / sizeof(T));
+  if (!all.empty()) std::memcpy(all.data(), bytes.data(), bytes.size());
+  return all;
+}
 
 /// `partial` holds one row of `columns` sums for each cell plane this rank owns, in plane order; ranks own planes in
 /// rank order. Returns the `columns` totals on all ranks.

@@ -87,6 +87,8 @@ class DensityProblem {
   void look_at_density();
 
   const CellOrder& order() const { return near_.order(); }
+  /// Brings numbers of all particles, ghosts included, from those that own them. Collective.
+  void exchange(std::vector<std::int64_t>& numbers) { near_.exchange(numbers); }
   /// All owned particles.
   Range all() const { return near_.all(); }
   /// Of the substep, s.

@@ -2,11 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <atomic>
 
 #include "base/threads.hpp"
 #include "boundary/obstacles/obstacles.hpp"
-#include "domain/plane_sums.hpp"
 #include "parallel/reductions.hpp"
 
 namespace trevi {
@@ -17,95 +15,182 @@ namespace {
 // spacings.
 constexpr Real wall_reach = 1.25;
 
+constexpr Real spread_unit = 256 * 256;  // h², of Σ p pᵀ
+
 }  // namespace
 
 template <class T>
 FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver)
     : comm_(context.comm),
+      grid_(context.grid),
+      box_(context.box),
       interior_(context.box),
-      turns_(true),
+      h_(context.model.h),
       obstacles_(context.obstacles),
       solver_(std::move(solver)) {
-  const CellGrid& grid = context.grid;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = a == 0 ? grid.slab_axis() : a == 1 ? 1 - grid.slab_axis() : 2;
-    const bool repeats = grid.is_periodic(a), has_walls = !repeats && !(axis == 1 && grid.is_layer());
-    const Real reach = !has_walls ? -INFINITY : wall_reach * context.model.h;
+    const int axis = grid_.axis(a);
+    const bool repeats = grid_.is_periodic(a), has_walls = !repeats && !(axis == 1 && grid_.is_layer());
+    const Real reach = !has_walls ? -INFINITY : wall_reach * h_;
     interior_.min[axis] += reach;
     interior_.max[axis] -= reach;
     turns_ = turns_ && !repeats;
   }
 }
 
-// A body that moves freely has what the transfer leaves over, once it is touched.
-template <class T>
-bool FreeMomentum<T>::is_near_solid(const Vec3& p) const {
-  return obstacles_->floating() != nullptr ? obstacles_->is_near_fixed(p) : obstacles_->is_near(p);
-}
-
 template <class T>
 bool FreeMomentum<T>::is_free(const Vec3& p) const {
   const bool inside = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
-  return inside && (obstacles_ == nullptr || !is_near_solid(p));
+  return inside && (obstacles_ == nullptr || !obstacles_->is_near_fixed(p));
 }
 
-// Whether a particle is near a wall or a solid; most water has one among the first that are looked at.
 template <class T>
-bool FreeMomentum<T>::is_touched(const DensityProblem<T>& problem) const {
-  const std::vector<Vec3>& p = problem.particles().predicted;
-  std::atomic<bool> found = false;
-  constexpr LocalId part_size = 512;
-  for_each_part(problem.all(), part_size, [&](Range part) {
-    for (LocalId i = part.begin; i < part.end && !found.load(std::memory_order_relaxed); ++i)
-      if (!is_free(p[static_cast<std::size_t>(i)])) found.store(true, std::memory_order_relaxed);
+FreeMomentum<T>::Sums::Sums(const std::int64_t* words)
+    : count(static_cast<Real>(words[0])),
+      near_fixed(static_cast<Real>(words[1])),
+      near_floating(static_cast<Real>(words[2])) {
+  const std::int64_t* next = words + counts;
+  const auto read = [&] {
+    const Real sum = OrderlessSum::value(next);
+    next += OrderlessSum::words;
+    return sum;
+  };
+  for (Vec3* of : {&p, &path, &spin})
+    for (Real& number : *of) number = read();
+  for (int a = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b) pp(a, b) = pp(b, a) = read() * spread_unit;
+}
+
+template <class T>
+Vec3 FreeMomentum<T>::origin(std::size_t piece) const {
+  const WaterPieces::Cell cell = pieces_.first_cell(piece);
+  Vec3 middle = box_.min;
+  for (std::size_t a = 0; a < 3; ++a) middle[grid_.axis(a)] += (cell[a] + 0.5) / grid_.per_length(a);
+  return middle;
+}
+
+// Sums of a run of cells, which no rank and no thread shares, then those of runs in an order that is not seen.
+template <class T>
+template <bool all, class Velocity>
+typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>& problem,
+                                                         const Velocity& velocity) const {
+  const std::vector<Vec3>& predicted = problem.particles().predicted;
+  const std::span<const WaterPieces::Run> runs = pieces_.runs();
+  const bool has_bodies = obstacles_ != nullptr && obstacles_->floating() != nullptr;
+  PerThread<Words> found;
+  constexpr LocalId part_size = 16;
+  for_each_part({0, static_cast<LocalId>(runs.size())}, part_size, [&](Range part) {
+    Words& mine = found.mine();
+    mine.resize(words * pieces_.count());
+    for (auto n = static_cast<std::size_t>(part.begin); n < static_cast<std::size_t>(part.end); ++n) {
+      const auto [range, piece] = runs[n];
+      std::int64_t* const to = mine.data() + words * piece;
+      const Vec3 from = origin(piece);
+      Vec3 at = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
+      Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+      for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
+        const Vec3 p = (predicted[i] - from) / h_, way = velocity(i) * (problem.dt() / h_);
+        at += p;
+        path += way;
+        spin += p.cross(way);
+        if constexpr (all) {
+          spread += p * p.transpose();
+          to[1] += is_free(predicted[i]) ? 0 : 1;
+          to[2] += has_bodies && obstacles_->is_near(predicted[i]) ? 1 : 0;
+        }
+      }
+      to[0] += range.size();
+      std::int64_t* next = to + counts;
+      const auto add = [&](Real sum) {
+        OrderlessSum::add(sum, next);
+        next += OrderlessSum::words;
+      };
+      for (const Vec3& of : {at, path, spin})
+        for (const Real number : of) add(number);
+      for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b) add(spread(a, b) / spread_unit);
+    }
   });
-  return max_over_ranks(comm_, found.load() ? 1.0 : 0.0) > 0;
+  Words total(words * pieces_.count(), 0);
+  found.for_each([&](const Words& mine) {
+    for (std::size_t k = 0; k < mine.size(); ++k) total[k] += mine[k];
+  });
+  return total;
 }
 
 template <class T>
-template <class Velocity>
-typename FreeMomentum<T>::Sums FreeMomentum<T>::sums_of(DensityProblem<T>& problem, const Velocity& velocity) const {
-  const Particles& particles = problem.particles();
-  return sum_over_planes<Sums>(comm_, problem.order(), [&](Sums& sums, Range range) {
-    for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
-      const Vec3 &p = particles.predicted[i], v = velocity(i);
-      sums.count += 1;
-      sums.near_walls += is_free(p) ? 0 : 1;
-      sums.p += p;
-      sums.v += v;
-      sums.spin += p.cross(v);
-      sums.pp += p * p.transpose();
+typename FreeMomentum<T>::Undoing FreeMomentum<T>::undoing(const Sums& before, const Sums& after,
+                                                           bool is_body_touched) const {
+  Undoing undoing;
+  if (after.near_fixed > 0 || (is_body_touched && after.near_floating > 0)) return undoing;
+  undoing.drift = (after.path - before.path) / after.count;
+  undoing.centre = after.p / after.count;
+  if (!turns_) return undoing;
+  undoing.off = (after.p - before.p) / after.count;
+  const Eigen::Matrix3d spread = after.pp - after.count * undoing.centre * undoing.centre.transpose();
+  const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
+  // A single particle or a line of particles has no inertia about some axis, and no rotation about it to correct.
+  const Real size = inertia.trace();
+  if (inertia.determinant() > 1e-9 * size * size * size)
+    undoing.turn = inertia.inverse() * (after.own_spin() - before.own_spin());
+  return undoing;
+}
+
+// Of the pieces that lie on several ranks, which come first.
+template <class T>
+void FreeMomentum<T>::add_other_ranks(Words& before, Words& after) const {
+  const auto shared = static_cast<std::ptrdiff_t>(words * pieces_.shared());
+  if (shared == 0) return;
+  Words both(before.begin(), before.begin() + shared);
+  both.insert(both.end(), after.begin(), after.begin() + shared);
+  both = sum_over_ranks(comm_, std::move(both));
+  std::copy_n(both.begin(), shared, before.begin());
+  std::copy_n(both.begin() + shared, shared, after.begin());
+}
+
+// What the pressure gave to the water beside surfaces is the rest of the forces on solids, and none of theirs.
+template <class T>
+void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing>& all) const {
+  Particles& particles = problem.particles();
+  const std::span<const WaterPieces::Run> runs = pieces_.runs();
+  const Real to_velocity = h_ / problem.dt();
+  constexpr LocalId part_size = 16;
+  for_each_part({0, static_cast<LocalId>(runs.size())}, part_size, [&](Range part) {
+    for (auto n = static_cast<std::size_t>(part.begin); n < static_cast<std::size_t>(part.end); ++n) {
+      const auto [range, piece] = runs[n];
+      const Undoing& of = all[piece];
+      const Vec3 from = origin(piece), off = of.off * h_;
+      for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
+        const Vec3 arm = (particles.predicted[i] - from) / h_ - of.centre;
+        particles.velocity[i] -= (of.drift + of.turn.cross(arm)) * to_velocity;
+        particles.predicted[i] -= off;
+      }
+      if (obstacles_ == nullptr) continue;
+      obstacles_->record_projection(obstacles_->rest_account(), -range.size() * h_ * of.drift, Vec3::Zero());
     }
   });
 }
 
 template <class T>
 SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
-  if (is_touched(problem)) return solver_->solve(problem);
   Particles& particles = problem.particles();
+  const bool any = pieces_.find(
+      comm_, problem.order(), [&](std::size_t i) { return !is_free(particles.predicted[i]); },
+      [&](WaterPieces::Labels& labels) { problem.exchange(labels); });
+  if (!any) return solver_->solve(problem);
   // A free path does not change p × v.
-  const Sums before = sums_of(problem, [&, dt = problem.dt()](std::size_t i) {
+  Words before = sums_of<false>(problem, [&, dt = problem.dt()](std::size_t i) {
     return Vec3((particles.predicted[i] - particles.position[i]) / dt);
   });
   const SolveResult result = solver_->solve(problem);
-  const Sums after = sums_of(problem, [&](std::size_t i) { return particles.velocity[i]; });
-  if (after.near_walls > 0 || before.count == 0) return result;
-  if (obstacles_ != nullptr && obstacles_->floating() != nullptr && obstacles_->is_touched(comm_)) return result;
-  const Vec3 drift = (after.v - before.v) / after.count, centre = after.p / after.count;
-  Vec3 turn = Vec3::Zero();
-  const Eigen::Matrix3d spread = after.pp - after.count * centre * centre.transpose();
-  const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
-  // About the centre of all, which goes back to where free flight takes it.
-  const auto about_centre = [](const Sums& sums) -> Vec3 { return sums.spin - (sums.p / sums.count).cross(sums.v); };
-  // A single particle or a line of particles has no inertia about some axis, and no rotation about it to correct.
-  const Real size = inertia.trace();
-  if (turns_ && inertia.determinant() > 1e-9 * size * size * size)
-    turn = inertia.inverse() * (about_centre(after) - about_centre(before));
-  const Vec3 off = turns_ ? Vec3((after.p - before.p) / after.count) : Vec3(Vec3::Zero());
-  for_each_index(problem.all(), [&](std::size_t i) {
-    particles.velocity[i] -= drift + turn.cross(particles.predicted[i] - centre);
-    particles.predicted[i] -= off;
-  });
+  Words after = sums_of<true>(problem, [&](std::size_t i) { return particles.velocity[i]; });
+  add_other_ranks(before, after);
+  // A body that moves freely has what the transfer leaves over, once it is touched.
+  const bool is_body_touched = obstacles_ != nullptr && obstacles_->is_body_touched(comm_);
+  std::vector<Undoing> all;
+  for (std::size_t at = 0; at < before.size(); at += words)
+    all.push_back(undoing(Sums(before.data() + at), Sums(after.data() + at), is_body_touched));
+  undo(problem, all);
   return result;
 }
 

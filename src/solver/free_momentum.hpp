@@ -1,12 +1,15 @@
-// Keeps the linear and angular momentum of water that touches nothing, beside what gravity gives. The projection hands
-// its pressure to the particles of a face as if they were as many as full water has there, and sweeps shift positions
-// without velocity: both are right in the mean, but not to rounding. What the substep has changed of the two momenta is
-// undone by a translation and a rotation of all velocities, where the box repeats along an axis by a translation alone;
-// and their centre goes back to where free flight takes it.
+// Keeps the linear and angular momentum of each piece of water that touches nothing (water_pieces.hpp), beside what
+// gravity gives. The projection hands its pressure to the particles of a face as if they were as many as full water has
+// there, and sweeps shift positions without velocity: both are right in the mean, but not to rounding; and in flight
+// the pressure at the upper side of water that is pressed together is higher than at the lower one. What the substep
+// has changed of the two momenta is undone by a translation and a rotation of the velocities of the piece, where the
+// box repeats along an axis by a translation alone; and its centre goes back to where free flight takes it.
 // Collective.
 #pragma once
 
+#include "base/orderless_sum.hpp"
 #include "solver/density_solver.hpp"
+#include "solver/water_pieces.hpp"
 #include "trevi/box.hpp"
 
 namespace trevi {
@@ -23,32 +26,40 @@ class FreeMomentum : public DensitySolver<T> {
   std::size_t bytes() const override { return solver_->bytes(); }
 
  private:
-  // Over all particles: their number, how many are near a wall or an obstacle, Σ p, Σ v, Σ p × v and Σ p pᵀ.
+  // Of a piece, lengths in units of h: particles, those near a wall or a fixed solid and those near a body that moves
+  // freely; Σ p, Σ v dt, Σ p × v dt, and Σ p pᵀ in units of (256 h)², p being measured from its first cell.
+  static constexpr std::size_t counts = 3, sums = 15, words = counts + OrderlessSum::words * sums;
+  using Words = std::vector<std::int64_t>;  // those of each piece
   struct Sums {
-    Real count = 0, near_walls = 0;
-    Vec3 p = Vec3::Zero(), v = Vec3::Zero(), spin = Vec3::Zero();
+    Real count = 0, near_fixed = 0, near_floating = 0;
+    Vec3 p = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
     Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
 
-    template <class Visit>
-    void for_each(const Visit& visit) {
-      visit(count);
-      visit(near_walls);
-      for (Vec3* sum : {&p, &v, &spin})
-        for (Real& number : *sum) visit(number);
-      for (Real& number : pp.reshaped()) visit(number);
-    }
+    explicit Sums(const std::int64_t* words);
+    // About the centre of all.
+    Vec3 own_spin() const { return spin - (p / count).cross(path); }
   };
-  template <class Velocity>
-  Sums sums_of(DensityProblem<T>& problem, const Velocity& velocity) const;
+  // In units of h, paths of the substep; from the first cell of the piece.
+  struct Undoing {
+    Vec3 drift = Vec3::Zero(), turn = Vec3::Zero(), centre = Vec3::Zero(), off = Vec3::Zero();
+  };
 
-  bool is_near_solid(const Vec3& p) const;
+  // Of motion alone, or of all.
+  template <bool all, class Velocity>
+  Words sums_of(const DensityProblem<T>& problem, const Velocity& velocity) const;
+  void add_other_ranks(Words& before, Words& after) const;
+  Undoing undoing(const Sums& before, const Sums& after, bool is_body_touched) const;
+  void undo(DensityProblem<T>& problem, const std::vector<Undoing>& all) const;
+  Vec3 origin(std::size_t piece) const;
   bool is_free(const Vec3& p) const;
-  bool is_touched(const DensityProblem<T>& problem) const;
 
   MPI_Comm comm_;
-  Box interior_;  // m, where no wall acts
-  bool turns_;    // whether there is an angular momentum to keep
+  CellGrid grid_;
+  Box box_, interior_;  // m; where no wall acts
+  Real h_;              // m
+  bool turns_ = true;   // whether there is an angular momentum to keep
   Obstacles* obstacles_;
+  WaterPieces pieces_;
   std::unique_ptr<DensitySolver<T>> solver_;
 };
 

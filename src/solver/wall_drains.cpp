@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "parallel/waiting.hpp"
+#include "parallel/reductions.hpp"
 #include "solver/wall_flows.hpp"
 
 namespace trevi {
@@ -36,12 +36,7 @@ std::vector<WallFlows::Leaving> WallFlows::first_of_all(MPI_Comm comm, std::vect
     if (std::cmp_greater(all.size(), due)) all.resize(static_cast<std::size_t>(due));
   };
   sorted_until_due(mine);
-  const int bytes = static_cast<int>(mine.size() * sizeof(Leaving)), ranks = size_of(comm);
-  std::vector<int> counts(static_cast<std::size_t>(ranks)), places(counts.size(), 0);
-  MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  for (std::size_t k = 1; k < counts.size(); ++k) places[k] = places[k - 1] + counts[k - 1];
-  std::vector<Leaving> all(static_cast<std::size_t>(places.back() + counts.back()) / sizeof(Leaving));
-  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), places.data(), MPI_BYTE, comm);
+  std::vector<Leaving> all = gather_over_ranks(comm, mine);
   sorted_until_due(all);
   return all;
 }

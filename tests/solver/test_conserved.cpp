@@ -56,21 +56,31 @@ struct Changes {
   Real linear, angular, speeds;
 };
 
-Changes changes(const std::vector<std::string>& overrides) {
-  const Scene scene = scene_with(jets_scene, overrides);
+/// The particles of the jets, which are the first ones.
+Cloud jets_of(const Solver& solver) {
+  constexpr GlobalId in_jets = 9 * 3 * 4 + 9 * 3 * 3;
+  Cloud jets;
+  const Cloud all = gathered(world, solver.particles());
+  for (std::size_t i = 0; i < all.id.size(); ++i)
+    if (all.id[i] < in_jets) jets.add(all.id[i], all.position[i], all.velocity[i]);
+  return jets;
+}
+
+Changes changes(const std::vector<std::string>& overrides, const std::string& beside = "") {
+  const Scene scene = scene_with(jets_scene + beside, overrides);
   const std::unique_ptr<Solver> solver = started(scene);
-  const Cloud first = gathered(world, solver->particles());
+  const Cloud first = jets_of(*solver);
   const Vec3 kick = scene.gravity.value_or(Vec3::Zero()) * scene.dt;
   const std::int64_t steps = std::lround(0.2 / scene.dt);
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   for (std::int64_t k = 0; k < steps; ++k) {
-    for (const Vec3& p : gathered(world, solver->particles()).position) {
+    for (const Vec3& p : jets_of(*solver).position) {
       linear -= kick;
       angular -= p.cross(kick);
     }
     solver->step();
   }
-  const Cloud last = gathered(world, solver->particles());
+  const Cloud last = jets_of(*solver);
   Real speed = 0, moment = 0, changed = 0;
   for (std::size_t i = 0; i < last.id.size(); ++i) {
     speed += first.velocity[i].norm();
@@ -105,6 +115,15 @@ TEST(Jets, KeepTheirMomentumInFreeFall) {
     EXPECT_LT(found.angular, 1e-12) << dt;
     EXPECT_GT(found.speeds, 0.1) << dt;
   }
+}
+
+// Though other water lies on the floor. 14 to 18 % were lost where only water alone had its momentum back.
+TEST(Jets, KeepTheirMomentumAboveAPool) {
+  const std::string pool = "[[particles]]\nmin = [-2.0, -1.4, -1.4]\nmax = [2.0, 1.8, -1.2]\n";
+  const Changes found = changes({"gravity.acceleration=[0, 0, -9.8]"}, pool);
+  EXPECT_LT(found.linear, 1e-12);
+  EXPECT_LT(found.angular, 1e-12);
+  EXPECT_GT(found.speeds, 0.1);
 }
 
 TEST(Jets, KeepTheirMomentumWithProjectedVorticity) {

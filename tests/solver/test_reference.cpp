@@ -239,6 +239,23 @@ void expect_reference_of_cloud(const Scene& scene, const Cloud& cloud) {
   }
 }
 
+// Two blocks that meet above a pool, and a drop far from them: pieces of water that touch nothing, beside one that
+// does.
+TEST(Reference, DefaultStepOfBlocksThatMeetAboveAPool) {
+  const Scene scene = scene_with(default_scene, {"domain.min=[0, 0, 0]", "domain.max=[2.2, 1.6, 2.2]"});
+  Cloud cloud = shaken_lattice(scene, Vec3(0, 0, 0), Vec3(2.2, 1.6, 0.3));
+  const auto add = [&](const Vec3& low, const Vec3& high, const Vec3& velocity) {
+    const Cloud block = shaken_lattice(scene, low, high);
+    for (std::size_t k = 0; k < block.id.size(); ++k)
+      cloud.add(block.id[k] + 100000 * static_cast<GlobalId>(cloud.id.size()), block.position[k],
+                velocity + block.velocity[k]);
+  };
+  add(Vec3(0.5, 0.5, 0.9), Vec3(1.0, 1.0, 1.4), Vec3(2, 0, 0));
+  add(Vec3(1.0, 0.6, 1.0), Vec3(1.5, 1.1, 1.5), Vec3(-2, 0, 0.5));
+  add(Vec3(1.8, 1.1, 1.7), Vec3(1.9, 1.3, 1.9), Vec3(-1, 0, 0.5));
+  expect_reference_of_cloud(scene, cloud);
+}
+
 // With gravity and without. Without a surface there are more cycles, nothing returns, and phi has its origin at its
 // largest value.
 TEST(Reference, DefaultStepOfClosedWater) {

@@ -214,9 +214,12 @@ void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const V
   recording_ = recorded;
 }
 
-bool Obstacles::is_touched(MPI_Comm comm) {
+bool Obstacles::is_body_touched(MPI_Comm comm) {
+  if (!floating_) return false;
   const std::vector<TotalImpulse> all = ledger_.total(comm);
-  return std::any_of(all.begin(), all.end() - 1, [](const TotalImpulse& one) { return !one.shift.isZero(); });
+  return std::any_of(all.begin() + static_cast<std::ptrdiff_t>(floating_->first()),
+                     all.begin() + static_cast<std::ptrdiff_t>(box_account()),
+                     [](const TotalImpulse& one) { return !one.shift.isZero(); });
 }
 
 void Obstacles::give_to_bodies(MPI_Comm comm) {

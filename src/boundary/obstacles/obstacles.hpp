@@ -52,8 +52,8 @@ class Obstacles {
     const std::size_t end = floating_ ? floating_->first() : bodies_.size();
     return law_ && index_->any(index_->at(p), [&](std::size_t k) { return k < end && bodies_[k]->is_near(p); });
   }
-  /// Whether the water has given anything to a solid in this substep. Collective.
-  bool is_touched(MPI_Comm comm);
+  /// Whether the water has given anything to a body that moves freely in this substep. Collective.
+  bool is_body_touched(MPI_Comm comm);
   /// The contribution of all obstacles at p, where one of them is so near that it may have any. Their solids do not
   /// overlap, so their contributions add up.
   std::optional<BoundaryDensity> near_density(const Vec3& p) const;

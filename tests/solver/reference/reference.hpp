@@ -149,8 +149,9 @@ class Reference {
   /// velocity of where it goes.
   void project_and_shift() {
     set_velocities();  // as if nothing acted
-    const Momentum before = momentum();
+    const Vectors free_velocity = cloud_.velocity, free_place = p_;
     const std::vector<Real> act = project();
+    const std::vector<std::vector<std::size_t>> pieces = projection_.pieces();
     set_velocities();
     const Vectors start = p_;
     std::vector<Real> in_flight(size(), 0), compression(size());
@@ -177,47 +178,47 @@ class Reference {
     }
     const Vectors carried = projection_.carried(shifts);
     for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] += carried[i] / dt_;
-    if (is_weightless()) restore(before);
+    for (const std::vector<std::size_t>& piece : pieces) restore(piece, momentum(piece, free_place, free_velocity));
   }
 
-  /// Of all particles, each of unit mass.
+  /// Of the particles of a piece of water, each of unit mass.
   struct Momentum {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // about the origin
     Vec3 centre = Vec3::Zero();
     bool is_free = true;  // nothing is near a wall
   };
-  Momentum momentum() const {
+  Momentum momentum(const std::vector<std::size_t>& piece, const Vectors& place, const Vectors& velocity) const {
     Momentum sum;
-    for (std::size_t i = 0; i < size(); ++i) {
-      sum.linear += cloud_.velocity[i];
-      sum.angular += p_[i].cross(cloud_.velocity[i]);
-      sum.centre += p_[i] / static_cast<Real>(size());
+    for (const std::size_t i : piece) {
+      sum.linear += velocity[i];
+      sum.angular += place[i].cross(velocity[i]);
+      sum.centre += place[i] / static_cast<Real>(piece.size());
       for (int a = 0; a < 3; ++a) {
-        const Real gap = std::min(p_[i][a] - s_.domain.min[a], s_.domain.max[a] - p_[i][a]);
+        const Real gap = std::min(place[i][a] - s_.domain.min[a], s_.domain.max[a] - place[i][a]);
         if (!is_open(a) && gap <= 1.25 * h()) sum.is_free = false;
       }
     }
     return sum;
   }
-  /// Gives water that touches nothing back the momenta that it had, by a translation and a rotation about its centre,
+  /// Gives a piece that touches nothing back the momenta that it had, by a translation and a rotation about its centre,
   /// which goes where free flight takes it; where the box repeats along any axis there are no rotation and no centre.
-  void restore(const Momentum& before) {
-    const Momentum after = momentum();
-    if (!before.is_free || !after.is_free || size() == 0) return;
+  void restore(const std::vector<std::size_t>& piece, const Momentum& before) {
+    const Momentum after = momentum(piece, p_, cloud_.velocity);
+    if (!before.is_free || !after.is_free) return;
     Vec3 turn = Vec3::Zero();
     const Vec3 centre = after.centre, off = after.centre - before.centre;
     const Vec3 gained = after.linear - before.linear;
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-    for (const Vec3& p : p_) {
-      const Vec3 r = p - centre;
+    for (const std::size_t i : piece) {
+      const Vec3 r = p_[i] - centre;
       inertia += r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose();
     }
     const bool turns = !repeats(0) && !repeats(1) && !repeats(2);
     if (turns && inertia.determinant() > 1e-9 * std::pow(inertia.trace(), 3))
       turn = inertia.fullPivLu().solve(after.angular - after.centre.cross(after.linear) - before.angular +
                                        before.centre.cross(before.linear));
-    for (std::size_t i = 0; i < size(); ++i) {
-      cloud_.velocity[i] -= gained / static_cast<Real>(size()) + turn.cross(p_[i] - centre);
+    for (const std::size_t i : piece) {
+      cloud_.velocity[i] -= gained / static_cast<Real>(piece.size()) + turn.cross(p_[i] - centre);
       if (turns) p_[i] -= off;
     }
   }

@@ -66,6 +66,30 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return smooth;
   }
 
+  /// The same particles by what hangs together, over faces, edges and corners of the cells in which they were
+  /// predicted.
+  std::vector<std::vector<std::size_t>> pieces() const {
+    CellArray<std::vector<std::size_t>> left(cells_, {});  // not seen yet
+    for (std::size_t i = 0; i < particles_.size(); ++i) left[particles_[i].cell].push_back(i);
+    std::vector<std::vector<std::size_t>> all;
+    for_each_cell([&](const Cell& start) {
+      if (left[start].empty()) return;
+      all.emplace_back();
+      std::vector<Cell> open{start};
+      while (!open.empty()) {
+        const Cell c = open.back();
+        open.pop_back();
+        all.back().insert(all.back().end(), left[c].begin(), left[c].end());
+        left[c].clear();
+        for (int n = 0; n < 27; ++n) {
+          const Cell beside = c + Cell(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+          if (!left[beside].empty()) open.push_back(beside);
+        }
+      }
+    });
+    return all;
+  }
+
   /// What the water's motion differs by along shifts, m: of each less the mean of its cell, as far as the grid acts.
   std::vector<Vec3> carried(const std::vector<Vec3>& shifts) const {
     std::vector<Vec3> result(shifts.size(), Vec3::Zero());

@@ -1,0 +1,234 @@
+#include "solver/water_pieces.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <numeric>
+
+#include "base/threads.hpp"
+#include "parallel/reductions.hpp"
+
+namespace trevi {
+
+namespace {
+
+constexpr std::int64_t touching = -1;  // below all labels of cells
+
+// The least element that hangs together with `of`, parents being less than their children.
+template <class Index>
+Index root_in(std::vector<Index>& parent, Index of) {
+  auto at = [&](Index k) -> Index& { return parent[static_cast<std::size_t>(k)]; };
+  while (at(of) != of) of = at(of) = at(at(of));
+  return of;
+}
+
+template <class Index>
+void join_in(std::vector<Index>& parent, Index a, Index b) {
+  const Index of_a = root_in(parent, a), of_b = root_in(parent, b);
+  parent[static_cast<std::size_t>(std::max(of_a, of_b))] = std::min(of_a, of_b);
+}
+
+// Work(k, r) for own rows, or for those of ghosts around them.
+template <class Work>
+void for_each_row(const CellOrder& order, bool ghosts, const Work& work) {
+  for_each_part(order.planes() + 2, [&](LocalId k) {
+    for (LocalId r = -1; r <= order.rows(); ++r) {
+      const bool own = k > 0 && k <= order.planes() && r >= 0 && r < order.rows();
+      if (own != ghosts) work(k, r);
+    }
+  });
+}
+
+}  // namespace
+
+std::size_t WaterPieces::root(std::size_t run) { return root_in(parent_, run); }
+
+// Of a row no cell is asked for beyond its last particle: the air above the water costs nothing.
+void WaterPieces::find_runs(const CellOrder& order, bool ghosts) {
+  rows_.resize(static_cast<std::size_t>((order.planes() + 2) * (order.rows() + 2)));
+  for_each_row(order, ghosts, [&](LocalId k, LocalId r) {
+    std::vector<CellRun>& runs = row(order, k, r);
+    runs.clear();
+    const Range all = order.row(k, r);
+    bool open = false;
+    for (LocalId c = 0, next = all.begin; next < all.end; ++c) {
+      const LocalId end = order.run(k, r, {c, c + 1}).end;
+      if (end > next && !open) runs.push_back({{c, c}, {next, next}});
+      open = end > next;
+      if (open) runs.back().columns.end = c + 1;
+      if (open) runs.back().particles.end = end;
+      next = end;
+    }
+  });
+}
+
+// join(one of a, one of b) for runs that have cells beside each other.
+void WaterPieces::join_rows(const CellOrder& order, const std::vector<CellRun>& a, const std::vector<CellRun>& b,
+                            const std::function<void(const CellRun&, const CellRun&)>& join) const {
+  if (a.empty() || b.empty()) return;
+  for (auto one = a.begin(), other = b.begin(); one != a.end() && other != b.end();) {
+    if (one->columns.begin <= other->columns.end && other->columns.begin <= one->columns.end) join(*one, *other);
+    (one->columns.end < other->columns.end ? one : other)++;
+  }
+  if (!order.grid().is_periodic(2)) return;
+  const LocalId end = order.grid().columns();
+  if (a.front().columns.begin == 0 && b.back().columns.end == end) join(a.front(), b.back());
+  if (b.front().columns.begin == 0 && a.back().columns.end == end) join(a.back(), b.front());
+}
+
+void WaterPieces::join_own(const CellOrder& order) {
+  own_.clear();
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    for (LocalId r = 0; r < order.rows(); ++r) {
+      for (CellRun& run : row(order, k, r)) {
+        run.number = own_.size();
+        own_.push_back(&run);
+      }
+    }
+  }
+  parent_.resize(own_.size());
+  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  const auto join = [&](const CellRun& a, const CellRun& b) { join_in(parent_, a.number, b.number); };
+  const bool wraps = order.grid().is_periodic(1) && !order.rows_are_cut();
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    for (LocalId r = 0; r < order.rows(); ++r) {
+      const std::vector<CellRun>& here = row(order, k, r);
+      if (here.empty()) continue;
+      join_rows(order, here, here, join);
+      for (const auto& [plane, across] : {std::pair{k, r - 1}, {k - 1, r - 1}, {k - 1, r}, {k - 1, r + 1}}) {
+        const LocalId beside = wraps ? (across + order.rows()) % order.rows() : across;
+        if (plane > 0 && beside >= 0 && beside < order.rows()) join_rows(order, here, row(order, plane, beside), join);
+      }
+    }
+  }
+}
+
+// Labels of the roots. Whether some own piece touches nothing.
+bool WaterPieces::find_touching(const CellOrder& order, const std::function<bool(std::size_t)>& touches) {
+  std::vector<char> touched(own_.size(), 0);
+  std::vector<std::size_t> roots(own_.size());
+  for (std::size_t run = 0; run < own_.size(); ++run) roots[run] = root(run);
+  constexpr LocalId part_size = 8;
+  for_each_part({0, static_cast<LocalId>(own_.size())}, part_size, [&](Range part) {
+    for (auto run = static_cast<std::size_t>(part.begin); run < static_cast<std::size_t>(part.end); ++run) {
+      std::atomic_ref<char> mark(touched[roots[run]]);
+      const Range particles = own_[run]->particles;
+      for (LocalId i = particles.begin; i < particles.end && mark.load(std::memory_order_relaxed) == 0; ++i)
+        if (touches(static_cast<std::size_t>(i - order.low_ghosts()))) mark.store(1, std::memory_order_relaxed);
+    }
+  });
+  labels_.assign(own_.size(), touching);
+  bool any = false;
+  std::size_t run = 0;
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    for (LocalId r = 0; r < order.rows(); ++r) {
+      for (const CellRun& one : row(order, k, r)) {
+        if (roots[run] == run && touched[run] == 0) {
+          any = true;
+          const std::int64_t plane = order.window().planes.begin + k - 1, across = order.window().rows.begin + r;
+          labels_[run] = (plane * order.grid().rows() + across) * order.grid().columns() + one.columns.begin;
+        }
+        ++run;
+      }
+    }
+  }
+  return any;
+}
+
+// What hangs together across cuts, as this rank sees it, each once.
+WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& labels) {
+  std::vector<Joint> found;
+  const auto join = [&](const CellRun& own, const CellRun& ghost) {
+    const std::int64_t a = label(own.number), b = labels[static_cast<std::size_t>(ghost.particles.begin)];
+    if (a != b) found.emplace_back(std::minmax(a, b));
+  };
+  const bool wraps = order.grid().is_periodic(1) && !order.rows_are_cut();
+  for (LocalId k = 1; k <= order.planes(); ++k) {
+    for (LocalId r = 0; r < order.rows(); ++r) {
+      for (int n = 0; n < 9; ++n) {
+        const LocalId plane = k + n / 3 - 1, across = r + n % 3 - 1;
+        const LocalId beside = wraps ? (across + order.rows()) % order.rows() : across;
+        const bool is_own = plane > 0 && plane <= order.planes() && beside >= 0 && beside < order.rows();
+        if (!is_own) join_rows(order, row(order, k, r), row(order, plane, beside), join);
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  Labels pairs;
+  for (const auto& [a, b] : found) pairs.insert(pairs.end(), {a, b});
+  return pairs;
+}
+
+// Pairs of labels, one after the other.
+void WaterPieces::join_ranks(MPI_Comm comm, const Labels& joints) {
+  const Labels pairs = gather_over_ranks(comm, joints);
+  Labels all = pairs;
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  const auto place = [&](std::int64_t one) { return std::lower_bound(all.begin(), all.end(), one) - all.begin(); };
+  std::vector<std::ptrdiff_t> parent(all.size());
+  std::iota(parent.begin(), parent.end(), std::ptrdiff_t{0});
+  for (std::size_t k = 0; k < pairs.size(); k += 2) join_in(parent, place(pairs[k]), place(pairs[k + 1]));
+  joined_.clear();
+  for (std::size_t k = 0; k < all.size(); ++k)
+    joined_.emplace_back(all[k], all[static_cast<std::size_t>(root_in(parent, static_cast<std::ptrdiff_t>(k)))]);
+}
+
+void WaterPieces::find_in_flight(const CellOrder& order) {
+  in_flight_.clear();
+  Labels least;  // of pieces on several ranks
+  for (const auto& [one, first] : joined_) {
+    if (one == first && one != touching) least.push_back(one);
+  }
+  shared_ = least.size();
+  std::vector<std::size_t> piece(own_.size());  // of local roots
+  for (std::size_t run = 0; run < own_.size(); ++run) {
+    const std::size_t first = root(run);
+    std::int64_t name = labels_[first];
+    if (name == touching) continue;
+    const auto joined = std::lower_bound(joined_.begin(), joined_.end(), Joint{name, touching});
+    const bool is_shared = joined != joined_.end() && joined->first == name;
+    if (is_shared) name = joined->second;
+    if (name == touching) continue;
+    if (is_shared) {
+      piece[first] = static_cast<std::size_t>(
+          std::lower_bound(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(shared_), name) - least.begin());
+    } else if (first == run) {
+      piece[first] = least.size();
+      least.push_back(name);
+    }
+    const Range& particles = own_[run]->particles;
+    in_flight_.push_back({{particles.begin - order.low_ghosts(), particles.end - order.low_ghosts()}, piece[first]});
+  }
+  first_cells_.clear();
+  const std::int64_t columns = order.grid().columns(), rows = order.grid().rows();
+  for (const std::int64_t cell : least)
+    first_cells_.push_back({static_cast<LocalId>(cell / columns / rows), static_cast<LocalId>(cell / columns % rows),
+                            static_cast<LocalId>(cell % columns)});
+}
+
+bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::function<bool(std::size_t)>& touches,
+                       const std::function<void(Labels&)>& exchange) {
+  find_runs(order, false);
+  join_own(order);
+  const bool any = find_touching(order, touches);
+  if (max_over_ranks(comm, any ? 1.0 : 0.0) == 0) {
+    in_flight_.clear();
+    first_cells_.clear();
+    shared_ = 0;
+    return false;
+  }
+  Labels labels(static_cast<std::size_t>(order.size()), touching);
+  for (std::size_t run = 0; run < own_.size(); ++run) {
+    const Range& particles = own_[run]->particles;
+    std::fill(labels.begin() + particles.begin, labels.begin() + particles.end, label(run));
+  }
+  exchange(labels);
+  find_runs(order, true);
+  join_ranks(comm, joints(order, labels));
+  find_in_flight(order);
+  return max_over_ranks(comm, count() > 0 ? 1.0 : 0.0) > 0;
+}
+
+}  // namespace trevi

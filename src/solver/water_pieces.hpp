@@ -1,0 +1,77 @@
+// The connected pieces of the water in a substep that touch nothing: drops, jets in the air, blocks that are thrown.
+// Particles of cells that share a face, an edge or a corner hang together. Nothing acts farther between particles:
+// pairs are of adjacent cells, and the projection has no pressure where there are no particles. Which pieces there are
+// does not depend on the ranks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "particles/cell_order.hpp"
+#include "trevi/session.hpp"
+
+namespace trevi {
+
+class WaterPieces {
+ public:
+  /// Owned particles, counted from 0, of consecutive cells of a row.
+  struct Run {
+    Range particles;
+    std::size_t piece;
+  };
+  /// By grid direction: plane, row, column.
+  using Cell = std::array<LocalId, 3>;
+  using Labels = std::vector<std::int64_t>;
+
+  /// Finds the pieces of which no particle touches something. `touches` is asked of owned particles, on any thread;
+  /// `exchange` brings numbers of all particles, ghosts included, from those that own them, and is called, as ranks
+  /// gather what hangs together across cuts, where water of some rank touches nothing there. Whether there are such
+  /// pieces on any rank. Collective.
+  bool find(MPI_Comm comm, const CellOrder& order, const std::function<bool(std::size_t)>& touches,
+            const std::function<void(Labels&)>& exchange);
+
+  /// Of this rank.
+  std::span<const Run> runs() const { return in_flight_; }
+  /// Number of pieces that runs belong to. The first shared() of them lie on several ranks: all ranks have the same
+  /// ones there, in the same order, whether they have particles of them or not.
+  std::size_t count() const { return first_cells_.size(); }
+  std::size_t shared() const { return shared_; }
+  /// Of the cells of a piece in the box the first in their order.
+  Cell first_cell(std::size_t piece) const { return first_cells_[piece]; }
+
+ private:
+  struct CellRun {
+    Range columns, particles;  // counted with ghosts
+    std::size_t number = 0;    // of own ones
+  };
+  using Joint = std::pair<std::int64_t, std::int64_t>;
+
+  std::vector<CellRun>& row(const CellOrder& order, LocalId k, LocalId r) {
+    return rows_[static_cast<std::size_t>(k * (order.rows() + 2) + r + 1)];
+  }
+  void find_runs(const CellOrder& order, bool ghosts);
+  void join_own(const CellOrder& order);
+  void join_rows(const CellOrder& order, const std::vector<CellRun>& a, const std::vector<CellRun>& b,
+                 const std::function<void(const CellRun&, const CellRun&)>& join) const;
+  bool find_touching(const CellOrder& order, const std::function<bool(std::size_t)>& touches);
+  Labels joints(const CellOrder& order, const Labels& labels);
+  void join_ranks(MPI_Comm comm, const Labels& joints);
+  void find_in_flight(const CellOrder& order);
+  std::size_t root(std::size_t run);
+  std::int64_t label(std::size_t run) { return labels_[root(run)]; }
+
+  std::vector<std::vector<CellRun>> rows_;  // of own planes and rows, and those of ghosts around them
+  std::vector<CellRun*> own_;               // runs of the own rows, in their order
+  std::vector<std::size_t> parent_;         // of each own run; of a piece here the first run is the root
+  Labels labels_;                           // of roots: the first cell in the box, -1 where it touches something
+  std::vector<Joint> joined_;  // labels of pieces on several ranks, sorted, and the least of the same piece
+  std::vector<Run> in_flight_;
+  std::vector<Cell> first_cells_;  // of each piece
+  std::size_t shared_ = 0;
+};
+
+}  // namespace trevi
