@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <mpi.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
