@@ -160,6 +160,17 @@ std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
   return finished_;
 }
 
+// From the point of moments to the line on which an impulse acts, where it is nearest to the middle of the solid; that
+// of a couple is nowhere, and no line lies farther off than the solid reaches.
+Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const {
+  const bool is_box = account == box_account();
+  const Box& box = walls_.box();
+  const Vec3 middle = is_box ? Vec3((box.min + box.max) / 2) : Vec3(Vec3::Zero());
+  const Real reach = is_box ? (box.max - box.min).norm() / 2 : bodies_[account]->radius();
+  const Vec3 arm = shift.cross(moment - middle.cross(shift)) / shift.squaredNorm();
+  return middle + arm * std::min(1.0, reach / std::max(arm.norm(), reach));
+}
+
 std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
   const TotalImpulse rest = all.back();
@@ -178,7 +189,7 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
     const Real part = sum > 0 ? all[k].shift.norm() / sum : k == box_account() ? 1 : 0;
     const Vec3 own = all[k].shift, share = part * rest.shift;
     all[k].shift += share;
-    if (own != Vec3::Zero()) all[k].moment += own.cross(all[k].moment).cross(share) / own.squaredNorm();
+    if (own != Vec3::Zero()) all[k].moment += arm_of(k, own, all[k].moment).cross(share);
   }
   return all;
 }

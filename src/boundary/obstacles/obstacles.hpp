@@ -133,6 +133,7 @@ class Obstacles {
   Leg leg_from(const Vec3& p, bool before);
   // Of the ledger, with the rest shared.
   std::vector<TotalImpulse> recorded(MPI_Comm comm);
+  Vec3 arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const;
   const Vec3& arm_center(std::size_t k) const {
     return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->now().center;
   }
