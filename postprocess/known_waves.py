@@ -194,14 +194,13 @@ def first_harmonic_of_piston(height, length, depth):
     return float(np.mean(2 * amplitudes / height))
 
 
-def crests_of_solitary(height, depth, places):
-    """Over the height that is asked for, at places in depths from the middle of the stroke."""
+def levels_of_solitary(height, depth, places):
+    """Times and levels at places, in depths from the middle of the stroke."""
     piston = SolitaryPiston(height, depth)
     tank = Tank(piston, depth, depth / 12, (places[-1] + 8) * depth)
     dt = 0.025 * math.sqrt(depth / 0.75)
     seconds = piston.duration / 2 + (places[-1] + 3) * depth / piston.celerity
-    _, levels = tank.levels(np.array(places) * depth, dt, round(seconds / dt))
-    return levels.max(axis=0) / height
+    return tank.levels(np.array(places) * depth, dt, round(seconds / dt))
 
 
 def levels_of_irregular(height, length, depth, periods, seed=1):

@@ -6,8 +6,8 @@
 What the disc of a gauge takes of a wave is divided out. Regular waves: the first harmonic of each of a row of gauges over
 whole periods once the waves are there is split by least squares into one wave that goes and decays, and one that comes back;
 three harmonics make up crests and troughs. Irregular waves: H_m0 and the peak of the spectrum of one gauge. Beside both stands
-what potential flow (known_waves.py) has of the same piston, over what it has of waves a tenth as high. Solitary wave: its speed
-between two gauges, and its height. One row for each quantity, beside what theory says.
+what potential flow (known_waves.py) has of the same piston, over what it has of waves a tenth as high. Solitary wave: speed and
+height by lines through the crests that 41 gauges see. One row for each quantity, beside what theory says.
 """
 
 import math
@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from known_waves import crests_of_solitary, first_harmonic_of_piston, levels_of_irregular, share_seen, wave_numbers
+from known_waves import first_harmonic_of_piston, levels_of_irregular, levels_of_solitary, share_seen, wave_numbers
 from study import GRAVITY, columns_of, launch, parser_of, two_at_a_time, write_table
 
 SPACING = 0.05  # m
@@ -143,24 +143,32 @@ def regular(case, folder, name, trevi):
 
 
 def solitary(case, folder, name, trevi):
-    height, places = case["height"] * SPACING, np.array([10, 15, 20, 25, 30]) * DEPTH
+    height, depths = case["height"] * SPACING, np.arange(10, 30.01, 0.5)
     celerity = math.sqrt(GRAVITY * (DEPTH + height))
-    text = tank(case, 'type = "piston"\nwave = "solitary"', length=places[-1] + 4 * DEPTH, absorbing=6 * DEPTH,
-                seconds=places[-1] / celerity + 6, places=places)
+    text = tank(case, 'type = "piston"\nwave = "solitary"', length=34 * DEPTH, absorbing=6 * DEPTH,
+                seconds=30 * DEPTH / celerity + 6, places=depths * DEPTH)
     time, heights = run(text, folder, name, trevi)
+    yield from crests_of(time, heights - DEPTH, depths, height, "")
+    times, levels = levels_of_solitary(height, DEPTH, depths)
+    yield from crests_of(times, levels.T, depths, height, ", potential flow in place of particles")
+
+
+def crests_of(time, levels, depths, height, whose):
+    """Speed and height of a solitary wave by lines through what is seen at all places, as single crests scatter."""
     arrivals, crests = [], []
-    for level in heights:
+    for level in levels:
         top = np.argmax(level)
         near = slice(max(top - 5, 0), top + 6)  # a parabola through the crest
         a, b, c = np.polyfit(time[near] - time[top], level[near], 2)
         arrivals.append(time[top] - b / (2 * a))
-        crests.append(c - b * b / (4 * a) - DEPTH)
-    yield "celerity over that of theory", 1, np.polyfit(arrivals, places, 1)[0] / math.sqrt(GRAVITY * (DEPTH + np.mean(crests)))
-    yield "height over that of theory, 10 depths from the paddle", 1, crests[0] / height
-    yield "height lost in 20 depths", 0, 1 - crests[-1] / crests[0]
-    near, far = crests_of_solitary(height, DEPTH, (10, 30))
-    yield "height over that of theory, 10 depths from the paddle, potential flow in place of particles", 1, near
-    yield "height lost in 20 depths, potential flow in place of particles", 0, 1 - far / near
+        crests.append(c - b * b / (4 * a))
+    line = np.polyfit(depths, crests, 1)
+    near, far = np.polyval(line, [10, 30])
+    speed = DEPTH / np.polyfit(depths, arrivals, 1)[0]
+    yield "celerity over that of theory" + whose, 1, speed / math.sqrt(GRAVITY * (DEPTH + np.mean(crests)))
+    yield "height over that of theory, 10 depths from the paddle" + whose, 1, near / height
+    yield "height lost in 20 depths" + whose, 0, 1 - far / near
+    yield "scatter of single crests about their line, of the height" + whose, 0, np.std(crests - np.polyval(line, depths)) / height
 
 
 def significant_height(time, level, period, seen=None):

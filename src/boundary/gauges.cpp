@@ -85,11 +85,32 @@ Real gauge_weight_in_layer_of(const Box2& rectangle, Real radius) {
   return to(rectangle.max_x) - to(rectangle.min_x);
 }
 
+SeenFrom::SeenFrom(const Vec3& place, const Vec3& reach, const Settings& settings)
+    : place_(place), images_{Vec3::Zero()} {
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    if (!settings.periodic[static_cast<std::size_t>(a)]) continue;
+    length_[a] = settings.domain.max[a] - settings.domain.min[a];
+    lengths_per_metre_[a] = 1 / length_[a];
+    // The nearest image is at most half a length away.
+    const auto each_way = static_cast<int>(std::ceil(std::max(0.0, reach[a] / length_[a] - 0.5)));
+    const std::vector<Vec3> others = images_;
+    for (int n = -each_way; n <= each_way; ++n)
+      for (const Vec3& other : others)
+        if (n != 0) images_.emplace_back(other + n * length_[a] * Vec3::Unit(a));
+  }
+}
+
 Real open_fraction_of_gauge(const GaugeSettings& gauge, const PointLattice& lattice, const Box& box,
-                            const IsSolid& is_solid) {
+                            const IsSolid& is_solid, const std::array<bool, 3>& periodic) {
   const int dimensions = lattice.dimensions;
+  const auto ends = [&](Eigen::Index a) { return !periodic[static_cast<std::size_t>(a)]; };
   if (gauge.kind == GaugeKind::height) {
-    const Vec3 low = box.min - gauge.center, high = box.max - gauge.center;
+    Vec3 low = box.min - gauge.center, high = box.max - gauge.center;
+    for (Eigen::Index a = 0; a < 2; ++a) {
+      if (ends(a)) continue;
+      low[a] = -INFINITY;
+      high[a] = INFINITY;
+    }
     const Box2 level{low.x(), low.y(), high.x(), high.y()};
     return dimensions == 2 ? gauge_weight_in_layer_of(level, gauge.radius) : gauge_weight_of(level, gauge.radius);
   }
@@ -97,7 +118,13 @@ Real open_fraction_of_gauge(const GaugeSettings& gauge, const PointLattice& latt
   const Plane plane =
       dimensions == 2 ? Plane{Vec3(gauge.normal.z(), 0, -gauge.normal.x()), Vec3::Zero()} : across(gauge.normal);
   const Vec3 off = bulge * lattice.spacing * gauge.normal;
-  const auto open = [&](const Vec3& p) { return box.contains(p) && !is_solid(p); };
+  const auto open = [&](Vec3 p) {
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      const Real length = box.max[a] - box.min[a];
+      if (!ends(a)) p[a] -= std::floor((p[a] - box.min[a]) / length) * length;
+    }
+    return box.contains(p) && !is_solid(p);
+  };
   const auto counts = [&](Real a, Real b) {
     const Vec3 p = gauge.center + gauge.radius * (a * plane.u + b * plane.v);
     return open(p + off) && !open(p - off);
@@ -113,8 +140,10 @@ PressureGauges::PressureGauges(const Settings& settings, const IsSolid& is_solid
   for (const GaugeSettings& gauge : settings.gauges) {
     if (gauge.kind != GaugeKind::pressure) continue;
     gauges_.push_back(gauge);
-    volume_.push_back(spacing_ * spacing_ * spacing_ /
-                      open_fraction_of_gauge(gauge, lattice_of(settings.fluid), settings.domain, is_solid));
+    seen_.emplace_back(gauge.center, Vec3::Constant(gauge.radius + h_), settings);
+    volume_.push_back(
+        spacing_ * spacing_ * spacing_ /
+        open_fraction_of_gauge(gauge, lattice_of(settings.fluid), settings.domain, is_solid, settings.periodic));
   }
   clear();
 }
@@ -125,13 +154,14 @@ void PressureGauges::clear() {
 
 void PressureGauges::add_to(std::size_t k, const Vec3& shift, const Vec3& p) {
   const GaugeSettings& gauge = gauges_[k];
-  const Vec3 from = p - gauge.center;
-  const Real height = from.dot(gauge.normal);
-  if (!(height >= -bulge * spacing_ && height <= h_)) return;
-  const Real distance2 = from.squaredNorm() - height * height;
-  const Real weight =
-      in_layer_ ? gauge_weight_in_layer(distance2, gauge.radius, spacing_) : gauge_weight(distance2, gauge.radius);
-  if (weight != 0) add_phi(k, -volume_[k] * weight * shift.dot(gauge.normal));
+  seen_[k].for_each(p, [&](const Vec3& from) {
+    const Real height = from.dot(gauge.normal);
+    if (!(height >= -bulge * spacing_ && height <= h_)) return;
+    const Real distance2 = from.squaredNorm() - height * height;
+    const Real weight =
+        in_layer_ ? gauge_weight_in_layer(distance2, gauge.radius, spacing_) : gauge_weight(distance2, gauge.radius);
+    if (weight != 0) add_phi(k, -volume_[k] * weight * shift.dot(gauge.normal));
+  });
 }
 
 // The grid's phi is negative where there is pressure.

@@ -6,6 +6,8 @@
 // is seen in them. add() may be called in loops that threads share. Collective: total().
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -31,13 +33,32 @@ Real gauge_weight_of(const Box2& rectangle, Real radius);
 /// The same in two dimensions, where the rectangle is as wide as the layer.
 Real gauge_weight_in_layer_of(const Box2& rectangle, Real radius);
 
+/// What a gauge sees of a particle in a box that repeats: it, and its images beyond the ends of periodic axes.
+class SeenFrom {
+ public:
+  /// As far as `reach` along each axis, m.
+  SeenFrom(const Vec3& place, const Vec3& reach, const Settings& settings);
+  /// see(way) of each image of p, from the place to it.
+  template <class See>
+  void for_each(const Vec3& p, const See& see) const {
+    Vec3 nearest = p - place_;
+    for (Eigen::Index a = 0; a < 3; ++a) nearest[a] -= length_[a] * std::round(nearest[a] * lengths_per_metre_[a]);
+    for (const Vec3& one : images_) see(Vec3(nearest + one));
+  }
+
+ private:
+  Vec3 place_, length_ = Vec3::Zero(), lengths_per_metre_ = Vec3::Zero();  // 0 where nothing repeats
+  std::vector<Vec3> images_;                                               // from the nearest one
+};
+
 /// Whether a place is in an obstacle.
 using IsSolid = std::function<bool(const Vec3&)>;
 
-/// The weight, at most 1, of the part of the disc that counts. Height: what is in the box. Pressure: what has open
-/// space a quarter of a spacing before it, and a wall or an obstacle as far behind it, so that surfaces may be curved.
+/// The weight, at most 1, of the part of the disc that counts. Height: what is in the box, which has no end along
+/// periodic axes. Pressure: what has open space a quarter of a spacing before it, and a wall or an obstacle as far
+/// behind it, so that surfaces may be curved.
 Real open_fraction_of_gauge(const GaugeSettings& gauge, const PointLattice& lattice, const Box& box,
-                            const IsSolid& is_solid);
+                            const IsSolid& is_solid, const std::array<bool, 3>& periodic = {});
 
 class PressureGauges {
  public:
@@ -62,6 +83,7 @@ class PressureGauges {
   void add_to(std::size_t k, const Vec3& shift, const Vec3& p);
 
   std::vector<GaugeSettings> gauges_;
+  std::vector<SeenFrom> seen_;
   std::vector<Real> volume_;  // of a particle, m³, over the fraction of the disc
   Real spacing_, h_, unit_;   // m, m, m²
   bool in_layer_;             // two dimensions

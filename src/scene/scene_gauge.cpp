@@ -137,8 +137,9 @@ void check_gauge_places(const Scene& scene, const FreePlaces& places) {
   for (std::size_t k = 0; k < scene.gauges.size(); ++k) {
     const GaugeSettings& gauge = scene.gauges[k];
     if (gauge.kind != GaugeKind::pressure) continue;
-    const Real fraction = open_fraction_of_gauge(gauge, lattice_of(scene.fluid), scene.domain,
-                                                 [&](const Vec3& p) { return places.solid_at(p) >= 0; });
+    const Real fraction = open_fraction_of_gauge(
+        gauge, lattice_of(scene.fluid), scene.domain, [&](const Vec3& p) { return places.solid_at(p) >= 0; },
+        scene.periodic);
     if (fraction >= 0.2) continue;  // in a corner of the box it is a quarter
     told_at(scene, {"gauge", k}, "center", [&] {
       throw InputError(

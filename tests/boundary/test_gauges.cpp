@@ -202,6 +202,60 @@ TEST_F(Gauges, AVelocityIsExactInALinearField) {
   EXPECT_TRUE(std::isnan(row[8]));
 }
 
+// At the end of a periodic axis, and in the midst of it: heights and flows of a lattice, also through a rectangle that
+// is longer than the box, the velocity of a linear field, and what a floor gives are the same.
+TEST_F(Gauges, GaugesSeeAcrossTheEndsOfPeriodicAxes) {
+  std::string text = tank_with_gravity({.max = "2, 1.2, 1.8",
+                                        .water = {{"0, 0, 0", "2, 1.2, 1.2", "velocity = [1.03, 0.4, 0]"}},
+                                        .domain = "periodic = [\"x\", \"y\"]"}) +
+                     "[output.series]\n";
+  const std::vector<Vec3> feet = {{1, 0.6, 0}, {0, 0.6, 0}, {0.013, 0, 0}, {2, 1.2, 0}, {1.93, 0.02, 0}};
+  for (const Vec3& foot : feet) {
+    const auto table = [&](const char* type, Real z, const char* more) {
+      text += fmt::format("[[gauge]]\ntype = '{}'\ncenter = [{}, {}, {}]\n{}", type, foot.x(), foot.y(), z, more);
+    };
+    table("height", 0, "");
+    table("height", 0, "radius = 1.7\n");
+    table("velocity", 0.6, "radius = 0.3\n");
+    table("flow", 0.6, "normal = [1, 0, 0]\nsize = [0.5, 0.4]\n");
+    table("flow", 0.6, "normal = [0, 1, 0]\nsize = [9, 0.4]\n");
+  }
+  const Scene scene = parse_scene("test.toml", text, {});
+  Particles particles = initial_particles(world, scene);
+  const Vec3 length = scene.domain.max - scene.domain.min;
+  GaugeSeries gauges(world, {folder(), *scene.output.series, {}}, scene);
+  gauges.observe({Clock{0, scene.dt}, particles, {}, nullptr, {}});
+  Eigen::Matrix3d slope;
+  slope << 0.1, -2, 0.3, 1.5, 0.2, 0, -0.4, 0.7, -0.3;
+  const auto way = [&](const Vec3& p) {
+    Vec3 from = p - feet[3];
+    for (Eigen::Index a = 0; a < 2; ++a) from[a] -= length[a] * std::round(from[a] / length[a]);
+    return from;
+  };
+  for (std::size_t i = 0; i < particles.id.size(); ++i)
+    particles.velocity[i] = Vec3(1, -2, 0.5) + slope * (way(particles.position[i]) - Vec3(0, 0, 0.6));
+  gauges.observe({Clock{1, scene.dt}, particles, {}, nullptr, {}});
+  if (rank_of(world) != 0) return;
+  const Rows rows = rows_of(folder());
+  const std::vector<Real> expected = {1.2, 1.2, 1.03, 0.4, 0, 1.03 * 0.5 * 0.4, 0.4 * 2 * 0.4};
+  for (std::size_t k = 0; k < feet.size(); ++k)
+    for (std::size_t n = 0; n < expected.size(); ++n)
+      EXPECT_NEAR(rows[0][2 + 7 * k + n], expected[n], 2e-8) << k << ' ' << n;
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(rows[1][2 + 7 * 3 + 2 + a], Vec3(1, -2, 0.5)[Eigen::Index(a)], 1e-7);
+}
+
+TEST_F(Gauges, APressureIsTheSameAtTheEndOfAPeriodicAxis) {
+  Settings settings = parse_scene("test.toml", pool, {});
+  settings.periodic = {true, false, false};
+  for (const Real x : {1.0, 0.0, 1.97}) settings.gauges.push_back({GaugeKind::pressure, {x, 0.6, 0}, {0, 0, 1}, 0.2});
+  PressureGauges gauges(settings, [](const Vec3&) { return false; });
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 120; ++j) gauges.add(Vec3(0, 0, 1e-6), Vec3(0.01 * i + 0.005, 0.01 * j + 0.005, 0.05));
+  const std::vector<Real> pressed = gauges.total(MPI_COMM_SELF);
+  EXPECT_GT(pressed[0], 0);
+  for (const Real one : pressed) EXPECT_NEAR(one / pressed[0], 1, 1e-3);
+}
+
 TEST_F(Gauges, SameBitsOnAnyRanksAndThreads) {
   const std::string falling = pool + "[[particles]]\nmin = [0.2, 0.2, 1.3]\nmax = [0.8, 1, 1.7]\n" + tables_of(places);
   const std::string alone = path("alone_" + std::to_string(rank_of(world)));

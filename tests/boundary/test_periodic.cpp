@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "boundary/geometry/periods.hpp"
 #include "boundary/periodic_domain.hpp"
 #include "domain/migrate.hpp"
 #include "domain/neighbourhood.hpp"
@@ -285,6 +286,12 @@ TEST(Periodic, SettingsThatCannotBeAreRefused) {
   EXPECT_EQ(with(ball), "nothing");
   ball.rotate.z() = 5;
   EXPECT_NE(with(ball).find("no image"), std::string::npos);
+  WavemakerSettings waves;
+  waves.height = 0.1;
+  waves.period = waves.depth = 1;
+  settings.periodic = {true, false, false};
+  EXPECT_NE(why_not_periodic(paddle_of(waves, settings.domain), settings).find("makes waves along x"),
+            std::string::npos);
 }
 
 TEST(Periodic, CellsAreCountedFromTheCornerWhereThereAreObstacles) {

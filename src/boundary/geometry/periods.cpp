@@ -54,6 +54,9 @@ std::string why_not_periodic(const ObstacleSettings& obstacle, const Settings& s
   const Box place = place_of(obstacle);
   for (int a = 0; a < 3; ++a) {
     if (!settings.periodic[static_cast<std::size_t>(a)] || fits(obstacle, place, settings, a)) continue;
+    if (obstacle.wavemaker && obstacle.wavemaker->direction[a] != 0)
+      return fmt::format("makes waves along {0}, where the box has no ends; leave {0} out of [domain] periodic",
+                         "xyz"[a]);
     return fmt::format(
         "reaches from {0} = {1:.6g} to {2:.6g} m, and has no image beyond an end of a periodic axis; keep it {3:.6g} m "
         "(two kernel radii) from both ends, or let a box or a cylinder along {0} go as far beyond both",

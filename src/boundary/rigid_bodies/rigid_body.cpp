@@ -198,20 +198,38 @@ void RigidBody::set_twist(const Six& twist) {
   end_orientation_ = turned(state_.orientation, about_of(twist_) * (dt_ / 2));
 }
 
+// How much of the answer `found` counts, the rest being that of the water as it is `known`, so that the answer is none
+// of more than `most` times what `wide` stands for: what noise or another body did to the pressure may stand at a right
+// angle to the step, and would make an added mass without bound of it.
+Real RigidBody::part_that_counts(const Six& step, const Six& found, const Six& known, const Mass6& wide) const {
+  constexpr Real most = 100;
+  const auto weighed = [&](const Six& a) { return solved(wide, a, free_); };
+  const Six more = plus(found, known, -1), weighed_more = weighed(more);
+  // A parabola in that part, which is 0 where the answer is just as much.
+  const Real square = dot(more, weighed_more), slope = 2 * dot(known, weighed_more) - most * dot(step, more),
+             none = dot(known, weighed(known)) - most * dot(step, known);
+  if (square + slope + none <= 0) return 1;
+  if (none >= 0) return 0;
+  return (std::sqrt(slope * slope - 4 * square * none) - slope) / (2 * square);
+}
+
 // The formula of Broyden, Fletcher, Goldfarb and Shanno keeps the matrix positive; Powell's damping keeps it so where
-// the answer grows with the twist. An estimate is good enough when it is half of what it stands for.
+// the answer grows with the twist, and a second one keeps it bounded (Goldfarb, Ren & Bahamou, 2020). An estimate is
+// good enough when it is half of what it stands for.
 void RigidBody::hear(const Six& pressure) {
   if (answers_ == 1) {  // later ones still have a part of what came before
     const Six step = plus(twist_, asked_, -1), known = times(added_, step);
     Six resistance = plus(answer_, pressure, -1);
+    const auto take = [&](Real part) {
+      for (std::size_t i = 0; i < 6; ++i) resistance[i] = part * resistance[i] + (1 - part) * known[i];
+    };
     const Real expected = dot(step, known), found = dot(step, resistance);
     const Real kinetic = dot(step, times(inertia_, step));
     constexpr Real least = 0.2;
     if (expected > 1e-12 * kinetic && kinetic > 0) {
-      if (found < least * expected) {
-        const Real part = (1 - least) * expected / (expected - found);
-        for (std::size_t i = 0; i < 6; ++i) resistance[i] = part * resistance[i] + (1 - part) * known[i];
-      }
+      if (found < least * expected) take((1 - least) * expected / (expected - found));
+      const Mass6 wide = plus(inertia_, turned(first_added_, rotation_of(state_.orientation)));
+      if (const Real part = part_that_counts(step, resistance, known, wide); part < 1) take(part);
       add_square(added_, known, -1 / expected);
       add_square(added_, resistance, 1 / dot(step, resistance));
     }

@@ -61,6 +61,7 @@ class RigidBody {
   Pose pose_of(const Vec3& position, const std::array<Real, 4>& orientation) const;
   Rotation inertia_at(const Rotation& turn) const { return turn * moment_ * turn.transpose(); }
   Six velocities(const Six& momentum, const Rotation& turn) const;
+  Real part_that_counts(const Six& step, const Six& found, const Six& known, const Mass6& wide) const;
   Six mooring_force() const;
   Real mooring_energy() const;
   struct Line;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "boundary/gauges.hpp"
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
 #include "trevi/settings.hpp"
@@ -13,17 +14,21 @@ namespace trevi {
 /// What flows through a rectangle, to the side of its normal. Each particle is a cube of one spacing along the edges of
 /// the rectangle; what of it is in the slab two spacings thick around the rectangle flows with its velocity. A lattice
 /// that moves as a whole flows by speed times area to rounding, wherever the rectangle stands, if its edges are along
-/// those of the lattice.
+/// those of the lattice. Where the box repeats it is at most as long as that.
 class RectangleFlow {
  public:
-  RectangleFlow(const GaugeSettings& gauge, Real spacing);
+  RectangleFlow(const GaugeSettings& gauge, const Settings& settings);
   /// What a particle adds, m³/s.
   Real flow(const Vec3& p, const Vec3& v) const;
 
  private:
-  Vec3 center_, normal_, level_, across_;
+  // Of an image of it, from the centre, m³.
+  Real volume(const Vec3& from) const;
+
+  Vec3 normal_, level_, across_;
   Real half_[2];  // m, of the edges
   Real spacing_;
+  SeenFrom seen_;
 };
 
 /// How high the water is on obstacles that stand, in a strip from a place up the beach: the top of the highest particle
@@ -43,6 +48,7 @@ class RunUp {
   };
   GaugeSettings gauge_;
   Real spacing_;
+  SeenFrom seen_;
   std::vector<Solid> solids_;
 };
 

@@ -28,8 +28,9 @@ constexpr Real unit_of_velocity = 0x1p-30;                                      
 // the twelve of w x_a v_b.
 constexpr std::size_t count_of_moments = 1 + 10 + 12;
 
-void add_velocity(const GaugeSettings& gauge, const Vec3& p, const Vec3& v, std::int64_t* sums) {
-  const Vec3 from = (p - gauge.center) / gauge.radius;
+// `way`: from the centre of the gauge.
+void add_velocity(const GaugeSettings& gauge, const Vec3& way, const Vec3& v, std::int64_t* sums) {
+  const Vec3 from = way / gauge.radius;
   const Real weight = 1 - from.squaredNorm();
   if (!(weight > 0)) return;
   const std::array<Real, 4> x{1, from.x(), from.y(), from.z()};
@@ -84,20 +85,20 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
   for (const GaugeSettings& gauge : gauges_) {
     first_.push_back(first_.back() + (gauge.kind == GaugeKind::velocity ? count_of_moments : 1));
-    open_.push_back(gauge.kind == GaugeKind::height
-                        ? open_fraction_of_gauge(gauge, lattice_of(settings.fluid), settings.domain, {})
-                        : 1);
+    open_.push_back(gauge.kind == GaugeKind::height ? open_fraction_of_gauge(gauge, lattice_of(settings.fluid),
+                                                                             settings.domain, {}, settings.periodic)
+                                                    : 1);
+    seen_.emplace_back(gauge.center, Vec3::Constant(gauge.radius + spacing_ / 2), settings);
     run_ups_.emplace_back(gauge, settings);
-    flows_.emplace_back(gauge, spacing_);
+    flows_.emplace_back(gauge, settings);
   }
 }
 
 // Each particle is a cube of one spacing that lies in the box, cut at the foot of the gauge. A wire that is wetted
 // measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on
 // it would miss a part, and crests press more of them there: waves were 2.4 % too low.
-void GaugeReadings::add_height(std::size_t g, const Vec3& p, std::int64_t& sum) const {
+void GaugeReadings::add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const {
   const Real half = spacing_ / 2, reach = gauges_[g].radius + half;
-  const Vec3 from = p.cwiseMax(middles_.min).cwiseMin(middles_.max) - gauges_[g].center;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
   const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
   const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};
@@ -111,16 +112,16 @@ void GaugeReadings::add(std::size_t g, const Particles& particles, Range part, s
   std::int64_t& first = sums[first_[g]];
   for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
     const Vec3 &p = particles.position[i], &v = particles.velocity[i];
+    const auto middle = [&]() -> Vec3 { return p.cwiseMax(middles_.min).cwiseMin(middles_.max); };
     switch (gauges_[g].kind) {
       case GaugeKind::height:
-        add_height(g, p, first);
+        seen_[g].for_each(middle(), [&](const Vec3& from) { add_height(g, from, first); });
         break;
       case GaugeKind::velocity:
-        add_velocity(gauges_[g], p, v, &first);
+        seen_[g].for_each(p, [&](const Vec3& from) { add_velocity(gauges_[g], from, v, &first); });
         break;
       case GaugeKind::flow:
-        first +=
-            std::llround(flows_[g].flow(p.cwiseMax(middles_.min).cwiseMin(middles_.max), v) / unit_of_flow(spacing_));
+        first += std::llround(flows_[g].flow(middle(), v) / unit_of_flow(spacing_));
         break;
       default:
         break;

@@ -29,7 +29,8 @@ class GaugeReadings {
   std::vector<std::int64_t> sums(const Particles& particles);
   void add(std::size_t g, const Particles& particles, Range part, std::vector<std::int64_t>& sums) const;
   Real run_up(std::size_t g, const Particles& particles) const;
-  void add_height(std::size_t g, const Vec3& p, std::int64_t& sum) const;
+  // Of a particle whose middle is `from` the centre of the gauge.
+  void add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const;
 
   MPI_Comm comm_;
   std::vector<GaugeSettings> gauges_;
@@ -40,6 +41,7 @@ class GaugeReadings {
   bool pressures_;
   std::vector<RunUp> run_ups_;
   std::vector<RectangleFlow> flows_;
+  std::vector<SeenFrom> seen_;
   std::vector<Real> open_;  // of gauges of height: the fraction of the disc that is in the box
   PerThread<std::vector<std::int64_t>> sums_;
 };
