@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "boundary/gauges.hpp"
+#include "boundary/waves/paddle_motion.hpp"
 #include "scene/scene_place.hpp"
 #include "scene/scene_plane.hpp"
 #include "solver/density_solver.hpp"
@@ -133,7 +135,47 @@ void check_gauges(Section& root, const Scene& scene) {
              "gauges.csv has a row with each of series.csv; add [output.series], or [output.gauges]");
 }
 
+namespace {
+
+// Whether water can never be there: in an obstacle that stands, or behind a paddle however far it draws back.
+bool is_never_wet(const Scene& scene, const FreePlaces& places, const Vec3& p) {
+  const int solid = places.solid_at(p);
+  if (solid < 0 || std::cmp_greater_equal(solid, scene.obstacles.size())) return false;
+  const ObstacleSettings& obstacle = scene.obstacles[static_cast<std::size_t>(solid)];
+  return obstacle.wavemaker ? places.solid_at(p, paddle_reach(*obstacle.wavemaker)) == solid : !obstacle.moves();
+}
+
+// Of a column all of it.
+bool is_never_wet(const Scene& scene, const FreePlaces& places, const GaugeSettings& gauge) {
+  if (gauge.kind == GaugeKind::velocity || gauge.kind == GaugeKind::pressure_in_water)
+    return is_never_wet(scene, places, gauge.center);
+  if (gauge.kind != GaugeKind::height) return false;
+  Vec3 p = gauge.center;
+  for (p.z() = scene.domain.min.z(); p.z() <= scene.domain.max.z(); p.z() += scene.fluid.spacing / 2)
+    if (!is_never_wet(scene, places, p)) return false;
+  return true;
+}
+
+// Of a line of places some may be in a solid, but not all.
+void check_in_water(const Scene& scene, const FreePlaces& places) {
+  const auto line = [&](std::size_t k) { return SceneTable("gauge", k).line_in(scene); };
+  for (std::size_t k = 0, end = 0; k < scene.gauges.size(); k = end) {
+    bool never = true;
+    for (end = k; end < scene.gauges.size() && (end == k || line(end) == line(k)); ++end)
+      never = never && is_never_wet(scene, places, scene.gauges[end]);
+    if (!never) continue;
+    told_at(scene, {"gauge", k}, "center", [&] {
+      const Vec3& p = scene.gauges[k].center;
+      throw InputError(
+          fmt::format("({}, {}, {}) is in a solid, where no water comes; move it into the water", p.x(), p.y(), p.z()));
+    });
+  }
+}
+
+}  // namespace
+
 void check_gauge_places(const Scene& scene, const FreePlaces& places) {
+  check_in_water(scene, places);
   for (std::size_t k = 0; k < scene.gauges.size(); ++k) {
     const GaugeSettings& gauge = scene.gauges[k];
     if (gauge.kind != GaugeKind::pressure) continue;

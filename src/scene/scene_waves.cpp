@@ -119,6 +119,13 @@ void read_wavemaker(Section& section, Scene& scene, const KnownGood& known) {
     maker.position = default_position(maker, scene);
   }
   if (!is_right(section, maker, scene.domain)) return;
+  const bool alone = std::none_of(scene.obstacles.begin(), scene.obstacles.end(), [&](const ObstacleSettings& one) {
+    return one.wavemaker && one.wavemaker->direction == maker.direction;
+  });
+  section.check("direction", alone,
+                "another [[wavemaker]] makes waves in this direction, and its paddle is in the way of this one; leave "
+                "one of the two out, or turn one round to the other end");
+  if (!alone) return;
   scene.obstacles.push_back(paddle_of(maker, scene.domain));
   lay_in_plane(scene.obstacles.back(), scene.fluid);
   SceneTable::add(scene, "obstacle", section.line());

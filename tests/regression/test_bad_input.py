@@ -371,6 +371,10 @@ class BadInput(ProgramTest):
                                   ["scene.toml:20: [[gauge]] center: ", "is not on a wall or an obstacle"])
                                  for center, normal in (("[0.5, 0.5, 0.7]", "[0, 0, 1]"), ("[0.5, 0.5, 0.3]", "[0, 0, 1]"),
                                                         ("[0.5, 0.5, 0.5]", "[0, 0, -1]"))], rank_counts=(1, 2))
+        inside = text[:text.index("[[gauge]]")].replace("]\nradius = 0.2", "]\nradius = 0.9") + "[[gauge]]\ntype = '{}'\ncenter = [0.5, 0.5, 0.3]\n"
+        self.assert_all_refused([(kind, inside.format(kind), ["scene.toml"],
+                                  ["scene.toml:20: [[gauge]] center: ", "is in a solid, where no water comes"])
+                                 for kind in ("velocity", "height")], rank_counts=(1,))
 
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)

@@ -278,6 +278,10 @@ INSTANTIATE_TEST_SUITE_P(
                  "15: [[wavemaker]] wave", "is by a piston"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\ndirection = [1, 1, 0]",
                  "17: [[wavemaker]] direction", "along x or y"},
+        BadScene{appended,
+                 "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.01\nperiod = 1\nposition = 0.5\n"
+                 "[[wavemaker]]\ntype = 'piston'\nheight = 0.01\nperiod = 1\nposition = 1",
+                 "18: [[wavemaker]] direction", "another [[wavemaker]]"},
         BadScene{appended, "[gravity]\n[[wavemaker]]\ntype = 'flap'\nheight = 0.1\nperiod = 1\nseed = 2",
                  "17: [[wavemaker]] seed", "is for wave = \"irregular\""},
         BadScene{appended, "[[damping]]\nmin = [1, 0, 0]\nmax = [0, 1, 1]\nrate = 1", "14: [[damping]] max",
