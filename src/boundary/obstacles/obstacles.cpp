@@ -161,14 +161,14 @@ std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
 }
 
 // From the point of moments to the line on which an impulse acts, where it is nearest to the middle of the solid; that
-// of a couple is nowhere, and no line lies farther off than the solid reaches.
+// of a couple is far from all water, and then it is the middle.
 Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const {
   const bool is_box = account == box_account();
   const Box& box = walls_.box();
   const Vec3 middle = is_box ? Vec3((box.min + box.max) / 2) : Vec3(Vec3::Zero());
-  const Real reach = is_box ? (box.max - box.min).norm() / 2 : bodies_[account]->radius();
+  const Real half = (box.max - box.min).norm() / 2, reach = is_box ? half : std::min(half, bodies_[account]->radius());
   const Vec3 arm = shift.cross(moment - middle.cross(shift)) / shift.squaredNorm();
-  return middle + arm * std::min(1.0, reach / std::max(arm.norm(), reach));
+  return arm.norm() <= reach ? Vec3(middle + arm) : middle;
 }
 
 std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
