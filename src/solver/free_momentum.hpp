@@ -27,7 +27,7 @@ class FreeMomentum : public DensitySolver<T> {
 
  private:
   // Of a piece, lengths in units of h: particles, those near a wall or a fixed solid and those near a body that moves
-  // freely; Σ p, Σ v dt, Σ p × v dt, and Σ p pᵀ in units of (256 h)², p being measured from its first cell.
+  // freely; Σ p, Σ v dt, Σ p × v dt, and Σ p pᵀ in units of (16 h)², p being measured from its first cell.
   static constexpr std::size_t counts = 3, sums = 15, words = counts + OrderlessSum::words * sums;
   using Words = std::vector<std::int64_t>;  // those of each piece
   struct Sums {

@@ -369,21 +369,17 @@ TEST(Paths, TollIsTheChange) {
   EXPECT_GT(changed.norm(), 1);
 }
 
-// What is over acts on the line of the rest of a force, which for a couple, as friction gives to a body that turns,
-// lies far beyond the body: a torque in a pipe was half of what it should be, or a fifth.
+// What is over acts on the line of the rest of a force; that of a couple, as of friction on what turns, is far away.
 TEST(Paths, WhatIsOverGivesACoupleNoOtherMoment) {
-  ObstacleSettings ball = sphere(0.8);
-  ball.center = {1, 0.5, 0};
-  Tank tank({ball});
+  Tank tank({sphere(0.8)});
   tank.obstacles->begin_step();
   const Vec3 up(0, 0, 0.4), push(0, 1e-3, 0), over(1e-6, 2e-6, -1e-6);
-  tank.obstacles->record_projection(0, push, ball.center + up);
-  tank.obstacles->record_projection(0, Vec3(-push + 0.1 * over), ball.center - up);
+  tank.obstacles->record_projection(0, push, up);
+  tank.obstacles->record_projection(0, Vec3(0.1 * over - push), -up);
   tank.obstacles->record_projection(tank.obstacles->rest_account(), over, Vec3::Zero());
   const TotalImpulse found = tank.obstacles->total(MPI_COMM_SELF).front();
   EXPECT_LT((found.shift - 1.1 * over).norm(), 1e-9);
-  EXPECT_LT((found.moment - 2 * up.cross(push)).norm(), 1.1 * 0.8 * std::sqrt(3) * over.norm());
-  EXPECT_GT(found.moment.norm(), 100 * over.norm());
+  EXPECT_LT((found.moment - 2 * up.cross(push)).norm(), 1e-3 * found.moment.norm());
 }
 
 // In an open box nobody has a share of an obstacle, or meets one.

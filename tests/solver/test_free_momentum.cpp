@@ -25,15 +25,15 @@ class Disturbing : public DensitySolver<double> {
   }
 };
 
-/// A block of 10 x 5 x 5 particles with its corner at `low`.
+/// A block of 10 x 5 x 5 particles with its corner at `low`, or the first `count` of them.
 struct Block {
-  explicit Block(const Vec3& low)
+  explicit Block(const Vec3& low, GlobalId count = 250)
       : grid(box.min, box.max, h, 0),
         slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), size_of(world)),
         near(world, grid, box.min, h),
         boundary(make_boundary({Walls(box, WallSettings{}, 1e-6 * h), nullptr, {}})),
         constraint(DensityModel{}, std::nullopt, std::nullopt) {
-    for (GlobalId k = rank_of(world); k < 250; k += size_of(world)) {
+    for (GlobalId k = rank_of(world); k < count; k += size_of(world)) {
       const GlobalId i = k / 25, j = k / 5 % 5, l = k % 5;
       const Vec3 p = low + 0.1 * Vec3(static_cast<Real>(i), static_cast<Real>(j), static_cast<Real>(l));
       particles.id.push_back(k);
@@ -86,6 +86,21 @@ TEST(FreeMomentum, IsThatOfTheFreePathsByARigidMotion) {
     const Vec3 off = block.disturbed(i) - block.particles.velocity[i];
     const Vec3 off_first = block.disturbed(0) - block.particles.velocity[0];
     EXPECT_NEAR((off - off_first).dot(p[i] - p[0]), 0, 1e-10);
+  }
+}
+
+// One particle has no inertia, two and a row of them none about their line; wherever they lie in their cell.
+TEST(FreeMomentum, IsThatOfTheFreePathsOfAFewParticles) {
+  for (const GlobalId count : {1, 2, 3, 5, 7}) {
+    for (const Real off : {0.0, 0.013, 0.1}) {
+      SCOPED_TRACE(testing::Message() << count << " particles, " << off << " m");
+      Block block(Vec3(1.45 + off, 0.75 - off, 0.75 + off / 3), count);
+      block.solve();
+      const auto before = block.momenta([&](std::size_t i) { return block.free_velocity(i); });
+      const auto after = block.momenta([&](std::size_t i) { return block.particles.velocity[i]; });
+      for (std::size_t a = 0; a < 6; ++a) EXPECT_NEAR(after[a], before[a], 1e-11) << a;
+      for (const Vec3& v : block.particles.velocity) EXPECT_LT(v.norm(), 10);
+    }
   }
 }
 
