@@ -16,7 +16,7 @@ namespace {
 constexpr Real wall_reach = 1.25;
 
 constexpr Real spread_unit = 16 * 16;  // h², of Σ p pᵀ
-constexpr Real least_spread = 1e-6;    // h² a particle; below it is rounding
+constexpr Real min_spread = 1e-6;      // h² a particle; below it is rounding
 
 }  // namespace
 
@@ -132,7 +132,7 @@ typename FreeMomentum<T>::Undoing FreeMomentum<T>::undoing(const Sums& before, c
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
   // A single particle or a line of particles has no inertia about some axis, and no rotation about it to correct.
   const Real size = inertia.trace();
-  if (size > least_spread * after.count && inertia.determinant() > 1e-9 * size * size * size)
+  if (size > min_spread * after.count && inertia.determinant() > 1e-9 * size * size * size)
     undoing.turn = inertia.inverse() * (after.own_spin() - before.own_spin());
   return undoing;
 }

@@ -363,18 +363,14 @@ class BadInput(ProgramTest):
         for k, ranks in ((0, 3), (2, 5)):
             self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad[k:k + 2]], (ranks,))
 
-    def test_gauges(self):
-        """Whether a gauge of pressure is on a surface is known once the obstacles' files are read."""
-        text = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"
-                "[[gauge]]\ntype = 'pressure'\ncenter = {}\nnormal = {}\nradius = 0.1\n")
-        self.assert_all_refused([(center + normal, text.format(center, normal), ["scene.toml"],
-                                  ["scene.toml:20: [[gauge]] center: ", "is not on a wall or an obstacle"])
-                                 for center, normal in (("[0.5, 0.5, 0.7]", "[0, 0, 1]"), ("[0.5, 0.5, 0.3]", "[0, 0, 1]"),
-                                                        ("[0.5, 0.5, 0.5]", "[0, 0, -1]"))], rank_counts=(1, 2))
-        inside = text[:text.index("[[gauge]]")].replace("]\nradius = 0.2", "]\nradius = 0.9") + "[[gauge]]\ntype = '{}'\ncenter = [0.5, 0.5, 0.3]\n"
-        self.assert_all_refused([(kind, inside.format(kind), ["scene.toml"],
-                                  ["scene.toml:20: [[gauge]] center: ", "is in a solid, where no water comes"])
-                                 for kind in ("velocity", "height")], rank_counts=(1,))
+    def test_gauges_once_obstacles_are_known(self):
+        text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = {}\n[[gauge]]\n{}"
+        disc = "type = 'pressure'\nradius = 0.1\ncenter = [0.5, 0.5, {}]\nnormal = [0, 0, {}]\n".format
+        inside = "type = '{}'\ncenter = [0.5, 0.5, 0.3]\n".format
+        self.assert_all_refused([(gauge, text.format(radius, gauge), ["scene.toml"], [":20: [[gauge]] center: ", words])
+                                 for radius, gauge, words in (
+                                     *((0.2, disc(*at), "is not on a wall") for at in ((0.7, 1), (0.3, 1), (0.5, -1))),
+                                     *((0.9, inside(type), "no water") for type in ("velocity", "height")))], (1, 2))
 
     def test_particle_files(self):
         inside = numpy.full((40, 3), 0.5)
