@@ -69,35 +69,58 @@ const CutCells::Shares& CutCells::whole_shares(const ProjectionGrid& grid, Local
   return whole_shares_[number_of(end[0], end[1], end[2])];
 }
 
-CellFrame CutCells::beside_sheets(const CellFrame& frame, const ProjectionGrid& grid,
+// How far a solid that closes the lower face of a cell rises above it, or one that closes the upper face hangs below
+// it, in cells, in the mean over what is open of the other face.
+Real CutCells::rise(std::size_t at, bool hangs) const {
+  const Real wide = face(2, hangs ? at : at + 1);
+  return wide > 0 ? std::max(1 - open(at) / wide, 0.0) : 0;
+}
+
+CellFrame CutCells::beside_solids(const CellFrame& frame, const ProjectionGrid& grid,
                                   const std::array<LocalId, 3>& cell) const {
   CellFrame narrowed = frame;
-  const std::size_t at = grid.index(cell[0], cell[1], cell[2]);
-  const CellPlace place = grid.place_of(cell[0], cell[1], cell[2]);
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t b = grid.axis(a), step = grid.step(a);
-    const Real corner = place.corner[b];
-    if (face(a, at) == 0 && open(at - step) > 0)
-      narrowed.nearest[b] = std::max(frame.nearest[b], corner + frame.half[0][b]);
-    if (face(a, at + step) == 0 && open(at + step) > 0)
-      narrowed.farthest[b] = std::min(frame.farthest[b], corner + (1 - frame.half[1][b]));
+  const LocalId c = cell[2];
+  const std::size_t at = grid.index(cell[0], cell[1], c);
+  const CellPlace place = grid.place_of(cell[0], cell[1], c);
+  const auto keep_above = [&](std::size_t a, Real bottom) {
+    const std::size_t b = grid.axis(a);
+    narrowed.nearest[b] = std::max(narrowed.nearest[b], place.corner[b] + bottom + frame.half[0][b]);
+  };
+  const auto keep_below = [&](std::size_t a, Real top) {
+    const std::size_t b = grid.axis(a);
+    narrowed.farthest[b] = std::min(narrowed.farthest[b], place.corner[b] + top - frame.half[1][b]);
+  };
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (face(a, at) == 0) keep_above(a, 0);
+    if (face(a, at + grid.step(a)) == 0) keep_below(a, 1);
+  }
+  const LocalId end = grid.columns();
+  const auto rises = [&](LocalId of, std::size_t i) { return of == 0 || open(i - 1) == 0 ? rise(i, false) : 0; };
+  const auto hangs = [&](LocalId of, std::size_t i) { return of + 1 == end || open(i + 1) == 0 ? rise(i, true) : 0; };
+  if (face(2, at) == 0) {
+    keep_above(2, rises(c, at));
+  } else if (c > 0 && open(at - 1) > 0 && face(2, at - 1) == 0) {
+    keep_above(2, rises(c - 1, at - 1) - 1);
+  }
+  if (face(2, at + 1) == 0) {
+    keep_below(2, 1 - hangs(c, at));
+  } else if (c + 1 < end && open(at + 1) > 0 && face(2, at + 2) == 0) {
+    keep_below(2, 2 - hangs(c + 1, at + 1));
   }
   return narrowed;
 }
 
-// A cuboid that would reach through a sheet stays in its own cell.
+// A cuboid that would reach through a face which a solid closes stays in its own cell.
 void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells) {
   const std::size_t at = grid.index(k, r, c);
   if (cells[at].open == 0) return;
-  std::array<std::array<bool, 2>, 3> sheet;
+  std::array<std::array<bool, 2>, 3> closed;
   bool any = false;
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t step = grid.step(a);
     const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0);
     const bool has_above = (a != 0 || k <= grid.planes()) && (a != 1 || r < grid.rows());
-    sheet[a] = {has_below && cells[at].face[a] == 0 && cells[at - step].open > 0,
-                has_above && cells[at + step].face[a] == 0 && cells[at + step].open > 0};
-    any = any || sheet[a][0] || sheet[a][1];
+    closed[a] = {has_below && cells[at].face[a] == 0, has_above && cells[at + grid.step(a)].face[a] == 0};
+    any = any || closed[a][0] || closed[a][1];
   }
   if (!any) return;
   Shares& shares = shares_[at];
@@ -107,15 +130,17 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t n = 0; n < shares.size(); ++n) {
       const std::size_t side = n / weight[a] % 3;
-      if (side == 1 || !sheet[a][side / 2]) continue;
+      if (side == 1 || !closed[a][side / 2]) continue;
       shares[side == 0 ? n + weight[a] : n - weight[a]] += shares[n];
       shares[n] = 0;
     }
   }
 }
 
-Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
-                           const std::vector<Cell>& cells) const {
+// Where the water of a cell beside is that has a share: near the face, a sixth of a cell beyond it in the mean.
+void CutCells::measure_capacity(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
+                                std::vector<Cell>& cells) const {
+  constexpr Real beyond_face = 1.0 / 6;
   const LocalId columns = grid.columns();
   std::array<std::array<bool, 3>, 3> beyond{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -124,6 +149,7 @@ Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId,
     beyond[a] = {grid.is_wall(a, cell[0], cell[1], cell[2]), false, grid.is_wall(a, above[0], above[1], above[2])};
   }
   Real sum = 0;
+  std::array<Real, 2> moment{};
   for (std::size_t i = 0; i < 3; ++i) {
     const LocalId k = cell[0] + static_cast<LocalId>(i) - 1;
     for (std::size_t j = 0; j < 3; ++j) {
@@ -136,11 +162,20 @@ Real CutCells::capacity_of(const ProjectionGrid& grid, const std::array<LocalId,
         const bool above_columns = c >= columns;
         if (!above_columns && cells[at].open == 0) continue;
         const bool own = !above_columns && cells[at].has_shares;
-        sum += (own ? shares_[at] : whole_shares(grid, k, r, c))[number_of(2 - i, 2 - j, 2 - l)];
+        const Real share = (own ? shares_[at] : whole_shares(grid, k, r, c))[number_of(2 - i, 2 - j, 2 - l)];
+        sum += share;
+        const std::array<std::size_t, 2> side{i, j};
+        for (std::size_t a = 0; a < 2; ++a) {
+          const Real middle = above_columns ? 0.5 : static_cast<Real>(cells[at].middle[2][a]);
+          const Real place = side[a] == 0 ? -beyond_face : side[a] == 2 ? 1 + beyond_face : middle;
+          moment[a] += share * (place - 0.5);
+        }
       }
     }
   }
-  return sum;
+  Cell& measured = cells[grid.index(cell[0], cell[1], cell[2])];
+  measured.capacity = static_cast<float>(sum);
+  for (std::size_t a = 0; a < 2 && sum > 0; ++a) measured.aside[a] = static_cast<float>(-moment[a] / sum);
 }
 
 void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
@@ -160,7 +195,9 @@ void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<
         const Cell& one = cells[beside];
         whole = one.open == 1 && one.face[0] == 1 && one.face[1] == 1 && one.face[2] == 1;
       }
-      cells[at].capacity = whole ? 1 : static_cast<float>(capacity_of(grid, {k, r, c}, cells));
+      cells[at].capacity = 1;
+      cells[at].aside = {};
+      if (!whole) measure_capacity(grid, {k, r, c}, cells);
     }
   });
 }

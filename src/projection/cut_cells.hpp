@@ -30,8 +30,13 @@ class CutCells {
   /// What uniform water fills of a cell, in cells, where each particle is spread over its cuboid; more or less than
   /// what is open, as cuboids reach into solids and out of neighbours.
   Real capacity(std::size_t at) const { return cells_[at].capacity; }
+  /// How far the middle of a cell lies from the mean place of the water that fills it, along a horizontal direction, in
+  /// cells: out of the water at walls that cut it.
+  Real aside(std::size_t a, std::size_t at) const { return cells_[at].aside[a]; }
+  /// Whether a solid changes what uniform water fills of a cell.
+  bool is_near(std::size_t at) const { return cells_[at].open < 1 || cells_[at].capacity != 1; }
   /// That frame for particles of cell (k, r, c): a cuboid stays on its own side of a sheet.
-  CellFrame beside_sheets(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
+  CellFrame beside_solids(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
   /// Fraction of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
   /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
@@ -124,6 +129,7 @@ class CutCells {
     std::array<std::array<float, 2>, 3> middle{
         {{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
     float surface = 0, capacity = 1;
+    std::array<float, 2> aside{};
     std::uint32_t nearest : 31 = 0;
     bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
   };
@@ -196,12 +202,13 @@ class CutCells {
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   Real surface_at(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, Candidates& candidates) const;
+  bool reaches_open(const Vec3& corner, const Bodies& bodies) const;
   // See cut_cell_capacity.cpp.
   void store_shares(std::size_t cells);
   void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
-  Real capacity_of(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
-                   const std::vector<Cell>& cells) const;
+  void measure_capacity(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell, std::vector<Cell>& cells) const;
   void confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells);
+  Real rise(std::size_t at, bool hangs) const;
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
   Real off_solid(Real height, Real distance, Real slope) const;
   void find_whole_shares(const ProjectionGrid& grid);

@@ -29,8 +29,8 @@ void FreeSurface::classify(Halo& halo) {
   halo.start_planes(fill_, grid().step(0));
   halo.finish();
   const bool inflow = openings_ != nullptr && openings_->has_sources();
-  // Small cells look at those beside, and water that comes out of an opening at what is behind it.
-  if (inflow || (cuts() != nullptr && cuts()->any_floats())) grid().complete(halo, fill_);
+  // Cells at solids look at those beside, and water that comes out of an opening at what is behind it.
+  if (inflow || cuts() != nullptr) grid().complete(halo, fill_);
   classify_cells(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
 }

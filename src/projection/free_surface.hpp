@@ -88,6 +88,10 @@ class FreeSurface {
   bool is_pocket(const Place& place) const;
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
+  void level_cut_cells(Halo& halo);
+  void level_over_alike(LocalId k, LocalId r);
+  Real fill_around(std::size_t at) const;
+  Real level_at_middle(const Place& place) const;
   void level_small_cells(Halo& halo);
   bool is_small(std::size_t at) const;
   std::optional<Real> fill_beside(const Place& place) const;

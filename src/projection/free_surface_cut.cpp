@@ -47,6 +47,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   });
   grid().complete(halo, wet_);
   grid().complete(halo, height_);
+  level_cut_cells(halo);
   level_small_cells(halo);
 }
 
@@ -124,6 +125,99 @@ bool FreeSurface::is_under(std::size_t at, LocalId c, const Passes& passes) cons
   while (++c < grid().columns() && !is_wet(++at) && passes(at)) {
   }
   return c < grid().columns() && (is_wet(at) || is_solid(at));
+}
+
+// What a cell under water and those beyond its open sides hold, of what they can.
+Real FreeSurface::fill_around(std::size_t at) const {
+  if (is_solid(at) || !cuts()->is_near(at)) return fill_[at];
+  Real held = open(at) * fill_[at], room = open(at);
+  for (std::size_t a = 0; a < 2; ++a) {
+    for (const bool upper : {false, true}) {
+      const std::size_t step = grid().step(a), beside = upper ? at + step : at - step;
+      if (cuts()->face(a, upper ? beside : at) == 0 || !is_wet(beside) || is_top(beside)) continue;
+      held += open(beside) * fill_[beside];
+      room += open(beside);
+    }
+  }
+  return held / room;
+}
+
+// Few particles tell what a cut cell holds: layers at a wall fill 0.7 of it or 1.05, and what it lacks the cells beside
+// have. Its level would rise by as much less or more than the water does: a tank turned by 45° was 4 % too slow, or 3 %
+// too fast where it stood elsewhere. So its fill is divided by what the cells below that are cut as it is hold, of what
+// they and those beside them do: compression, which those share, stays in it. And its level is that at the mean place
+// of its water, but acts at its middle: at the wall of a cylinder of R = 10 spacings the paraboloid was a quarter too
+// steep. So it is continued by the slope from the cell beside.
+void FreeSurface::level_cut_cells(Halo& halo) {
+  if (!upright()) return;
+  const CellRows own = grid().rows_of({1, grid().planes() + 1});
+  for_each_row(own, [&](LocalId k, LocalId r) { level_over_alike(k, r); });
+  halo.start_planes(height_, grid().step(0));
+  halo.finish();
+  grid().complete(halo, height_);
+  Borrowed<Real> level = grid().scratch().borrow_briefly<Real>(height_.size());  // the next height_
+  std::copy(height_.begin(), height_.end(), level.begin());
+  for_each_row(own, [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid().columns(); ++c) {
+      const std::size_t at = grid().index(k, r, c);
+      if (is_cut(at) && is_top(at) && !is_small(at) && !cuts()->floats(at)) level[at] = level_at_middle({k, r, c});
+    }
+  });
+  halo.start_planes(level, grid().step(0));
+  halo.finish();
+  grid().complete(halo, level);
+  height_.swap(level);
+}
+
+void FreeSurface::level_over_alike(LocalId k, LocalId r) {
+  const std::size_t floor = grid().index(k, r, 0), end = floor + static_cast<std::size_t>(grid().columns(k, r));
+  Real excess = 0;
+  for (std::size_t at = floor; at < end && (is_wet(at) || is_solid(at) || is_drained(at)); ++at) {
+    if (!is_wet(at)) continue;
+    if (!is_top(at)) {
+      excess += open(at) * (fill_[at] - 1);
+      continue;
+    }
+    if (!cuts()->is_near(at) || cuts()->floats(at) || cuts()->is_driven(at)) return;
+    const Real capacity = cuts()->capacity(at);
+    Real held = 0, around = 0;
+    for (std::size_t below = floor; below < at; ++below) {
+      if (!is_wet(below) || is_solid(below) || std::abs(cuts()->capacity(below) - capacity) > alike * capacity)
+        continue;
+      held += fill_[below];
+      around += fill_around(below);
+    }
+    if (around == 0) return;
+    const Real share = std::clamp(held / around, 1 - max_uneven, 1 + max_uneven);
+    const Real more = std::clamp(excess_of_cut * excess, -max_excess, max_excess);
+    height_[at] = std::max((fill_[at] + fill_[at + 1]) / share + more, floor_fill);
+    return;
+  }
+}
+
+Real FreeSurface::level_at_middle(const Place& place) const {
+  const auto [k, r, c] = place;
+  const std::size_t at = grid().index(k, r, c);
+  Real more = 0;
+  for (std::size_t a = 0; a < 2; ++a) {
+    const Real aside = cuts()->aside(a, at), way = std::abs(aside);
+    const bool upper = aside < 0;  // where the cell is that the water is nearer to
+    const std::size_t step = grid().step(a), beside = upper ? at + step : at - step;
+    if (way < min_aside || cuts()->face(a, upper ? beside : at) == 0 || is_solid(beside)) continue;
+    if (grid().is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c)) continue;
+    Real level = 0;
+    if (is_top(beside)) {
+      level = height_[beside];
+    } else if (is_wet(beside) && c + 1 < grid().columns() && is_top(beside + 1)) {
+      level = height_[beside + 1] + 1;
+    } else if (!is_wet(beside) && c > 0 && is_top(beside - 1)) {
+      level = height_[beside - 1] - 1;
+    } else {
+      continue;
+    }
+    more += std::min(way / (1 - std::min(way, max_continued)), max_continued) * (height_[at] - level);
+  }
+  return std::max(height_[at] + std::clamp(more, -max_continued, max_continued), floor_fill);
 }
 
 // A body that floats turns, and its sides are upright but for a little: the mark falls with their slope.

@@ -43,6 +43,14 @@ constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
 /// Largest volume, cells, by which the fill of the cells below may raise or lower the surface in a top cell. The cells
 /// of torn water are far from full; without this limit its surface would lie below its top cell.
 constexpr Real max_excess = 0.25;
+/// Largest difference, of itself, between the capacities of cells of a column that are cut alike; most by which what
+/// they hold may differ from what is around them in the level of the top one; share of their excess that counts there.
+/// With all of it periods of tanks at eleven angles and places (study of motion) are off by 2.3 % rms for 1.9, with half
+/// of it by 1.5, but water that starts with a step then takes 1.10 of its time to a cut wall for 1.07.
+constexpr Real alike = 0.02, max_uneven = 0.5, excess_of_cut = 0.75;
+/// Least distance, cells, of the middle of a cut cell from the mean place of its water, from which on its level is
+/// continued to there; most of the difference to the cell beside that it takes for that.
+constexpr Real min_aside = 0.05, max_continued = 0.5;
 /// Least height of the surface above the middle of a top cell, cells: a bound on the ghost-fluid weight.
 constexpr Real min_height = 0.05;
 /// Fraction of its volume in particles of which the middle is in it from which on a cell counts for the depth, and from

@@ -182,7 +182,7 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
 CellSums ParticlesToGrid::sums_of(const CellNumbers& at, const CellParticles& cell, const Motion& motion,
                                   const CutCells* near) const {
   return near == nullptr ? sum_cell(frame_, motion, cell)
-                         : sum_cell(near->beside_sheets(frame_, grid_, at), motion, cell);
+                         : sum_cell(near->beside_solids(frame_, grid_, at), motion, cell);
 }
 
 // What cells of the last row before a cut add to the first one after it, and the other way: particles of ghost cells
