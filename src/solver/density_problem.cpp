@@ -37,6 +37,17 @@ Vec3 direction_of(GlobalId a, GlobalId b, int dimensions) {
   }
 }
 
+// Whether p[i] may be as near to one of those before it as that, squared: by two coordinates, without a branch.
+bool is_near_any(const Vec3* p, std::size_t i, Real squared) {
+  const Real x = p[i].x(), z = p[i].z();
+  std::uint64_t any = 0;
+  for (std::size_t j = 0; j < i; ++j) {
+    const Real dx = x - p[j].x(), dz = z - p[j].z();
+    any |= static_cast<std::uint64_t>(dx * dx < squared) & static_cast<std::uint64_t>(dz * dz < squared);
+  }
+  return any != 0;
+}
+
 }  // namespace
 
 template <class T>
@@ -64,10 +75,11 @@ void DensityProblem<T>::prepare() {
   if (!is_projected_) return field_.borrow(scratch, particles);
   act_ = scratch.borrow<T>(particles);
   in_flight_ = scratch.borrow<T>(particles);
-  for_each_index(near_.all(), [&, shifts = field_.shifts()](std::size_t i) {
-    act_[i] = shifts[i].w;
-    in_flight_[i] = 0;
-  });
+  for_each_index(near_.all(),
+                 [act = act_.data(), in_flight = in_flight_.data(), shifts = field_.shifts().data()](std::size_t i) {
+                   act[i] = shifts[i].w;
+                   in_flight[i] = 0;
+                 });
 }
 
 template <class T>
@@ -217,9 +229,10 @@ void DensityProblem<T>::set_velocities(bool looks_later) {
   looks_later_ = looks_later;
   if (looks_later_) swept_rho_ = near_.scratch().template borrow<Real>(rho_.size());
   std::vector<Vec3>&x = particles_->position, &p = particles_->predicted, &v = particles_->velocity;
-  for_each_index(near_.all(), [&](std::size_t i) {
-    v[i] = (p[i] - x[i]) / dt_;
-    x[i] = p[i];
+  for_each_index(near_.all(), [&x = x, &p = p, &v = v, dt = dt_](std::size_t i) {
+    const Vec3 to = p[i];
+    v[i] = (to - x[i]) / dt;
+    x[i] = to;
   });
   positions_only_ = true;
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(false);
@@ -227,10 +240,9 @@ void DensityProblem<T>::set_velocities(bool looks_later) {
 
 template <class T>
 void DensityProblem<T>::note_sweep() {
-  for_each_index(near_.all(), [&](std::size_t i) {
-    in_flight_[i] += (1 - act_[i]) * multiplier_[i];
-    if (looks_later_) swept_rho_[i] = rho_[i];
-  });
+  for_each_index(near_.all(), [in_flight = in_flight_.data(), act = act_.data(), multiplier = multiplier_.data()](
+                                  std::size_t i) { in_flight[i] += (1 - act[i]) * multiplier[i]; });
+  if (looks_later_) for_each_index(near_.all(), [&](std::size_t i) { swept_rho_[i] = rho_[i]; });
 }
 
 template <class T>
@@ -299,11 +311,9 @@ void DensityProblem<T>::separate_coincident(const CellWindow& window, bool insid
       const auto begin = static_cast<std::size_t>(order.start(k, c) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());
       for (std::size_t i = begin; i < end; ++i) {
-        for (std::size_t j = begin; j < i; ++j) {
-          const Real x = p[i].x() - p[j].x(), z = p[i].z() - p[j].z();
-          if (x * x >= coincident || z * z >= coincident) continue;  // nearly all
+        if (!is_near_any(&p[begin], i - begin, coincident)) continue;  // nearly all
+        for (std::size_t j = begin; j < i; ++j)
           if ((p[i] - p[j]).squaredNorm() < coincident) part(i, j);
-        }
       }
     }
   });
