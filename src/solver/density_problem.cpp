@@ -75,11 +75,10 @@ void DensityProblem<T>::prepare() {
   if (!is_projected_) return field_.borrow(scratch, particles);
   act_ = scratch.borrow<T>(particles);
   in_flight_ = scratch.borrow<T>(particles);
-  for_each_index(near_.all(),
-                 [act = act_.data(), in_flight = in_flight_.data(), shifts = field_.shifts().data()](std::size_t i) {
-                   act[i] = shifts[i].w;
-                   in_flight[i] = 0;
-                 });
+  for_each_index(near_.all(), [&, shifts = field_.shifts()](std::size_t i) {
+    act_[i] = shifts[i].w;
+    in_flight_[i] = 0;
+  });
 }
 
 template <class T>
@@ -229,10 +228,9 @@ void DensityProblem<T>::set_velocities(bool looks_later) {
   looks_later_ = looks_later;
   if (looks_later_) swept_rho_ = near_.scratch().template borrow<Real>(rho_.size());
   std::vector<Vec3>&x = particles_->position, &p = particles_->predicted, &v = particles_->velocity;
-  for_each_index(near_.all(), [&x = x, &p = p, &v = v, dt = dt_](std::size_t i) {
-    const Vec3 to = p[i];
-    v[i] = (to - x[i]) / dt;
-    x[i] = to;
+  for_each_index(near_.all(), [&](std::size_t i) {
+    v[i] = (p[i] - x[i]) / dt_;
+    x[i] = p[i];
   });
   positions_only_ = true;
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(false);
@@ -240,9 +238,10 @@ void DensityProblem<T>::set_velocities(bool looks_later) {
 
 template <class T>
 void DensityProblem<T>::note_sweep() {
-  for_each_index(near_.all(), [in_flight = in_flight_.data(), act = act_.data(), multiplier = multiplier_.data()](
-                                  std::size_t i) { in_flight[i] += (1 - act[i]) * multiplier[i]; });
-  if (looks_later_) for_each_index(near_.all(), [&](std::size_t i) { swept_rho_[i] = rho_[i]; });
+  for_each_index(near_.all(), [&](std::size_t i) {
+    in_flight_[i] += (1 - act_[i]) * multiplier_[i];
+    if (looks_later_) swept_rho_[i] = rho_[i];
+  });
 }
 
 template <class T>
