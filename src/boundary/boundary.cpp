@@ -125,7 +125,9 @@ std::unique_ptr<Boundary> make(BoundaryParts parts) {
 
 }  // namespace
 
-void Boundary::predict(Particles& particles, Real dt) {
+LocalId Boundary::predict(Particles& particles, Real dt) {
+  PerThread<LocalId> lost;
+  lost.for_each([&](LocalId& first) { first = particles.size(); });
   const std::vector<Vec3>&x = particles.position, &v = particles.velocity;
   for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
     const auto open_to = [&](Range some) {
@@ -136,9 +138,14 @@ void Boundary::predict(Particles& particles, Real dt) {
         const Vec3 straight = x[i] + v[i] * dt;
         const bool free = open.contains(x[i]) && open.contains(straight);
         particles.predicted[i] = free ? straight : predict(x[i], v[i], dt);
+        if (!free && !walls_.inside(particles.predicted[i]))  // a free one is
+          lost.mine() = std::min(lost.mine(), static_cast<LocalId>(i));
       }
     });
   });
+  LocalId first = particles.size();
+  lost.for_each([&](LocalId one) { first = std::min(first, one); });
+  return first;
 }
 
 std::unique_ptr<Boundary> make_boundary(BoundaryParts parts) {

@@ -25,8 +25,9 @@ class Boundary {
   virtual Vec3 predict(const Vec3& p, const Vec3& v, Real dt) = 0;
   /// Where a shift of the density solve ends.
   virtual Vec3 collide(const Vec3& p, const Vec3& shift) = 0;
-  /// predict() of all particles, from their positions by their velocities to `predicted`.
-  void predict(Particles& particles, Real dt);
+  /// predict() of all particles, from their positions by their velocities to `predicted`. Returns the first that is not
+  /// inside of the walls then, or not a number; their number where there is none.
+  LocalId predict(Particles& particles, Real dt);
   /// The part of the box in which shifts, or paths, that begin and end there meet nothing, where most of these
   /// particles are; empty where each has to be asked for.
   virtual Box open_box(std::span<const Vec3> p, Extent extent) const = 0;

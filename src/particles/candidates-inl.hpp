@@ -10,10 +10,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <type_traits>
 #include <vector>
 
-#include "base/range.hpp"
+#include "base/threads.hpp"
 #include "particles/compress-inl.hpp"
 #include "particles/packed.hpp"
 
@@ -63,6 +64,37 @@ HWY_INLINE hn::Vec<D> from_anchor(D d, V v, typename Packed<hn::TFromD<D>>::Coor
   }
 }
 
+// The coordinates of all records, one array each, behind which whole vectors may be read.
+template <class T>
+struct Coordinates {
+  using Coordinate = typename Packed<T>::Coordinate;
+  Coordinate *x, *y, *z;
+
+  // Each array has a third of the memory, a vector more than there are records.
+  Coordinates(const std::vector<Packed<T>>& records, std::span<Coordinate> memory)
+      : x(memory.data()), y(x + memory.size() / 3), z(y + memory.size() / 3) {
+    constexpr LocalId part_size = 4096;
+    for_each_part({0, static_cast<LocalId>(records.size())}, part_size, [&](Range part) {
+      const hn::ScalableTag<Coordinate> d;
+      auto j = static_cast<std::size_t>(part.begin);
+      const auto end = static_cast<std::size_t>(part.end);
+      for (; j + hn::Lanes(d) <= end; j += hn::Lanes(d)) {
+        hn::Vec<decltype(d)> of_x, of_y, of_z, w;
+        hn::LoadInterleaved4(d, &records[j].x, of_x, of_y, of_z, w);
+        hn::StoreU(of_x, d, x + j);
+        hn::StoreU(of_y, d, y + j);
+        hn::StoreU(of_z, d, z + j);
+      }
+      for (; j < end; ++j) {
+        x[j] = records[j].x;
+        y[j] = records[j].y;
+        z[j] = records[j].z;
+      }
+    });
+    for (Coordinate* const of : {x, y, z}) std::fill(of + records.size(), of + memory.size() / 3, Coordinate{0});
+  }
+};
+
 // The particles around one cell that may be neighbours of any particle in it, in storage order, with one array per
 // coordinate. Gathered once for all particles of the cell; those farther than h from the cell's bounding box, about
 // half, are left out.
@@ -75,21 +107,13 @@ class Candidates {
   void clear() { size_ = 0; }
 
   // `code`: what stands for the first of them in `index`; for those after it one more each.
-  void append(const std::vector<Packed<T>>& records, Range run, LocalId code, const Bounds<T>& bounds) {
+  void append(const Coordinates<T>& all, Range run, LocalId code, const Bounds<T>& bounds) {
     const auto [begin, end] = run;
     const hn::ScalableTag<T> d;
     const auto lanes = static_cast<LocalId>(hn::Lanes(d));
     reserve(size_ + static_cast<std::size_t>(end - begin) + padding);
-    for (LocalId j = begin; j < end; j += lanes) {
-      const auto left = static_cast<std::size_t>(std::min(lanes, end - j));
-      if (static_cast<std::size_t>(j + lanes) <= records.size()) {
-        append_vector(d, &records[static_cast<std::size_t>(j)], code + (j - begin), left, bounds);
-      } else {  // whole vectors are read, so the last records need something behind them
-        std::array<Packed<T>, hn::MaxLanes(d)> last{};
-        std::copy_n(records.begin() + j, left, last.begin());
-        append_vector(d, last.data(), code + (j - begin), left, bounds);
-      }
-    }
+    for (LocalId j = begin; j < end; j += lanes)
+      append_vector(d, all, j, code + (j - begin), static_cast<std::size_t>(std::min(lanes, end - j)), bounds);
   }
 
   // Fills the vector past the last candidate with particles far away, so that whole vectors can be compared.
@@ -105,15 +129,13 @@ class Candidates {
 
  private:
   template <class D>
-  HWY_INLINE void append_vector(D d, const Packed<T>* records, LocalId first, std::size_t left,
+  HWY_INLINE void append_vector(D d, const Coordinates<T>& all, LocalId j, LocalId first, std::size_t left,
                                 const Bounds<T>& bounds) {
-    using Coordinate = typename Packed<T>::Coordinate;
-    const hn::Rebind<Coordinate, D> dc;
+    const hn::Rebind<typename Packed<T>::Coordinate, D> dc;
     const hn::RebindToSigned<D> di;
-    hn::Vec<decltype(dc)> cx, cy, cz, w;
-    hn::LoadInterleaved4(dc, &records->x, cx, cy, cz, w);
-    const auto px = from_anchor(d, cx, bounds.anchor.x), py = from_anchor(d, cy, bounds.anchor.y);
-    const auto pz = from_anchor(d, cz, bounds.anchor.z);
+    const auto px = from_anchor(d, hn::LoadU(dc, all.x + j), bounds.anchor.x);
+    const auto py = from_anchor(d, hn::LoadU(dc, all.y + j), bounds.anchor.y);
+    const auto pz = from_anchor(d, hn::LoadU(dc, all.z + j), bounds.anchor.z);
     const auto dx = outside(d, px, bounds, 0), dy = outside(d, py, bounds, 1), dz = outside(d, pz, bounds, 2);
     const auto r2 = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
     // A little more than h, so that no rounding drops a neighbour.

@@ -13,6 +13,7 @@
 #include "base/growth.hpp"
 #include "base/threads.hpp"
 #include "particles/candidates-inl.hpp"
+#include "particles/near-inl.hpp"
 #include "particles/neighbour_list.hpp"
 
 #if !defined(TREVI_PARTICLES_SEARCH)
@@ -23,6 +24,7 @@ template <class T>
 struct SearchInput {
   const CellOrder& order;
   const std::vector<Packed<T>>& records;
+  std::span<typename Packed<T>::Coordinate> memory;  // for Coordinates
 };
 
 struct SearchResult {
@@ -52,55 +54,6 @@ inline std::int64_t count_pairs(const Borrowed<StoredRow>& rows, Range range, st
 HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
-
-// Stores signed integers as wide as T as LocalIds, or as codes.
-template <class D, class V>
-void store_indices(D, V index, LocalId* HWY_RESTRICT out) {
-  const hn::Rebind<LocalId, D> d32;
-  if constexpr (sizeof(hn::TFromD<D>) == sizeof(LocalId)) {
-    hn::StoreU(index, d32, out);
-  } else {
-    const hn::RebindToUnsigned<D> du;
-    const hn::Rebind<std::uint32_t, D> du32;
-    hn::StoreU(hn::BitCast(d32, hn::TruncateTo(du32, hn::BitCast(du, index))), d32, out);
-  }
-}
-
-template <class D, class V>
-void store_indices(D, V index, std::uint16_t* HWY_RESTRICT out) {
-  const hn::RebindToUnsigned<D> du;
-  const hn::Rebind<std::uint16_t, D> d16;
-  hn::StoreU(hn::TruncateTo(d16, hn::BitCast(du, index)), d16, out);
-}
-
-// Writes the candidates nearer than one h to particle `self` at p and returns how many there are; stops when there are
-// too many.
-template <class T, class Out>
-std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, Out* HWY_RESTRICT out) {
-  constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
-  const hn::ScalableTag<T> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  const auto x = hn::Set(d, p[0]), y = hn::Set(d, p[1]), z = hn::Set(d, p[2]);
-  const auto self_index = hn::Set(di, self);
-  const auto limit = hn::Set(d, static_cast<T>(Packed<T>::units_per_h * Packed<T>::units_per_h));
-  const T *all_x = candidates.x.data(), *all_y = candidates.y.data(), *all_z = candidates.z.data();
-  const auto* all_index = candidates.index.data();
-  const std::size_t size = candidates.size();
-  std::size_t found = 0;
-  for (std::size_t k = 0; k < size && found <= most; k += hn::Lanes(d)) {
-    const auto dx = hn::Sub(hn::LoadU(d, all_x + k), x);
-    const auto dy = hn::Sub(hn::LoadU(d, all_y + k), y);
-    const auto dz = hn::Sub(hn::LoadU(d, all_z + k), z);
-    const auto r2 = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
-    const auto index = hn::LoadU(di, all_index + k);
-    const auto other = hn::RebindMask(d, hn::Ne(index, self_index));
-    // Compress in a register and store whole: a compressing store to memory is slow on some processors.
-    const Chosen<decltype(d)> chosen(d, hn::And(other, hn::Lt(r2, limit)));
-    store_indices(d, hn::BitCast(di, chosen.first(hn::BitCast(d, index))), out + found);
-    found += chosen.count();
-  }
-  return found;
-}
 
 // Runs of particles one after the other that may be neighbours of those of a cell.
 class Runs {
@@ -194,12 +147,39 @@ template <class T>
 struct Worker {
   Candidates<T> candidates;
   RowWriter writer;
+  std::vector<std::uint16_t> next_row;
 };
+
+// Stores the rows of two particles at a time of those from `self` to `end`, and returns the first that is left.
+template <class T>
+LocalId search_pairs(const SearchInput<T>& in, SearchResult& result, Worker<T>& worker, const Bounds<T>& bounds,
+                     Range of_cell, LocalId code) {
+  const std::size_t longest = worker.candidates.size() + Candidates<T>::padding;
+  worker.next_row.resize(std::max(longest, worker.next_row.size()));
+  const auto position = [&](LocalId i) { return bounds.relative(in.records[static_cast<std::size_t>(i)]); };
+  const auto end_row = [&](LocalId self, std::size_t found) {
+    worker.writer.end_row(found);
+    result.rows[static_cast<std::size_t>(self - in.order.low_ghosts())] = {worker.writer.place() & StoredRow::max_at,
+                                                                           static_cast<std::uint16_t>(found)};
+  };
+  LocalId self = of_cell.begin;
+  for (; self + 1 < of_cell.end; self += 2) {
+    std::uint16_t* const row = worker.writer.begin_row(result.pages, longest);
+    const std::array<std::size_t, 2> found =
+        near_two<T>(worker.candidates, code + (self - of_cell.begin), {position(self), position(self + 1)},
+                    {row, worker.next_row.data()});
+    end_row(self, found[0]);
+    copy_codes(worker.next_row.data(), found[1], worker.writer.begin_row(result.pages, longest));
+    end_row(self + 1, found[1]);
+  }
+  return self;
+}
 
 // Finds the neighbours of the particles of cell c of plane k. False where one of them, result.first_overfull_particle,
 // has too many.
 template <class T>
-bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& worker, LocalId k, LocalId c) {
+bool search_cell(const SearchInput<T>& in, const Coordinates<T>& all, SearchResult& result, Worker<T>& worker,
+                 LocalId k, LocalId c) {
   const LocalId begin = in.order.start(k, c), end = in.order.start(k, c + 1);
   if (begin == end) return true;
   Candidates<T>& candidates = worker.candidates;
@@ -211,13 +191,16 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
   std::size_t number = 0;
   for (const Range& run : runs.all()) {
     const LocalId code = coding.code_of(number++, run);
-    candidates.append(in.records, run, code, bounds);
+    candidates.append(all, run, code, bounds);
     if (run.begin <= begin && begin < run.end) self_code = code + (begin - run.begin);
   }
   candidates.close();
   worker.writer.begin_cell(coding.shifts());
   constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
-  for (LocalId self = begin; self < end; ++self) {
+  LocalId self = begin;
+  if (coding.possible() && candidates.size() <= most)
+    self = search_pairs(in, result, worker, bounds, {begin, end}, self_code);
+  for (; self < end; ++self) {
     std::uint16_t* const row =
         worker.writer.begin_row(result.pages, std::min(candidates.size(), most) + Candidates<T>::padding);
     const auto position = bounds.relative(in.records[static_cast<std::size_t>(self)]);
@@ -239,12 +222,13 @@ bool search_cell(const SearchInput<T>& in, SearchResult& result, Worker<T>& work
 template <class T>
 void search(const SearchInput<T>& in, SearchResult& result) {
   const LocalId rows = in.order.rows(), columns = in.order.grid().columns();
+  const Coordinates<T> all(in.records, in.memory);
   PerThread<Worker<T>> workers;
   for_each_part(in.order.planes() * rows, [&](LocalId part) {
     const LocalId k = part / rows + 1, first = part % rows * columns;
     if (result.first_overfull_particle < in.order.start(k, first) - in.order.low_ghosts()) return;
     for (LocalId c = first; c < first + columns; ++c) {
-      if (!search_cell(in, result, workers.mine(), k, c)) return;
+      if (!search_cell(in, all, result, workers.mine(), k, c)) return;
     }
     const LocalId begin = in.order.start(k, first), end = in.order.start(k, first + columns);
     const LocalId low = in.order.low_ghosts();
@@ -271,24 +255,17 @@ RowPages::Page RowPages::take() {
   return {pages_.back().data(), (pages_.size() - 1) * page_size};
 }
 
-std::uint16_t* RowWriter::begin_row(RowPages& pages, std::size_t longest) {
-  const bool wide = shifts_ == nullptr;
-  const std::size_t entries = 2 + 2 * NeighbourRow::windows + (wide ? 2 : 1) * longest + slack;
-  if (static_cast<std::size_t>(end_ - next_) < entries) {
-    const RowPages::Page page = pages.take();
-    page_ = next_ = page.entries;
-    end_ = next_ + RowPages::page_size;
-    first_of_page_ = page.first;
-    shifts_place_ = nullptr;
-  }
-  if (!wide && shifts_place_ == nullptr) {
-    shifts_place_ = next_;
-    std::copy(shifts_->begin(), shifts_->end(), reinterpret_cast<LocalId*>(next_));
-    next_ += 2 * shifts_->size();
-  }
-  place_ = first_of_page_ + static_cast<std::uint64_t>(next_ - page_);
-  next_[0] = wide ? 0 : static_cast<std::uint16_t>((next_ - shifts_place_) / 2);
-  return next_ + (wide ? 2 : 1);
+void RowWriter::begin_page(const RowPages::Page& page) {
+  page_ = next_ = page.entries;
+  end_ = next_ + RowPages::page_size;
+  first_of_page_ = page.first;
+  shifts_place_ = nullptr;
+}
+
+void RowWriter::write_shifts() {
+  shifts_place_ = next_;
+  std::copy(shifts_->begin(), shifts_->end(), reinterpret_cast<LocalId*>(next_));
+  next_ += 2 * shifts_->size();
 }
 
 std::vector<LocalId> NeighbourList::operator[](LocalId i) const {
@@ -306,10 +283,12 @@ void NeighbourList::rebuild(const CellOrder& order, const std::vector<Packed<T>>
   first_of_row_.assign(order.row_starts().begin(), order.row_starts().end());
   pairs_of_row_.assign(first_of_row_.size(), 0);
   SearchResult result{rows_, pages_, pairs_of_row_.data(), order.owned()};
+  constexpr std::size_t lanes = 16;  // of a vector, at most
+  const auto memory = scratch_->borrow_briefly<typename Packed<T>::Coordinate>(3 * (records.size() + lanes));
   if constexpr (std::is_same_v<T, float>) {
-    HWY_DYNAMIC_DISPATCH(search_single)({order, records}, result);
+    HWY_DYNAMIC_DISPATCH(search_single)({order, records, {memory.data(), memory.size()}}, result);
   } else {
-    HWY_DYNAMIC_DISPATCH(search_double)({order, records}, result);
+    HWY_DYNAMIC_DISPATCH(search_double)({order, records, {memory.data(), memory.size()}}, result);
   }
   first_overfull_ = result.first_overfull_particle < order.owned() ? result.first_overfull_particle.load() : -1;
   if (first_overfull_ >= 0) {

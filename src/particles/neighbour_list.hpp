@@ -74,12 +74,23 @@ class RowWriter {
     shifts_place_ = nullptr;
   }
   /// Memory for the next row, of which `longest` neighbours, at most 3/8 page_size, may be written.
-  std::uint16_t* begin_row(RowPages& pages, std::size_t longest);
+  std::uint16_t* begin_row(RowPages& pages, std::size_t longest) {
+    const bool wide = shifts_ == nullptr;
+    const std::size_t entries = 2 + 2 * NeighbourRow::windows + (wide ? 2 : 1) * longest + slack;
+    if (static_cast<std::size_t>(end_ - next_) < entries) begin_page(pages.take());
+    if (!wide && shifts_place_ == nullptr) write_shifts();
+    place_ = first_of_page_ + static_cast<std::uint64_t>(next_ - page_);
+    next_[0] = wide ? 0 : static_cast<std::uint16_t>((next_ - shifts_place_) / 2);
+    return next_ + (wide ? 2 : 1);
+  }
   void end_row(std::size_t length) { next_ += (shifts_ == nullptr ? 2 + 2 * length : 1 + length + 1) / 2 * 2; }
   /// Where the row is that was begun last.
   std::uint64_t place() const { return place_; }
 
  private:
+  void begin_page(const RowPages::Page& page);
+  void write_shifts();
+
   const std::array<LocalId, NeighbourRow::windows>* shifts_ = nullptr;
   std::uint16_t *next_ = nullptr, *end_ = nullptr, *page_ = nullptr, *shifts_place_ = nullptr;
   std::uint64_t first_of_page_ = 0, place_ = 0;

@@ -164,6 +164,15 @@ class ProjectionGrid {
     }
     return place;
   }
+  /// The place of another cell of the same row.
+  void set_column(CellPlace& place, LocalId c) const {
+    const std::size_t b = axis(2);
+    if (repeats_[2]) {
+      place.origin[b] = origin_[b] + c * size_[2];
+    } else {
+      place.corner[b] = c;
+    }
+  }
   /// The lower end of the box along direction a, m.
   Real low(std::size_t a) const { return origin_[axis(a)]; }
   /// Cells of the box in direction a.

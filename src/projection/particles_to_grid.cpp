@@ -169,10 +169,11 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
     const LocalId r = (row + rows) % rows;
     const Range near = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
     const CellSums* const known = known_sums(k, r);
+    const RowsToAdd to = rows_to_add(k, row, own);
     for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
       const CellSums sums =
           known != nullptr ? known[c] : sums_of({k, r, c}, cell, motion, is_in(c, near) ? cuts : nullptr);
-      add_volume(k, row, c, own, sums);
+      add_volume(to, c, sums);
       if (row >= own.begin && row < own.end) sums_.set(k, r, c, moments_of(cell, sums.motion));
     });
   }
@@ -239,18 +240,29 @@ void ParticlesToGrid::add_ghost_row(LocalId k, std::size_t side) {
   }
 }
 
-void ParticlesToGrid::add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums) {
+ParticlesToGrid::RowsToAdd ParticlesToGrid::rows_to_add(LocalId k, LocalId r, Range own) {
+  RowsToAdd to{};
+  to.rows = {std::max(own.begin - (r - 1), 0), std::min(own.end - (r - 1), 3)};
+  for (LocalId i = to.rows.begin; i < to.rows.end; ++i) {
+    to.volumes[static_cast<std::size_t>(i)] = volumes_of(k, r - 1 + i);
+    to.columns[static_cast<std::size_t>(i)] = grid_.columns(k, r - 1 + i);
+  }
+  return to;
+}
+
+void ParticlesToGrid::add_volume(const RowsToAdd& to, LocalId c, const CellSums& sums) const {
   const bool along_x = grid_.axis(0) == 0, repeats = grid_.repeats()[2];
-  for (LocalId row = std::max(r - 1, rows.begin); row <= std::min(r + 1, rows.end - 1); ++row) {
-    const LocalId columns = grid_.columns(k, row);
-    const RowToWrite volumes_of_row = volumes_of(k, row);
-    const auto i = static_cast<std::size_t>(row - r + 1);
-    for (LocalId column = c - 1; column <= c + 1; ++column) {
-      if (!repeats && (column < 0 || column >= columns)) continue;
-      Real* const volume = number_of(volumes_of_row, repeats ? (column + columns) % columns : column);
-      const auto j = static_cast<std::size_t>(column - c + 1);
+  for (auto i = static_cast<std::size_t>(to.rows.begin); i < static_cast<std::size_t>(to.rows.end); ++i) {
+    const LocalId columns = to.columns[i];
+    // Of the planes below, of its own and above: as they lie one after the other in the sums.
+    const Real* const of_row = reinterpret_cast<const Real*>(&sums.volume) + (along_x ? 3 : 9) * i;
+    const std::size_t next_plane = along_x ? 9 : 3;
+    const LocalId begin = repeats ? c - 1 : std::max(c - 1, 0), end = repeats ? c + 2 : std::min(c + 2, columns);
+    for (LocalId column = begin; column < end; ++column) {
+      Real* const volume = number_of(to.volumes[i], repeats ? (column + columns) % columns : column);
+      const Real* const of_column = of_row + (column - (c - 1));
       for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane * EightCells::count] += along_x ? sums.volume[plane][i][j] : sums.volume[i][plane][j];
+        volume[plane * EightCells::count] += of_column[plane * next_plane];
     }
   }
 }

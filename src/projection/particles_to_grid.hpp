@@ -45,11 +45,20 @@ class ParticlesToGrid {
   template <class Use>
   void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
     constexpr LocalId eight = EightCells::count;
-    for (LocalId first = 0; first < grid_.columns(k, r); first += eight) {
+    const LocalId columns = grid_.columns(k, r), row = r * order.grid().columns(), ghosts = order.low_ghosts();
+    CellParticles cell{0, 0, grid_.place_of(k, r, 0)};
+    for (LocalId first = 0; first < columns; first += eight) {
       if (!grid_.storage().has(k, r, static_cast<std::size_t>(first / eight))) continue;
-      for (LocalId c = first; c < std::min(first + eight, grid_.columns(k, r)); ++c) {
-        const CellParticles cell = particles_of(order, k, r, c);
-        if (cell.begin < cell.end) use(c, cell);
+      LocalId begin = order.start(k, row + first);
+      for (LocalId c = first; c < std::min(first + eight, columns); ++c) {
+        const LocalId end = order.start(k, row + c + 1);
+        if (begin < end) {
+          cell.begin = static_cast<std::size_t>(begin - ghosts);
+          cell.end = static_cast<std::size_t>(end - ghosts);
+          grid_.set_column(cell.place, c);
+          use(c, static_cast<const CellParticles&>(cell));
+        }
+        begin = end;
       }
     }
   }
@@ -94,7 +103,14 @@ class ParticlesToGrid {
   RowToRead volumes_of(LocalId k, LocalId r) const { return const_cast<ParticlesToGrid*>(this)->volumes_of(k, r); }
   void sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts);
   void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion, const CutCells* cuts);
-  void add_volume(LocalId k, LocalId r, LocalId c, Range rows, const CellSums& sums);
+  // The rows of a plane from one before row r on to which its cells add volume, [rows) of them.
+  struct RowsToAdd {
+    std::array<RowToWrite, 3> volumes;
+    std::array<LocalId, 3> columns;
+    Range rows;
+  };
+  RowsToAdd rows_to_add(LocalId k, LocalId r, Range own);
+  void add_volume(const RowsToAdd& to, LocalId c, const CellSums& sums) const;
   // What the cells of a row add to the cells of the row beside it: by planes, then along the row.
   using VolumesBeside = std::array<Real, 9>;
   void exchange_volumes(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);

@@ -189,9 +189,7 @@ void PbfSolver<T>::predict_positions(Real dt) {
   Particles& particles = parts_.particles;
   Boundary& boundary = *parts_.boundary;
   boundary.round_positions(particles);  // new particles may be between the multiples of the quantum
-  boundary.predict(particles, dt);
-  const LocalId lost = first_index({0, particles.size()},
-                                   [&](std::size_t i) { return !boundary.walls().inside(particles.predicted[i]); });
+  const LocalId lost = boundary.predict(particles, dt);
   if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);
   boundary.wrap_predicted(particles);
 }

@@ -45,9 +45,9 @@ template <class T>
 void SweptRows::find_multipliers(const std::vector<Packed<T>>& records) {
   for_each_row([&](LocalId k, LocalId r) {
     const auto [begin, end] = order_->row(k, r);
-    char any = 0;
-    for (LocalId i = begin; i < end; ++i) any |= static_cast<char>(records[static_cast<std::size_t>(i)].w != 0);
-    held_[index(k, r)] = any;
+    const auto in_row = records.begin();
+    held_[index(k, r)] = static_cast<char>(
+        std::any_of(in_row + begin, in_row + end, [](const Packed<T>& record) { return record.w != 0; }));
   });
 }
 
