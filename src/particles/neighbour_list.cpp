@@ -287,7 +287,7 @@ std::uint16_t* RowWriter::begin_row(RowPages& pages, std::size_t longest) {
     next_ += 2 * shifts_->size();
   }
   place_ = first_of_page_ + static_cast<std::uint64_t>(next_ - page_);
-  next_[0] = wide ? 0 : static_cast<std::uint16_t>((next_ - shifts_place_) / 2);
+  next_[0] = static_cast<std::uint16_t>(wide ? 0 : (next_ - shifts_place_) / 2);
   return next_ + (wide ? 2 : 1);
 }
 
