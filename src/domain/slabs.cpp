@@ -125,7 +125,7 @@ bool Slabs::cells_fit(LocalId rows, LocalId columns) const {
 }
 
 void Slabs::check_capacity(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
-                           std::size_t record_bytes) const {
+                           Real bytes_of_particle) const {
   for (int r = 0; r < ranks(); ++r) {
     const auto first = static_cast<std::size_t>(std::max(first_plane(r) - 1, 0));
     const auto last = std::min(static_cast<std::size_t>(end_plane(r)) + 1, weights.size());
@@ -139,18 +139,18 @@ void Slabs::check_capacity(std::span<const Real> weights, const std::array<Local
                     "use more ranks",
                     r, ranks(), particles, cells_of_rank));
   }
-  check_messages(weights, rows_and_columns, record_bytes);
+  check_messages(weights, rows_and_columns, bytes_of_particle);
 }
 
-// The largest messages: the records of a plane's particles, or one number of the coarse grid for each of its cells.
+// The largest messages: what a plane sends of its particles, or one number of the coarse grid for each of its cells.
 void Slabs::check_messages(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
-                           std::size_t record_bytes) const {
+                           Real bytes_of_particle) const {
   const Real cells_per_plane = static_cast<Real>(rows_and_columns[0]) * rows_and_columns[1];
   for (int k = 1; k < slabs(); ++k) {
     const LocalId cut = cuts_.planes[static_cast<std::size_t>(k)];
     for (const LocalId plane : {cut - 1, cut}) {
-      const Real records = weights[static_cast<std::size_t>(plane)] * static_cast<Real>(record_bytes);
-      const Real bytes = std::max(records, cells_per_plane * sizeof(Real)) / parts();
+      const Real of_particles = weights[static_cast<std::size_t>(plane)] * bytes_of_particle;
+      const Real bytes = std::max(of_particles, cells_per_plane * sizeof(Real)) / parts();
       if (bytes < max_message_bytes) continue;
       throw InputError(
           fmt::format("cell plane {} at a cut between two ranks would have {:.3g} GB to send, where a message holds 2; "

@@ -42,16 +42,16 @@ class Slabs {
   bool cells_fit(const CellGrid& grid) const { return cells_fit(grid.rows(), grid.columns()); }
   bool cells_fit(LocalId rows, LocalId columns) const;
   /// Throws InputError when a rank and its ghosts would have more particles, or cells, than a LocalId counts, or a
-  /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, `record_bytes` each, of
-  /// which each rank of a slab has an even share.
+  /// plane at a cut more bytes than one message holds. `weights`: particles of each plane, of which each rank of a slab
+  /// has an even share; `bytes_of_particle`: of the largest message.
   void check_capacity(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
-                      std::size_t record_bytes) const;
+                      Real bytes_of_particle) const;
 
  private:
   std::size_t slab(int rank) const { return static_cast<std::size_t>(rank / cuts_.parts); }
   Real cells(int rank, LocalId rows, LocalId columns) const;  // ghosts included
   void check_messages(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
-                      std::size_t record_bytes) const;
+                      Real bytes_of_particle) const;
 
   CellCuts cuts_;  // of rows {0, 1} where they are not cut
 };

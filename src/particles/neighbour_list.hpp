@@ -80,7 +80,7 @@ class RowWriter {
     if (static_cast<std::size_t>(end_ - next_) < entries) begin_page(pages.take());
     if (!wide && shifts_place_ == nullptr) write_shifts();
     place_ = first_of_page_ + static_cast<std::uint64_t>(next_ - page_);
-    next_[0] = wide ? 0 : static_cast<std::uint16_t>((next_ - shifts_place_) / 2);
+    next_[0] = static_cast<std::uint16_t>(wide ? 0 : (next_ - shifts_place_) / 2);
     return next_ + (wide ? 2 : 1);
   }
   void end_row(std::size_t length) { next_ += (shifts_ == nullptr ? 2 + 2 * length : 1 + length + 1) / 2 * 2; }

@@ -43,9 +43,9 @@ struct AffineMap {
 
 /// How many numbers a cell has in CellFields: Moments, an AffineMap, a Flow; and of the places of a fit, as it needs
 /// them, 1 over the weight, mean, and inverse of the variance, and the mean square of the motion that the fit leaves,
-/// m².
+/// m². Where planes are exchanged the volumes that a cell's particles add to planes go with its moments.
 namespace numbers {
-constexpr std::size_t moments = 23, map = 13, flow = 12, spread = 11;
+constexpr std::size_t moments = 23, map = 13, flow = 12, spread = 11, volumes = 3;
 static_assert(sizeof(Moments) == moments * sizeof(Real) && sizeof(AffineMap) == map * sizeof(Real) &&
               sizeof(Flow) == flow * sizeof(Real));
 }  // namespace numbers

@@ -96,7 +96,6 @@ class ParticlesToGrid {
  private:
   // The volume that the particles of its plane add below a cell, to itself and above it: in whole rows after the
   // moments of the cell's particles.
-  static constexpr std::size_t volumes = 3;
   RowToWrite volumes_of(LocalId k, LocalId r) {
     return grid_.storage().is_exchanged(k, r) ? sums_.row(k, r).from_number(numbers::moments) : volumes_.row(k, r);
   }
@@ -150,8 +149,8 @@ class ParticlesToGrid {
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
-  CellFields sums_{numbers::moments, volumes}, volumes_{volumes}, spread_{numbers::map}, fit_{numbers::map},
-      means_{sizeof(Means) / sizeof(Real)};
+  CellFields sums_{numbers::moments, numbers::volumes}, volumes_{numbers::volumes}, spread_{numbers::map},
+      fit_{numbers::map}, means_{sizeof(Means) / sizeof(Real)};
   std::vector<Range> filled_;  // filled(k, r)
   std::array<Borrowed<Real>, 3> displacement_;
   // Where rows are cut, of the first and the last own row, and of the rows before and after these.

@@ -11,6 +11,8 @@
 #include "domain/balance.hpp"
 #include "parallel/waiting.hpp"
 #include "particles/packed.hpp"
+#include "projection/affine.hpp"
+#include "solver/halo_traffic.hpp"
 #include "solver/ranks_by_model.hpp"
 #include "trevi/error.hpp"
 
@@ -110,6 +112,14 @@ std::vector<Real> sum_at_slabs(MPI_Comm comm, const RowWeights& given, int parts
 
 }  // namespace
 
+Real bytes_of_particle(const Settings& settings, const CellGrid& grid) {
+  const bool single = settings.density.precision == Precision::single;
+  const Real record = single ? sizeof(Packed<float>) : sizeof(Packed<double>);
+  if (!settings.density.coarse_grid) return record;
+  constexpr Real of_cell = sizeof(Real) * (numbers::moments + numbers::volumes);
+  return std::max(record, of_cell / resting_water(settings, grid, 0).particles_per_cell);
+}
+
 Slabs first_slabs(MPI_Comm comm, const Settings& settings, const CellGrid& grid, const CellWeights& weights) {
   const int ranks = size_of(comm);
   const auto [slabs_of_all, parts] = slabs_and_parts(settings, grid, weights.planes, ranks);
@@ -129,9 +139,7 @@ Slabs first_slabs(MPI_Comm comm, const Settings& settings, const CellGrid& grid,
     cut_rows(comm, of_rows, parts, slabs);
   }
   check_unknowns(settings, weights.planes);
-  const bool single = settings.density.precision == Precision::single;
-  slabs.check_capacity(weights.planes, {grid.rows(), grid.columns()},
-                       single ? sizeof(Packed<float>) : sizeof(Packed<double>));
+  slabs.check_capacity(weights.planes, {grid.rows(), grid.columns()}, bytes_of_particle(settings, grid));
   return slabs;
 }
 

@@ -38,6 +38,9 @@ struct CellWeights {
 };
 /// Throws InputError where the method anderson has more unknowns than PETSc can count. `planes`: particles of each.
 void check_unknowns(const Settings& settings, const std::vector<Real>& planes);
+/// Of each particle of a plane at a cut the bytes of the largest message: its record, or with the projection its part
+/// of what a cell that it fills sends.
+Real bytes_of_particle(const Settings& settings, const CellGrid& grid);
 /// Throws InputError where settings.ranks are not as many as there are, where there are more ranks than planes and
 /// rows, more particles or cells than a rank can count, or, with the method anderson, more unknowns than PETSc can
 /// count.

@@ -102,9 +102,9 @@ RestingWater resting_water(const Settings& settings, const CellGrid& grid, Real 
   const Vec3 cell = (settings.domain.max - settings.domain.min)
                         .cwiseQuotient(grid.axis(0) == 0 ? Vec3(water.planes, water.rows, water.columns)
                                                          : Vec3(water.rows, water.planes, water.columns));
-  const Real each = cell.prod() / std::pow(settings.fluid.spacing, 3);  // particles of a cell
+  water.particles_per_cell = cell.prod() / std::pow(settings.fluid.spacing, 3);
   constexpr Real rounding = 1e-6;
-  const Real high = std::ceil(water.particles_per_row / each - rounding);
+  const Real high = std::ceil(water.particles_per_row / water.particles_per_cell - rounding);
   water.wet_columns = static_cast<LocalId>(std::clamp<Real>(high, 1, water.columns));
   water.iterations = settings.density.iterations;
   water.record_bytes = settings.density.precision == Precision::single ? 16 : 32;

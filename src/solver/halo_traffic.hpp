@@ -12,6 +12,7 @@ struct RestingWater {
   LocalId planes = 1, rows = 1, columns = 1;  ///< cells of the box
   LocalId wet_columns = 1;                    ///< cells of water above one another
   Real particles_per_row = 0;                 ///< of a row of a plane
+  Real particles_per_cell = 1;                ///< where it is full
   int iterations = 1;
   Real record_bytes = 0;  ///< of a particle
   bool projected = true;

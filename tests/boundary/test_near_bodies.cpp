@@ -104,6 +104,77 @@ TEST(Paths, InAnOpenBoxMeetNothing) {
   EXPECT_GT(open_ones, 20000);
 }
 
+// Sums of integers hold what many particles far from the centre of a wide body say of it: its motion is that by sums
+// of floating-point numbers.
+TEST(Met, AWideBodyMovesAsManyParticlesTellIt) {
+  constexpr Real dt = 0.01, spacing = h / 2, given = 1.5;
+  for (const Real size : {20.0, 900.0}) {
+    Settings settings;
+    settings.domain = {Vec3::Constant(-1000), Vec3::Constant(1000)};
+    settings.fluid.spacing = spacing;
+    BodySettings raft;
+    raft.shape = ShapeKind::box;
+    raft.size = {size, size, 4};
+    raft.density = 1;
+    settings.bodies.push_back(raft);
+    settings = resolved(settings);
+    Obstacles obstacles(settings, Walls(settings.domain, settings.walls, 1e-6 * h), std::nullopt);
+    RigidBodies& bodies = *obstacles.floating();
+    obstacles.move(0, dt);
+    const RigidBody& body = bodies.body(0);
+    const Six before = body.twist();
+    const Real mass = settings.fluid.rest_density * spacing * spacing * spacing;
+    Six pushed{};
+    Mass6 met{};
+    std::mt19937 generator(3);
+    std::uniform_real_distribution<Real> place(-size / 2, size / 2);
+    for (int k = 0; k < 200000; ++k) {
+      const Vec3 p(std::abs(place(generator)), place(generator), -2), v(0, 0, 3);
+      bodies.meet(0, p, -Vec3::UnitZ(), v, given);
+      const Six g = six_of(-Vec3::UnitZ(), p.cross(-Vec3::UnitZ()));
+      pushed = plus(pushed, g, -3 * given * mass);
+      add_square(met, g, given * mass);
+    }
+    const Six lacking = plus(pushed, times(met, before), -1);
+    const Six expected = plus(before, solved(plus(body.felt_inertia(), met), lacking, body.free()));
+    ASSERT_TRUE(bodies.settle(MPI_COMM_SELF));
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(body.twist()[i], expected[i], i < 3 ? 1e-7 : 1e-7 / size) << size << ' ' << i;
+  }
+}
+
+// However far the box is from the origin.
+TEST(Recorded, MomentsOfTheBoxAreThoseOfItsWater) {
+  Settings settings;
+  const Vec3 corner(4e6, -4e6, 0);
+  settings.domain = {corner, corner + Vec3(4, 2, 2)};
+  settings.fluid.spacing = h / 2;
+  ObstacleSettings ball;
+  ball.radius = 0.3;
+  ball.center = corner + Vec3(3, 1, 1);
+  settings.obstacles.push_back(ball);
+  settings = resolved(settings);
+  Obstacles obstacles(settings, Walls(settings.domain, settings.walls, 1e-6 * h), std::nullopt);
+  Vec3 shift = Vec3::Zero(), moment = Vec3::Zero();  // about the middle of the box
+  for (int k = 0; k < 1000; ++k) {
+    const Vec3 up(0, 0, 0.01), arm(k * 0.003 - 1.5, 0.5, -1);
+    std::array<Impulse, 1> push{{{up, corner + Vec3(2, 1, 1) + arm}}};
+    shift += up;
+    moment += arm.cross(up);
+    if (k % 2 == 0) {
+      obstacles.record_box(push);
+    } else {
+      obstacles.record_projection(obstacles.box_account(), up, push[0].arm);
+    }
+  }
+  const TotalImpulse box = obstacles.total(MPI_COMM_SELF)[obstacles.box_account()];
+  const Vec3 about_middle = box.moment - Vec3(corner + Vec3(2, 1, 1)).cross(box.shift);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(box.shift[i], shift[i], 1e-8);
+    EXPECT_NEAR(about_middle[i], moment[i], 1e-6);
+  }
+}
+
 // Answers that are noise, or what another body did, do not make of the added mass what is none: of the shape's own at
 // least what is forgotten in a substep is there, and it has a bound.
 TEST(AddedMass, StaysPositiveAndBounded) {

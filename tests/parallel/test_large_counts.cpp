@@ -11,6 +11,7 @@
 #include "parallel/reductions.hpp"
 #include "scene/initial_particles.hpp"
 #include "scene/lattice.hpp"
+#include "solver/first_slabs.hpp"
 #include "support/output_fixture.hpp"
 #include "trevi/forcing.hpp"
 
@@ -90,6 +91,15 @@ TEST(LargeCounts, PlanesThatNoMessageHoldsAreRefused) {
   EXPECT_THROW(Slabs(weights, 4).check_capacity(weights, {1, 300'000'000}, 16), InputError)
       << "2.4 GB of the coarse grid";
   EXPECT_NO_THROW(Slabs(weights, 1).check_capacity(weights, {1, 1000}, 32)) << "nothing is sent";
+  Settings settings;
+  settings.domain = {Vec3::Zero(), Vec3(4, 2, 2)};
+  settings.fluid.spacing = 0.1;
+  settings.density.precision = Precision::single;
+  settings = resolved(settings);
+  const CellGrid grid = cell_grid(settings, settings.domain);
+  EXPECT_DOUBLE_EQ(bytes_of_particle(settings, grid), 26) << "an eighth of a cell of 26 numbers";
+  settings.density.coarse_grid = false;
+  EXPECT_EQ(bytes_of_particle(settings, grid), 16) << "a record";
 }
 
 TEST(LargeCounts, RandomNumbersSeeTheUpperHalfOfAnId) {

@@ -26,7 +26,8 @@ Box box_of_solids(const Settings& settings, const Box& open) {
 }  // namespace
 
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
-    : walls_(walls),
+    : middle_of_box_((settings.domain.min + settings.domain.max) / 2),
+      walls_(walls),
       law_(std::move(law)),
       ledger_(settings.obstacles.size() + settings.bodies.size() + 2, settings.fluid.kernel_radius),
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
@@ -173,6 +174,7 @@ Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& momen
 
 std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
+  all[box_account()].moment += middle_of_box_.cross(all[box_account()].shift);
   const TotalImpulse rest = all.back();
   all.pop_back();
   // It is of all the water, wherever that is, so that a share acts where what it goes by does. It would turn bodies
@@ -257,15 +259,18 @@ void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {
 }
 
 void Obstacles::record_projection(std::size_t account, const Vec3& shift, const Vec3& p) {
-  const Impulse push{shift, account < bodies_.size() ? Vec3(p - arm_center(account)) : p};
+  const Vec3 center = account < bodies_.size() ? arm_center(account) : account == box_account() ? middle_of_box_ : p;
+  const Impulse push{shift, p - center};
   ledger_.add(account, {&push, 1});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {
-  for (Impulse& push : impulses) push.shift *= relaxation_;
+  for (Impulse& push : impulses) {
+    push.shift *= relaxation_;
+    if (gauges_->count() != 0) gauges_->add(push.shift, push.arm);
+    push.arm -= middle_of_box_;
+  }
   ledger_.add(box_account(), impulses);
-  if (gauges_->count() == 0) return;
-  for (const Impulse& push : impulses) gauges_->add(push.shift, push.arm);
 }
 
 std::size_t Obstacles::bytes() const {

@@ -100,7 +100,8 @@ class Obstacles {
   /// The highest speed of a point of an obstacle, m/s.
   Real fastest(Real begin, Real end) const;
 
-  /// Obstacles in their order, then the box; moments about the centres of obstacles, and the origin for the box.
+  /// Obstacles in their order, then the box; moments about the centres of obstacles, and the middle of the box, from
+  /// which no arm is so long that the integers of the ledger end.
   ImpulseLedger& ledger() { return ledger_; }
   std::size_t box_account() const { return bodies_.size(); }
   /// What moves the water beside the pressure on surfaces: its transfer between particles and cells does not balance to
@@ -109,7 +110,8 @@ class Obstacles {
   /// Forgets what was recorded before.
   void begin_step();
   /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The rest is shared
-  /// among them by what each gave, along the line on which that acts, so that the sum is that of the water. Collective.
+  /// among them by what each gave, along the line on which that acts, so that the sum is that of the water. Moments of
+  /// the box are about the origin. Collective.
   std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
@@ -153,6 +155,7 @@ class Obstacles {
   std::unique_ptr<RigidBodies> floating_;
   std::vector<TotalImpulse> finished_;  // of the substeps of the step, with bodies
   bool sounding_ = false;               // settle() asks what bounces
+  Vec3 middle_of_box_;
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   ImpulseLedger ledger_;

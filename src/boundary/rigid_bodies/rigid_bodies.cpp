@@ -10,9 +10,14 @@ namespace trevi {
 
 namespace {
 
-// Sums of what bodies meet are integers in these units: of speeds times dt, m, of the ledger's; of squares of normals
-// and of arms over h.
+// Sums of what bodies meet are integers, multiples of 2^-30: of speeds times dt over h, of squares of normals and of
+// arms in their unit.
 constexpr int fine = 30;
+
+// h, or for a wide body so much that no arm is more than this many units long: 64 bits hold the squares of the arms of
+// as many particles as meet it at a time.
+constexpr Real longest_arm = 64;
+Real arm_unit_of(Real radius, Real h) { return std::ldexp(h, std::max(0, std::ilogb(radius / (longest_arm * h)) + 1)); }
 
 }  // namespace
 
@@ -25,9 +30,11 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
                   settings.fluid.spacing),
       h_(settings.fluid.kernel_radius),
       contacts_(settings, all) {
-  for (const BodySettings& body : settings.bodies)
-    bodies_.emplace_back(body, all[first_ + bodies_.size()]->shape(), settings.gravity.value_or(Vec3::Zero()),
-                         settings.fluid.rest_density);
+  for (const BodySettings& body : settings.bodies) {
+    const Body& solid = *all[first_ + bodies_.size()];
+    arm_unit_.push_back(arm_unit_of(solid.radius(), h_));
+    bodies_.emplace_back(body, solid.shape(), settings.gravity.value_or(Vec3::Zero()), settings.fluid.rest_density);
+  }
   given_.resize(bodies_.size());
   moved_.resize(bodies_.size(), Vec3::Zero());
   expected_.resize(bodies_.size());
@@ -82,7 +89,7 @@ void RigidBodies::begin(Real dt) {
 }
 
 void RigidBodies::meet(std::size_t obstacle, const Vec3& p, const Vec3& normal, const Vec3& v, Real given) {
-  const Vec3 arm = (p - bodies_[obstacle - first_].state().position) / h_;
+  const Vec3 arm = (p - bodies_[obstacle - first_].state().position) / arm_unit_[obstacle - first_];
   const Six g = six_of(normal, arm.cross(normal));
   const Real speed = normal.dot(v) * dt_ / h_;
   std::int64_t* sum = met_.mine().data() + numbers * (obstacle - first_);
@@ -102,7 +109,7 @@ bool RigidBodies::settle(MPI_Comm comm) {
     if (std::all_of(sum, sum + numbers, [](std::int64_t n) { return n == 0; })) continue;
     changed = true;
     const auto next = [&](Real unit) { return std::ldexp(static_cast<Real>(*sum++), -fine) * unit; };
-    const auto length = [&](std::size_t i) { return i < 3 ? 1 : h_; };
+    const auto length = [&](std::size_t i) { return i < 3 ? 1 : arm_unit_[k]; };
     Six pushed{};
     for (std::size_t i = 0; i < 6; ++i) pushed[i] = next(water_mass_ * h_ / dt_ * length(i));
     Mass6 met{};

@@ -76,9 +76,10 @@ class RigidBodies {
   Real water_mass_;  // of a particle, kg
   Real h_, dt_ = 0;
   std::vector<RigidBody> bodies_;
-  std::vector<Six> given_;     // by the ledger before the projection
-  std::vector<Vec3> moved_;    // of the centres in the substep, as cells are cut, m
-  std::vector<Six> expected_;  // twists without the particles that bounce
+  std::vector<Real> arm_unit_;  // m, in which arms of what they meet are counted
+  std::vector<Six> given_;      // by the ledger before the projection
+  std::vector<Vec3> moved_;     // of the centres in the substep, as cells are cut, m
+  std::vector<Six> expected_;   // twists without the particles that bounce
   Contacts contacts_;
   static constexpr std::size_t numbers = 27;  // of what a body meets: 6 sums, and 21 of a symmetric matrix
   PerThread<std::vector<std::int64_t>> met_;
