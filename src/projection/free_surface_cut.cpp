@@ -151,14 +151,17 @@ Real FreeSurface::fill_around(std::size_t at) const {
 void FreeSurface::level_cut_cells(Halo& halo) {
   if (!upright()) return;
   const CellRows own = grid().rows_of({1, grid().planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) { level_over_alike(k, r); });
+  for_each_row(own, [&](LocalId k, LocalId r) {
+    if (cuts()->is_near_cut(k, r)) level_over_alike(k, r);
+  });
   halo.start_planes(height_, grid().step(0));
   halo.finish();
   grid().complete(halo, height_);
   Borrowed<Real> level = grid().scratch().borrow_briefly<Real>(height_.size());  // the next height_
   std::copy(height_.begin(), height_.end(), level.begin());
   for_each_row(own, [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid().columns(); ++c) {
+    const Range near = cuts()->cut_columns(k, r);
+    for (LocalId c = std::max(near.begin, 0); c < std::min(near.end, grid().columns()); ++c) {
       const std::size_t at = grid().index(k, r, c);
       if (is_cut(at) && is_top(at) && !is_small(at) && !cuts()->floats(at)) level[at] = level_at_middle({k, r, c});
     }

@@ -226,6 +226,7 @@ void DensityProblem<T>::project(Projection& projection) {
 template <class T>
 void DensityProblem<T>::set_velocities(bool looks_later) {
   looks_later_ = looks_later;
+  has_swept_ = false;
   if (looks_later_) swept_rho_ = near_.scratch().template borrow<Real>(rho_.size());
   std::vector<Vec3>&x = particles_->position, &p = particles_->predicted, &v = particles_->velocity;
   for_each_index(near_.all(), [&](std::size_t i) {
@@ -238,6 +239,7 @@ void DensityProblem<T>::set_velocities(bool looks_later) {
 
 template <class T>
 void DensityProblem<T>::note_sweep() {
+  has_swept_ = true;
   for_each_index(near_.all(), [&](std::size_t i) {
     in_flight_[i] += (1 - act_[i]) * multiplier_[i];
     if (looks_later_) swept_rho_[i] = rho_[i];
@@ -267,7 +269,7 @@ void DensityProblem<T>::release_in_flight() {
 
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
-  const Borrowed<Real>& rho = looks_later_ ? swept_rho_ : rho_;
+  const Borrowed<Real>& rho = looks_later_ && has_swept_ ? swept_rho_ : rho_;
   const Swept<T> swept{{particles_->position, particles_->predicted},
                        {act_.data(), act_.size()},
                        {{rho.data(), rho.size()}, constraint_.model().rest_density}};

@@ -139,8 +139,8 @@ class DensityProblem {
   Borrowed<T> in_flight_;  // m², of all sweeps, times 1 − act_
   SweptRows swept_;
   std::vector<Range> swept_rows_, moved_rows_;  // owned particles: of the present sweep, and of those that have moved
-  bool looks_later_ = false;
-  Borrowed<Real> swept_rho_;  // kg/m³, that the last sweep saw, where rho_ may be later ones
+  bool looks_later_ = false, has_swept_ = false;
+  Borrowed<Real> swept_rho_;  // kg/m³, that the last sweep saw, where there was one and rho_ may be later ones
   double pair_passes_ = 0;
   std::array<Event, 2> phase_event_{Event("Lambda"), Event("Move")};
   const Event& lambda_event() const { return phase_event_[static_cast<std::size_t>(Phase::lambda)]; }

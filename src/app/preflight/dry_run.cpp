@@ -28,9 +28,9 @@ namespace trevi {
 namespace {
 
 // Bytes that the solver keeps for a particle with a full neighbourhood, what the stages of its step borrow of that
-// (base/scratch.hpp), and for a ghost, and for a cell of the box.
+// (base/scratch.hpp), the search alone of that, and for a ghost, and for a cell of the box.
 struct BytesEach {
-  double owned, borrowed, ghost, cell;
+  double owned, borrowed, search, ghost, cell;
 };
 
 BytesEach bytes_each(const Scene& scene) {
@@ -52,7 +52,7 @@ BytesEach bytes_each(const Scene& scene) {
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;
   if (scene.output.series) owned += 24;                                  // positions at the search, for the drift
   const double borrowed = 13 + 2 * pairs + std::max(sweeps, filtering);  // with the list
-  return {owned + borrowed, borrowed, ghost, cell};
+  return {owned + borrowed, borrowed, 3 * quad / 4, ghost, cell};
 }
 
 // Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
@@ -107,7 +107,9 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     const double cells = (own.rows.size() + 2.0) * (grid.columns() + 2.0) * (planes + 2);
     const double coarse = coarse_bytes(scene, grid) * (planes + 2) * (own.rows.size() + 2.0) / (grid.rows() + 2.0);
     const double more = std::max(coarse - owned * bytes.borrowed, 0.0);  // the projection has no list yet
-    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + more;
+    // With ghosts of the projection's cells there is no room for the search's coordinates among what is given back.
+    const double search = ranks > 1 ? owned * bytes.search : 0;
+    const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + more + search;
     const std::string rows = slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
     text += fmt::format("  rank {:<4} planes {} to {}{}: {:.0f} particles, {:.0f} ghosts ({:.1f} %), {:.1f} MB\n", r,
                         own.planes.begin, own.planes.end - 1, rows, owned, ghosts, owned > 0 ? 100 * ghosts / owned : 0,
