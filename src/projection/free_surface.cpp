@@ -75,8 +75,10 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
     } else if (is_top(at)) {
       const bool beside_body = cuts() != nullptr && cuts()->floats(at) && !is_solid(at);
       const Real area = beside_body ? open(at) : 1;  // on which it stands
-      const Real more = standing ? std::clamp(excess / area, -max_excess, max_excess) : 0;
-      height_[at] = std::max(fill_[at] + fill_[at + 1] + more, floor_fill);
+      const std::optional<Real> share = standing ? share_below(floor, at) : std::nullopt;
+      const Real counted = (share ? excess_of_cut : 1) * excess;
+      const Real more = standing ? std::clamp(counted / area, -max_excess, max_excess) : 0;
+      height_[at] = std::max((fill_[at] + fill_[at + 1]) / share.value_or(1) + more, floor_fill);
     } else {
       excess += open(at) * (fill_[at] - 1);
     }

@@ -88,11 +88,13 @@ class FreeSurface {
   bool is_pocket(const Place& place) const;
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
-  void level_cut_cells(Halo& halo);
-  void level_over_alike(LocalId k, LocalId r);
+  void exchange(Halo& halo, Borrowed<Real>& field) const;
+  template <class Level>
+  void level_cut_cells(Halo& halo, const Level& level);
+  std::optional<Real> share_below(std::size_t floor, std::size_t top) const;
   Real fill_around(std::size_t at) const;
   Real level_at_middle(const Place& place) const;
-  void level_small_cells(Halo& halo);
+  Real level_beyond_widest(const Place& place) const;
   bool is_small(std::size_t at) const;
   std::optional<Real> fill_beside(const Place& place) const;
   Real level_beside(const Place& place) const;

@@ -43,12 +43,40 @@ void FreeSurface::classify_among_solids(Halo& halo) {
       if (is_solid(at)) wet_[at] = wet_[at - 1];
     }
     close_ceiling(k, r);
-    find_tops(k, r);
   });
   grid().complete(halo, wet_);
-  grid().complete(halo, height_);
-  level_cut_cells(halo);
-  level_small_cells(halo);
+  for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) { find_tops(k, r); });
+  exchange(halo, height_);
+  // At the walls of a cylinder of R = 10 spacings the level is that at the mean place of the water in a cut cell, but
+  // acts at its middle: as it was the paraboloid was a quarter too steep.
+  level_cut_cells(halo, [&](const Place& place, std::size_t at) {
+    return is_small(at) || cuts()->floats(at) ? height_[at] : level_at_middle(place);
+  });
+  level_cut_cells(halo, [&](const Place& place, std::size_t at) {
+    return !is_small(at) ? height_[at] : cuts()->floats(at) ? level_beside(place) : level_beyond_widest(place);
+  });
+}
+
+void FreeSurface::exchange(Halo& halo, Borrowed<Real>& field) const {
+  halo.start_planes(field, grid().step(0));
+  halo.finish();
+  grid().complete(halo, field);
+}
+
+// level(place, at) is the next level of a cut top cell, as the present ones say.
+template <class Level>
+void FreeSurface::level_cut_cells(Halo& halo, const Level& level) {
+  Borrowed<Real> next = grid().scratch().borrow_briefly<Real>(height_.size());
+  std::copy(height_.begin(), height_.end(), next.begin());
+  for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
+    const Range cut = cuts()->cut_columns(k, r);
+    for (LocalId c = cut.begin; c < std::min(cut.end, grid().columns()); ++c) {
+      const std::size_t at = grid().index(k, r, c);
+      if (is_cut(at) && is_top(at)) next[at] = level({k, r, c}, at);
+    }
+  });
+  exchange(halo, next);
+  height_.swap(next);
 }
 
 void FreeSurface::join_cells_at_solids(Halo& halo) {
@@ -144,60 +172,22 @@ Real FreeSurface::fill_around(std::size_t at) const {
 
 // Few particles tell what a cut cell holds: layers at a wall fill 0.7 of it or 1.05, and what it lacks the cells beside
 // have. Its level would rise by as much less or more than the water does: a tank turned by 45° was 4 % too slow, or 3 %
-// too fast where it stood elsewhere. So its fill is divided by what the cells below that are cut as it is hold, of what
-// they and those beside them do: compression, which those share, stays in it. And its level is that at the mean place
-// of its water, but acts at its middle: at the wall of a cylinder of R = 10 spacings the paraboloid was a quarter too
-// steep. So it is continued by the slope from the cell beside.
-void FreeSurface::level_cut_cells(Halo& halo) {
-  if (!upright()) return;
-  const CellRows own = grid().rows_of({1, grid().planes() + 1});
-  for_each_row(own, [&](LocalId k, LocalId r) {
-    if (cuts()->is_near_cut(k, r)) level_over_alike(k, r);
-  });
-  halo.start_planes(height_, grid().step(0));
-  halo.finish();
-  grid().complete(halo, height_);
-  Borrowed<Real> level = grid().scratch().borrow_briefly<Real>(height_.size());  // the next height_
-  std::copy(height_.begin(), height_.end(), level.begin());
-  for_each_row(own, [&](LocalId k, LocalId r) {
-    const Range near = cuts()->cut_columns(k, r);
-    for (LocalId c = std::max(near.begin, 0); c < std::min(near.end, grid().columns()); ++c) {
-      const std::size_t at = grid().index(k, r, c);
-      if (is_cut(at) && is_top(at) && !is_small(at) && !cuts()->floats(at)) level[at] = level_at_middle({k, r, c});
-    }
-  });
-  halo.start_planes(level, grid().step(0));
-  halo.finish();
-  grid().complete(halo, level);
-  height_.swap(level);
-}
-
-void FreeSurface::level_over_alike(LocalId k, LocalId r) {
-  const std::size_t floor = grid().index(k, r, 0), end = floor + static_cast<std::size_t>(grid().columns(k, r));
-  Real excess = 0;
-  for (std::size_t at = floor; at < end && (is_wet(at) || is_solid(at) || is_drained(at)); ++at) {
-    if (!is_wet(at)) continue;
-    if (!is_top(at)) {
-      excess += open(at) * (fill_[at] - 1);
-      continue;
-    }
-    if (!cuts()->is_near(at) || cuts()->floats(at) || cuts()->is_driven(at)) return;
-    const Real capacity = cuts()->capacity(at);
-    Real held = 0, around = 0;
-    for (std::size_t below = floor; below < at; ++below) {
-      if (!is_wet(below) || is_solid(below) || std::abs(cuts()->capacity(below) - capacity) > alike * capacity)
-        continue;
-      held += fill_[below];
-      around += fill_around(below);
-    }
-    if (around == 0) return;
-    const Real share = std::clamp(held / around, 1 - max_uneven, 1 + max_uneven);
-    const Real more = std::clamp(excess_of_cut * excess, -max_excess, max_excess);
-    height_[at] = std::max((fill_[at] + fill_[at + 1]) / share + more, floor_fill);
-    return;
+// too fast where it stood elsewhere. So its fill counts over what the cells below that are cut as it is hold, of what
+// they and those beside them do: compression, which those share, stays in it. None where no cell is.
+std::optional<Real> FreeSurface::share_below(std::size_t floor, std::size_t top) const {
+  if (cuts() == nullptr || !cuts()->is_near(top) || cuts()->floats(top) || cuts()->is_driven(top)) return std::nullopt;
+  const Real capacity = cuts()->capacity(top);
+  Real held = 0, around = 0;
+  for (std::size_t at = floor; at < top; ++at) {
+    if (!is_wet(at) || is_solid(at) || std::abs(cuts()->capacity(at) - capacity) > alike * capacity) continue;
+    held += fill_[at];
+    around += fill_around(at);
   }
+  if (around == 0) return std::nullopt;
+  return std::clamp(held / around, 1 - max_uneven, 1 + max_uneven);
 }
 
+// Continued by the slope from the cell beside that the water is nearer to.
 Real FreeSurface::level_at_middle(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
@@ -233,30 +223,15 @@ Real FreeSurface::min_wet_fill(std::size_t at, LocalId c) const {
 }
 
 // The surface in a small cell is that beside it, the mean of both where two faces are equally wide.
-void FreeSurface::level_small_cells(Halo& halo) {
-  Borrowed<Real> level = grid().scratch().borrow_briefly<Real>(height_.size());  // the next height_
-  std::copy(height_.begin(), height_.end(), level.begin());
-  for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid().columns(); ++c) {
-      const std::size_t at = grid().index(k, r, c);
-      if (!is_small(at) || !is_top(at)) continue;
-      if (cuts()->floats(at)) {
-        level[at] = level_beside({k, r, c});
-        continue;
-      }
-      Real sum = 0, count = 0;
-      for_widest({k, r, c}, [&](std::size_t beside) {
-        if (beside == at + 1 || beside == at - 1 || !is_wet(beside)) return;
-        sum += is_top(beside) ? height_[beside] : 1;
-        ++count;
-      });
-      if (count > 0) level[at] = sum / count;
-    }
+Real FreeSurface::level_beyond_widest(const Place& place) const {
+  const std::size_t at = grid().index(place.k, place.r, place.c);
+  Real sum = 0, count = 0;
+  for_widest(place, [&](std::size_t beside) {
+    if (beside == at + 1 || beside == at - 1 || !is_wet(beside)) return;
+    sum += is_top(beside) ? height_[beside] : 1;
+    ++count;
   });
-  halo.start_planes(level, grid().step(0));
-  halo.finish();
-  grid().complete(halo, level);
-  height_.swap(level);
+  return count > 0 ? sum / count : height_[at];
 }
 
 // Beside a small cell at a body that floats: what the cells beyond its sides hold, of what they can; none where all of
