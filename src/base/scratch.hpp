@@ -1,7 +1,8 @@
 // Memory that the stages of a step share: each borrows its arrays here and gives them back when it is done, so that
 // what lives in one stage only lies where what lives in another one did. An array is given back by the end of its
 // Borrowed, and its memory has no values at first. Where an address lies depends on what was borrowed before it, so no
-// number may. A build with the address sanitizer fails where somebody uses what he has given back. Not collective;
+// number may. A build with the address sanitizer fails where somebody uses what he has given back; in one with asserts,
+// and where TREVI_SPOIL_SCRATCH is set, as in all tests, memory is not a number when it is borrowed. Not collective;
 // borrowing and giving back may be done by several threads at once.
 #pragma once
 

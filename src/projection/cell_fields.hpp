@@ -234,6 +234,8 @@ struct PlaneStage {
   Work work;
   Send send;
 };
+template <class Work, class Send>
+PlaneStage(Work, Send) -> PlaneStage<Work, Send>;  // which clang finds itself from version 17 on
 
 /// Two stages in memory of few planes (ProjectionGrid::storage_rolling()), of which the second needs what the first has
 /// found of the planes around, and then use(planes) for runs of own planes, one after the other, of which the second

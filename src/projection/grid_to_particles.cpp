@@ -146,7 +146,7 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   // A wet cell without particles, below one that follows it, has no fit of this step.
   const AffineMap fit = water.fit(at).weight > 0 ? water.fit(at) : AffineMap{};
   Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // of the solid's surface, out of it; and how it moves
-  Real flux = 0, spread = 0;
+  Real flux = 0, divergence = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const std::size_t above = at + grid.step(a), b = grid.axis(a);
@@ -154,7 +154,7 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
     low[b] = 0;
     high[b] = 1;
     flux += cuts.face(a, above) * fit.at(b, high) - cuts.face(a, at) * fit.at(b, low);
-    spread += fit.b[b][b];
+    divergence += fit.b[b][b];
     if (faces[a].low_wall || faces[a].high_wall) continue;  // the box's face is no part of the solid's surface
     area[i] = cuts.face(a, above) - cuts.face(a, at);
     const Real closed_low = 1 - cuts.face(a, at), closed_high = 1 - cuts.face(a, above);
@@ -164,7 +164,7 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const Real size = area.norm();
   if (size < min_wall) return;
   const Vec3 n = area / size;
-  const Real into = (flux - cuts.open(at) * spread) / size - n.dot(solid) + n.z() * step_.g_dt2;
+  const Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
   for (std::size_t a = 0; a < 3; ++a) {
     const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
     FacePair& pair = faces[a];

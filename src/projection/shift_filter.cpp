@@ -40,14 +40,13 @@ void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
 }
 
 void ShiftFilter::sum_row(const Input& input, LocalId k, LocalId r) {
-  const auto& [order, shifts, densities] = input;
   const ParticlesToGrid& water = surface_.water();
   sums_.clear(k, r);
-  water.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
-    const MotionSums motion = sum_motion(water.frame(), shifts, cell);
+  water.for_each_cell(input.order, k, r, [&](LocalId c, const CellParticles& cell) {
+    const MotionSums motion = sum_motion(water.frame(), input.shifts, cell);
     Moments sums{{static_cast<Real>(cell.end - cell.begin), motion.y, motion.yy}, {motion.u, motion.uy}, 0};
-    for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += densities.rho[i];
-    sums.more = sums.more / densities.rest - sums.at.n;
+    for (std::size_t i = cell.begin; i < cell.end; ++i) sums.more += input.densities.rho[i];
+    sums.more = sums.more / input.densities.rest - sums.at.n;
     sums_.set(k, r, c, sums);
   });
 }

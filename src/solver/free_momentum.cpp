@@ -46,11 +46,11 @@ bool FreeMomentum<T>::is_free(const Vec3& p) const {
 }
 
 template <class T>
-FreeMomentum<T>::Sums::Sums(const std::int64_t* words)
-    : count(static_cast<Real>(words[0])),
-      near_fixed(static_cast<Real>(words[1])),
-      near_floating(static_cast<Real>(words[2])) {
-  const std::int64_t* next = words + counts;
+FreeMomentum<T>::Sums::Sums(const std::int64_t* numbers)
+    : count(static_cast<Real>(numbers[0])),
+      near_fixed(static_cast<Real>(numbers[1])),
+      near_floating(static_cast<Real>(numbers[2])) {
+  const std::int64_t* next = numbers + counts;
   const auto read = [&] {
     const Real sum = OrderlessSum::value(next);
     next += OrderlessSum::words;

@@ -35,7 +35,7 @@ class FreeMomentum : public DensitySolver<T> {
     Vec3 p = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
     Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
 
-    explicit Sums(const std::int64_t* words);
+    explicit Sums(const std::int64_t* numbers);
     // About the centre of all.
     Vec3 own_spin() const { return spin - (p / count).cross(path); }
   };

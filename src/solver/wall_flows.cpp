@@ -11,12 +11,12 @@ namespace trevi {
 
 namespace {
 
-constexpr Real share = 0x1p-20;         // of a particle, and of its momentum per m/s
-constexpr Real following_time = 20;     // of means, sqrt(d/g)
-constexpr Real beside = 2, strip = 16;  // spacings from an opening to where its level is measured, and their length
-constexpr Real min_length = 8;          // spacings, of the box of a drain
-constexpr Real max_due = 2;             // layers that a drain has still to take
-constexpr Real fastest = 3;             // sqrt(g d): no level asks for more
+constexpr Real share = 0x1p-20;        // of a particle, and of its momentum per m/s
+constexpr Real following_time = 20;    // of means, sqrt(d/g)
+constexpr Real apart = 2, strip = 16;  // spacings from an opening to where its level is measured, and their length
+constexpr Real min_length = 8;         // spacings, of the box of a drain
+constexpr Real max_due = 2;            // layers that a drain has still to take
+constexpr Real fastest = 3;            // sqrt(g d): no level asks for more
 
 // Part of the edge of a particle's cube that is between two places, in spacings.
 Real part_between(Real p, Real from, Real to, Real spacing) {
@@ -173,7 +173,7 @@ void WallFlows::add_inlet(const InletSettings& inlet, std::size_t rows) {
   const int axis = std::abs(inlet.direction.x()) > std::abs(inlet.direction.y()) ? 0 : 1;
   const Real sign = inlet.direction[axis], half = static_cast<Real>(lattice.places()) / static_cast<Real>(rows) / 2;
   Opening opening{{axis, sign < 0}};
-  const Real near = inlet.center[axis] + sign * beside * spacing_, far = near + sign * strip * spacing_;
+  const Real near = inlet.center[axis] + sign * apart * spacing_, far = near + sign * strip * spacing_;
   opening.from = std::max(std::min(near, far), settings_.domain.min[axis]);
   opening.to = std::min(std::max(near, far), settings_.domain.max[axis]);
   opening.across = {inlet.center[1 - axis] - half * spacing_, inlet.center[1 - axis] + half * spacing_};
@@ -194,8 +194,8 @@ void WallFlows::add_drain(const DrainSettings& drain) {
   const int other = 1 - wall.axis;
   const Box& box = settings_.domain;
   Opening opening{wall};
-  opening.from = wall.at_max ? drain.min[wall.axis] : box.min[wall.axis] + beside * spacing_;
-  opening.to = wall.at_max ? box.max[wall.axis] - beside * spacing_ : drain.max[wall.axis];
+  opening.from = wall.at_max ? drain.min[wall.axis] : box.min[wall.axis] + apart * spacing_;
+  opening.to = wall.at_max ? box.max[wall.axis] - apart * spacing_ : drain.max[wall.axis];
   opening.across = {std::max(drain.min[other], box.min[other]), std::min(drain.max[other], box.max[other])};
   opening.bottom = std::max(drain.min.z(), box.min.z());
   opening.top = drain.max.z();

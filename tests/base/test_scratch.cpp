@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <random>
 #include <span>
 #include <utility>
@@ -100,6 +101,17 @@ TEST(Scratch, MovedArraysAreGivenBackOnce) {
   a.give_back();
   a.give_back();
   EXPECT_EQ(scratch.borrowed(), 0U);
+}
+
+// So that a stage which reads what it has not written fails a test (tests/CMakeLists.txt).
+TEST(Scratch, BorrowedMemoryIsNotANumber) {
+  if (std::getenv("TREVI_SPOIL_SCRATCH") == nullptr) GTEST_SKIP() << "only with TREVI_SPOIL_SCRATCH=1, as in ctest";
+  Scratch scratch;
+  for (int step = 0; step < 2; ++step) {
+    Borrowed<double> array = scratch.borrow<double>(100);
+    EXPECT_THAT(std::vector<double>(array.begin(), array.end()), testing::Each(testing::IsNan()));
+    array.fill(step);
+  }
 }
 
 TEST(Scratch, NothingIsBorrowedOfEmptyRanks) {

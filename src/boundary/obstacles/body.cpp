@@ -10,7 +10,7 @@ namespace {
 
 // In units of h: how near a particle comes to a surface, and the step along a path that skims one. A sheet that is
 // thinner than the step could be passed.
-constexpr Real contact = 1e-6, min_step = 0.01;
+constexpr Real contact_distance = 1e-6, min_step = 0.01;
 // And how far from a wall of the box a solid goes on to it; it does so for the density (solid_map.cpp).
 constexpr Real extension = 1.0 / 32;
 // Largest distance at which a solid contributes to the density, in units of h; see wall_density.hpp.
@@ -29,7 +29,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       vessel_(obstacle.inside),
       whole_(rules.walls.reflection == Reflection::report),
       h_(rules.h),
-      tolerance_(contact * rules.h),
+      tolerance_(contact_distance * rules.h),
       restitution_(obstacle.restitution.value_or(rules.walls.restitution)),
       friction_(obstacle.friction),
       radius_(radius_of(surface_)),
