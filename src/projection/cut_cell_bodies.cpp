@@ -17,17 +17,62 @@ Real CutCells::area(std::size_t at) const {
   return std::sqrt(sum);
 }
 
+const CutCells::BodyFace* CutCells::body_face(std::size_t a, std::size_t at) const {
+  const auto found = std::lower_bound(body_faces_.begin(), body_faces_.end(), std::pair(at, a),
+                                      [](const BodyFace& f, const auto& key) { return std::pair(f.at, f.a) < key; });
+  return found != body_faces_.end() && found->at == at && found->a == a ? &*found : nullptr;
+}
+
+// Of the face (a, at): none, a share of 0, where no body that floats closes any of it. Where another solid is near,
+// too, it is measured what the body closes by itself: as long as it had all, a body half a spacing above a slab was
+// pressed to it with the weight of the water around it.
+CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner,
+                                              std::size_t at, const Bodies& near, std::size_t stride) const {
+  const RigidBodies& floating = *obstacles_.floating();
+  const Vec3 along = Vec3::Unit(static_cast<Eigen::Index>(a)), half = Vec3::Constant(0.5) - along / 2;
+  const Vec3 p = place(corner + half);
+  Candidates own;
+  Bodies others;
+  Nearest nearest{INFINITY, 0};
+  for (const std::size_t k : near) {
+    const Real d = nearest_at(p, {k}).distance;
+    if (d > 1.5 * size_.maxCoeff()) continue;
+    if (!floating.holds(k)) {
+      others.push_back(k);
+    } else if (d < nearest.distance) {
+      nearest = {d, k};
+    }
+  }
+  if (nearest.distance == INFINITY) return {at, a, 0, p, 0, 0};
+  if (others.empty()) return {at, a, nearest.body, middle_of_closed(a, cell, at), 1, 0};
+  own.of_cell = {nearest.body};
+  own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
+  // A little off the face, on the side of the body, or off what else is solid there, on whose surface the body may lie.
+  constexpr Real off = 0.01;
+  Real side = 0;
+  for (const Real below : {1, -1}) {
+    if (cells_[below > 0 ? at - stride : at].open > 0) continue;
+    const Vec3 middle = place(corner + half - below / 2 * along);
+    side = floating.holds(nearest_at(middle, near).body) ? -below * off : below * off;
+  }
+  Cell alone;
+  measure_face(a, corner + side * along, own, alone);
+  const Real share = std::min((1 - alone.face[a]) / (1 - face(a, at)), 1.0);
+  if (!(share > 0)) return {at, a, 0, p, 0, 0};
+  const Body& other = obstacles_.body(nearest_at(p, others).body);
+  const Vec3 path = p - other.before().into_world(other.now().into_body(p));
+  return {at, a, nearest.body, middle_of_closed(a, cell, alone), share, (1 - share) * path[axis_[a]]};
+}
+
 // use(direction, whether the upper face, its closed part, the middle of that) for the faces of a cell.
 template <class Use>
-void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+void CutCells::for_each_closed(std::size_t at, const Use& use) const {
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       const std::size_t face_at = upper ? at + step_[a] : at;
-      const Real closed = 1 - face(a, face_at);
-      if (closed == 0) continue;
-      std::array<LocalId, 3> above = cell;
-      if (upper) ++above[a];
-      use(a, upper, closed, middle_of_closed(a, above, face_at));
+      if (face(a, face_at) == 1) continue;
+      const BodyFace* const own = body_face(a, face_at);
+      if (own != nullptr) use(a, upper, own->share * (1 - face(a, face_at)), own->p);
     }
   }
 }
@@ -85,7 +130,7 @@ CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_
                                   const CellPressure& pressure) const {
   Pushes pushes;
   const Real level = middle(cell[0], cell[1], cell[2]).z();
-  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+  for_each_closed(at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Real push = (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
     pushes.add((upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
   });
@@ -141,7 +186,7 @@ CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std:
   const Real floor = corner.z(), fall = pressure.fall * size_[2];
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // closed parts of the lower and the upper face, times their middles
   Real low_area = 0, high_area = 0;
-  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+  for_each_closed(at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Vec3 out = (upper ? 1 : -1) / size_[static_cast<Eigen::Index>(a)] * Vec3::Unit(axis_[a]);
     if (pressure.phi != 0) pushes.add((a < 2 ? height : 1) * pressure.phi * closed * out, arm);
     if (a == 2) {

@@ -39,11 +39,11 @@ Vec3 CutCells::middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t a
   return place(middle) - excess_[cells_[at].nearest].middle;
 }
 
-Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const {
+Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Cell& measured) const {
   Vec3 corner(cell[0], cell[1], cell[2]);
-  const Real open = face(a, at);
+  const Real open = measured.face[a];
   for (std::size_t i = 0; i < 2; ++i) {
-    const Real middle = open < 1 ? (0.5 - open * cells_[at].middle[a][i]) / (1 - open) : 0.5;
+    const Real middle = open < 1 ? (0.5 - open * measured.middle[a][i]) / (1 - open) : 0.5;
     corner[static_cast<Eigen::Index>((a + 1 + i) % 3)] += open > 0 ? countable(std::clamp(middle, 0.0, 1.0)) : 0.5;
   }
   return place(corner);
@@ -180,15 +180,19 @@ void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone
     const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
       if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
       const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;
-      Vec3 p = place(corner_of(grid, cell[0], cell[1], cell[2]) + half);
-      const std::size_t nearest = nearest_at(p, near.of_row).body;
-      const Body& body = obstacles_.body(nearest);
-      const bool floats = floating != nullptr && floating->holds(nearest);
-      // The flux of a rotation is exact there, and a ball that turns moves no water.
-      if (floats) p = middle_of_closed(a, cell, at);
-      if (floats) faces.mine().push_back({at, a, nearest, p});
-      const Vec3 displacement = p - body.before().into_world(body.now().into_body(p));
-      moved_[at][a] = static_cast<float>(displacement[axis_[a]]);
+      const Vec3 corner = corner_of(grid, cell[0], cell[1], cell[2]), p = place(corner + half);
+      const auto displacement = [&](const Body& body, const Vec3& place) {
+        return (place - body.before().into_world(body.now().into_body(place)))[axis_[a]];
+      };
+      if (floating != nullptr) {
+        const BodyFace own = body_face_beside(a, cell, corner, at, near.of_row, grid.step(a));
+        if (own.share > 0) {
+          faces.mine().push_back(own);
+          moved_[at][a] = static_cast<float>(own.share * displacement(obstacles_.body(own.body), own.p) + own.others);
+          return;
+        }
+      }
+      moved_[at][a] = static_cast<float>(displacement(obstacles_.body(nearest_at(p, near.of_row).body), p));
     };
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);

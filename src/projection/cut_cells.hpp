@@ -47,7 +47,9 @@ class CutCells {
     return middle;
   }
   /// The middle of the closed part of face (a, at) of cell (k, r, c), m.
-  Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const;
+  Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const {
+    return middle_of_closed(a, cell, cells_[at]);
+  }
   bool moves() const { return !moved_.empty(); }
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
@@ -59,7 +61,7 @@ class CutCells {
       const Body& body = obstacles_.body(face.body);
       const Vec3 path = face.p - body.before().into_world(body.now().into_body(face.p));
       float& moved = moved_[face.at][face.a];
-      const auto now = static_cast<float>(path[axis_[face.a]]);
+      const auto now = static_cast<float>(face.share * path[axis_[face.a]] + face.others);
       const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
       moved = now;
       if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);
@@ -134,6 +136,7 @@ class CutCells {
     bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
   };
   using InCell = std::array<float, 3>;  // by direction, in cells from a corner
+  Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Cell& measured) const;
   struct Nearest {
     Real distance;
     std::size_t body;
@@ -226,7 +229,7 @@ class CutCells {
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
   template <class Use>
-  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
+  void for_each_closed(std::size_t at, const Use& use) const;
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
@@ -249,10 +252,16 @@ class CutCells {
   std::vector<std::array<float, 3>> moved_;
   std::vector<InCell> solid_middles_;  // where bodies move freely
   std::vector<Zone> zones_;            // of what moves, as measured last
+  // Which part of what is closed of a face a body that floats closes, the middle of that, and the displacement of what
+  // else does, times its own part, m.
   struct BodyFace {
     std::size_t at, a, body;
     Vec3 p;
+    Real share = 1, others = 0;
   };
+  const BodyFace* body_face(std::size_t a, std::size_t at) const;
+  BodyFace body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
+                            const Bodies& near, std::size_t stride) const;
   std::array<std::size_t, 3> step_{};
   // Of each solid: cells for each face of its surface, and the way to the middle of its part in a cut cell, m.
   struct Excess {

@@ -25,6 +25,12 @@ class RecordForces {
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
 
  private:
+  // The mean pressure on the upright sides of a cell, and on those of the cell over it where that is dry, m².
+  struct Sides {
+    Real here, over;
+  };
+  Sides on_sides(std::size_t at) const;
+  void record_sides(std::size_t account, const std::array<Vec3, 2>& shifts, LocalId k, LocalId r, LocalId c) const;
   void of_cell(LocalId k, LocalId r, LocalId c) const;
   void of_body(LocalId k, LocalId r, LocalId c, std::size_t body) const;
   void of_walls(LocalId k, LocalId r, LocalId c) const;

@@ -55,5 +55,20 @@ TEST(Submerged, ALightBallIsPushedUpInEachStep) {
   }
 }
 
+// Beside a wall, and above a floor, that are obstacles, half a cell away: a body of the water's density, or half of it,
+// stays where it is, as beside the walls of the box. When the pressure on what else is solid in a cell that a body cuts
+// counted as the body's, it was drawn there at some metres per second squared.
+TEST(Submerged, NothingDrawsABodyToAnObstacle) {
+  const std::string solid = "[[obstacle]]\ntype = 'box'\n", body = "[[body]]\ntype = 'box'\nsize = [0.4, 0.4, 0.4]\n";
+  BodyRun wall(world, pool + solid + "size = [2, 4, 6]\ncenter = [-0.6, 0.6, 1]\n" + body +
+                          "density = 500\ncenter = [0.7, 0.6, 1]\n");
+  BodyRun floor(world, pool + solid + "size = [6, 4, 2]\ncenter = [0.8, 0.6, -0.6]\n" + body +
+                           "density = 1000\ncenter = [0.8, 0.6, 0.7]\n");
+  for (BodyRun* run : {&wall, &floor}) {
+    run->steps(6);
+    EXPECT_LT(run->bodies().front().velocity.norm(), 0.02);
+  }
+}
+
 }  // namespace
 }  // namespace trevi::test

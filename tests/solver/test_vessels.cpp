@@ -115,6 +115,18 @@ TEST(Vessels, AGateFromWallToWallIsPressedAlongItsNormal) {
   }
 }
 
+// Layers that fill cells, and that end in the middle of one: what stands there above the middle, or in the dry cell
+// over the top one, presses, too. Without it one layer pressed with 0.40 of this, three with 0.89.
+TEST(Vessels, StillWaterPressesAnUprightSideAsDeepAsItStands) {
+  for (const Real depth : {0.1, 0.2, 0.3, 0.5}) {
+    VesselRun run(world, tank_with_gravity(
+                             {.max = "1.6, 0.8, 1", .water = {{"0.6, 0, 0", "1.6, 0.8, " + std::to_string(depth)}}}) +
+                             "[[obstacle]]\ntype = 'box'\nsize = [3, 3, 3]\ncenter = [-0.9, 0.4, 0.5]\n");
+    run.steps(3);
+    EXPECT_NEAR(run.forces.back()[0].force.x() / (-1000 * 9.8 * 0.8 * depth * depth / 2), 1, 2e-3) << depth;
+  }
+}
+
 // What the transfer between particles and cells leaves over once had its moment about the origin, so that a torque was
 // 50 times as large 64 m from there.
 TEST(Vessels, TorquesAreAboutTheCentreWhereverTheOriginIs) {
