@@ -64,6 +64,8 @@ class ParticlesToGrid {
   }
 
   const CellFrame& frame() const { return frame_; }
+  /// Of particles that fill a cell up to its upper face, what is beyond it, in cells.
+  Real volume_beyond() const { return frame_.half[1][frame_.upwards] / 4; }
   /// Volumes of the water in the cells of an own row, in cells.
   void find_volumes(LocalId k, LocalId r, std::span<Real> volumes) const;
   /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits
