@@ -179,14 +179,6 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-// The displacement that the pressure gives at a surface is that of the water there, wherever in the cell it is.
-void GridToParticles::reach_surface(const FacePair& top, std::size_t at, bool above, CellDisplacement& by) const {
-  const std::size_t up = surface_.grid().axis(2);
-  const Real slope = (top.high - top.low) / std::max(surface_.height(at), min_reach);
-  by.low[up] = above ? top.low + slope : top.low;
-  by.rise[up] = slope;
-}
-
 CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
                                                   LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -203,8 +195,6 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, cons
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
-  if ((above || surface_.is_top(at)) && !surface_.is_cut(cell))
-    reach_surface(above ? faces_of(pressure, 2, k, r, c - 1) : faces[2], cell, above, by);
   if (!surface_.upright()) return by;
   const auto map = cell_of<AffineMap>(damping.row.data(), numbers::map, c);
   by.offset = map.a;

@@ -61,7 +61,6 @@ class GridToParticles {
   FacePair faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
   bool follows(std::size_t at) const;
   void slip(std::size_t at, Faces& faces) const;
-  void reach_surface(const FacePair& top, std::size_t at, bool above, CellDisplacement& by) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;
   void find_noise(TentMemory& memory, LocalId k, LocalId r);

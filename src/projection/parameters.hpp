@@ -99,8 +99,6 @@ constexpr Real noise_speed = 0.2;
 /// out over the next two spacings above that. A wave 3 spacings high loses 1.0 % of its amplitude a period where it
 /// acts in full up to a quarter above, 0.4 % so, and gains 0.5 % where it fades from half a spacing below.
 constexpr Real fade_begins = 0.25, fade_length = 2;
-/// Least height of the water in a top cell, cells, over which the displacement rises to that at its surface.
-constexpr Real min_reach = 0.5;
 /// Area of the solid surface in a cell, faces, from which on it has a direction.
 constexpr Real min_wall = 0.1;
 /// Least distance, cells, of a solid's surface from the open face opposite to a closed one, for the continuation to the

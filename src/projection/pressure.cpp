@@ -168,8 +168,7 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
   return true;
 }
 
-// A top cell returns to its volume only as far as the cell above holds water that could fill it; what of its own
-// particles reaches up there is no lack. Cells at another
+// A top cell returns to its volume only as far as water stands above it that could fill it, and cells at another
 // surface only when they hold too much: nothing pulls there. Nor does a cut cell return that holds hardly anything:
 // into a wedge between a slope and the cells beside it no particle may fit. Water without a surface keeps its volume as
 // a whole.
@@ -182,8 +181,9 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
   Real fraction = step.return_fraction;
   if (surface.upright()) {
     if (surface.is_top(at)) {
-      fraction *= std::min(2 * surface.fill(at + 1), 1.0);
-      if (less < 0) less = std::min(less + std::min(surface.fill(at + 1), surface.water().volume_beyond()), 0.0);
+      const Real above = std::max(surface.fill(at + 1), 0.0), height = surface.water().height_of(above);
+      fraction *= std::clamp(2 * height, 0.0, 1.0);
+      if (less < 0) less = std::min(less + (above - height), 0.0);  // its own particles reach up there
     }
   } else {
     const ParticlesToGrid::Means m = surface.water().means(at);
@@ -222,17 +222,14 @@ void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 // Divergence of the displacements of the faces. Nothing passes a wall; side faces count as far as the cell's own water
-// stands, horizontal ones with their whole area, as far as they are open, and the upper one of a top cell is where the
-// surface is: with the upper face in its place, water that stretches upwards as fast as it narrows had a divergence. A
-// moving solid takes the rest of a face along.
+// stands, horizontal ones with their whole area, as far as they are open. A moving solid takes the rest of a face
+// along.
 Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
   const ProjectionGrid& grid = surface.grid();
   const auto& weight = multigrid_.finest().link;
   const CutCells* cuts = surface.cuts();
-  const bool at_surface = surface.upright() && surface.is_top(at) && !surface.is_cut(at);
-  const Real height = at_surface ? surface.height(at) : std::min(surface.height(at), 1.0);
-  const std::size_t up = grid.axis(2);
-  Real sum = at_surface ? (height - 1) * surface.water().fit(at).b[up][up] / grid.size()[2] : 0;
+  const Real height = std::min(surface.height(at), 1.0);
+  Real sum = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t above = at + grid.step(a);
     const Real depth = a < 2 ? height : 1;

@@ -162,12 +162,11 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return (*height_)[wet(c) ? c : below];
   }
 
-  // Both side faces of a cell count with its own height of water, and the upper one of a top cell is at the surface.
+  // Both side faces of a cell count with its own height of water.
   Real divergence(const Cell& c) const {
-    const Real height = (*height_)[c];
-    Real sum = is_top(c) ? (height - 1) * (*fit_)[c].b(2, 2) / size_.z() : 0;
+    Real sum = 0;
     for (int a = 0; a < 3; ++a) {
-      const Real area = a == 2 ? 1 : height;
+      const Real area = a == 2 ? 1 : std::min((*height_)[c], 1.0);
       const Cell up = c + unit(a);
       sum += area * ((is_open(a, up) ? mean(a, up) : 0) - (is_open(a, c) ? mean(a, c) : 0)) / size_[a];
     }
@@ -186,9 +185,13 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   Real returned(const Cell& c, Real return_fraction) const {
     Real less = (*fill_)[c] - 1;
     if (closed_ || (less < 0 && may_swell(c))) return 0;
-    // What its own particles reach of the cell above is no lack of a top cell.
-    if (is_top(c) && less < 0) less = std::min(less + std::min((*fill_)[c + unit(2)], s_ / size_.z() / 8), 0.0);
-    if (upright()) return return_fraction * (is_top(c) ? std::min(1.0, 2 * (*fill_)[c + unit(2)]) : 1) * less;
+    Real height = 1;
+    if (is_top(c)) {  // of the water above it, whose last layer reaches down into it
+      const Real above = (*fill_)[c + unit(2)], edge = s_ / size_.z();
+      height = above < edge / 2 ? edge * (std::sqrt(2 * above / edge) - 0.5) : above;
+      if (less < 0) less = std::min(less + above - height, 0.0);
+    }
+    if (upright()) return return_fraction * std::clamp(2 * height, 0.0, 1.0) * less;
     Vec3 way = Vec3::Zero();  // of the water of the cell, in cells
     const std::vector<std::size_t>& here = (*members_)[c];
     for (const std::size_t i : here) way += particles_[i].way.cwiseQuotient(size_) / static_cast<Real>(here.size());
@@ -316,13 +319,9 @@ class ReferenceProjection : ReferenceParticlesToGrid {
       }
       u[a] = low.value_or(0) + i.f[a] * (high.value_or(0) - low.value_or(0));
     }
-    const Cell top = follows(c) ? Cell(c - unit(2)) : c;
-    if (is_top(top)) {  // linearly up to the surface and on
-      const Real low = through(2, top, top).value_or(0), high = through(2, top + unit(2), top).value_or(0);
-      u[2] = low + (i.f[2] + c.z() - top.z()) * (high - low) / std::max((*height_)[top], 0.5);
-    }
     u += damping;
-    if (!is_top(top)) return {u, acts ? 1.0 : 0.0};
+    if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
+    const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
     const Real faded = std::clamp((below - 0.25) / 2 + 1, 0.0, 1.0);
     return {faded * u, faded};
