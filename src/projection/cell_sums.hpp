@@ -18,6 +18,8 @@ struct CellFrame {
   std::array<ByAxis, 2>
       half;                  ///< of a cuboid's edges, in cells, where it reaches through the lower and the upper faces
   ByAxis nearest, farthest;  ///< where a cuboid's middle can be between walls, in cells from the corner of the box
+  std::size_t upwards;       ///< the coordinate along which the volume falls linearly to 0 twice as far away
+  Real floor, ceiling;       ///< through which nothing reaches along it, in cells from the corner of the box
   Real per_full;             ///< volume of a particle, in cells
 };
 

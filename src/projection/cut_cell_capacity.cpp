@@ -28,6 +28,14 @@ CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real cor
   const auto b = static_cast<std::size_t>(axis_[a]);
   const Real low = frame_.half[0][b], high = frame_.half[1][b];
   const Real middle = std::min(std::max(place, frame_.nearest[b] - corner), frame_.farthest[b] - corner);
+  if (b == frame_.upwards) {
+    const auto part_of_tent = [](Real t) { return t < 0.5 ? 2 * t * t : 1 - 2 * (1 - t) * (1 - t); };
+    const Real below = std::clamp((2 * low - middle) * (0.25 / low), 0.0, 1.0);
+    const Real above = std::clamp((middle + (2 * high - 1)) * (0.25 / high), 0.0, 1.0);
+    const Real under = corner > frame_.floor + 0.5 ? part_of_tent(below) : 0;
+    const Real over = corner + 1.5 < frame_.ceiling ? part_of_tent(above) : 0;
+    return {under, 1 - under - over, over};
+  }
   const Real below = std::clamp((low - middle) * (0.5 / low), 0.0, 1.0);
   const Real above = std::clamp((middle + (high - 1)) * (0.5 / high), 0.0, 1.0);
   return {below, 1 - below - above, above};
@@ -98,11 +106,13 @@ CellFrame CutCells::beside_solids(const CellFrame& frame, const ProjectionGrid& 
   const auto rises = [&](LocalId of, std::size_t i) { return of == 0 || open(i - 1) == 0 ? rise(i, false) : 0; };
   const auto hangs = [&](LocalId of, std::size_t i) { return of + 1 == end || open(i + 1) == 0 ? rise(i, true) : 0; };
   if (face(2, at) == 0) {
+    narrowed.floor = place.corner[grid.axis(2)];
     keep_above(2, rises(c, at));
   } else if (c > 0 && open(at - 1) > 0 && face(2, at - 1) == 0) {
     keep_above(2, rises(c - 1, at - 1) - 1);
   }
   if (face(2, at + 1) == 0) {
+    narrowed.ceiling = place.corner[grid.axis(2)] + 1;
     keep_below(2, 1 - hangs(c, at));
   } else if (c + 1 < end && open(at + 1) > 0 && face(2, at + 2) == 0) {
     keep_below(2, 2 - hangs(c + 1, at + 1));

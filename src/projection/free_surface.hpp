@@ -92,6 +92,7 @@ class FreeSurface {
   template <class Level>
   void level_cut_cells(Halo& halo, const Level& level);
   std::optional<Real> share_below(std::size_t floor, std::size_t top) const;
+  bool stands_in(std::size_t at, LocalId c) const;
   Real fill_around(std::size_t at) const;
   Real level_at_middle(const Place& place) const;
   Real level_beyond_widest(const Place& place) const;

@@ -33,7 +33,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) ? wet_cell : dry_cell;
+      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) && stands_in(at, c) ? wet_cell : dry_cell;
     }
   });
   join_cells_at_solids(halo);
@@ -153,6 +153,12 @@ bool FreeSurface::is_under(std::size_t at, LocalId c, const Passes& passes) cons
   while (++c < grid().columns() && !is_wet(++at) && passes(at)) {
   }
   return c < grid().columns() && (is_wet(at) || is_solid(at));
+}
+
+// Whether a cell holds more than what the particles of the water below it reach up there.
+bool FreeSurface::stands_in(std::size_t at, LocalId c) const {
+  if (!upright() || c == 0 || is_solid(at - 1) || cuts()->face(2, at) == 0) return true;
+  return water().height_of(fill_[at] * cuts()->capacity(at) / cuts()->capacity(at - 1)) > 0;
 }
 
 // What a cell under water and those beyond its open sides hold, of what they can.

@@ -27,7 +27,8 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
   return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
-// Particles as cuboids one spacing high and `spread` spacings wide, or cubes where cells are less wide than that.
+// Particles as cuboids `spread` spacings wide, or one where cells are less wide than that. Upwards their density falls
+// linearly to nothing one spacing away, and what would be beyond a wall stays in the cell before it.
 CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing) {
   constexpr Real rounding = 1e-9;
   CellFrame frame{};
@@ -43,6 +44,9 @@ CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing) {
     frame.farthest[b] = grid.repeats()[a] ? INFINITY : grid.count(a) - half;
     frame.per_full *= edge;
   }
+  frame.upwards = grid.axis(2);
+  frame.floor = grid.repeats()[2] ? -INFINITY : 0;
+  frame.ceiling = grid.repeats()[2] ? INFINITY : static_cast<Real>(grid.count(2));
   return frame;
 }
 

@@ -17,6 +17,7 @@
 // gather().
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "domain/halo.hpp"
@@ -64,6 +65,12 @@ class ParticlesToGrid {
   }
 
   const CellFrame& frame() const { return frame_; }
+  /// Height of still water above a level, in cells, whose particles have `volume` above it: as they reach beyond the
+  /// water, they have some also where it ends below.
+  Real height_of(Real volume) const {
+    const Real edge = 2 * frame_.half[1][frame_.upwards];
+    return volume < edge / 2 ? std::sqrt(2 * edge * volume) - edge / 2 : volume;
+  }
   /// Volumes of the water in the cells of an own row, in cells.
   void find_volumes(LocalId k, LocalId r, std::span<Real> volumes) const;
   /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits

@@ -168,19 +168,23 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
   return true;
 }
 
-// A top cell returns to its volume only as far as the cell above holds water that could fill it, and cells at another
+// A top cell returns to its volume only as far as water stands above it that could fill it, and cells at another
 // surface only when they hold too much: nothing pulls there. Nor does a cut cell return that holds hardly anything:
 // into a wedge between a slope and the cells beside it no particle may fit. Water without a surface keeps its volume as
 // a whole.
 Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(k, r, c);
-  const Real less = surface.fill(at) - 1;
+  Real less = surface.fill(at) - 1;
   if (closed_ || surface.is_solid(at) || (less < 0 && may_swell(surface, k, r, c))) return 0;
   if (surface.is_cut(at) && surface.fill(at) < submerged_fill) return 0;
   Real fraction = step.return_fraction;
   if (surface.upright()) {
-    if (surface.is_top(at)) fraction *= std::min(2 * surface.fill(at + 1), 1.0);
+    if (surface.is_top(at)) {
+      const Real above = std::max(surface.fill(at + 1), 0.0), height = surface.water().height_of(above);
+      fraction *= std::clamp(2 * height, 0.0, 1.0);
+      if (less < 0) less = std::min(less + (above - height), 0.0);  // its own particles reach up there
+    }
   } else {
     const ParticlesToGrid::Means m = surface.water().means(at);
     Real displacement = 0;

@@ -8,12 +8,24 @@
 namespace trevi::test {
 namespace {
 
-// The share of a cuboid two spacings wide and one high, kept within the box, in the cell around `middle`.
+// The share of a particle in the cell around `middle`. It is two spacings wide, and upwards its density falls linearly
+// to nothing one spacing away; within the box, beyond which what is in the cell before it.
 Real share(const Vec3& place, const Vec3& middle, const Box& box) {
   Real part = 1;
   for (int a = 0; a < 3; ++a) {
     const Real half = a == 2 ? h / 4 : h / 2, at = std::clamp(place[a], box.min[a] + half, box.max[a] - half);
-    part *= std::max(std::min(at + half, middle[a] + h / 2) - std::max(at - half, middle[a] - h / 2), 0.0) / (2 * half);
+    Real low = middle[a] - h / 2, high = middle[a] + h / 2;
+    if (a < 2) {
+      part *= std::max(std::min(at + half, high) - std::max(at - half, low), 0.0) / (2 * half);
+      continue;
+    }
+    const auto below = [&](Real level) {
+      const Real way = std::clamp((level - at) / (2 * half), -1.0, 1.0);
+      return way < 0 ? (1 + way) * (1 + way) / 2 : 1 - (1 - way) * (1 - way) / 2;
+    };
+    if (low < box.min[a] + h / 2) low = -INFINITY;
+    if (high > box.max[a] - h / 2) high = INFINITY;
+    part *= below(high) - below(low);
   }
   return part;
 }
@@ -121,8 +133,9 @@ TEST(CutCellCapacity, NoVolumeReachesThroughASheet) {
   at.classify();
   at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
     const Vec3 middle = at.middle(k, r, c);
-    const bool full = before(middle) && middle.z() < 4 * h;
-    EXPECT_NEAR(at.surface->fill(at.grid.index(k, r, c)), full ? 1 : 0, 0.02) << middle.transpose();
+    const Real depth = (4 * h - middle.z()) / h;  // a sixteenth of the top cell is the upper half of the last layer
+    const Real full = depth > 1 ? 1 : depth > 0 ? 15.0 / 16 : depth > -1 ? 1.0 / 16 : 0;
+    EXPECT_NEAR(at.surface->fill(at.grid.index(k, r, c)), before(middle) ? full : 0, 0.02) << middle.transpose();
   });
 }
 

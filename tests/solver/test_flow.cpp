@@ -240,11 +240,12 @@ TEST(SuppliedEnergy, OfAnInletUnderWaterIsWhatItLifts) {
 }
 
 // A box that is lowered slowly into a pool, and stops there, lifts the water by its volume: with 0.31 m of it in the
-// water the level is at 0.658 m, and the water has 90.5 J more. The box is only six spacings wide.
+// water the level is at 0.658 m, and the water has 90.5 J more. A spacing at the box's surface is a fifth of what it
+// displaces. Found: rise 0.96, work 1.05 of that.
 TEST(SuppliedEnergy, OfABoxThatIsLoweredIsWhatItLifts) {
   const Scene scene = scene_with(
       tank_with_gravity(
-          {.max = "1.6, 0.8, 1.2", .water = {{"0, 0, 0", "1.6, 0.8, 0.6"}}, .dt = "0.0166666667", .end = "4"}) +
+          {.max = "1.6, 0.8, 1.2", .water = {{"0, 0, 0", "1.6, 0.8, 0.6"}}, .dt = "0.0166666667", .spacing = "0.05"}) +
           R"([[obstacle]]
 type = "box"
 center = [0.8, 0.4, 0.9]
@@ -256,9 +257,9 @@ motion = [[0, 0.8, 0.4, 0.9], [3, 0.8, 0.4, 0.55]]
   run(*solver, 4);
   const Real rise = seen->energy.back() - seen->energy.front(), work = seen->supplied.back();
   constexpr Real archimedes = 90.5;
-  EXPECT_NEAR(rise, archimedes, 0.2 * archimedes);
-  EXPECT_NEAR(work, archimedes, 0.2 * archimedes);
-  EXPECT_NEAR(work, rise, 0.35 * archimedes);
+  EXPECT_NEAR(rise, archimedes, 0.08 * archimedes);
+  EXPECT_NEAR(work, archimedes, 0.08 * archimedes);
+  EXPECT_NEAR(work, rise, 0.15 * archimedes);
   EXPECT_GT(work, rise - 0.03 * rise) << "water by itself gains nothing";
 }
 

@@ -168,6 +168,16 @@ class ReferenceParticlesToGrid {
   }
   Real mean(int a, const Cell& c) const { return (*mean_)[static_cast<std::size_t>(a)][c]; }
 
+  // Of a density that falls linearly to nothing `edge` from the middle, what is in a cell of column `z`, from 0 to 1,
+  // with what is beyond a wall before it.
+  Real part_of_tent(int z, Real middle, Real edge) const {
+    const auto below = [&](Real level) {
+      const Real way = std::clamp((level - middle) / edge, -1.0, 1.0);
+      return way < 0 ? (1 + way) * (1 + way) / 2 : 1 - (1 - way) * (1 - way) / 2;
+    };
+    const bool on_floor = z == 0 && !cells_.repeats(2), under_lid = z + 1 == count_.z() && !cells_.repeats(2);
+    return (under_lid ? 1 : below(1)) - (on_floor ? 0 : below(0));
+  }
   Real volume_in(const Cell& c) const {
     Real volume = 0;
     for (const Particle& i : particles_) {
@@ -177,7 +187,9 @@ class ReferenceParticlesToGrid {
         const Real edge = s_ / size_[a], half = a == 2 || edge > 0.5 + 1e-9 ? edge / 2 : std::min(edge, 0.5);
         const Real inside = cells_.repeats(a) ? i.surface[a] : std::clamp(i.surface[a], half, count_[a] - half);
         const Real middle = cells_.way(a, inside, c[a] + 0.5) + 0.5;  // in cells from the corner of the cell
-        part *= edge / (2 * half) * std::max(0.0, std::min(middle + half, 1.0) - std::max(middle - half, 0.0));
+        part *= edge / (2 * half) *
+                (a == 2 ? 2 * half * part_of_tent(c.z(), middle, edge)
+                        : std::max(0.0, std::min(middle + half, 1.0) - std::max(middle - half, 0.0)));
       }
       volume += part;
     }

@@ -183,9 +183,15 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return false;
   }
   Real returned(const Cell& c, Real return_fraction) const {
-    const Real less = (*fill_)[c] - 1;
+    Real less = (*fill_)[c] - 1;
     if (closed_ || (less < 0 && may_swell(c))) return 0;
-    if (upright()) return return_fraction * (is_top(c) ? std::min(1.0, 2 * (*fill_)[c + unit(2)]) : 1) * less;
+    Real height = 1;
+    if (is_top(c)) {  // of the water above it, whose last layer reaches down into it
+      const Real above = (*fill_)[c + unit(2)], edge = s_ / size_.z();
+      height = above < edge / 2 ? edge * (std::sqrt(2 * above / edge) - 0.5) : above;
+      if (less < 0) less = std::min(less + above - height, 0.0);
+    }
+    if (upright()) return return_fraction * std::clamp(2 * height, 0.0, 1.0) * less;
     Vec3 way = Vec3::Zero();  // of the water of the cell, in cells
     const std::vector<std::size_t>& here = (*members_)[c];
     for (const std::size_t i : here) way += particles_[i].way.cwiseQuotient(size_) / static_cast<Real>(here.size());
