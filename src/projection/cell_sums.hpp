@@ -12,15 +12,16 @@ namespace trevi {
 
 using ByAxis = std::array<Real, 3>;
 
-/// What in_cells() etc. of ProjectionGrid are made of, and the cuboid of a particle.
+/// What in_cells() etc. of ProjectionGrid are made of, and the cuboid over which a particle is spread.
 struct CellFrame {
   ByAxis per_length;  ///< cells per metre
   std::array<ByAxis, 2>
       half;                  ///< of a cuboid's edges, in cells, where it reaches through the lower and the upper faces
   ByAxis nearest, farthest;  ///< where a cuboid's middle can be between walls, in cells from the corner of the box
-  std::size_t upwards;       ///< the coordinate along which the volume falls linearly to 0 twice as far away
-  Real floor, ceiling;       ///< through which nothing reaches along it, in cells from the corner of the box
-  Real per_full;             ///< volume of a particle, in cells
+  std::size_t upwards;  ///< the coordinate along which it is not spread evenly: its density falls linearly to nothing
+                        ///< at twice `half`
+  Real floor, ceiling;  ///< through which nothing reaches along that, in cells from the corner of the box
+  Real per_full;        ///< volume of a particle, in cells
 };
 
 /// The positions, m, between which the prediction, or a shift, moves the particles.

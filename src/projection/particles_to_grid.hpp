@@ -1,8 +1,9 @@
 // First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the
 // affine fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
 //
-// The volume of a cell is that of the particles in it each spread over a cuboid (`spread`): a count of particles would
-// not show a surface that tilts by less than a layer. The cuboids are placed at the positions at the start of the step.
+// The volume of a cell is that of the particles in and around it, each spread over two spacings along x and y
+// (`spread`) and, upwards, with a density that falls linearly to nothing one spacing away: a count of particles would
+// not show a surface that tilts by less than a layer. They are placed at the positions at the start of the step.
 // Pressure then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its
 // amplitude; with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
 //
@@ -28,7 +29,7 @@ namespace trevi {
 
 class ParticlesToGrid {
  public:
-  /// `spacing` of the start lattice, m: the height of a particle's cuboid.
+  /// `spacing` of the start lattice, m.
   ParticlesToGrid(const ProjectionGrid& grid, Real spacing);
 
   /// Borrows memory for the grid as it is now, and gives back what is for the time up to the end of gather().
