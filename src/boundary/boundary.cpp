@@ -10,7 +10,7 @@ namespace {
 class WallBoundary : public Boundary {
  public:
   using Boundary::Boundary;
-  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return walls().predict(p, v, dt); }
+  Vec3 predict(Vec3& p, const Vec3& v, Real dt) override { return walls().predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return walls().collide(p, shift); }
   Box open_box(std::span<const Vec3>, Extent) const override { return walls().box(); }
   bool is_open_inside() const override { return true; }
@@ -20,7 +20,7 @@ class ObstacleBoundary : public Boundary {
  public:
   ObstacleBoundary(const Walls& walls, std::shared_ptr<Obstacles> obstacles)
       : Boundary(walls), obstacles_(std::move(obstacles)) {}
-  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
+  Vec3 predict(Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return obstacles_->collide(p, shift); }
   Box open_box(std::span<const Vec3> p, Extent extent) const override { return obstacles_->open_box(p, extent); }
   void begin_step() override { obstacles_->begin_step(); }
@@ -77,7 +77,7 @@ class PeriodicBoundary : public Inside {
 class PeriodicWalls : public PeriodicBoundary<WallBoundary> {
  public:
   using PeriodicBoundary::PeriodicBoundary;
-  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override {
+  Vec3 predict(Vec3& p, const Vec3& v, Real dt) override {
     return domain_.moved(p, walls().predict(domain_.without_place(p), v, dt));
   }
   Vec3 collide(const Vec3& p, const Vec3& shift) override {
@@ -88,8 +88,10 @@ class PeriodicWalls : public PeriodicBoundary<WallBoundary> {
 class PeriodicObstacles : public PeriodicBoundary<ObstacleBoundary> {
  public:
   using PeriodicBoundary::PeriodicBoundary;
-  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) override {
-    return domain_.moved_to(p, ObstacleBoundary::predict(p, v, dt));
+  Vec3 predict(Vec3& p, const Vec3& v, Real dt) override {
+    const Vec3 before = p, end = ObstacleBoundary::predict(p, v, dt);
+    if (p != before) p = domain_.moved_to(before, p);
+    return domain_.moved_to(before, end);
   }
   Vec3 collide(const Vec3& p, const Vec3& shift) override {
     return domain_.moved_to(p, ObstacleBoundary::collide(p, shift));
@@ -128,7 +130,8 @@ std::unique_ptr<Boundary> make(BoundaryParts parts) {
 LocalId Boundary::predict(Particles& particles, Real dt) {
   PerThread<LocalId> lost;
   lost.for_each([&](LocalId& first) { first = particles.size(); });
-  const std::vector<Vec3>&x = particles.position, &v = particles.velocity;
+  std::vector<Vec3>& x = particles.position;
+  const std::vector<Vec3>& v = particles.velocity;
   for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
     const auto open_to = [&](Range some) {
       return open_box({&x[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())}, Extent::path);

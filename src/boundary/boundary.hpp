@@ -21,8 +21,9 @@ class Boundary {
   Boundary(const Boundary&) = delete;
   Boundary& operator=(const Boundary&) = delete;
 
-  /// Where the path of a velocity ends after the time dt, bounces included.
-  virtual Vec3 predict(const Vec3& p, const Vec3& v, Real dt) = 0;
+  /// Where the path of a velocity ends after the time dt, bounces included. A place in a moving obstacle, which has
+  /// pressed it against a wall, is taken to its surface first.
+  virtual Vec3 predict(Vec3& p, const Vec3& v, Real dt) = 0;
   /// Where a shift of the density solve ends.
   virtual Vec3 collide(const Vec3& p, const Vec3& shift) = 0;
   /// predict() of all particles, from their positions by their velocities to `predicted`. Returns the first that is not

@@ -92,7 +92,7 @@ TEST(Paths, InAnOpenBoxMeetNothing) {
     for (int k = 0; k < 20; ++k) p.push_back(middle + random_point(generator, 0.15));
     for (const Extent extent : {Extent::shift, Extent::path}) {
       const Box open = obstacles.open_box(p, extent);
-      for (const Vec3& from : p) {
+      for (Vec3 from : p) {
         const Vec3 step = random_point(generator, 0.2), to = from + step, path = from + step / dt * dt;
         if (!open.contains(from) || !open.contains(to) || !open.contains(path)) continue;
         ++open_ones;

@@ -306,7 +306,8 @@ TEST(Paths, FarFromObstaclesOnlyTheBoxActs) {
   const Walls walls(tank.settings.domain, tank.settings.walls, 1e-6 * h);
   std::mt19937 generator(7);
   for (int k = 0; k < 5000; ++k) {
-    const Vec3 p = Vec3(2, 2, 2) + random_point(generator, 0.9), v = random_point(generator, 40);
+    Vec3 p = Vec3(2, 2, 2) + random_point(generator, 0.9);
+    const Vec3 v = random_point(generator, 40);
     EXPECT_EQ(tank.obstacles->predict(p, v, 1.0 / 60), walls.predict(p, v, 1.0 / 60));
     EXPECT_EQ(tank.obstacles->collide(p, v / 100), walls.collide(p, v / 100));
   }
@@ -321,7 +322,8 @@ TEST(Paths, BounceHasRestitutionAndFriction) {
     slope.friction = friction;
     Tank tank({slope});
     const Rotation turn = BodyMotion(slope).at(0).turn;
-    const Vec3 p = turn * Vec3(0, 0, 1.1), v = turn * Vec3(4, 0, -10);
+    Vec3 p = turn * Vec3(0, 0, 1.1);
+    const Vec3 v = turn * Vec3(4, 0, -10);
     const Vec3 end = turn.transpose() * tank.obstacles->predict(p, v, 0.03);
     EXPECT_NEAR(end.z(), 1 + 0.5 * 10 * 0.02, 1e-5);
     EXPECT_NEAR(end.x(), 4 * 0.01 + (4 - friction * 1.5 * 10) * 0.02, 1e-5);
@@ -343,8 +345,31 @@ TEST(Paths, MovingSolidTakesAlong) {
   }
   EXPECT_NEAR(p.x(), -0.5 + 10 * 0.2, 1e-4);
   // What it has not met it leaves where it is, however often walls turn that back.
-  const Vec3 far(0.6, 2, 2), end = tank.obstacles->predict(far, Vec3(0, 1e9, 0), 0.01);
-  EXPECT_LT((end - far).cwiseProduct(Vec3(1, 0, 1)).norm(), 1e-9);
+  Vec3 far(0.6, 2, 2);
+  const Vec3 end = tank.obstacles->predict(far, Vec3(0, 1e9, 0), 0.01);
+  EXPECT_LT((end - Vec3(0.6, 2, 2)).cwiseProduct(Vec3(1, 0, 1)).norm(), 1e-9);
+}
+
+// What a block presses against the ceiling ends in it, and goes out to its nearest side; that is not a motion.
+TEST(Paths, WhatIsCrushedGetsNoVelocityByIt) {
+  ObstacleSettings block = box({2, 2, 1});
+  block.center = {0, 0, 2};
+  block.velocity = {0, 0, 0.8};
+  block.restitution = 0;
+  Tank tank({block});
+  constexpr Real dt = 0.02;
+  Vec3 p(0.7, 0.3, 2.9), v = Vec3::Zero();
+  Real furthest = 0;
+  for (int k = 0; k < 60; ++k) {
+    tank.obstacles->move(dt * k, dt * (k + 1));
+    const Vec3 before = p, end = tank.obstacles->predict(p, v, dt);
+    furthest = std::max(furthest, (p - before).norm());
+    v = (end - p) / dt;
+    EXPECT_LT(v.norm(), 0.8 + 1e-3) << "step " << k;
+    p = end;
+  }
+  EXPECT_GT(furthest, 0.25) << "out through the block's side";
+  EXPECT_GT(p.x(), 1);
 }
 
 // What is taken is what paths were changed by.
@@ -357,7 +382,8 @@ TEST(Paths, TollIsTheChange) {
   std::mt19937 generator(8);
   Vec3 changed = Vec3::Zero();
   for (int k = 0; k < 3000; ++k) {
-    const Vec3 p = random_point(generator, 2.9), v = random_point(generator, 60), shift = random_point(generator, 0.4);
+    Vec3 p = random_point(generator, 2.9);
+    const Vec3 v = random_point(generator, 60), shift = random_point(generator, 0.4);
     if (tank.distance(p) <= 0.3) continue;
     const Vec3 end = tank.obstacles->predict(p, v, 0.05);
     changed += end - (p + 0.05 * v);

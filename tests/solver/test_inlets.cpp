@@ -147,8 +147,7 @@ TEST(Inlet, MakesNothingInASolidNorBehindOne) {
   const FlowState::Stream half = flow_of("center = [0.4, 0.45, 2.85]\n", {"inlet.0.center=[0.8, 0.45, 2.95]"});
   EXPECT_NEAR(half.covered, half.asked() / 2, half.asked() / 6);  // some flows off the plate, half a spacing below
   const FlowState::Stream shut =
-      flow_of("motion = [[0, 0.8, 0.45, 2.3], [0.5, 0.8, 0.45, 2.7]]\ncenter = [0.8, 0.45, 2.3]\n",
-              {"obstacle.0.size=[0.8, 0.9, 0.5]"});
+      flow_of("center = [0.8, 0.45, 2.3]\nvelocity = [0, 0, 0.8]\n", {"obstacle.0.size=[0.8, 0.9, 0.5]"});
   EXPECT_GT(shut.covered, shut.asked() / 3);
   EXPECT_LT(shut.made, 2 * shut.asked() / 3);
   EXPECT_NEAR(shut.asked(), open.asked(), 24);

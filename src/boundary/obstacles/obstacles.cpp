@@ -217,7 +217,8 @@ void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const V
         for (auto i = static_cast<std::size_t>(some.begin); i < static_cast<std::size_t>(some.end); ++i) {
           const Vec3 straight = p[i] + v[i] * dt;
           if (open.contains(p[i]) && open.contains(straight)) continue;
-          if (is_near_floating(p[i], straight)) predict_among(p[i], v[i], dt);
+          Vec3 start = p[i];
+          if (is_near_floating(start, straight)) predict_among(start, v[i], dt);
         }
       });
     });

@@ -86,8 +86,10 @@ class Obstacles {
     return std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& body) { return body->covers(from, place); });
   }
 
-  /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles.
-  Vec3 predict(const Vec3& p, const Vec3& v, Real dt) {
+  /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles. One
+  /// that begins in an obstacle, which has pressed it against a wall, begins at its surface: p is that place then, as
+  /// the way out of a solid is no motion.
+  Vec3 predict(Vec3& p, const Vec3& v, Real dt) {
     const Vec3 straight = p + v * dt;
     return walls_.inside(straight) && is_out_of_way(p, straight) ? straight : predict_among(p, v, dt);
   }
@@ -147,8 +149,8 @@ class Obstacles {
   bool is_out_of_way(const Vec3& from, const Vec3& to) const {
     return !index_->any(along(from, to), [&](std::size_t k) { return !bodies_[k]->is_out_of_way(from, to); });
   }
-  Vec3 predict_among(const Vec3& p, const Vec3& v, Real dt);
-  Vec3 among(const Vec3& p, const Vec3& v, Real dt);
+  Vec3 predict_among(Vec3& p, const Vec3& v, Real dt);
+  Vec3 among(Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;
   std::optional<ObstacleIndex> index_;  // made when all bodies are there

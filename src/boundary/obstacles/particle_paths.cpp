@@ -107,7 +107,7 @@ struct Obstacles::Leg {
 };
 
 // Where only the ends of a leg are known in the world, the walls are met on the straight line between them.
-Vec3 Obstacles::predict_among(const Vec3& p, const Vec3& v, Real dt) {
+Vec3 Obstacles::predict_among(Vec3& p, const Vec3& v, Real dt) {
   const Vec3 straight = p + v * dt;
   if (!straight.allFinite()) return straight;  // the guard of the run reports it
   const bool bounces = !walls_.inside(straight);
@@ -134,9 +134,10 @@ Obstacles::Leg Obstacles::leg_from(const Vec3& p, bool before) {
   return {bodies_, walls_, segments};
 }
 
-Vec3 Obstacles::among(const Vec3& p, const Vec3& v, Real dt) {
+Vec3 Obstacles::among(Vec3& p, const Vec3& v, Real dt) {
   Leg leg = leg_from(p, true);
   leg.leave();
+  p = leg.here();
   Vec3 velocity = v, target = p + v * dt;
   leg.aim(target);
   Real left = dt;
