@@ -29,12 +29,15 @@ void BodyCoupling::solve(Pressure& pressure, const FreeSurface& surface, Halo& h
                          const RecordForces& record) {
   RigidBodies& bodies = *obstacles_.floating();
   pressure.begin(surface, halo, step);
-  for (int answer = 0; answer < projection::body_answers; ++answer) {
-    bodies.respond(pressed(surface, record));
+  std::vector<Six> pressure_on = pressed(surface, record);
+  for (int answer = 0; answer < projection::most_answers; ++answer) {
+    if (answer >= projection::least_answers && bodies.is_settled(pressure_on, projection::settled)) break;
+    bodies.respond(pressure_on);
     cuts_.move_faces([&](std::size_t a, std::size_t at, Real change) { pressure.move_face(surface, a, at, change); });
     pressure.improve(halo, projection::cycles_per_answer);
+    pressure_on = pressed(surface, record);
   }
-  bodies.hear(pressed(surface, record));
+  bodies.hear(pressure_on);
   pressure.finish(surface, halo);
 }
 

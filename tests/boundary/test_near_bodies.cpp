@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
+#include <numbers>
 #include <random>
 
 #include "boundary/obstacles/obstacles.hpp"
@@ -172,6 +174,23 @@ TEST(Recorded, MomentsOfTheBoxAreThoseOfItsWater) {
   for (Eigen::Index i = 0; i < 3; ++i) {
     EXPECT_NEAR(box.shift[i], shift[i], 1e-8);
     EXPECT_NEAR(about_middle[i], moment[i], 1e-6);
+  }
+}
+
+// Of a box, whose sides are two triangles each: as thick a layer on each side, with the moments of the whole side.
+TEST(AddedMass, AtFirstHasTheMomentsOfTheSides) {
+  BodySettings settings;
+  settings.shape = ShapeKind::box;
+  settings.size = {0.6, 1.0, 0.3};
+  const auto [a, b, c] = std::array<Real, 3>{0.6, 1.0, 0.3};
+  const Real surface = 2 * (a * b + b * c + c * a), layer = 1000 * std::sqrt(surface / (16 * std::numbers::pi));
+  const auto turned = [&](Real l, Real m, Real n) { return l * (m * m * m + n * n * n) / 6; };
+  const std::array<Real, 6> expected{2 * b * c,       2 * a * c,       2 * a * b,
+                                     turned(a, b, c), turned(b, c, a), turned(c, a, b)};
+  const RigidBody body(settings, *make_shape(settings), Vec3::Zero(), 1000);
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j < 6; ++j)
+      EXPECT_NEAR(body.state().added_mass[6 * i + j], i == j ? layer * expected[i] : 0, 1e-9 * layer) << i << ' ' << j;
   }
 }
 

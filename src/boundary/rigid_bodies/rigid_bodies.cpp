@@ -151,6 +151,16 @@ void RigidBodies::respond(std::span<const Six> pressure) {
   place();
 }
 
+bool RigidBodies::is_settled(std::span<const Six> pressure, Real tolerance) const {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const RigidBody& body = bodies_[k];
+    const Six off = solved(body.inertia(), body.missing(pressure[k]), body.free());
+    const Real speed = along_of(off).norm() + about_of(off).norm() * (*all_)[first_ + k]->radius();
+    if (speed * dt_ > tolerance * h_) return false;
+  }
+  return true;
+}
+
 void RigidBodies::hear(std::span<const Six> pressure) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) bodies_[k].hear(pressure[k]);
 }

@@ -54,6 +54,9 @@ class RigidBodies {
   void give(std::span<const TotalImpulse> all);
   /// The pressure's impulses, N s, of the bodies in their order. They move accordingly.
   void respond(std::span<const Six> pressure);
+  /// Whether by that pressure each moves within the substep as far as its momentum says, by its own mass and to that
+  /// part of h at its surface.
+  bool is_settled(std::span<const Six> pressure, Real tolerance) const;
   /// The last of them, to which nobody moves any more.
   void hear(std::span<const Six> pressure);
   /// Of all that the ledger has of the substep.

@@ -35,7 +35,8 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
 }
 
 // The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
-// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has.
+// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has. Triangles may be as large
+// as the sides of a box; the mean over the middles of their edges is exact for squares of the arms.
 Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
   Mass6 sum{};
   Real whole = 0;
@@ -46,7 +47,8 @@ Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water)
     const Real area = twice.norm() / 2;
     if (!(area > 0)) continue;
     const Vec3 normal = twice / (2 * area);
-    add_square(sum, six_of(normal, ((a + b + c) / 3 - center).cross(normal)), area);
+    for (const Vec3& middle : {Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)})
+      add_square(sum, six_of(normal, (middle - center).cross(normal)), area / 3);
     whole += area;
   }
   const Real thickness = std::sqrt(whole / (16 * std::numbers::pi));
@@ -217,7 +219,7 @@ Real RigidBody::part_that_counts(const Six& step, const Six& found, const Six& k
 // the answer grows with the twist, and a second one keeps it bounded (Goldfarb, Ren & Bahamou, 2020). An estimate is
 // good enough when it is half of what it stands for.
 void RigidBody::hear(const Six& pressure) {
-  if (answers_ == 1) {  // later ones still have a part of what came before
+  if (answers_ > 0) {
     const Six step = plus(twist_, asked_, -1), known = times(added_, step);
     Six resistance = plus(answer_, pressure, -1);
     const auto take = [&](Real part) {
