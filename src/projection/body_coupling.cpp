@@ -30,8 +30,10 @@ void BodyCoupling::solve(Pressure& pressure, const FreeSurface& surface, Halo& h
   RigidBodies& bodies = *obstacles_.floating();
   pressure.begin(surface, halo, step);
   std::vector<Six> pressure_on = pressed(surface, record);
-  for (int answer = 0; answer < projection::most_answers; ++answer) {
-    if (answer >= projection::least_answers && bodies.is_settled(pressure_on, projection::settled)) break;
+  for (int iteration = 0; iteration < projection::max_coupling_iterations; ++iteration) {
+    if (iteration >= projection::min_coupling_iterations &&
+        bodies.is_settled(pressure_on, projection::coupling_tolerance))
+      break;
     bodies.respond(pressure_on);
     cuts_.move_faces([&](std::size_t a, std::size_t at, Real change) { pressure.move_face(surface, a, at, change); });
     pressure.improve(halo, projection::cycles_per_answer);

@@ -79,8 +79,8 @@ constexpr int closed_cycles = 6;
 /// the substep. Twelve balls afloat need two answers in 110 of 120 steps, a box of a twentieth of the water's density
 /// on its way up three to four; with two alone its speed jumps by 0.8 m/s from step to step, and one of a fiftieth by 5
 /// m/s.
-constexpr int least_answers = 2, most_answers = 8, cycles_per_answer = 1;
-constexpr Real settled = 0.01;
+constexpr int min_coupling_iterations = 2, max_coupling_iterations = 8, cycles_per_answer = 1;
+constexpr Real coupling_tolerance = 0.01;
 /// Time in which a cell returns to its volume, sqrt(h/g); without gravity the distance its water travels, cells.
 constexpr Real return_time = 6;
 /// A cell that a solid cuts returns that much as fast as others: what it holds is noisier, and water in a box turned
