@@ -1,5 +1,5 @@
-// What the cells have of a body that moves freely: its volume and its centre of volume, which samples of a round
-// surface would otherwise not quite be.
+// What the cells have of solids: what the pressure of a cell does to the solid in it; of a body that moves freely its
+// volume and its centre of volume, which samples of a round surface would otherwise not quite be.
 #include <algorithm>
 #include <cmath>
 
@@ -64,15 +64,23 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   return {at, a, nearest.body, middle_of_closed(a, cell, alone), share, (1 - share) * path[axis_[a]]};
 }
 
-// use(direction, whether the upper face, its closed part, the middle of that) for the faces of a cell.
+// use(direction, whether the upper face, its closed part, the middle of that) for the faces of a cell. Of the nearest
+// solid: what a body that floats closes of them, or all that is closed.
 template <class Use>
-void CutCells::for_each_closed(std::size_t at, const Use& use) const {
+void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+  const bool floating = floats(at);
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       const std::size_t face_at = upper ? at + step_[a] : at;
       if (face(a, face_at) == 1) continue;
-      const BodyFace* const own = body_face(a, face_at);
-      if (own != nullptr) use(a, upper, own->share * (1 - face(a, face_at)), own->p);
+      if (floating) {
+        const BodyFace* const own = body_face(a, face_at);
+        if (own != nullptr) use(a, upper, own->share * (1 - face(a, face_at)), own->p);
+        continue;
+      }
+      std::array<LocalId, 3> of_face = cell;
+      of_face[a] += upper ? 1 : 0;
+      use(a, upper, 1 - face(a, face_at), middle_of_closed(a, of_face, face_at));
     }
   }
 }
@@ -97,7 +105,7 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
       if (open(at) == 1 || !bodies.holds(nearest)) continue;
       const std::size_t body = nearest - bodies.first();
       const Vec3 arm = (middle_of_solid({k, r, c}, at) - bodies.body(body).end_position()) / size_.maxCoeff();
-      const Real volume = 1 - open(at), surface = area(at);
+      const Real volume = cells_[at].solid, surface = area(at);
       GlobalId* sum = &sums.mine()[sums_of_body * body];
       for (const Real one : {volume, surface, open(at) > 0 ? volume : 0, volume * arm.x(), volume * arm.y(),
                              volume * arm.z(), surface * arm.x(), surface * arm.y(), surface * arm.z()})
@@ -109,7 +117,6 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
 
 void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
   const RigidBodies& bodies = *obstacles_.floating();
-  step_ = {grid.step(0), grid.step(1), grid.step(2)};
   excess_.assign(obstacles_.count(), {});
   const std::vector<GlobalId> all = sums_of_bodies(comm, grid);
   const Real cell = size_.prod(), ceiling = box_.min.z() + grid.columns() * size_[2];
@@ -130,7 +137,7 @@ CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_
                                   const CellPressure& pressure) const {
   Pushes pushes;
   const Real level = middle(cell[0], cell[1], cell[2]).z();
-  for_each_closed(at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Real push = (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
     pushes.add((upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
   });
@@ -186,7 +193,7 @@ CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std:
   const Real floor = corner.z(), fall = pressure.fall * size_[2];
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // closed parts of the lower and the upper face, times their middles
   Real low_area = 0, high_area = 0;
-  for_each_closed(at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Vec3 out = (upper ? 1 : -1) / size_[static_cast<Eigen::Index>(a)] * Vec3::Unit(axis_[a]);
     if (pressure.phi != 0) pushes.add((a < 2 ? height : 1) * pressure.phi * closed * out, arm);
     if (a == 2) {

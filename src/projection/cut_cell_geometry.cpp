@@ -14,6 +14,8 @@ constexpr Real min_open = 2e-4;
 // Of less it is asked whether any of its corners and middles is in the open, by how much, in cells. Beside an edge of a
 // solid whose faces lie on those of cells the slopes of samples leave 1e-3 of a solid cell open.
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
+// Square of the slope of the distance below which an edge is near.
+constexpr Real flat = 0.9;
 
 }  // namespace
 
@@ -131,27 +133,22 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
   for (std::size_t i = 0; i < 2 && sum > 0; ++i) cell.middle[a][i] = static_cast<float>(moment[i] / sum);
 }
 
-// From each sample near the surface straight to it; each counts as far as the surface there lies flat, since it is the
-// upward pressure that needs the height.
-Real CutCells::surface_at(const Vec3& corner, const Bodies& bodies) const {
-  const Real width = size_.maxCoeff() / samples, step = width / 100;
-  Real sum = 0, weight = 0;
+// Of a sample that begins there, by samples of its own.
+Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
+  const Real width = size_.maxCoeff() / (samples * samples);
+  Real sum = 0;
   for (int i = 0; i < samples * samples * samples; ++i) {
-    const Vec3 in_cell(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
-    const Vec3 p = place(corner + in_cell), up = step * Vec3::UnitZ();
-    const Real d = nearest_at(p, bodies).distance, w = std::max(1 - std::abs(d) / width, 0.0);
-    if (w == 0) continue;
-    const Real slope = (nearest_at(p + up, bodies).distance - nearest_at(p - up, bodies).distance) / (2 * step);
-    sum += w * std::abs(slope) * ((in_cell.z() - 0.5) * size_.z() - d * slope);
-    weight += w * std::abs(slope);
+    const Vec3 in_sample(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
+    const Real distance = nearest_at(place(corner + in_sample / samples), bodies).distance;
+    sum += std::clamp(0.5 - distance / width, 0.0, 1.0);
   }
-  return weight > 0 ? sum / weight : 0;
+  return sum / (samples * samples * samples);
 }
 
 // Linear in each sample, as the faces; shares of what is open of a sample are those of its middle, but water is nowhere
 // nearer to a solid below or above than half of a cuboid's height. The middle of the solid is that of its parts in
 // samples, which lie off the middles of these along the slope.
-Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
+Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const {
   CubeOfDistances distance;
   find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, candidates.of_cell,
                  distance);
@@ -160,7 +157,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
   for (std::size_t a = 0; a < 2; ++a)
     for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
   std::array<std::array<SharesAlong, samples>, samples> of_lines{};  // of what is open of those above each other
-  Real sum = 0, solid = 0;
+  Real sum = 0, solid = 0, whole = 0;
   std::array<Real, 3> moment{};
   for (int i = 0; i < samples * samples * samples; ++i) {
     // Planes of samples across direction 2, then samples along 0 and 1.
@@ -182,12 +179,16 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
       SharesAlong& line = of_lines[static_cast<std::size_t>(here[1])][static_cast<std::size_t>(here[2])];
       for (std::size_t n = 0; n < 3; ++n) line[n] += open * w[n];
     }
-    if (!candidates.floats || closed == 0) continue;
-    solid += closed;
+    const Real steep = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
+    const bool at_edge = steep < flat && std::abs(at(here)) < 1;
+    solid += at_edge ? solid_part(corner + Vec3(here[1], here[2], here[0]) / samples, candidates.of_cell) : closed;
+    if (closed == 0) continue;
+    whole += closed;
     const std::array<Real, 3> off = middle_below(closed, slope);
     for (std::size_t a = 0; a < 3; ++a) moment[(a + 2) % 3] += closed * (sample(here[a]) + off[a] / samples);
   }
-  for (std::size_t a = 0; a < 3 && solid > 0; ++a) candidates.solid_middle[a] = static_cast<float>(moment[a] / solid);
+  for (std::size_t a = 0; a < 3 && whole > 0; ++a) cell.solid_middle[a] = static_cast<float>(moment[a] / whole);
+  cell.solid = static_cast<float>(solid / (samples * samples * samples));
   std::array<Real, 27> shared{};
   for (std::size_t i = 0; i < samples; ++i) {
     std::array<Real, 9> of_plane{};
@@ -217,6 +218,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   candidates.near = std::abs(far.distance) <= 2 * size_.maxCoeff();
   if (!candidates.near) {  // no face of it comes within reach of is_passage()
     cell.open = far.distance > 0 ? 1 : 0;
+    cell.solid = 1 - cell.open;
     cell.face.fill(cell.open);
     return cell;
   }
@@ -224,16 +226,14 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
   candidates.thick = are_thick(middle, bodies);
   for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, candidates, cell);
-  // Surfaces a little outside of the cell count where a face of it is closed.
-  candidates.floats = obstacles_.floating() != nullptr && obstacles_.floating()->holds(far.body);
-  if (!candidates.floats && std::abs(far.distance) < 0.75 * size_.norm())
-    cell.surface = static_cast<float>(surface_at(corner, bodies));
   if (std::abs(far.distance) > size_.norm() / 2) {
     cell.open = far.distance > 0 ? 1 : 0;
+    cell.solid = 1 - cell.open;
     return cell;
   }
-  const Real open = open_at(corner, candidates);
+  const Real open = open_at(corner, candidates, cell);
   cell.open = open < min_open || (open < sliver && !reaches_open(corner, bodies)) ? 0 : static_cast<float>(open);
+  if (cell.open == 0) cell.solid = 1;
   cell.has_shares = cell.open > 0;
   return cell;
 }

@@ -9,7 +9,8 @@
 
 namespace trevi {
 
-CutCells::CutCells(const Obstacles& obstacles) : obstacles_(obstacles), all_bodies_(obstacles.count()) {
+CutCells::CutCells(const Obstacles& obstacles)
+    : obstacles_(obstacles), all_bodies_(obstacles.count()), excess_(obstacles.count()) {
   std::iota(all_bodies_.begin(), all_bodies_.end(), std::size_t{0});
 }
 
@@ -35,7 +36,8 @@ Real CutCells::countable(Real in_cell) {
 
 Vec3 CutCells::middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
   Vec3 middle;
-  for (std::size_t a = 0; a < 3; ++a) middle[static_cast<Eigen::Index>(a)] = cell[a] + countable(solid_middles_[at][a]);
+  for (std::size_t a = 0; a < 3; ++a)
+    middle[static_cast<Eigen::Index>(a)] = cell[a] + countable(cells_[at].solid_middle[a]);
   return place(middle) - excess_[cells_[at].nearest].middle;
 }
 
@@ -137,12 +139,10 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
 void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
   store_shares(grid.cells());
-  if (obstacles_.floating() != nullptr) solid_middles_.resize(grid.cells());
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       const Vec3 corner = corner_of(grid, k, r, c);
-      near.solid_middle = {0.5F, 0.5F, 0.5F};
       cells[at] = cell_at(corner, near);
       for_each_upper_wall(grid, k, r, c, [&](std::size_t a, std::size_t beyond) {
         cells[beyond] = {};
@@ -150,7 +150,6 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
         if (near.near) measure_face(a, corner + Vec3::Unit(static_cast<Eigen::Index>(a)), near, cells[beyond]);
       });
       if (cells[at].has_shares) shares_[at] = near.shares;
-      if (obstacles_.floating() != nullptr) solid_middles_[at] = near.solid_middle;
     }
   });
   grid.repeat(cells);
@@ -260,6 +259,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     size_[b] = grid.size()[b];
     origin_[b] = box.min[axis_[a]];
   }
+  step_ = {grid.step(0), grid.step(1), grid.step(2)};
   box_ = box;
   frame_ = frame;
   first_ = grid.first_plane();

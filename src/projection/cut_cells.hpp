@@ -91,10 +91,10 @@ class CutCells {
   bool any_floats() const { return obstacles_.floating() != nullptr; }
   /// Whether that moves by itself, as the scene says.
   bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
-  /// Volume of the solid in a cell of which it is the nearest body, in cells. Samples are flat, and make too much of
-  /// what is round: where the cells see all of a body, each takes so much off its surface that the sum is the body's
-  /// own, and so is their centre of volume.
-  Real solid(std::size_t at) const { return 1 - open(at) - excess_[cells_[at].nearest].volume * area(at); }
+  /// Volume of the solid in a cell of which it is the nearest, in cells. Samples are flat, and make too much of what is
+  /// round: where the cells see all of a body that floats, each takes so much off its surface that the sum is the
+  /// body's own, and so is their centre of volume.
+  Real solid(std::size_t at) const { return cells_[at].solid - excess_[cells_[at].nearest].volume * area(at); }
   /// The middle of that volume, m.
   Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const;
   /// Pressure in a cell, at its middle and as it grows downwards: m² and m.
@@ -106,36 +106,36 @@ class CutCells {
     std::size_t count = 0;
     void add(const Vec3& shift, const Vec3& place) { all[count++] = {shift, place}; }
   };
-  /// What the pressure of a cell gives to its water at each of its faces that a body closes, m, with places for arms:
-  /// the middles of their closed parts, so that the work on any motion of the body is that on the flux of the cell. By
-  /// Gauss's theorem on the solid part of the cell, exact for water at rest however the body lies.
+  /// What the pressure of a cell gives to its water at each of its faces that a solid closes, m, with places for arms:
+  /// the middles of their closed parts, so that the work on any motion of a body is that on the flux of the cell. By
+  /// Gauss's theorem on the solid part of the cell, exact for water at rest however the solid lies.
   Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
   /// The same of water that stands up to `height` in the cell, in cells, from 0 to 1: `phi` is what its pressure has
   /// beyond that of water at rest. Side faces have it up to that height, as they have the flux.
   Pushes pushes_below(const std::array<LocalId, 3>& cell, std::size_t at, Real height,
                       const CellPressure& pressure) const;
-  /// How far above the middle of a cell the solid's surface in it lies, in the mean, m.
-  Real surface_above_middle(std::size_t at) const { return cells_[at].surface; }
   /// The middle of a cell, m.
   Vec3 middle(LocalId k, LocalId r, LocalId c) const;
 
   std::size_t bytes() const {
     return (cells_.capacity() + all_.capacity()) * sizeof(Cell) + moved_.capacity() * sizeof(moved_[0]) +
-           solid_middles_.capacity() * sizeof(InCell) + cut_columns_.capacity() * sizeof(Range);
+           cut_columns_.capacity() * sizeof(Range);
   }
 
  private:
+  using InCell = std::array<float, 3>;  // by direction, in cells from a corner
   struct Cell {
     float open = 1;
     std::array<float, 3> face{1, 1, 1};
     std::array<std::array<float, 2>, 3> middle{
         {{0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}}};  // along (a + 1), (a + 2) % 3
-    float surface = 0, capacity = 1;
+    float solid = 0;
+    InCell solid_middle{0.5F, 0.5F, 0.5F};
+    float capacity = 1;
     std::array<float, 2> aside{};
     std::uint32_t nearest : 31 = 0;
     bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
   };
-  using InCell = std::array<float, 3>;  // by direction, in cells from a corner
   Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Cell& measured) const;
   struct Nearest {
     Real distance;
@@ -147,11 +147,9 @@ class CutCells {
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
-    bool near = false;    // any of them to the cell
-    bool thick = false;   // those of the cell
-    bool floats = false;  // the nearest to the cell
-    InCell solid_middle{0.5F, 0.5F, 0.5F};
-    Shares shares{};  // of the cell
+    bool near = false;   // any of them to the cell
+    bool thick = false;  // those of the cell
+    Shares shares{};     // of the cell
     std::vector<Real> distance;
     std::vector<Range> ranges;
   };
@@ -203,8 +201,8 @@ class CutCells {
   }
   // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
-  Real surface_at(const Vec3& corner, const Bodies& bodies) const;
-  Real open_at(const Vec3& corner, Candidates& candidates) const;
+  Real solid_part(const Vec3& corner, const Bodies& bodies) const;
+  Real open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const;
   bool reaches_open(const Vec3& corner, const Bodies& bodies) const;
   // See cut_cell_capacity.cpp.
   void store_shares(std::size_t cells);
@@ -229,7 +227,7 @@ class CutCells {
   // Of the surface in a cell, in faces.
   Real area(std::size_t at) const;
   template <class Use>
-  void for_each_closed(std::size_t at, const Use& use) const;
+  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {
@@ -250,8 +248,7 @@ class CutCells {
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
-  std::vector<InCell> solid_middles_;  // where bodies move freely
-  std::vector<Zone> zones_;            // of what moves, as measured last
+  std::vector<Zone> zones_;  // of what moves, as measured last
   // Which part of what is closed of a face a body that floats closes, the middle of that, and the displacement of what
   // else does, times its own part, m.
   struct BodyFace {

@@ -68,32 +68,11 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   record_sides(obstacles_.box_account(), shifts, k, r, c);
 }
 
-// The solid's surface in a cell, as a vector out of the water, is what the areas of opposite faces differ by. The
-// pressure is that at the surface's height.
-void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
-  const ProjectionGrid& grid = surface_.grid();
-  const CutCells& solids = *surface_.cuts();
-  const std::size_t at = grid.index(k, r, c);
-  if (surface_.is_solid(at)) return;
-  const std::size_t nearest = solids.nearest(at);
-  if (solids.floats(at)) return of_body(k, r, c, nearest);
-  if (!surface_.is_wet(at)) return;
-  const Real phi = pressure_.phi(at) + g_dt2_ * solids.surface_above_middle(at);
-  const auto rise = [&](std::size_t a, std::size_t cell) {
-    return solids.face(a, cell + grid.step(a)) - solids.face(a, cell);
-  };
-  const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
-  const bool is_upright = std::abs(rise(2, at)) < 1e-6;
-  const Sides sides = is_upright ? on_sides(at) : Sides{phi, 0};
-  std::array<Vec3, 2> shifts{Vec3::Zero(), Vec3::Zero()};
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (a == 1 && grid.is_layer()) continue;
-    const auto b = static_cast<Eigen::Index>(grid.axis(a));
-    const Real per_size = particles / grid.size()[static_cast<Eigen::Index>(a)];
-    shifts[0][b] = -(a < 2 ? sides.here : phi) * rise(a, at) * per_size;
-    if (a < 2 && sides.over != 0) shifts[1][b] = -sides.over * rise(a, at + 1) * per_size;
-  }
-  record_sides(nearest, shifts, k, r, c);
+// How fast the pressure grows downwards, m: as in water at rest, and beside a solid that does not float as the pressure
+// of a top cell says, as water that falls has none.
+Real RecordForces::fall_at(std::size_t top) const {
+  if (surface_.cuts()->floats(top)) return g_dt2_;
+  return std::clamp(-pressure_.phi_so_far(top) / (surface_.grid().size()[2] * surface_.above_middle(top)), 0.0, g_dt2_);
 }
 
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
@@ -107,22 +86,24 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
     if (height >= 1) {
       pushes = cuts.pushes({k, r, c}, at, {phi, g_dt2_});
     } else {
-      const Real at_rest = -g_dt2_ * grid.size()[2] * surface_.above_middle(at);
-      pushes = cuts.pushes_below({k, r, c}, at, height, {phi - at_rest, g_dt2_});
+      const Real fall = fall_at(at), at_rest = -fall * grid.size()[2] * surface_.above_middle(at);
+      pushes = cuts.pushes_below({k, r, c}, at, height, {phi - at_rest, fall});
     }
   } else if (c > 0 && surface_.is_top(at - 1) && surface_.height(at - 1) > 1) {
-    pushes = cuts.pushes_below({k, r, c}, at, std::min(surface_.height(at - 1) - 1, 1.0), {0, g_dt2_});
+    pushes = cuts.pushes_below({k, r, c}, at, std::min(surface_.height(at - 1) - 1, 1.0), {0, fall_at(at - 1)});
   }
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
   for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].shift *= particles;
   return pushes;
 }
 
-void RecordForces::of_body(LocalId k, LocalId r, LocalId c, std::size_t body) const {
+// Of the solid nearest to a cell that it cuts.
+void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Pushes pushes = pushes_of_cell(k, r, c);
+  const std::size_t nearest = surface_.cuts()->nearest(surface_.grid().index(k, r, c));
   Vec3 sum = Vec3::Zero();
   for (std::size_t n = 0; n < pushes.count; ++n) {
-    obstacles_.record_projection(body, pushes.all[n].shift, pushes.all[n].arm);
+    obstacles_.record_projection(nearest, pushes.all[n].shift, pushes.all[n].arm);
     sum += pushes.all[n].shift;
   }
   if (!sum.isZero()) obstacles_.record_projection(obstacles_.rest_account(), -sum, Vec3::Zero());

@@ -20,7 +20,7 @@ class RecordForces {
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
   void of_gauges(const Box& box) const;
-  /// What the pressure of a cell that a body cuts gives to the water (CutCells::pushes()), for all of its particles.
+  /// What the pressure of a cell that a solid cuts gives to the water (CutCells::pushes()), for all of its particles.
   using Pushes = CutCells::Pushes;
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
 
@@ -32,7 +32,7 @@ class RecordForces {
   Sides on_sides(std::size_t at) const;
   void record_sides(std::size_t account, const std::array<Vec3, 2>& shifts, LocalId k, LocalId r, LocalId c) const;
   void of_cell(LocalId k, LocalId r, LocalId c) const;
-  void of_body(LocalId k, LocalId r, LocalId c, std::size_t body) const;
+  Real fall_at(std::size_t top) const;
   void of_walls(LocalId k, LocalId r, LocalId c) const;
   Real phi_at(LocalId k, LocalId r, Real height) const;
 

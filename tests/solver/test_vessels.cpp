@@ -80,20 +80,33 @@ TEST(Vessels, MomentumBalances) {
   }
 }
 
-// In the mean over steps at rest.
+// In the mean over steps at rest, without a torque about the middle. With the pressure of a cell at the mean height of
+// the solid's surface in it plates and boxes at an angle had 0.86 to 0.94 of it, and a torque of 0.012 of it times
+// their width.
 TEST(Vessels, BuoyancyIsThatOfArchimedes) {
-  for (const char* shape : {"type = 'sphere'\nradius = 0.35", "type = 'box'\nsize = [0.5, 0.44, 0.53]"}) {
+  struct Shape {
+    const char* text;
+    Real volume;
+  };
+  const auto ball_of = [](Real radius) { return std::numbers::pi * 4 / 3 * radius * radius * radius; };
+  for (const auto& [shape, volume] : {Shape{"type = 'sphere'\nradius = 0.35", ball_of(0.35)},
+                                      {"type = 'sphere'\nradius = 0.22", ball_of(0.22)},
+                                      {"type = 'box'\nsize = [0.5, 0.44, 0.53]", 0.5 * 0.44 * 0.53},
+                                      {"type = 'box'\nsize = [0.6, 0.6, 0.2]\nrotate = [30, 0, 0]", 0.6 * 0.6 * 0.2},
+                                      {"type = 'box'\nsize = [0.4, 0.4, 0.4]\nrotate = [20, 35, 50]", 0.064}}) {
     VesselRun run(world, pool + "[[obstacle]]\ncenter = [0.77, 0.61, 0.57]\n" + shape + "\n");
     run.steps(120);
-    Vec3 mean = Vec3::Zero();
-    for (std::size_t k = 60; k < run.forces.size(); ++k)
-      mean += run.forces[k][0].force / static_cast<Real>(run.forces.size() - 60);
-    const bool is_ball = run.scene.obstacles[0].shape == ShapeKind::sphere;
-    const Real volume = is_ball ? std::numbers::pi * 4 / 3 * 0.35 * 0.35 * 0.35 : 0.5 * 0.44 * 0.53;
+    Vec3 force = Vec3::Zero(), torque = force;
+    const Real count = static_cast<Real>(run.forces.size() - 60);
+    for (std::size_t k = 60; k < run.forces.size(); ++k) {
+      force += run.forces[k][0].force / count;
+      torque += run.forces[k][0].torque / count;
+    }
     const Real expected = 1000 * 9.8 * volume;
-    if (rank_of(world) == 0) std::printf("buoyancy over rho g V: %.4f\n", mean.z() / expected);
-    EXPECT_NEAR(mean.z() / expected, 1, 0.02);
-    EXPECT_LT(std::abs(mean.x()) + std::abs(mean.y()), 0.02 * expected);
+    if (rank_of(world) == 0) std::printf("buoyancy over rho g V: %.4f\n", force.z() / expected);
+    EXPECT_NEAR(force.z() / expected, 1, 0.02) << shape;
+    EXPECT_LT(std::abs(force.x()) + std::abs(force.y()), 0.02 * expected) << shape;
+    EXPECT_LT(torque.norm(), 0.004 * expected * 0.6) << shape;
   }
 }
 

@@ -177,18 +177,19 @@ std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   all[box_account()].moment += middle_of_box_.cross(all[box_account()].shift);
   const TotalImpulse rest = all.back();
   all.pop_back();
-  // It is of all the water, wherever that is, so that a share acts where what it goes by does. It would turn bodies
-  // that are light: they have of it only what nobody else takes.
+  // It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
+  // each gave, and those that make the sum right and are the most likely ones go by its squares. A share would turn
+  // bodies that are light: they have of it only what nobody else takes.
   Real sum = 0, of_fixed = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    sum += all[k].shift.norm();
-    if (!floating_ || !floating_->holds(k)) of_fixed += all[k].shift.norm();
+    sum += all[k].shift.squaredNorm();
+    if (!floating_ || !floating_->holds(k)) of_fixed += all[k].shift.squaredNorm();
   }
   const bool by_fixed = floating_ && of_fixed > 0;
   if (by_fixed) sum = of_fixed;
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (by_fixed && floating_->holds(k)) continue;
-    const Real part = sum > 0 ? all[k].shift.norm() / sum : k == box_account() ? 1 : 0;
+    const Real part = sum > 0 ? all[k].shift.squaredNorm() / sum : k == box_account() ? 1 : 0;
     const Vec3 own = all[k].shift, share = part * rest.shift;
     all[k].shift += share;
     if (own != Vec3::Zero()) all[k].moment += arm_of(k, own, all[k].moment).cross(share);

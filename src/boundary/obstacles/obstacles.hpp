@@ -112,8 +112,8 @@ class Obstacles {
   /// Forgets what was recorded before.
   void begin_step();
   /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The rest is shared
-  /// among them by what each gave, along the line on which that acts, so that the sum is that of the water. Moments of
-  /// the box are about the origin. Collective.
+  /// among them by the squares of what each gave, along the line on which that acts, so that the sum is that of the
+  /// water. Moments of the box are about the origin. Collective.
   std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
