@@ -76,12 +76,13 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
       for (std::size_t k = 0; k < samples; ++k)
         part[b][k] = pose.turn.row(axis_[b]).transpose() * (coordinate[b][k] - pose.center[axis_[b]]);
     }
-    std::array<const Vec3*, 3> by_axis{};
+    std::array<const Vec3*, 3> of_axis{};
+    const auto take = [&](std::size_t b, std::size_t k) { of_axis[static_cast<std::size_t>(axis_[b])] = &part[b][k]; };
     for (std::size_t n = 0; n < count; ++n) {
-      by_axis[static_cast<std::size_t>(axis_[a])] = &part[a][n / (samples * samples)];
-      by_axis[static_cast<std::size_t>(axis_[u])] = &part[u][n / samples % samples];
-      by_axis[static_cast<std::size_t>(axis_[v])] = &part[v][n % samples];
-      there[n] = (*by_axis[0] + *by_axis[1]) + *by_axis[2];
+      if (n % (samples * samples) == 0) take(a, n / (samples * samples));
+      if (n % samples == 0) take(u, n / samples % samples);
+      take(v, n % samples);
+      there[n] = (*of_axis[0] + *of_axis[1]) + *of_axis[2];
     }
     obstacles_.body(body).rough_distances({there.data(), count}, own);
     for (std::size_t n = 0; n < count; ++n) distance[n] = std::min(distance[n], own[n]);
@@ -199,7 +200,8 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates) const {
     std::array<Real, 9> of_plane{};
     for (std::size_t j = 0; j < samples; ++j)
       for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[i][j][n % 3];
-    for (std::size_t n = 0; n < shared.size(); ++n) shared[n] += of_samples[0][i][n / 9] * of_plane[n % 9];
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t n = 0; n < 9; ++n) shared[9 * k + n] += of_samples[0][i][k] * of_plane[n];
   }
   constexpr int all = samples * samples * samples;
   for (std::size_t n = 0; n < shared.size(); ++n) candidates.shares[n] = static_cast<float>(shared[n] / all);

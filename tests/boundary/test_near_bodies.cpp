@@ -78,7 +78,14 @@ TEST(Paths, InTheOpenMeetNothing) {
     one.center = random_point(generator, 2.5);
     if (k % 3 == 0) one.velocity = random_point(generator, 1);
     if (k % 6 == 0) one.angular_velocity = {0, 3 * number(generator), 0};
-    settings.obstacles.push_back(one);
+    if (k % 4 != 1) {
+      settings.obstacles.push_back(one);
+      continue;
+    }
+    BodySettings& body = settings.bodies.emplace_back();
+    static_cast<ObstacleSettings&>(body) = one;
+    body.velocity = random_point(generator, 2);
+    body.angular_velocity = random_point(generator, k < 20 ? 3 : 0.05);
   }
   settings = resolved(settings);
   const AnalyticWallDensity law(settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions);

@@ -35,6 +35,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       radius_(radius_of(surface_)),
       wall_extension_(extension * rules.h),
       inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_},
+      across_((rules.open.max - rules.open.min).norm()),
       shares_(like != nullptr) {
   move(0, 0);
   if (like != nullptr) {
@@ -57,11 +58,16 @@ Box Body::box_at(const Pose& pose, Real margin) const {
 void Body::place(const Pose& before, const Pose& now) {
   before_ = before;
   now_ = now;
-  const Box near = box_at(now_, density_reach * h_), was = box_at(before_, density_reach * h_);
-  bounds_of(Extent::density) = near;
-  bounds_of(Extent::shift) = box_at(now_, 2 * wall_extension_);
-  bounds_of(Extent::path) = {near.min.cwiseMin(was.min), near.max.cwiseMax(was.max)};
   turned_ = (now_.turn - before_.turn).norm();
+  const auto on_way = [&](Real margin) {
+    const Box near = box_at(now_, margin), was = box_at(before_, margin);
+    return Box{near.min.cwiseMin(was.min), near.max.cwiseMax(was.max)};
+  };
+  bounds_of(Extent::density) = box_at(now_, density_reach * h_);
+  bounds_of(Extent::shift) = box_at(now_, 2 * wall_extension_);
+  bounds_of(Extent::path) = on_way(density_reach * h_);
+  // A plane between it and both ends of a path is turned by no more than this over the length of the path.
+  way_ = on_way(std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_));
   went_ = (now_.center - before_.center).norm();
 }
 

@@ -95,11 +95,11 @@ class Body {
   /// outside of it cannot meet the surface.
   const Box& reach() const { return bounds_of(Extent::path); }
   bool has_bounds(Real length) const { return !vessel_ && turns_little(1.75 * length); }
-  /// The box outside of which no place and no path has to do with it; null where there is none. Paths of what turns by
-  /// itself are a question of their lengths.
+  /// The box outside of which no place in the box of the walls, and no path there, has to do with it; null where there
+  /// is none. Paths of what turns by itself are a question of their lengths.
   const Box* bounds(Extent extent) const {
     const bool by_length = extent == Extent::path && turned_ != 0 && !floats_;
-    return vessel_ || by_length ? nullptr : &bounds_of(extent);
+    return vessel_ || by_length ? nullptr : extent == Extent::path ? &way_ : &bounds_of(extent);
   }
   bool is_near(const Vec3& p) const {
     if (!may_reach(p)) return false;
@@ -166,6 +166,7 @@ class Body {
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
+  Real across_;          // the diagonal of the box, m
   Pose before_, now_;
   Real offset_before_ = 0, offset_now_ = 0;  // of a paddle that absorbs, m
   Real turned_ = 0, went_ = 0;               // in the substep, by more than the angle, and of the centre, m
@@ -173,6 +174,7 @@ class Body {
   Box& bounds_of(Extent extent) { return bounds_[static_cast<std::size_t>(extent)]; }
   Box box_at(const Pose& pose, Real margin) const;
   std::array<Box, 3> bounds_;  // by extent
+  Box way_;                    // of its surface in the substep, with as much around it as a turn bends a path
   bool shares_;                // what follows, and the shape
   std::shared_ptr<const VolumeMap> map_;
   std::shared_ptr<const DistanceGrid> rough_;  // of a mesh
