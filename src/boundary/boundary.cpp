@@ -1,7 +1,6 @@
 #include "boundary/boundary.hpp"
 
 #include "base/threads.hpp"
-#include "boundary/obstacles/open_pieces.hpp"
 
 namespace trevi {
 
@@ -12,7 +11,7 @@ class WallBoundary : public Boundary {
   using Boundary::Boundary;
   Vec3 predict(Vec3& p, const Vec3& v, Real dt) override { return walls().predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return walls().collide(p, shift); }
-  Box open_box(std::span<const Vec3>, Extent) const override { return walls().box(); }
+  OpenSpace open_space(std::span<const Vec3>, Extent) const override { return OpenSpace(walls().box()); }
   bool is_open_inside() const override { return true; }
 };
 
@@ -22,7 +21,9 @@ class ObstacleBoundary : public Boundary {
       : Boundary(walls), obstacles_(std::move(obstacles)) {}
   Vec3 predict(Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return obstacles_->collide(p, shift); }
-  Box open_box(std::span<const Vec3> p, Extent extent) const override { return obstacles_->open_box(p, extent); }
+  OpenSpace open_space(std::span<const Vec3> p, Extent extent) const override {
+    return obstacles_->open_space(p, extent);
+  }
   void begin_step() override { obstacles_->begin_step(); }
   void settle_bodies(MPI_Comm comm, const Particles& particles, Real dt) override {
     obstacles_->settle(comm, particles.position, particles.velocity, dt);
@@ -45,9 +46,7 @@ class PeriodicBoundary : public Inside {
   explicit PeriodicBoundary(const PeriodicDomain& domain, Rest&&... rest)
       : Inside(std::forward<Rest>(rest)...), domain_(domain) {}
 
-  Box open_box(std::span<const Vec3>, Extent) const override {
-    return {Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
-  }
+  OpenSpace open_space(std::span<const Vec3>, Extent) const override { return {}; }
   bool is_open_inside() const override { return false; }
 
   void round_positions(Particles& particles) const override {
@@ -133,18 +132,16 @@ LocalId Boundary::predict(Particles& particles, Real dt) {
   std::vector<Vec3>& x = particles.position;
   const std::vector<Vec3>& v = particles.velocity;
   for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
-    const auto open_to = [&](Range some) {
-      return open_box({&x[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())}, Extent::path);
-    };
-    for_each_open_piece(part, open_to, [&](const Box& open, Range some) {
-      for (auto i = static_cast<std::size_t>(some.begin); i < static_cast<std::size_t>(some.end); ++i) {
-        const Vec3 straight = x[i] + v[i] * dt;
-        const bool free = open.contains(x[i]) && open.contains(straight);
-        particles.predicted[i] = free ? straight : predict(x[i], v[i], dt);
-        if (!free && !walls_.inside(particles.predicted[i]))  // a free one is
-          lost.mine() = std::min(lost.mine(), static_cast<LocalId>(i));
-      }
-    });
+    const auto begin = static_cast<std::size_t>(part.begin), end = static_cast<std::size_t>(part.end);
+    const OpenSpace open = open_space({&x[begin], end - begin}, Extent::path);
+    std::array<LocalId, Obstacles::at_once> left;
+    const Straight way{{&x[begin], end - begin}, {&v[begin], end - begin}, dt};
+    const std::size_t count = go_straight(open, way, &particles.predicted[begin], left.data());
+    for (std::size_t k = 0; k < count; ++k) {  // all others are inside
+      const std::size_t i = begin + static_cast<std::size_t>(left[k]);
+      particles.predicted[i] = predict(x[i], v[i], dt);
+      if (!walls_.inside(particles.predicted[i])) lost.mine() = std::min(lost.mine(), static_cast<LocalId>(i));
+    }
   });
   LocalId first = particles.size();
   lost.for_each([&](LocalId one) { first = std::min(first, one); });

@@ -1,6 +1,7 @@
 // What a moving particle meets: the walls of the box, obstacles, the ends of periodic axes. There is one kind for each
 // combination, chosen once by make_boundary(); nothing else in a step asks what a scene has. What walls and obstacles
-// add to the density is in wall_density.hpp and obstacles.hpp. Metres and seconds. predict(), collide() and open_box()
+// add to the density is in wall_density.hpp and obstacles.hpp. Metres and seconds. predict(), collide() and
+// open_space()
 // may be called in loops that threads share. Not collective.
 #pragma once
 
@@ -29,10 +30,9 @@ class Boundary {
   /// predict() of all particles, from their positions by their velocities to `predicted`. Returns the first that is not
   /// inside of the walls then, or not a number; their number where there is none.
   LocalId predict(Particles& particles, Real dt);
-  /// The part of the box in which shifts, or paths, that begin and end there meet nothing, where most of these
-  /// particles are; empty where each has to be asked for.
-  virtual Box open_box(std::span<const Vec3> p, Extent extent) const = 0;
-  /// Whether all particles are inside of open_box().
+  /// Where shifts, or paths, of these particles meet nothing; no place where each has to be asked for.
+  virtual OpenSpace open_space(std::span<const Vec3> p, Extent extent) const = 0;
+  /// Whether all particles are inside of open_space().
   virtual bool is_open_inside() const { return false; }
 
   /// What moves by itself is taken to where it is from `begin` to `end`; with a new step its records are cleared.

@@ -145,6 +145,10 @@ void Multigrid::solve(Halo& halo, int cycles) {
   join_levels(halo);
   finest().repeat(finest().phi);
   if (finest().shape().rows_are_cut()) exchange(levels_[0], halo, finest().phi);
+  improve(halo, cycles);
+}
+
+void Multigrid::improve(Halo& halo, int cycles) {
   for (int k = 0; k < cycles; ++k) cycle(halo);
 }
 

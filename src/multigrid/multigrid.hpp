@@ -39,6 +39,8 @@ class Multigrid {
 
   /// Improves phi of the finest level, ghost planes included.
   void solve(Halo& halo, int cycles);
+  /// The same once more, where nothing but the right-hand side is another.
+  void improve(Halo& halo, int cycles);
 
   std::size_t bytes() const;
 

@@ -70,6 +70,7 @@ inline Real clipped_cube(Real distance, const std::array<Real, 3>& slope) {
 
 /// About where the middle of the rest of the cube lies, `part` of it; exact for planes along faces, and for corners.
 inline std::array<Real, 3> middle_below(Real part, const std::array<Real, 3>& slope) {
+  if (part == 1) return {};
   const Real steep = std::abs(slope[0]) + std::abs(slope[1]) + std::abs(slope[2]);
   const Real square = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
   const Real off = square > 0 ? (part - 1) / 2 * steep / square : 0;

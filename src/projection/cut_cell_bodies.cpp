@@ -30,12 +30,11 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
                                               std::size_t at, const Bodies& near, std::size_t stride) const {
   const RigidBodies& floating = *obstacles_.floating();
   const Vec3 along = Vec3::Unit(static_cast<Eigen::Index>(a)), half = Vec3::Constant(0.5) - along / 2;
-  const Vec3 p = place(corner + half);
-  Candidates own;
+  const Vec3 p = place(corner + half), inside = in_box(p);
   Bodies others;
   Nearest nearest{INFINITY, 0};
   for (const std::size_t k : near) {
-    const Real d = nearest_at(p, {k}).distance;
+    const Real d = distance_to(obstacles_.body(k), inside);
     if (d > 1.5 * size_.maxCoeff()) continue;
     if (!floating.holds(k)) {
       others.push_back(k);
@@ -45,6 +44,7 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   }
   if (nearest.distance == INFINITY) return {at, a, 0, p, 0, 0};
   if (others.empty()) return {at, a, nearest.body, middle_of_closed(a, cell, at), 1, 0};
+  Candidates own;
   own.of_cell = {nearest.body};
   own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
   // A little off the face, on the side of the body, or off what else is solid there, on whose surface the body may lie.

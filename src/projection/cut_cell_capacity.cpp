@@ -70,11 +70,9 @@ void CutCells::find_whole_shares(const ProjectionGrid& grid) {
   }
 }
 
-const CutCells::Shares& CutCells::whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c) const {
-  const std::array<Real, 3> place = from_box(corner_of(grid, k, r, c));
-  std::array<std::size_t, 3> end{};
-  for (std::size_t a = 0; a < 3; ++a) end[a] = place[a] == 0 ? 0 : place[a] == grid.count(a) - 1 ? 2 : 1;
-  return whole_shares_[number_of(end[0], end[1], end[2])];
+const CutCells::Shares* CutCells::whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r) const {
+  const std::array<Real, 3> place = from_box(corner_of(grid, k, r, 0));
+  return &whole_shares_[number_of(which_of(place[0], grid.count(0)), which_of(place[1], grid.count(1)), 0)];
 }
 
 // How far a solid that closes the lower face of a cell rises above it, or one that closes the upper face hangs below
@@ -134,7 +132,7 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
   }
   if (!any) return;
   Shares& shares = shares_[at];
-  if (!cells[at].has_shares) shares = whole_shares(grid, k, r, c);
+  if (!cells[at].has_shares) shares = whole_shares(grid, k, r)[which_of(c, grid.count(2))];
   cells[at].has_shares = true;
   constexpr std::array<std::size_t, 3> weight{9, 3, 1};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -151,6 +149,9 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
 void CutCells::measure_capacity(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                                 std::vector<Cell>& cells) const {
   constexpr Real beyond_face = 1.0 / 6;
+  const auto off_middle = [](std::size_t side, float middle) {
+    return side == 0 ? -beyond_face - 0.5 : side == 2 ? 1 + beyond_face - 0.5 : static_cast<Real>(middle) - 0.5;
+  };
   const LocalId columns = grid.columns();
   std::array<std::array<bool, 3>, 3> beyond{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -163,23 +164,24 @@ void CutCells::measure_capacity(const ProjectionGrid& grid, const std::array<Loc
   for (std::size_t i = 0; i < 3; ++i) {
     const LocalId k = cell[0] + static_cast<LocalId>(i) - 1;
     for (std::size_t j = 0; j < 3; ++j) {
+      if (beyond[0][i] || beyond[1][j]) continue;
       const LocalId r = grid.row_beside(cell[1] + static_cast<LocalId>(j) - 1);
+      const std::size_t floor = grid.index(k, r, 0);
+      const Shares* const whole = whole_shares(grid, k, r);
       for (std::size_t l = 0; l < 3; ++l) {
-        if (beyond[0][i] || beyond[1][j] || beyond[2][l]) continue;
+        if (beyond[2][l]) continue;
         LocalId c = cell[2] + static_cast<LocalId>(l) - 1;
         if (grid.repeats()[2]) c = (c + columns) % columns;
-        const std::size_t at = grid.index(k, r, c);
+        const std::size_t at = floor + static_cast<std::size_t>(c);
         const bool above_columns = c >= columns;
         if (!above_columns && cells[at].open == 0) continue;
         const bool own = !above_columns && cells[at].has_shares;
-        const Real share = (own ? shares_[at] : whole_shares(grid, k, r, c))[number_of(2 - i, 2 - j, 2 - l)];
+        const Shares& shares = own ? shares_[at] : whole[which_of(c, grid.count(2))];
+        const Real share = shares[number_of(2 - i, 2 - j, 2 - l)];
         sum += share;
-        const std::array<std::size_t, 2> side{i, j};
-        for (std::size_t a = 0; a < 2; ++a) {
-          const Real middle = above_columns ? 0.5 : static_cast<Real>(cells[at].middle[2][a]);
-          const Real place = side[a] == 0 ? -beyond_face : side[a] == 2 ? 1 + beyond_face : middle;
-          moment[a] += share * (place - 0.5);
-        }
+        const std::array<float, 2> middle = above_columns ? std::array{0.5F, 0.5F} : cells[at].middle[2];
+        moment[0] += share * off_middle(i, middle[0]);
+        moment[1] += share * off_middle(j, middle[1]);
       }
     }
   }
@@ -191,10 +193,10 @@ void CutCells::measure_capacity(const ProjectionGrid& grid, const std::array<Loc
 void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
                                   std::vector<Cell>& cells) {
   find_whole_shares(grid);
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
+  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) confine_shares(grid, k, r, c, cells);
   });
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
+  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
     if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);

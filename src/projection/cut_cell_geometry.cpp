@@ -45,13 +45,13 @@ bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodi
   return !meets_sheet(low, high, bodies);
 }
 
-// The part of the sample (i, j) of a square in which the distance, in samples, is positive, linear about its middle.
-SquarePart CutCells::open_part(const SquareOfDistances& distance, int i, int j) const {
-  const auto at = [&](int k, int l) { return distance[static_cast<std::size_t>(k * samples + l)]; };
-  const int left = std::max(i - 1, 0), right = std::min(i + 1, samples - 1);
-  const int low = std::max(j - 1, 0), high = std::min(j + 1, samples - 1);
-  return clipped_square(at(i, j),
-                        {(at(right, j) - at(left, j)) / (right - left), (at(i, high) - at(i, low)) / (high - low)});
+// Of distances at samples that lie `stride` apart in their order, between those on either side, or from one of them.
+template <std::size_t stride>
+void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope) {
+  for (std::size_t n = 0; n < distance.size(); ++n) {
+    const std::size_t k = n / stride % samples, low = k == 0 ? n : n - stride, high = k == samples - 1 ? n : n + stride;
+    slope[n] = (distance[high] - distance[low]) * (high - low == stride ? 1 : 0.5);
+  }
 }
 
 // In samples, at those of squares across direction a of a cell, `along` cells from its corner, one after the other.
@@ -72,12 +72,19 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   std::fill(distance.begin(), distance.end(), INFINITY);
   for (const std::size_t body : bodies) {
     const Pose& pose = obstacles_.body(body).now();
+    // What each coordinate in the world adds to those of the body: Pose::into_body(), in its order.
+    std::array<std::array<Vec3, samples>, 3> part;
+    for (std::size_t b = 0; b < 3; ++b) {
+      for (std::size_t k = 0; k < samples; ++k)
+        part[b][k] = pose.turn.row(axis_[b]).transpose() * (coordinate[b][k] - pose.center[axis_[b]]);
+    }
+    std::array<const Vec3*, 3> of_axis{};
+    const auto take = [&](std::size_t b, std::size_t k) { of_axis[static_cast<std::size_t>(axis_[b])] = &part[b][k]; };
     for (std::size_t n = 0; n < count; ++n) {
-      Vec3 p;
-      p[axis_[a]] = coordinate[a][n / (samples * samples)];
-      p[axis_[u]] = coordinate[u][n / samples % samples];
-      p[axis_[v]] = coordinate[v][n % samples];
-      there[n] = pose.into_body(p);
+      if (n % (samples * samples) == 0) take(a, n / (samples * samples));
+      if (n % samples == 0) take(u, n / samples % samples);
+      take(v, n % samples);
+      there[n] = (*of_axis[0] + *of_axis[1]) + *of_axis[2];
     }
     obstacles_.body(body).rough_distances({there.data(), count}, own);
     for (std::size_t n = 0; n < count; ++n) distance[n] = std::min(distance[n], own[n]);
@@ -113,13 +120,16 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
     cell.face[a] = far > 0 ? 1 : 0;
     return;
   }
-  SquareOfDistances distance;
+  SquareOfDistances distance, slope_u, slope_v;
   find_distances(corner, a, std::array<Real, 1>{0}, bodies, distance);
+  find_slopes<samples>(distance, slope_u);
+  find_slopes<1>(distance, slope_v);
   Real sum = 0;
   std::array<Real, 2> moment{};
   for (int i = 0; i < samples; ++i) {
     for (int j = 0; j < samples; ++j) {
-      const SquarePart part = open_part(distance, i, j);
+      const auto n = static_cast<std::size_t>(i * samples + j);
+      const SquarePart part = clipped_square(distance[n], {slope_u[n], slope_v[n]});
       Vec3 on_face = corner;
       on_face[u] += sample(i);
       on_face[v] += sample(j);
@@ -152,40 +162,38 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
   CubeOfDistances distance;
   find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, candidates.of_cell,
                  distance);
+  // Planes of samples across direction 2, then samples along 0 and 1.
+  std::array<CubeOfDistances, 3> slope;
+  find_slopes<samples * samples>(distance, slope[0]);
+  find_slopes<samples>(distance, slope[1]);
+  find_slopes<1>(distance, slope[2]);
   const std::array<Real, 3> place = from_box(corner);
-  std::array<std::array<SharesAlong, samples>, 2> of_samples;
-  for (std::size_t a = 0; a < 2; ++a)
+  std::array<std::array<SharesAlong, samples>, 3> of_samples;
+  for (std::size_t a = 0; a < 3; ++a)
     for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
   std::array<std::array<SharesAlong, samples>, samples> of_lines{};  // of what is open of those above each other
   Real sum = 0, solid = 0, whole = 0;
   std::array<Real, 3> moment{};
-  for (int i = 0; i < samples * samples * samples; ++i) {
-    // Planes of samples across direction 2, then samples along 0 and 1.
-    const std::array<int, 3> here{i / samples / samples, i / samples % samples, i % samples};
-    const auto at = [&](const std::array<int, 3>& p) {
-      return distance[static_cast<std::size_t>((p[0] * samples + p[1]) * samples + p[2])];
-    };
-    std::array<Real, 3> slope{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      std::array<int, 3> low = here, high = here;
-      low[a] = std::max(low[a] - 1, 0);
-      high[a] = std::min(high[a] + 1, samples - 1);
-      slope[a] = (at(high) - at(low)) / (high[a] - low[a]);
-    }
-    const Real open = clipped_cube(at(here), slope), closed = 1 - open;
+  for (std::size_t n = 0; n < distance.size(); ++n) {
+    const std::array<std::size_t, 3> here{n / samples / samples, n / samples % samples, n % samples};
+    const std::array<Real, 3> rise{slope[0][n], slope[1][n], slope[2][n]};
+    const Real open = clipped_cube(distance[n], rise), closed = 1 - open;
     sum += open;
     if (open > 0) {
-      const SharesAlong w = shares_along(2, off_solid(sample(here[0]), at(here), slope[0]), place[2]);
-      SharesAlong& line = of_lines[static_cast<std::size_t>(here[1])][static_cast<std::size_t>(here[2])];
-      for (std::size_t n = 0; n < 3; ++n) line[n] += open * w[n];
+      const Real middle = sample(static_cast<int>(here[0])), height = off_solid(middle, distance[n], rise[0]);
+      const SharesAlong w = height == middle ? of_samples[2][here[0]] : shares_along(2, height, place[2]);
+      SharesAlong& line = of_lines[here[1]][here[2]];
+      for (std::size_t m = 0; m < 3; ++m) line[m] += open * w[m];
     }
-    const Real steep = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
-    const bool at_edge = steep < flat && std::abs(at(here)) < 1;
-    solid += at_edge ? solid_part(corner + Vec3(here[1], here[2], here[0]) / samples, candidates.of_cell) : closed;
+    const bool at_edge = rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(distance[n]) < 1;
+    const Vec3 of_sample =
+        corner + Vec3(static_cast<Real>(here[1]), static_cast<Real>(here[2]), static_cast<Real>(here[0])) / samples;
+    solid += at_edge ? solid_part(of_sample, candidates.of_cell) : closed;
     if (closed == 0) continue;
     whole += closed;
-    const std::array<Real, 3> off = middle_below(closed, slope);
-    for (std::size_t a = 0; a < 3; ++a) moment[(a + 2) % 3] += closed * (sample(here[a]) + off[a] / samples);
+    const std::array<Real, 3> off = middle_below(closed, rise);
+    for (std::size_t a = 0; a < 3; ++a)
+      moment[(a + 2) % 3] += closed * (sample(static_cast<int>(here[a])) + off[a] / samples);
   }
   for (std::size_t a = 0; a < 3 && whole > 0; ++a) cell.solid_middle[a] = static_cast<float>(moment[a] / whole);
   cell.solid = static_cast<float>(solid / (samples * samples * samples));
@@ -194,7 +202,8 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
     std::array<Real, 9> of_plane{};
     for (std::size_t j = 0; j < samples; ++j)
       for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[i][j][n % 3];
-    for (std::size_t n = 0; n < shared.size(); ++n) shared[n] += of_samples[0][i][n / 9] * of_plane[n % 9];
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t n = 0; n < 9; ++n) shared[9 * k + n] += of_samples[0][i][k] * of_plane[n];
   }
   constexpr int all = samples * samples * samples;
   for (std::size_t n = 0; n < shared.size(); ++n) candidates.shares[n] = static_cast<float>(shared[n] / all);

@@ -62,8 +62,7 @@ CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) cons
   Nearest nearest{INFINITY, 0};
   const Vec3 inside = in_box(p);
   for (const std::size_t k : bodies) {
-    const Body& body = obstacles_.body(k);
-    const Real d = body.rough_distance(body.now().into_body(inside));
+    const Real d = distance_to(obstacles_.body(k), inside);
     if (d < nearest.distance) nearest = {d, k};
   }
   return nearest;
@@ -78,7 +77,7 @@ void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& k
   distance.clear();
   for (const std::size_t k : all) {
     const Body& body = obstacles_.body(k);
-    distance.push_back(body.is_rough() ? -INFINITY : body.rough_distance(body.now().into_body(inside)));
+    distance.push_back(body.is_rough() ? -INFINITY : distance_to(body, inside));
     if (!body.is_rough()) nearest = std::min(nearest, distance.back());
   }
   const Real most = std::max(nearest, 0.0) + 2 * reach;
@@ -153,7 +152,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
     }
   });
   grid.repeat(cells);
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates&, Range columns) {
+  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {

@@ -170,6 +170,7 @@ class CutCells {
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
   Real in_box(Eigen::Index axis, Real place) const;
   Vec3 in_box(const Vec3& p) const;
+  Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.now().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
@@ -184,7 +185,10 @@ class CutCells {
   using CubeOfDistances = std::array<Real, samples * samples * samples>;
   void find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
                       std::span<Real> distance) const;
-  SquarePart open_part(const SquareOfDistances& distance, int i, int j) const;
+  template <std::size_t stride>
+  static void find_slopes(std::span<const Real> distance, std::span<Real> slope);
+  template <class Visit>
+  void for_each_range_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
   template <class Visit>
   void for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
@@ -213,7 +217,9 @@ class CutCells {
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
   Real off_solid(Real height, Real distance, Real slope) const;
   void find_whole_shares(const ProjectionGrid& grid);
-  const Shares& whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c) const;
+  // Of the first, of others and of the last cell of a row.
+  const Shares* whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r) const;
+  static std::size_t which_of(Real place, LocalId count) { return place == 0 ? 0 : place == count - 1 ? 2 : 1; }
   // Of a corner counted from that of the first own cell, in cells from that of the box.
   std::array<Real, 3> from_box(const Vec3& corner) const {
     return {corner[0] + (first_ - 1), corner[1] + first_row_, corner[2]};
@@ -270,9 +276,9 @@ class CutCells {
   std::vector<Range> cut_columns_;    // of planes and rows with those beside them
 };
 
-// visit(k, r, candidates, columns) for the ranges of each row, ghosts included.
+// visit(k, r, columns) for the ranges of each row, ghosts included.
 template <class Visit>
-void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
+void CutCells::for_each_range_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
   const CellRows rows = grid.rows_and_ghosts_of({0, grid.planes() + 2});
   for_each_part((grid.planes() + 2) * rows.rows, [&](LocalId row) {
     const LocalId k = row / rows.rows, r = rows.first_row + row % rows.rows;
@@ -282,12 +288,20 @@ void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Z
     find_ranges(
         {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
         zones, own.ranges);
-    for (const Range& columns : own.ranges) {
-      const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
-      const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));
-      keep_near(place(middle), reach, all_bodies_, own.of_row, own.distance);
-      visit(k, r, own, columns);
-    }
+    for (const Range& columns : own.ranges) visit(k, r, columns);
+  });
+}
+
+// The same with the solids that matter to a range: visit(k, r, candidates, columns).
+template <class Visit>
+void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
+  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+    Candidates& own = candidates_.mine();
+    const Vec3 first = corner_of(grid, k, r, 0);
+    const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
+    const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));
+    keep_near(place(middle), reach, all_bodies_, own.of_row, own.distance);
+    visit(k, r, own, columns);
   });
 }
 

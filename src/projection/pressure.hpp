@@ -38,7 +38,7 @@ class Pressure {
   void solve(const FreeSurface& surface, Halo& halo, const Step& step);
   /// solve() in parts: the equation and its first cycles; more cycles; and what of the pressure is left.
   void begin(const FreeSurface& surface, Halo& halo, const Step& step);
-  void improve(Halo& halo, int more) { multigrid_.solve(halo, more); }
+  void improve(Halo& halo, int more) { multigrid_.improve(halo, more); }
   void finish(const FreeSurface& surface, Halo& halo);
   /// Gives back the memory of the pressure.
   void give_back() { multigrid_.give_back(); }

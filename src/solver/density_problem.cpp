@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/hash.hpp"
-#include "boundary/obstacles/open_pieces.hpp"
 #include "domain/plane_sums.hpp"
 #include "fluid/pairs/for_each_sum.hpp"
 #include "fluid/pairs/particle_loops.hpp"
@@ -186,17 +185,14 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
 template <class T>
 void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
   for_each_part(part, moved_at_once, [&](Range few) {
-    const auto open_to = [&](Range some) {
-      return boundary_.open_box(
-          {&particles_->predicted[static_cast<std::size_t>(some.begin)], static_cast<std::size_t>(some.size())},
-          Extent::shift);
-    };
-    for_each_open_piece(few, open_to, [&](const Box& open, Range some) { move_in(open, some, relaxation); });
+    const std::span<const Vec3> p(&particles_->predicted[static_cast<std::size_t>(few.begin)],
+                                  static_cast<std::size_t>(few.size()));
+    move_in(boundary_.open_space(p, Extent::shift), few, relaxation);
   });
 }
 
 template <class T>
-void DensityProblem<T>::move_in(const Box& open, Range few, Real relaxation) {
+void DensityProblem<T>::move_in(const OpenSpace& open, Range few, Real relaxation) {
   const std::span<const Vec4<T>> shifts = field_.shifts();
   const auto first = static_cast<std::size_t>(few.begin);
   const std::span<Vec3> p(&particles_->predicted[first], static_cast<std::size_t>(few.size()));

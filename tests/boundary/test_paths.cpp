@@ -201,14 +201,14 @@ TEST(Paths, WhatIsOverGivesACoupleNoOtherMoment) {
   EXPECT_LT((found.moment - 2 * up.cross(push)).norm(), 1e-3 * found.moment.norm());
 }
 
-// In an open box nobody has a share of an obstacle, or meets one.
+// In the open nobody has a share of an obstacle, or meets one.
 TEST(Paths, NothingIsMetInTheOpen) {
   const Tank tank({cylinder(0.4, 0.8)});
   std::mt19937 generator(9);
   for (int ways = 0; ways < 2000;) {
     const std::array<Vec3, 2> p{random_point(generator, 2.9), random_point(generator, 2.9)};
-    const Box open = tank.obstacles->open_box(p, Extent::density);
-    if (!open.contains(p[0]) || !open.contains(p[1])) continue;
+    const OpenSpace open = tank.obstacles->open_space(p, Extent::density);
+    if (!open.contains(p[0], p[1])) continue;
     EXPECT_FALSE(tank.obstacles->is_near(p[0]));
     EXPECT_EQ(tank.obstacles->collide(p[0], p[1] - p[0]), p[0] + (p[1] - p[0]));
     ++ways;

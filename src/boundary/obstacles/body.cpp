@@ -35,6 +35,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       radius_(radius_of(surface_)),
       wall_extension_(extension * rules.h),
       inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_},
+      across_((rules.open.max - rules.open.min).norm()),
       shares_(like != nullptr) {
   move(0, 0);
   if (like != nullptr) {
@@ -57,41 +58,22 @@ Box Body::box_at(const Pose& pose, Real margin) const {
 void Body::place(const Pose& before, const Pose& now) {
   before_ = before;
   now_ = now;
-  const Box near = box_at(now_, density_reach * h_), was = box_at(before_, density_reach * h_);
-  set_bounds(Extent::density, near);
-  set_bounds(Extent::shift, box_at(now_, 2 * wall_extension_));
-  set_bounds(Extent::path, {near.min.cwiseMin(was.min), near.max.cwiseMax(was.max)});
   turned_ = (now_.turn - before_.turn).norm();
+  const auto on_way = [&](Real margin) {
+    const Box near = box_at(now_, margin), was = box_at(before_, margin);
+    return Box{near.min.cwiseMin(was.min), near.max.cwiseMax(was.max)};
+  };
+  bounds_of(Extent::density) = box_at(now_, density_reach * h_);
+  bounds_of(Extent::shift) = box_at(now_, 2 * wall_extension_);
+  bounds_of(Extent::path) = on_way(density_reach * h_);
+  // A plane between it and both ends of a path is turned by no more than this over the length of the path.
+  way_ = on_way(std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_));
   went_ = (now_.center - before_.center).norm();
-}
-
-void Body::set_bounds(Extent extent, const Box& box) {
-  Bounds& bounds = bounds_[static_cast<std::size_t>(extent)];
-  bounds.box = box;
-  for (Eigen::Index a = 0; a < 3; ++a) {
-    bounds.beside.min[a] = std::nextafter(box.min[a], -INFINITY);
-    bounds.beside.max[a] = std::nextafter(box.max[a], INFINITY);
-  }
 }
 
 void Body::rough_distances(std::span<const Vec3> p, std::span<Real> found) const {
   if (!rough_) return shape_->distances(p, found);
   for (std::size_t k = 0; k < p.size(); ++k) found[k] = rough_->at(p[k]).distance;
-}
-
-bool Body::leave_open(Extent extent, const Box& water, Box& open) const {
-  if (extent == Extent::path && turned_ != 0 && !floats_) return false;  // it goes by the length of a path
-  const auto& [box, beside] = bounds_of(extent);
-  const Vec3 up = box.min - water.max, down = water.min - box.max;
-  Eigen::Index above = 0, below = 0;
-  const Real gap_above = up.maxCoeff(&above), gap_below = down.maxCoeff(&below);
-  if (vessel_ || !(std::max(gap_above, gap_below) > 0)) return false;
-  if (gap_above > gap_below) {
-    open.max[above] = std::min(open.max[above], beside.min[above]);
-  } else {
-    open.min[below] = std::max(open.min[below], beside.max[below]);
-  }
-  return true;
 }
 
 bool Body::may_meet(const Vec3& from, const Vec3& to) const {

@@ -71,7 +71,7 @@ class Body {
   Real restitution() const { return restitution_; }
 
   /// Whether p may have a contribution to its density or a collision within reach, by the bounds alone.
-  bool may_reach(const Vec3& p) const { return vessel_ || bounds_of(Extent::density).box.contains(p); }
+  bool may_reach(const Vec3& p) const { return vessel_ || bounds_of(Extent::density).contains(p); }
   /// Whether p, in its frame, is so far from the surface that the density has nothing of it, as far as that is quickly
   /// told.
   bool is_out_of_reach(const Vec3& p) const {
@@ -80,7 +80,7 @@ class Body {
   }
   /// Whether a straight path in the world, the obstacle where it is now, stays on one side of its surface.
   bool is_passed_by(const Vec3& from, const Vec3& to) const {
-    const Box& surface = bounds_of(Extent::shift).box;
+    const Box& surface = bounds_of(Extent::shift);
     const auto low = from.cwiseMax(to).array() < surface.min.array();
     const auto high = from.cwiseMin(to).array() > surface.max.array();
     return !vessel_ && (low.any() || high.any());
@@ -93,11 +93,14 @@ class Body {
   }
   /// What holds all that it may reach in the substep; has_bounds(): that a path of up to `length` along each axis
   /// outside of it cannot meet the surface.
-  const Box& reach() const { return bounds_of(Extent::path).box; }
+  const Box& reach() const { return bounds_of(Extent::path); }
   bool has_bounds(Real length) const { return !vessel_ && turns_little(1.75 * length); }
-  /// Takes from `open` what it may reach, and all beyond, where `water` is on one side of that; else false. A path
-  /// that begins and ends in what is left meets nothing.
-  bool leave_open(Extent extent, const Box& water, Box& open) const;
+  /// The box outside of which no place in the box of the walls, and no path there, has to do with it; null where there
+  /// is none. Paths of what turns by itself are a question of their lengths.
+  const Box* bounds(Extent extent) const {
+    const bool by_length = extent == Extent::path && turned_ != 0 && !floats_;
+    return vessel_ || by_length ? nullptr : extent == Extent::path ? &way_ : &bounds_of(extent);
+  }
   bool is_near(const Vec3& p) const {
     if (!may_reach(p)) return false;
     const Vec3 there = now_.into_body(p);
@@ -163,17 +166,16 @@ class Body {
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
+  Real across_;          // the diagonal of the box, m
   Pose before_, now_;
   Real offset_before_ = 0, offset_now_ = 0;  // of a paddle that absorbs, m
   Real turned_ = 0, went_ = 0;               // in the substep, by more than the angle, and of the centre, m
-  struct Bounds {
-    Box box, beside;  // beside: the first places that are not in the box
-  };
-  const Bounds& bounds_of(Extent extent) const { return bounds_[static_cast<std::size_t>(extent)]; }
-  void set_bounds(Extent extent, const Box& box);
+  const Box& bounds_of(Extent extent) const { return bounds_[static_cast<std::size_t>(extent)]; }
+  Box& bounds_of(Extent extent) { return bounds_[static_cast<std::size_t>(extent)]; }
   Box box_at(const Pose& pose, Real margin) const;
-  std::array<Bounds, 3> bounds_;  // by extent
-  bool shares_;                   // what follows, and the shape
+  std::array<Box, 3> bounds_;  // by extent
+  Box way_;                    // of its surface in the substep, with as much around it as a turn bends a path
+  bool shares_;                // what follows, and the shape
   std::shared_ptr<const VolumeMap> map_;
   std::shared_ptr<const DistanceGrid> rough_;  // of a mesh
 };

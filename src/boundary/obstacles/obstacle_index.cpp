@@ -53,18 +53,15 @@ ObstacleIndex::Block ObstacleIndex::block_of(const Box& box) const {
   return block;
 }
 
-bool ObstacleIndex::counts_few(const Box& box) const {
+ObstacleIndex::Bits ObstacleIndex::in(const Box& box) const {
   constexpr std::size_t few = 512;
   const Block block = block_of(box);
   std::size_t cells = 1;
   for (std::size_t a = 0; a < 3; ++a) cells *= block.high[a] - block.low[a] + 1;
-  return cells <= few;
-}
-
-ObstacleIndex::Bits ObstacleIndex::in(const Box& box) const {
-  Bits all = everywhere_;
-  for_each_cell(block_of(box), [&](std::size_t cell) { all |= cells_[cell]; });
-  return all;
+  if (cells > few) return all();
+  Bits found = everywhere_;
+  for_each_cell(block, [&](std::size_t cell) { found |= cells_[cell]; });
+  return found;
 }
 
 void ObstacleIndex::update() {

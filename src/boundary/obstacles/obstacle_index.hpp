@@ -25,9 +25,8 @@ class ObstacleIndex {
   /// Of the obstacles that reach p, or that a path from p of at most longest_path() along each axis may come near to.
   Bits at(const Vec3& p) const { return cells_[cell_of(p)] | everywhere_; }
   Real longest_path() const { return edge_; }
-  /// Of those that come nearer to a box than that; quick where it counts few cells.
+  /// Of those that come nearer to a box than that; of all where it counts many cells.
   Bits in(const Box& box) const;
-  bool counts_few(const Box& box) const;
   static bool is_path_short(const Vec3& from, const Vec3& to, Real longest) {
     return ((to - from).array().abs() <= longest).all();
   }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "boundary/obstacles/open_pieces.hpp"
 #include "kernels/kernels.hpp"
 
 namespace trevi {
@@ -72,22 +71,28 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
-// Where they are is told by a few of them. Few bodies are all asked: what they leave open reaches further than a path.
-Box Obstacles::open_box(std::span<const Vec3> p, Extent extent) const {
-  constexpr std::size_t parts = 4, few_bodies = 4;
-  Box water{p.back(), p.back()}, open = walls_.box();
-  for (std::size_t k = 0; k < p.size(); k += p.size() / parts + 1) {
-    water.min = water.min.cwiseMin(p[k]);
-    water.max = water.max.cwiseMax(p[k]);
-  }
+// Where they are is told by some of them, of about each cell one, and of many bodies only those are asked that come
+// near to that.
+OpenSpace Obstacles::open_space(std::span<const Vec3> p, Extent extent) const {
+  constexpr std::size_t each = 8, few_bodies = 4;
+  OpenSpace space(walls_.box());
   ObstacleIndex::Bits bits = index_->all();
-  if (bodies_.size() > few_bodies && index_->counts_few(water)) {  // and nobody else comes as near as that
+  if (bodies_.size() > few_bodies) {
+    Box water{p.back(), p.back()};
+    for (std::size_t k = 0; k < p.size(); k += each) {
+      water.min = water.min.cwiseMin(p[k]);
+      water.max = water.max.cwiseMax(p[k]);
+    }
+    const Vec3 path = Vec3::Constant(index_->longest_path());
+    space.confine({water.min - path, water.max + path});
     bits = index_->in(water);
-    open.min = open.min.cwiseMax(water.min - Vec3::Constant(index_->longest_path()));
-    open.max = open.max.cwiseMin(water.max + Vec3::Constant(index_->longest_path()));
   }
-  const bool beside = !index_->any(bits, [&](std::size_t k) { return !bodies_[k]->leave_open(extent, water, open); });
-  return beside ? open : Box{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  const bool is_closed = index_->any(bits, [&](std::size_t k) {
+    const Box* const body = bodies_[k]->bounds(extent);
+    if (body != nullptr) space.close(*body);
+    return body == nullptr;
+  });
+  return is_closed ? OpenSpace() : space;
 }
 
 namespace {
@@ -210,18 +215,17 @@ void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const V
   sounding_ = true;
   for (int round = 0; round < 2; ++round) {
     for_each_part({0, static_cast<LocalId>(p.size())}, at_once, [&](Range part) {
-      const auto open_to = [&](Range some) {
-        return open_box(p.subspan(static_cast<std::size_t>(some.begin), static_cast<std::size_t>(some.size())),
-                        Extent::path);
-      };
-      for_each_open_piece(part, open_to, [&](const Box& open, Range some) {
-        for (auto i = static_cast<std::size_t>(some.begin); i < static_cast<std::size_t>(some.end); ++i) {
-          const Vec3 straight = p[i] + v[i] * dt;
-          if (open.contains(p[i]) && open.contains(straight)) continue;
-          Vec3 start = p[i];
-          if (is_near_floating(start, straight)) predict_among(start, v[i], dt);
-        }
-      });
+      const auto begin = static_cast<std::size_t>(part.begin), end = static_cast<std::size_t>(part.end);
+      const OpenSpace open = open_space(p.subspan(begin, end - begin), Extent::path);
+      std::array<Vec3, at_once> straight;
+      std::array<LocalId, at_once> left;
+      const Straight way{p.subspan(begin, end - begin), v.subspan(begin, end - begin), dt};
+      const std::size_t count = go_straight(open, way, straight.data(), left.data());
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto one = static_cast<std::size_t>(left[k]);
+        Vec3 start = way.p[one];
+        if (is_near_floating(start, straight[one])) predict(start, way.v[one], dt);
+      }
     });
     if (!floating_->settle(comm)) break;
   }

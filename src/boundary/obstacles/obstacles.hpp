@@ -13,6 +13,7 @@
 #include "boundary/impulse_ledger.hpp"
 #include "boundary/obstacles/body.hpp"
 #include "boundary/obstacles/obstacle_index.hpp"
+#include "boundary/obstacles/open_space.hpp"
 #include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "boundary/wall_density.hpp"
 #include "boundary/walls.hpp"
@@ -38,9 +39,8 @@ class Obstacles {
   void give_to_bodies(MPI_Comm comm);
   void finish_bodies(MPI_Comm comm);
 
-  /// The part of the box where most of these particles are and that no obstacle reaches into; empty where there is
-  /// none.
-  Box open_box(std::span<const Vec3> p, Extent extent) const;
+  /// What no obstacle reaches into around these particles.
+  OpenSpace open_space(std::span<const Vec3> p, Extent extent) const;
   /// As many as it is well asked for.
   static constexpr LocalId at_once = 64;
   /// Whether p is so near to an obstacle that it may contribute to its density.
@@ -89,10 +89,7 @@ class Obstacles {
   /// Motion with a velocity from the obstacles' places before to those now, with bounces at walls and obstacles. One
   /// that begins in an obstacle, which has pressed it against a wall, begins at its surface: p is that place then, as
   /// the way out of a solid is no motion.
-  Vec3 predict(Vec3& p, const Vec3& v, Real dt) {
-    const Vec3 straight = p + v * dt;
-    return walls_.inside(straight) && is_out_of_way(p, straight) ? straight : predict_among(p, v, dt);
-  }
+  Vec3 predict(Vec3& p, const Vec3& v, Real dt);
   /// Shift by the density solve, at the obstacles' places now: along what it meets.
   Vec3 collide(const Vec3& p, const Vec3& shift);
 
@@ -146,10 +143,6 @@ class Obstacles {
   ObstacleIndex::Bits along(const Vec3& from, const Vec3& to) const {
     return ObstacleIndex::is_path_short(from, to, index_->longest_path()) ? index_->at(from) : index_->all();
   }
-  bool is_out_of_way(const Vec3& from, const Vec3& to) const {
-    return !index_->any(along(from, to), [&](std::size_t k) { return !bodies_[k]->is_out_of_way(from, to); });
-  }
-  Vec3 predict_among(Vec3& p, const Vec3& v, Real dt);
   Vec3 among(Vec3& p, const Vec3& v, Real dt);
 
   std::vector<std::unique_ptr<Body>> bodies_;

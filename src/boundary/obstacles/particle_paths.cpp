@@ -107,7 +107,7 @@ struct Obstacles::Leg {
 };
 
 // Where only the ends of a leg are known in the world, the walls are met on the straight line between them.
-Vec3 Obstacles::predict_among(Vec3& p, const Vec3& v, Real dt) {
+Vec3 Obstacles::predict(Vec3& p, const Vec3& v, Real dt) {
   const Vec3 straight = p + v * dt;
   if (!straight.allFinite()) return straight;  // the guard of the run reports it
   const bool bounces = !walls_.inside(straight);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "boundary/obstacles/open_pieces.hpp"
 #include "fluid/pairs/for_each_sum.hpp"
 #include "fluid/pairs/particle_loops.hpp"
 
@@ -39,8 +38,6 @@ std::span<const Vec3> part_of(std::span<const Vec3> field, Range range) {
   return field.subspan(static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.size()));
 }
 
-Box common(const Box& a, const Box& b) { return {a.min.cwiseMax(b.min), a.max.cwiseMin(b.max)}; }
-
 }  // namespace
 
 // visit(i, wall, what obstacles contribute) for the particles of the range, at most sums_chunk, that are near a wall,
@@ -52,23 +49,23 @@ void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3>
   const Box& interior = walls_->interior();
   std::array<LocalId, sums_chunk> near;
   if (!obstacles_) {
-    const std::size_t count = find_outside(interior, part_of(p, range), near.data());
+    const std::size_t count = find_outside(OpenSpace(interior), part_of(p, range), near.data());
     for (std::size_t k = 0; k < count; ++k) visit(static_cast<std::size_t>(range.begin + near[k]), Wall::box, {});
     return;
   }
-  const auto open_to = [&](Range some) { return obstacles_->open_box(part_of(p, some), Extent::density); };
-  for_each_open_piece(range, open_to, [&](const Box& open, Range some) {
-    const std::size_t count = find_outside(common(open, interior), part_of(p, some), near.data());
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = static_cast<std::size_t>(some.begin + near[k]);
-      const std::optional<BoundaryDensity> all = open.contains(p[i]) ? std::nullopt : obstacles_->near_density(p[i]);
-      if (all) {
-        visit(i, Wall::obstacle, *all);
-      } else if (!interior.contains(p[i])) {
-        visit(i, Wall::box, {});
-      }
+  const OpenSpace open = obstacles_->open_space(part_of(p, range), Extent::density);
+  OpenSpace open_inside = open;
+  open_inside.confine(interior);
+  const std::size_t count = find_outside(open_inside, part_of(p, range), near.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = static_cast<std::size_t>(range.begin + near[k]);
+    const std::optional<BoundaryDensity> all = open.contains(p[i]) ? std::nullopt : obstacles_->near_density(p[i]);
+    if (all) {
+      visit(i, Wall::obstacle, *all);
+    } else if (!interior.contains(p[i])) {
+      visit(i, Wall::box, {});
     }
-  });
+  }
 }
 
 namespace {

@@ -7,17 +7,15 @@
 // Highway wants its own headers after foreach_target.
 #include <hwy/highway.h>
 
-#include <bit>
 #include <cstdint>
+
+#include "boundary/obstacles/open_space-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Vectors of doubles, and what has as many lanes.
-using Wide = hn::ScalableTag<double>;
+// What has as many lanes as vectors of doubles.
 template <class T>
 using As = hn::Rebind<T, Wide>;
 
@@ -28,35 +26,6 @@ HWY_INLINE auto widened(hn::Vec<As<T>> v) {
   } else {
     return hn::PromoteTo(Wide(), v);
   }
-}
-
-struct WideVec3 {  // always made with its values: the default constructor would not be of this instruction set
-  hn::Vec<Wide> x, y, z;
-};
-
-HWY_INLINE WideVec3 load(const Vec3* p) {
-  hn::Vec<Wide> x, y, z;
-  hn::LoadInterleaved3(Wide(), p->data(), x, y, z);
-  return {x, y, z};
-}
-
-HWY_INLINE auto is_outside(const Box& box, const WideVec3& p) {
-  const Wide d;
-  const auto beyond = [d](hn::Vec<Wide> v, Real low, Real high) {
-    return hn::Or(hn::Lt(v, hn::Set(d, low)), hn::Gt(v, hn::Set(d, high)));
-  };
-  return hn::Or(hn::Or(beyond(p.x, box.min.x(), box.max.x()), beyond(p.y, box.min.y(), box.max.y())),
-                beyond(p.z, box.min.z(), box.max.z()));
-}
-
-// Whether a NaN is among them: it is not inside of any box, nor outside.
-HWY_INLINE bool all_inside(const Box& box, const WideVec3& p) {
-  const Wide d;
-  const auto within = [d](hn::Vec<Wide> v, Real low, Real high) {
-    return hn::And(hn::Ge(v, hn::Set(d, low)), hn::Le(v, hn::Set(d, high)));
-  };
-  return hn::AllTrue(d, hn::And(hn::And(within(p.x, box.min.x(), box.max.x()), within(p.y, box.min.y(), box.max.y())),
-                                within(p.z, box.min.z(), box.max.z())));
 }
 
 // The multipliers of as many particles as a vector has lanes, at k.
@@ -96,23 +65,6 @@ void find_multipliers_of(const MultiplierLaw& law, const DensitySums<T>& in, Rea
   std::copy_n(last_lambda.begin(), count - k, lambda + k);
 }
 
-std::size_t find_outside_of(const Box& box, std::span<const Vec3> p, LocalId* found) {
-  const Wide d;
-  const std::size_t lanes = hn::Lanes(d);
-  std::size_t count = 0, k = 0;
-  for (; k + lanes <= p.size(); k += lanes) {
-    std::array<std::uint8_t, 8> bytes{};
-    hn::StoreMaskBits(d, is_outside(box, load(&p[k])), bytes.data());
-    for (unsigned bits = bytes[0]; bits != 0; bits &= bits - 1)
-      found[count++] = static_cast<LocalId>(k) + std::countr_zero(bits);
-  }
-  for (; k < p.size(); ++k) {
-    if ((p[k].array() < box.min.array()).any() || (p[k].array() > box.max.array()).any())
-      found[count++] = static_cast<LocalId>(k);
-  }
-  return count;
-}
-
 // In integers as Encoding has it: the sum with 1.5 · 2^52 has the rounded number modulo 2^32 in its lower half.
 HWY_INLINE auto rounded(hn::Vec<Wide> u) {
   constexpr double shift = 6755399441055744.0;
@@ -137,7 +89,7 @@ HWY_INLINE void store_records(const Encoding<T>& encoding, const WideVec3& p, Pa
   }
 }
 
-// For most vectors all paths are inside of the box.
+// For most vectors all paths are in the open.
 template <class T>
 HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* p, Packed<T>* records) {
   const Wide d;
@@ -147,7 +99,10 @@ HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* 
   const WideVec3 from = load(p);
   const WideVec3 to = {hn::Add(from.x, hn::Mul(factor, widened<T>(x))), hn::Add(from.y, hn::Mul(factor, widened<T>(y))),
                        hn::Add(from.z, hn::Mul(factor, widened<T>(z)))};
-  if (!all_inside(shift.open, to) || (!shift.from_inside && !all_inside(shift.open, from))) return false;
+  const Box& box = shift.open.box();
+  if (!hn::AllTrue(d, is_inside(box, to)) || (!shift.from_inside && !hn::AllTrue(d, is_inside(box, from))))
+    return false;
+  if (!hn::AllFalse(d, is_closed(shift.open, from, to))) return false;
   hn::StoreInterleaved3(to.x, to.y, to.z, d, p->data());
   store_records(shift.encoding, to, records);
   return true;
@@ -188,7 +143,6 @@ namespace trevi {
 
 HWY_EXPORT(multipliers_single);
 HWY_EXPORT(multipliers_double);
-HWY_EXPORT(find_outside_of);
 HWY_EXPORT(move_single);
 HWY_EXPORT(move_double);
 
@@ -199,10 +153,6 @@ void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Re
 template <>
 void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda) {
   HWY_DYNAMIC_DISPATCH(multipliers_double)(law, in, rho, lambda);
-}
-
-std::size_t find_outside(const Box& box, std::span<const Vec3> p, LocalId* found) {
-  return HWY_DYNAMIC_DISPATCH(find_outside_of)(box, p, found);
 }
 
 template <>

@@ -6,7 +6,7 @@
 #include <array>
 #include <span>
 
-#include "boundary/walls.hpp"
+#include "boundary/obstacles/open_space.hpp"
 #include "particles/packed.hpp"
 
 namespace trevi {
@@ -33,15 +33,11 @@ void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Re
 template <>
 void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda);
 
-/// Writes which of the positions are outside of the box, in their order, and returns how many; `found` has room for
-/// all. A NaN is not outside.
-std::size_t find_outside(const Box& box, std::span<const Vec3> p, LocalId* found);
-
-/// p += factor · delta in a box where nothing is in the way, and the records of it, with a scalar of zero.
+/// p += factor · delta where nothing is in the way, and the records of it, with a scalar of zero.
 template <class T>
 struct Shift {
-  Box open;
-  bool from_inside;  ///< whether all particles are in the box
+  const OpenSpace& open;
+  bool from_inside;  ///< whether all particles are there
   const Encoding<T>& encoding;
   Real factor;
 };
@@ -50,7 +46,7 @@ struct Moved {
   std::span<Vec3> p;
   Packed<T>* records;
 };
-/// Those whose path leaves the box, and a few beside them, stay as they are: writes which, in their order, and returns
+/// Those whose path leaves the open, and a few beside them, stay as they are: writes which, in their order, and returns
 /// how many; `left` has room for all.
 template <class T>
 std::size_t move_particles(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left);

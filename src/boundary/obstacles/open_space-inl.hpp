@@ -1,0 +1,70 @@
+// Particles and their paths against boxes, as many at a time as a vector has doubles. Included once per instruction
+// set.
+#if defined(TREVI_BOUNDARY_OPEN_SPACE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREVI_BOUNDARY_OPEN_SPACE_INL
+#undef TREVI_BOUNDARY_OPEN_SPACE_INL
+#else
+#define TREVI_BOUNDARY_OPEN_SPACE_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include "boundary/obstacles/open_space.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace trevi {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Wide = hn::ScalableTag<double>;
+
+struct WideVec3 {  // always made with its values: the default constructor would not be of this instruction set
+  hn::Vec<Wide> x, y, z;
+};
+
+HWY_INLINE WideVec3 load(const Vec3* p) {
+  hn::Vec<Wide> x, y, z;
+  hn::LoadInterleaved3(Wide(), p->data(), x, y, z);
+  return {x, y, z};
+}
+
+HWY_INLINE auto is_outside(const Box& box, const WideVec3& p) {
+  const Wide d;
+  const auto beyond = [d](hn::Vec<Wide> v, Real low, Real high) {
+    return hn::Or(hn::Lt(v, hn::Set(d, low)), hn::Gt(v, hn::Set(d, high)));
+  };
+  return hn::Or(hn::Or(beyond(p.x, box.min.x(), box.max.x()), beyond(p.y, box.min.y(), box.max.y())),
+                beyond(p.z, box.min.z(), box.max.z()));
+}
+
+// A NaN is not inside of any box, nor outside.
+HWY_INLINE auto is_inside(const Box& box, const WideVec3& p) {
+  const Wide d;
+  const auto within = [d](hn::Vec<Wide> v, Real low, Real high) {
+    return hn::And(hn::Ge(v, hn::Set(d, low)), hn::Le(v, hn::Set(d, high)));
+  };
+  return hn::And(hn::And(within(p.x, box.min.x(), box.max.x()), within(p.y, box.min.y(), box.max.y())),
+                 within(p.z, box.min.z(), box.max.z()));
+}
+
+// Whether the box around a path comes into what is closed. Most of the water is below that.
+HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& from, const WideVec3& to) {
+  const Wide d;
+  const auto across = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real low, Real high) {
+    return hn::And(hn::Ge(hn::Max(a, b), hn::Set(d, low)), hn::Le(hn::Min(a, b), hn::Set(d, high)));
+  };
+  auto met = hn::MaskFromVec(hn::Zero(d));
+  for (const Box& box : open.closed()) {
+    const auto in_z = across(from.z, to.z, box.min.z(), box.max.z());
+    if (hn::AllFalse(d, in_z)) continue;
+    met = hn::Or(met, hn::And(in_z, hn::And(across(from.x, to.x, box.min.x(), box.max.x()),
+                                            across(from.y, to.y, box.min.y(), box.max.y()))));
+  }
+  return met;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trevi
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,72 @@
+// Where some particles have nothing to do with obstacles: a box around them less the boxes of the obstacles beside it.
+// Says too little rather than too much, so that whoever asks for the rest of the particles one by one finds what asking
+// for all would have found. Not collective, on this thread.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "trevi/box.hpp"
+
+namespace trevi {
+
+class OpenSpace {
+ public:
+  OpenSpace() = default;  ///< no place at all
+  explicit OpenSpace(const Box& box) : box_(box) {}
+
+  /// Takes away what is in `closed`. More of these than are kept apart are taken together.
+  void close(const Box& closed) {
+    if ((closed.max.array() < box_.min.array()).any() || (closed.min.array() > box_.max.array()).any()) return;
+    if (count_ < closed_.size()) {
+      closed_[count_++] = closed;
+      return;
+    }
+    Box& last = closed_.back();
+    last = {last.min.cwiseMin(closed.min), last.max.cwiseMax(closed.max)};
+  }
+  /// Takes away what is outside of a box.
+  void confine(const Box& box) { box_ = {box_.min.cwiseMax(box.min), box_.max.cwiseMin(box.max)}; }
+
+  /// Whether a straight path is in it, by the box around that; false for a NaN.
+  bool contains(const Vec3& from, const Vec3& to) const {
+    return box_.contains(from) && box_.contains(to) && !closes(from, to);
+  }
+  bool contains(const Vec3& p) const {
+    return box_.contains(p) &&
+           std::none_of(closed().begin(), closed().end(), [&](const Box& one) { return one.contains(p); });
+  }
+  /// Whether the box around a path comes into what is taken away.
+  bool closes(const Vec3& from, const Vec3& to) const {
+    const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
+    return std::any_of(closed().begin(), closed().end(), [&](const Box& one) {
+      return (high.array() >= one.min.array()).all() && (low.array() <= one.max.array()).all();
+    });
+  }
+
+  /// Of a box and a few in it, for loops in vectors.
+  const Box& box() const { return box_; }
+  std::span<const Box> closed() const { return {closed_.data(), count_}; }
+
+ private:
+  Box box_{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  std::array<Box, 8> closed_;
+  std::size_t count_ = 0;
+};
+
+/// Writes which of the positions are outside of a space, in their order, and returns how many; `found` has room for
+/// all. A NaN is not outside.
+std::size_t find_outside(const OpenSpace& open, std::span<const Vec3> p, LocalId* found);
+
+/// From positions with as many velocities, for a time, s.
+struct Straight {
+  std::span<const Vec3> p, v;
+  Real dt;
+};
+/// Writes where straight paths end, and which of them are not in the open, in their order; returns how many; `found`
+/// has room for all.
+std::size_t go_straight(const OpenSpace& open, const Straight& way, Vec3* end, LocalId* found);
+
+}  // namespace trevi
