@@ -154,6 +154,22 @@ TEST(OpenChannel, AProfileIsThatOfItsRows) {
   }
 }
 
+// A flow over a bed of an obstacle is that over the floor: the bed is no water, neither in levels nor in depths.
+TEST(OpenChannel, AFlowOverABedIsThatOverTheFloor) {
+  const std::string bed = "[[obstacle]]\ntype = \"box\"\ncenter = [2, -0.4]\nsize = [8, 1.2]\n";
+  const std::vector<std::string> lifted = {"domain.max=[4, 1.2]",      "particles.0.min=[0, 0.2]",
+                                           "particles.0.max=[4, 0.7]", "inlet.0.center=[0.025, 0.45]",
+                                           "drain.0.min=[3.5, 0.2]",   "drain.0.max=[4, 1.2]"};
+  for (const auto& [inlet, drain] :
+       {std::pair("speed = 0.5\nlevel = 0.7", "flow = 0.0125\n"), std::pair("profile = \"0.5\"", "level = 0.7\n")}) {
+    KeptRun run(MPI_COMM_SELF, parse_scene("test.toml", channel(inlet, drain) + bed, lifted));
+    run.steps(6 * 60);
+    EXPECT_NEAR(static_cast<Real>(run.solver->flow()->outflow), 600, 40) << drain << "a column";
+    EXPECT_NEAR(flow_in(run.solver->particles()).level, 0.5, 0.02) << drain;
+    EXPECT_NEAR(flow_in(run.solver->particles()).speed, 0.5, 0.03) << drain;
+  }
+}
+
 // Mean square of how far the level in each of 15 stretches of 0.4 m is from their mean, m².
 Real unevenness(const Particles& particles) {
   constexpr Real from = 0.8, wide = 0.4, edge = 0.05;
