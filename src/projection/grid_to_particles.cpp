@@ -136,6 +136,17 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
+// The same of a surface with the normal n that moves by `solid` along it.
+Real GridToParticles::bounded_by_mean(std::size_t at, const Vec3& n, Real by_fit, Real solid) const {
+  const ParticlesToGrid::Means held = surface_.water().means(at);
+  if (held.n == 0) return by_fit;
+  Real by_mean = -solid;
+  for (std::size_t a = 0; a < 3; ++a)
+    by_mean += n[static_cast<Eigen::Index>(a)] * held.u[surface_.grid().axis(a)] / held.n;
+  if (by_mean * by_fit <= 0) return 0;
+  return std::abs(by_mean) < std::abs(by_fit) ? by_mean : by_fit;
+}
+
 // At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
 // asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
 // closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it.
@@ -164,7 +175,8 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const Real size = area.norm();
   if (size < min_wall) return;
   const Vec3 n = area / size;
-  const Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
+  const Real by_fit = (flux - cuts.open(at) * divergence) / size - n.dot(solid);
+  const Real into = bounded_by_mean(at, n, by_fit, n.dot(solid)) + n.z() * step_.g_dt2;
   for (std::size_t a = 0; a < 3; ++a) {
     const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
     FacePair& pair = faces[a];

@@ -60,6 +60,7 @@ class GridToParticles {
   using Faces = std::array<FacePair, 3>;
   FacePair faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
   bool follows(std::size_t at) const;
+  Real bounded_by_mean(std::size_t at, const Vec3& n, Real by_fit, Real solid) const;
   void slip(std::size_t at, Faces& faces) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;
