@@ -89,7 +89,7 @@ void FreeSurface::join_cells_at_solids(Halo& halo) {
     });
   };
   for_each_near([&](const Place&, std::size_t at) {
-    if (!is_wet(at) && !is_drained(at) && is_at_solid(at)) wet_[at] = dry_at_solid;
+    if (!is_wet(at) && !is_emptied(at) && is_at_solid(at)) wet_[at] = dry_at_solid;
   });
   halo.start_planes(wet_, grid().step(0));
   halo.finish();
@@ -107,7 +107,7 @@ void FreeSurface::join_cells_at_solids(Halo& halo) {
 // Whether a cell that is dry or small counts as wet all the same.
 bool FreeSurface::joins(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
-  if (is_drained(at)) return false;
+  if (is_emptied(at)) return false;
   if (is_pocket(place)) return true;
   if (!is_small(at)) return false;
   if (cuts()->floats(at)) {

@@ -45,7 +45,8 @@ int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, 
 }  // namespace
 
 // A drain is the cells of which it takes at least half, and where there are none the cells of which it takes most. What
-// is not a hole keeps the cells that it takes whole empty by itself.
+// is not a hole keeps the cells that it takes whole empty by itself; of these only those beside others are told, as a
+// plane may take most of the box.
 void Openings::find_drained(const ProjectionGrid& grid) {
   constexpr int half = 4, whole = 8;
   Vec3 size = Vec3::Zero(), low = size;
@@ -55,13 +56,18 @@ void Openings::find_drained(const ProjectionGrid& grid) {
     low[b] = grid.low(a);
   }
   for (const Drain& drain : drains_) {
-    const auto taken_in = [&](const Cell& cell) {
+    const auto corner_of = [&](const Cell& cell) {
       Vec3 corner;
       for (std::size_t a = 0; a < 3; ++a) {
         const auto b = static_cast<Eigen::Index>(grid.axis(a));
         corner[b] = low[b] + cell[a] * size[b];
       }
-      return taken_of(drain.takes, corner, size);
+      return corner;
+    };
+    const auto taken_in = [&](const Cell& cell) { return taken_of(drain.takes, corner_of(cell), size); };
+    // The outermost samples of the cells around are then in the region, which is convex.
+    const auto is_inner = [&](const Cell& cell) {
+      return taken_of(drain.takes, corner_of(cell) - 2 * size, 5 * size) == whole;
     };
     const std::size_t first = drained_cells_.size();
     int taken = 1;
@@ -73,8 +79,10 @@ void Openings::find_drained(const ProjectionGrid& grid) {
     });
     find_wall(grid, first);
     const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto empty = [&](const Drained& one) { return one.out < 0 && taken_in(one.cell) == whole; };
-    drained_cells_.erase(std::remove_if(begin, drained_cells_.end(), empty), drained_cells_.end());
+    std::for_each(begin, drained_cells_.end(),
+                  [&](Drained& one) { one.empty = one.out < 0 && taken_in(one.cell) == whole; });
+    const auto inner = [&](const Drained& one) { return one.empty && is_inner(one.cell); };
+    drained_cells_.erase(std::remove_if(begin, drained_cells_.end(), inner), drained_cells_.end());
   }
 }
 
@@ -107,9 +115,9 @@ void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
 void Openings::close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet) {
   for (const std::size_t at : closed_at_) closed_[at] = 0;
   closed_at_.clear();
-  for (const auto& [cell, out, up] : drained_cells_) {
+  for (const auto& [cell, out, up, empty] : drained_cells_) {
     const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]), towards = up ? 1 : -1;
-    if (out < 0 || !is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
+    if (out < 0 || empty || !is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
     if (!is_known(grid, k + (out == 0 ? towards : 0), r + (out == 1 ? towards : 0))) continue;
     const std::size_t at = grid.index(k, r, cell[2]), step = grid.step(static_cast<std::size_t>(out));
     if (wet[up ? at + step : at - step] == 0) continue;
@@ -146,7 +154,8 @@ void Openings::measure(const ProjectionGrid& grid) {
     const LocalId k = grid.own_plane(plane), r = grid.own_row(row);
     if (!is_known(grid, k, r) || c >= grid.columns()) continue;
     marked_.push_back(grid.index(k, r, c));
-    drained_[marked_.back()] = 1;
+    char& of_cell = drained_[marked_.back()];
+    if (of_cell != open_to_air) of_cell = drained.empty ? emptied : open_to_air;
   }
   for (const WallOpening& wall : walls_) measure_wall(grid, wall);
   gains_.clear();

@@ -49,7 +49,9 @@ class Openings {
   /// For the planes and columns that `grid` has now.
   void measure(const ProjectionGrid& grid);
 
-  bool is_drained(std::size_t at) const { return drained_[at] != 0; }
+  bool is_drained(std::size_t at) const { return drained_[at] == open_to_air; }
+  /// The same, or a cell that keeps itself empty as a drain takes all of it, at the edge of what it takes.
+  bool is_emptied(std::size_t at) const { return drained_[at] != 0; }
   /// Holes under water take nothing through their sides. `wet` of all cells.
   void close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet);
   /// Whether face (a, at) is the side of a hole under water.
@@ -96,7 +98,9 @@ class Openings {
     Cell cell;
     int out = -1;
     bool up = false;
+    bool empty = false;  // taken whole, and no hole
   };
+  static constexpr char open_to_air = 1, emptied = 2;  // of drained_
   void find_drained(const ProjectionGrid& grid);
   void find_wall(const ProjectionGrid& grid, std::size_t first);
   void close(std::size_t a, std::size_t at);

@@ -139,7 +139,8 @@ WallFlows::WallFlows(const Settings& settings)
       drain_settings_(settings.drains),
       settings_(settings),
       spacing_(settings.fluid.spacing),
-      gravity_(-settings.gravity.value_or(Vec3::Zero()).z()) {
+      gravity_(-settings.gravity.value_or(Vec3::Zero()).z()),
+      solids_(settings) {
   for (const InletSettings& inlet : inlet_settings_) {
     first_row_.push_back(inlet.is_in_wall() ? static_cast<std::ptrdiff_t>(rows_) : -1);
     of_inlet_.push_back(openings_.size());
@@ -158,7 +159,7 @@ void WallFlows::resize(FlowState& state) const {
   state.rows.resize(rows_, 0);
 }
 
-// Of an opening that is as wide as it will be.
+// Of an opening that is as wide as it will be, and of which is known where its level is measured.
 void WallFlows::find_seen(Opening& opening) const {
   const int other = 1 - opening.wall.axis;
   opening.seen = opening.across;
@@ -166,6 +167,12 @@ void WallFlows::find_seen(Opening& opening) const {
     opening.seen[0] = settings_.domain.min[other] - spacing_;
   if (opening.seen[1] > settings_.domain.max[other] - spacing_ / 2)
     opening.seen[1] = settings_.domain.max[other] + spacing_;
+  Box part = settings_.domain;
+  part.min[opening.wall.axis] = opening.from;
+  part.max[opening.wall.axis] = opening.to;
+  part.min[other] = opening.across[0];
+  part.max[other] = opening.across[1];
+  if (solids_.may_reach_into(part)) opening.space.emplace(part, solids_, settings_);
 }
 
 void WallFlows::add_inlet(const InletSettings& inlet, std::size_t rows) {
@@ -232,7 +239,9 @@ std::vector<WallFlows::Water> WallFlows::look(MPI_Comm comm, const Particles& pa
   for (std::size_t n = 0; n < openings_.size(); ++n) {
     const Real cubes = static_cast<Real>(all[2 * n]) * share, moved = static_cast<Real>(all[2 * n + 1]) * share;
     const Real volume = cubes * spacing_ * spacing_ * spacing_;
-    found.push_back({settings_.domain.min.z() + volume / openings_[n].area(), cubes > 0 ? moved / cubes : 0});
+    const Opening& one = openings_[n];
+    const Real level = one.space ? one.space->level(volume) : settings_.domain.min.z() + volume / one.area();
+    found.push_back({level, cubes > 0 ? moved / cubes : 0});
   }
   return found;
 }
@@ -260,7 +269,7 @@ void WallFlows::drive_inlet(Opening& opening, const Water& water, const StepInfo
     mean += opening.speeds[row] / rows;
   }
   if (!inlet.level || !works) return;
-  const Real depth = std::max(*inlet.level - opening.bottom, spacing_), wave = std::sqrt(gravity_ / depth);
+  const Real depth = std::max(opening.depth(*inlet.level), spacing_), wave = std::sqrt(gravity_ / depth);
   if (!state.known) state = {mean, water.level, 0, true};
   const Real limit = fastest * wave * depth, low = wave * (*inlet.level - water.level);
   const Real speed = std::clamp(state.speed + low, 0.0, limit);
@@ -273,21 +282,21 @@ void WallFlows::drive_drain(Opening& opening, const Water& water, const StepInfo
                             FlowState::Opening& state) const {
   const DrainSettings& drain = *opening.drain;
   const Real out = opening.wall.at_max ? water.speed : -water.speed;
-  const Real deep = water.level - opening.bottom;
-  const Real depth = std::max(drain.level ? *drain.level - opening.bottom : deep, spacing_);
+  const Real deep = opening.depth(water.level);
+  const Real depth = std::max(drain.level ? opening.depth(*drain.level) : deep, spacing_);
   const Real wave = std::sqrt(gravity_ / depth), limit = fastest * wave * depth;
   const Real follow = std::min(1.0, info.dt * wave / following_time);
   if (!state.known) state = {std::max(out, 0.0), water.level, 0, true};
   const Real high = wave * (water.level - drain.level.value_or(state.level));
   if (drain.flow) {
-    const Real particle = spacing_ * spacing_ * spacing_, area = depth * (opening.across[1] - opening.across[0]);
+    const Real particle = spacing_ * spacing_ * spacing_, area = depth * opening.width(water.level);
     state.owed += *drain.flow * info.dt / particle;
     state.speed = *drain.flow / area + state.owed * particle * wave / (following_time * area);
     state.level += (water.level - state.level) * follow;
   }
   opening.speeds[0] = deep > 0 ? std::clamp(state.speed + high, 0.0, limit) : 0;
   if (drain.flow) {  // forgotten where there is no water
-    const Real layer = depth * (opening.across[1] - opening.across[0]) / (spacing_ * spacing_);
+    const Real layer = depth * opening.width(water.level) / (spacing_ * spacing_);
     state.due = std::min(state.due + opening.speeds[0] * info.dt / spacing_ * layer, max_due * layer);
   }
   if (drain.level) {

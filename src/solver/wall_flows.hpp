@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/threads.hpp"
+#include "boundary/standing_solids.hpp"
 #include "fluid/forcings/inlet.hpp"
 #include "projection/openings.hpp"
 #include "trevi/observer.hpp"
@@ -76,8 +77,12 @@ class WallFlows {
     Real bottom = 0, top = 0;      // m
     const InletSettings* inlet = nullptr;
     const DrainSettings* drain = nullptr;
-    std::vector<Real> speeds{};  // m/s: of rows of an inlet; of a drain one, out of the box
+    std::vector<Real> speeds{};         // m/s: of rows of an inlet; of a drain one, out of the box
+    std::optional<OpenVolume> space{};  // where that is measured; with solids in it
     Real area() const { return (to - from) * (across[1] - across[0]); }
+    // Of the water that goes through it.
+    Real depth(Real level) const { return space ? std::min(level - bottom, space->depth(level)) : level - bottom; }
+    Real width(Real level) const { return space ? space->area(level) / (to - from) : across[1] - across[0]; }
   };
   struct Water {
     Real level, speed;  // m; m/s along the axis
@@ -103,6 +108,7 @@ class WallFlows {
   std::vector<DrainSettings> drain_settings_;
   Settings settings_;
   Real spacing_, gravity_;
+  StandingSolids solids_;
   std::vector<Opening> openings_;  // inlets first
   std::vector<std::ptrdiff_t> first_row_;
   std::vector<std::size_t> of_inlet_;

@@ -112,6 +112,21 @@ TEST_F(Gauges, FractionIsWhatIsOpenBeforeASolid) {
   EXPECT_EQ(open_fraction_of_gauge(gauge, 0.1, box, [](const Vec3& p) { return p.x() < 0.5; }), 1);
 }
 
+// Of a height what of the disc is in an obstacle does not count, at each level by itself: beside the box of the pool
+// half of it up to the top of the box, and all above.
+TEST_F(Gauges, AHeightBesideAnObstacleIsThatOfTheWater) {
+  const std::vector<GaugePlace> beside = {
+      {GaugeKind::height, {1, 0.6, 0}, Vec3::Zero()},        // at its front
+      {GaugeKind::height, {0.9, 0.6, 0}, Vec3::Zero()},      // a quarter of the disc's width off
+      {GaugeKind::height, {1, 0.3, 0.2}, Vec3::Zero()},      // at its edge
+      {GaugeKind::height, {1.25, 0.6, 0.6}, Vec3::Zero()}};  // on it
+  const GaugeRun still = run(world, pool + tables_of(beside), folder(), 1);
+  if (rank_of(world) != 0) return;
+  const Rows rows = rows_of(folder());
+  for (std::size_t k = 0; k < beside.size(); ++k)
+    EXPECT_NEAR(rows.front()[k + 2], 1.2 - beside[k].center.z(), 0.01) << k;
+}
+
 // Of a level disc that is wider than the box what is in that: in a channel as narrow as this the strip along its
 // middle.
 TEST_F(Gauges, FractionOfALevelDiscIsExactInANarrowBox) {

@@ -46,6 +46,13 @@ TEST(Openings, ATankEmptiesThroughItsSideAsTorricelliSays) {
   EXPECT_NEAR(contraction("min = [0, 0.2]\nmax = [0.025, 0.4]\n", 0.2, 0.3), 0.611, 0.05) << "one layer thick";
 }
 
+// Cells that a drain keeps empty are air, though they are at a solid, deep in the water. It takes water from the sides,
+// too, so more than a hole does.
+TEST(Openings, ADrainOnAnObstacleTakesWater) {
+  const std::string slab = "[[obstacle]]\ntype = \"box\"\ncenter = [1, -0.45]\nsize = [4, 1.1]\n";
+  EXPECT_GT(contraction("min = [0.9, 0.1]\nmax = [1.1, 0.15]\n" + slab, 0.2, 0.05), 0.56);
+}
+
 TEST(Openings, SameBitsOnAnyRanks) {
   const std::string tank = tank_with_gravity({.max = "1.6, 0.8, 1.2", .water = {{"0, 0, 0", "1.6, 0.8, 0.8"}}});
   for (const char* drain :
@@ -144,6 +151,22 @@ TEST(OpenChannel, AProfileIsThatOfItsRows) {
     if (p.x() < 0.06 && p.z() > 0.05 && p.z() < 0.45) {
       EXPECT_NEAR(particles.velocity[i].x(), 0.2 + p.z(), 0.12) << p.transpose();
     }
+  }
+}
+
+// A flow over a bed of an obstacle is that over the floor: the bed is no water, neither in levels nor in depths.
+TEST(OpenChannel, AFlowOverABedIsThatOverTheFloor) {
+  const std::string bed = "[[obstacle]]\ntype = \"box\"\ncenter = [2, -0.4]\nsize = [8, 1.2]\n";
+  const std::vector<std::string> lifted = {"domain.max=[4, 1.2]",      "particles.0.min=[0, 0.2]",
+                                           "particles.0.max=[4, 0.7]", "inlet.0.center=[0.025, 0.45]",
+                                           "drain.0.min=[3.5, 0.2]",   "drain.0.max=[4, 1.2]"};
+  for (const auto& [inlet, drain] :
+       {std::pair("speed = 0.5\nlevel = 0.7", "flow = 0.0125\n"), std::pair("profile = \"0.5\"", "level = 0.7\n")}) {
+    KeptRun run(MPI_COMM_SELF, parse_scene("test.toml", channel(inlet, drain) + bed, lifted));
+    run.steps(6 * 60);
+    EXPECT_NEAR(static_cast<Real>(run.solver->flow()->outflow), 600, 40) << drain << "a column";
+    EXPECT_NEAR(flow_in(run.solver->particles()).level, 0.5, 0.02) << drain;
+    EXPECT_NEAR(flow_in(run.solver->particles()).speed, 0.5, 0.03) << drain;
   }
 }
 

@@ -58,9 +58,7 @@ Real RectangleFlow::flow(const Vec3& p, const Vec3& v) const {
 
 RunUp::RunUp(const GaugeSettings& gauge, const Settings& settings)
     : gauge_(gauge), spacing_(settings.fluid.spacing), seen_(gauge.center, Vec3::Constant(gauge.radius), settings) {
-  if (gauge.kind != GaugeKind::run_up) return;
-  for (const ObstacleSettings& obstacle : settings.obstacles)
-    if (!obstacle.moves()) solids_.push_back({make_shape(obstacle), BodyMotion(obstacle).at(0)});
+  if (gauge.kind == GaugeKind::run_up) solids_.emplace(settings);
 }
 
 bool RunUp::touches(const Vec3& p) const {
@@ -70,10 +68,7 @@ bool RunUp::touches(const Vec3& p) const {
     const Real beside = -from.x() * gauge_.normal.y() + from.y() * gauge_.normal.x();
     in_strip = in_strip || std::abs(beside) <= gauge_.radius;
   });
-  if (along < 0 || !in_strip) return false;
-  return std::any_of(solids_.begin(), solids_.end(), [&](const Solid& solid) {
-    return solid.shape->distance_within(solid.pose.into_body(p), 2 * spacing_) <= spacing_;
-  });
+  return along >= 0 && in_strip && solids_->are_near(p, spacing_);
 }
 
 }  // namespace trevi

@@ -1,12 +1,10 @@
 // Two gauges of the water: the flow through a rectangle, and how high water runs up an obstacle. Not collective.
 #pragma once
 
-#include <memory>
-#include <vector>
+#include <optional>
 
 #include "boundary/gauges.hpp"
-#include "boundary/geometry/pose.hpp"
-#include "boundary/geometry/shape.hpp"
+#include "boundary/standing_solids.hpp"
 #include "trevi/settings.hpp"
 
 namespace trevi {
@@ -42,14 +40,10 @@ class RunUp {
   Real height(const Vec3& p) const { return p.z() + spacing_ / 2 - gauge_.center.z(); }
 
  private:
-  struct Solid {
-    std::shared_ptr<const Shape> shape;
-    Pose pose;
-  };
   GaugeSettings gauge_;
   Real spacing_;
   SeenFrom seen_;
-  std::vector<Solid> solids_;
+  std::optional<StandingSolids> solids_;
 };
 
 }  // namespace trevi

@@ -83,12 +83,15 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       middles_(middles_of_cubes(settings)),
       in_layer_(settings.fluid.dimensions == 2),
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
+  const StandingSolids solids(settings);
   for (const GaugeSettings& gauge : gauges_) {
     first_.push_back(first_.back() + (gauge.kind == GaugeKind::velocity ? count_of_moments : 1));
-    open_.push_back(gauge.kind == GaugeKind::height ? open_fraction_of_gauge(gauge, lattice_of(settings.fluid),
-                                                                             settings.domain, {}, settings.periodic)
-                                                    : 1);
     seen_.emplace_back(gauge.center, Vec3::Constant(gauge.radius + spacing_ / 2), settings);
+    if (gauge.kind == GaugeKind::height) {
+      open_.emplace_back(OpenDisc(gauge, solids, settings));
+    } else {
+      open_.emplace_back();
+    }
     run_ups_.emplace_back(gauge, settings);
     flows_.emplace_back(gauge, settings);
   }
@@ -104,7 +107,9 @@ void GaugeReadings::add_height(std::size_t g, const Vec3& from, std::int64_t& su
   const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};
   const Real weight =
       in_layer_ ? gauge_weight_in_layer_of(cube, gauges_[g].radius) : gauge_weight_of(cube, gauges_[g].radius);
-  sum += std::llround(above * spacing_ * weight / open_[g] / unit_of_height(spacing_));
+  if (weight == 0 || above == 0) return;
+  const Real height = gauges_[g].center.z() + from.z() + half - above * spacing_ / 2;  // of what counts
+  sum += std::llround(above * spacing_ * weight / open_[g]->at(height) / unit_of_height(spacing_));
 }
 
 void GaugeReadings::add(std::size_t g, const Particles& particles, Range part, std::vector<std::int64_t>& sums) const {

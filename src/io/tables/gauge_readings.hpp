@@ -3,10 +3,12 @@
 // Collective: read().
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/threads.hpp"
+#include "boundary/standing_solids.hpp"
 #include "io/tables/flow_and_run_up.hpp"
 #include "trevi/observer.hpp"
 #include "trevi/session.hpp"
@@ -42,7 +44,7 @@ class GaugeReadings {
   std::vector<RunUp> run_ups_;
   std::vector<RectangleFlow> flows_;
   std::vector<SeenFrom> seen_;
-  std::vector<Real> open_;  // of gauges of height: the fraction of the disc that is in the box
+  std::vector<std::optional<OpenDisc>> open_;  // of gauges of height
   PerThread<std::vector<std::int64_t>> sums_;
 };
 
