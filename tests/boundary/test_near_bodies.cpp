@@ -95,8 +95,10 @@ TEST(Paths, InTheOpenMeetNothing) {
   constexpr Real dt = 0.05;
   obstacles.move(0, dt);
   int open_ones = 0;
-  for (int cluster = 0; cluster < 4000; ++cluster) {
-    const Vec3 middle = random_point(generator, 2.8);
+  for (std::size_t cluster = 0; cluster < 8000; ++cluster) {
+    const Box body = obstacles.body(cluster / 2 % obstacles.count()).surface_box();
+    const Vec3 beside = (body.min + body.max) / 2 + (body.max - body.min).cwiseProduct(random_point(generator, 0.6));
+    const Vec3 middle = cluster % 2 == 0 ? random_point(generator, 2.8) : beside;
     std::vector<Vec3> p;
     for (int k = 0; k < 20; ++k) p.push_back(middle + random_point(generator, 0.15));
     for (const Extent extent : {Extent::shift, Extent::path}) {

@@ -71,22 +71,21 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
-// Where they are is told by some of them, of about each cell one, and of many bodies only those are asked that come
-// near to that.
+// Where they are is told by some of them, of about each cell one. Of many bodies only those are asked that come near to
+// that; few are all asked, and what they leave open reaches further than a path.
 OpenSpace Obstacles::open_space(std::span<const Vec3> p, Extent extent) const {
   constexpr std::size_t each = 8, few_bodies = 4;
-  OpenSpace space(walls_.box());
-  ObstacleIndex::Bits bits = index_->all();
-  if (bodies_.size() > few_bodies) {
-    Box water{p.back(), p.back()};
-    for (std::size_t k = 0; k < p.size(); k += each) {
-      water.min = water.min.cwiseMin(p[k]);
-      water.max = water.max.cwiseMax(p[k]);
-    }
-    const Vec3 path = Vec3::Constant(index_->longest_path());
-    space.confine({water.min - path, water.max + path});
-    bits = index_->in(water);
+  constexpr Real far = 4;
+  Box water{p.back(), p.back()};
+  for (std::size_t k = 0; k < p.size(); k += each) {
+    water.min = water.min.cwiseMin(p[k]);
+    water.max = water.max.cwiseMax(p[k]);
   }
+  const bool are_few = bodies_.size() <= few_bodies;
+  const Vec3 path = Vec3::Constant((are_few ? far : 1) * index_->longest_path());
+  OpenSpace space(walls_.box());
+  space.confine({water.min - path, water.max + path});
+  const ObstacleIndex::Bits bits = are_few ? index_->all() : index_->in(water);
   const bool is_closed = index_->any(bits, [&](std::size_t k) {
     const Box* const body = bodies_[k]->bounds(extent);
     if (body != nullptr) space.close(*body);
