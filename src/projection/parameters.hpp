@@ -15,11 +15,6 @@ namespace trevi::projection {
 constexpr Real tent = 0.25;
 /// Added to the variance of positions in a fit, cells²: particles in a plane or on a line have no gradient across it.
 constexpr Real fit_damping = 1e-3;
-/// Weight of a fit, particles of a cell with such around it, below which its particles are few; their variance, cells²,
-/// below which they are near each other; and what is added to it besides where there is neither. Two to four that met
-/// within a fifth of a cell were told to be a cell that closes as fast, which threw them out at its top: drops of 3 m/s
-/// on slabs that cut cells came back at up to 12 m/s.
-constexpr Real few = 1.75, few_apart = 0.15, few_damping = 0.3;
 /// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
 /// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end along
 /// each axis, back on its path, cells. Cut off along each axis for itself, the place of volume left the path, and water

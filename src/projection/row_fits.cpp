@@ -29,48 +29,36 @@ HWY_INLINE Symmetric product(const Symmetric& a, const Symmetric& b) {
           dot(a[0], a[3], a[4], b[4], b[5], b[2]), dot(a[3], a[1], a[5], b[4], b[5], b[2])};
 }
 
-// The inverse P of a variance that has got the damping e, cells². What that leaves out of a fit is fitted, too, twice:
+// The inverse P of a variance that has got the damping e. What that leaves out of a fit is fitted, too, twice:
 // P + e P² + e² P³. Where there is a variance the damping is gone to (e P)³, and where there is none the inverse is
 // bounded by 3/e.
-HWY_INLINE Symmetric inverse_of(const Symmetric& v, V e) {
+HWY_INLINE Symmetric inverse_of(const Symmetric& v) {
+  constexpr Real e = projection::fit_damping;
   const V xx = v[0], yy = v[1], zz = v[2], xy = v[3], xz = v[4], yz = v[5];
   const auto minor = [](V a, V b, V c, V d) { return hn::NegMulAdd(c, d, hn::Mul(a, b)); };
   Symmetric once = {minor(yy, zz, yz, yz), minor(xx, zz, xz, xz), minor(xx, yy, xy, xy),
                     minor(xz, yz, xy, zz), minor(xy, yz, xz, yy), minor(xy, xz, xx, yz)};
   const V determinant = dot(xx, xy, xz, once[0], once[3], once[4]);
-  const V per = hn::Div(set(1), hn::Max(determinant, hn::Mul(set(0.5), hn::Mul(e, hn::Mul(e, e)))));
+  const V per = hn::Div(set(1), hn::Max(determinant, set(0.5 * e * e * e)));
   for (V& one : once) one = hn::Mul(one, per);
   const Symmetric twice = product(once, once), thrice = product(twice, once);
   Symmetric sum = once;
-  for (std::size_t q = 0; q < 6; ++q) sum[q] = hn::MulAdd(e, hn::MulAdd(e, thrice[q], twice[q]), once[q]);
+  for (std::size_t q = 0; q < 6; ++q) sum[q] = hn::MulAdd(set(e), hn::MulAdd(set(e), thrice[q], twice[q]), once[q]);
   return sum;
 }
 
-// What is added to a variance: more where there are few particles, near each other (see projection::few_damping). The
-// middle one of the three variances tells, so that particles in a plane are not near each other.
-HWY_INLINE V damping_of(V n, const V3& variance, Real per_tent) {
-  const V missing = hn::NegMulAdd(n, set(per_tent / projection::few), set(1));
-  const V low = hn::Min(variance[0], variance[1]), high = hn::Max(variance[0], variance[1]);
-  const V apart = hn::Max(low, hn::Min(high, variance[2]));
-  const V close = hn::NegMulAdd(apart, set(1 / projection::few_apart), set(1));
-  const V both = hn::Mul(hn::Max(missing, set(0)), hn::Max(hn::Min(close, set(1)), set(0)));
-  return hn::MulAdd(both, set(projection::few_damping), set(projection::fit_damping));
-}
-
 // Where there is nothing numbers are finite.
-HWY_INLINE SpreadVectors spread_of(const Numbers<>& places, Real per_tent) {
+HWY_INLINE SpreadVectors spread_of(const Numbers<>& places) {
   const V n = places[0], per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
   V3 mean = zeros();
   for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(places[1 + a], per_n);
   const auto variance = [&](std::size_t q, V a, V b) { return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n)); };
-  const V3 along = {variance(0, mean[0], mean[0]), variance(1, mean[1], mean[1]), variance(2, mean[2], mean[2])};
   // Rounding may leave a variance of a single particle below what is added.
-  const V least = damping_of(n, along, per_tent);
-  const auto own = [&](std::size_t a) { return hn::Max(hn::Add(along[a], least), least); };
+  const V least = set(projection::fit_damping);
+  const auto own = [&](std::size_t a) { return hn::Max(hn::Add(variance(a, mean[a], mean[a]), least), least); };
   return {per_n, mean,
           inverse_of({own(0), own(1), own(2), variance(3, mean[0], mean[1]), variance(4, mean[0], mean[2]),
-                      variance(5, mean[1], mean[2])},
-                     least)};
+                      variance(5, mean[1], mean[2])})};
 }
 
 struct FitVectors {
@@ -114,7 +102,7 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
-    const SpreadVectors spread = spread_of(around.from(), moments.per_tent);
+    const SpreadVectors spread = spread_of(around.from());
     const FitVectors fit = fit_of(spread, around.from(10));
     write(fit, holds_any(moments, part), part.of(out.fit));
     Real* const places = part.of(out.spread);
@@ -130,7 +118,7 @@ void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
-    const SpreadVectors spread = spread_of(around.from(), moments.per_tent);
+    const SpreadVectors spread = spread_of(around.from());
     write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit));
     store(hn::Mul(around.from()[22], spread.per_n), part, out.mean);
   }

@@ -42,32 +42,6 @@ TEST(ParticlesToGrid, AffineMotionIsExactAtFaces) {
   }
 }
 
-// Four particles close to each other in a cell that meet say little of its faces: continued to these their motion was
-// seven times as fast as any of them, and the cell threw them out at its top.
-TEST(ParticlesToGrid, FewParticlesThatMeetDoNotCloseTheirCell) {
-  const Vec3 middle = box.min + Vec3(5.5, 2.5, 2.5) * h;
-  const auto is_beside = [&](const Vec3& p) { return (p - middle).cwiseAbs().maxCoeff() < s && p.z() < middle.z(); };
-  Water water([](const Vec3&) { return Vec3(Vec3::Zero()); }, {.holds = is_beside});
-  Real fastest = 0;
-  for (std::size_t i = 0; i < water.particles.id.size(); ++i) {
-    const Vec3 from = 0.3 * (water.particles.position[i] - middle), u(-0.3 * from.x(), -0.3 * from.y(), 0);
-    water.particles.position[i] = middle + from - u / 2;
-    water.particles.predicted[i] = middle + from + u / 2;
-    fastest = std::max(fastest, u.cwiseAbs().maxCoeff());
-  }
-  water.sort();
-  EXPECT_EQ(sum_over_ranks(world, water.particles.size()), 4);
-  Stages at(water, s);
-  at.gather();
-  Real moved = 0;
-  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
-    for (const std::size_t a : {0, 1})
-      moved = std::max(moved, std::abs(at.transfer.displacement(a, at.grid.index(k, r, c))));
-  });
-  EXPECT_LT(largest(moved), 2 * largest(fastest));
-  EXPECT_GT(largest(moved), 0);
-}
-
 TEST(ParticlesToGrid, VolumeIsThatOfTheParticles) {
   Water water([](const Vec3&) { return Vec3(Vec3::Zero()); }, {.jitter = 0.2});
   Stages at(water, s);
