@@ -105,7 +105,7 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
       if (open(at) == 1 || !bodies.holds(nearest)) continue;
       const std::size_t body = nearest - bodies.first();
       const Vec3 arm = (middle_of_solid({k, r, c}, at) - bodies.body(body).end_position()) / size_.maxCoeff();
-      const Real volume = cells_[at].solid, surface = area(at);
+      const Real volume = 1 - open(at), surface = area(at);
       GlobalId* sum = &sums.mine()[sums_of_body * body];
       for (const Real one : {volume, surface, open(at) > 0 ? volume : 0, volume * arm.x(), volume * arm.y(),
                              volume * arm.z(), surface * arm.x(), surface * arm.y(), surface * arm.z()})

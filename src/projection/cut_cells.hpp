@@ -91,10 +91,13 @@ class CutCells {
   bool any_floats() const { return obstacles_.floating() != nullptr; }
   /// Whether that moves by itself, as the scene says.
   bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
-  /// Volume of the solid in a cell of which it is the nearest, in cells. Samples are flat, and make too much of what is
-  /// round: where the cells see all of a body that floats, each takes so much off its surface that the sum is the
-  /// body's own, and so is their centre of volume.
-  Real solid(std::size_t at) const { return cells_[at].solid - excess_[cells_[at].nearest].volume * area(at); }
+  /// Volume of the solid in a cell of which it is the nearest, in cells. Of a body that floats it is what is not open.
+  /// Samples are flat, and make too much of what is round: where the cells see all of such a body, each takes so much
+  /// off its surface that the sum is the body's own, and so is their centre of volume.
+  Real solid(std::size_t at) const {
+    if (!floats(at)) return cells_[at].solid;
+    return 1 - open(at) - excess_[nearest(at)].volume * area(at);
+  }
   /// The middle of that volume, m.
   Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const;
   /// Pressure in a cell, at its middle and as it grows downwards: m² and m.
