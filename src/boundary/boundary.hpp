@@ -1,8 +1,7 @@
 // What a moving particle meets: the walls of the box, obstacles, the ends of periodic axes. There is one kind for each
 // combination, chosen once by make_boundary(); nothing else in a step asks what a scene has. What walls and obstacles
 // add to the density is in wall_density.hpp and obstacles.hpp. Metres and seconds. predict(), collide() and
-// open_space()
-// may be called in loops that threads share. Not collective.
+// open_space() may be called in loops that threads share. Not collective.
 #pragma once
 
 #include <memory>

@@ -172,6 +172,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
   for (std::size_t a = 0; a < 3; ++a)
     for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
   std::array<std::array<SharesAlong, samples>, samples> of_lines{};  // of what is open of those above each other
+  const bool floats = any_floats() && obstacles_.floating()->holds(cell.nearest);  // its volume is what is not open
   Real sum = 0, solid = 0, whole = 0;
   std::array<Real, 3> moment{};
   for (std::size_t n = 0; n < distance.size(); ++n) {
@@ -185,7 +186,8 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
       SharesAlong& line = of_lines[here[1]][here[2]];
       for (std::size_t m = 0; m < 3; ++m) line[m] += open * w[m];
     }
-    const bool at_edge = rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(distance[n]) < 1;
+    const bool at_edge =
+        !floats && rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(distance[n]) < 1;
     const Vec3 of_sample =
         corner + Vec3(static_cast<Real>(here[1]), static_cast<Real>(here[2]), static_cast<Real>(here[0])) / samples;
     solid += at_edge ? solid_part(of_sample, candidates.of_cell) : closed;

@@ -45,6 +45,7 @@ class FreeSurface {
   const Openings* openings() const { return openings_; }
   /// Whether a drain takes what comes into the cell: it is dry.
   bool is_drained(std::size_t at) const { return openings_ != nullptr && openings_->is_drained(at); }
+  /// Whether a drain keeps it empty, as one that takes all of it does, too.
   bool is_emptied(std::size_t at) const { return openings_ != nullptr && openings_->is_emptied(at); }
   /// Fraction of face (a, at) that no solid closes, nor a drain that takes nothing through its side.
   Real face(std::size_t a, std::size_t at) const {

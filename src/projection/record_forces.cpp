@@ -33,17 +33,7 @@ RecordForces::Sides RecordForces::on_sides(std::size_t at) const {
   return {phi - fall * (inside * (height - inside / 2) - middle), -fall * over * over / 2};
 }
 
-// What a cell and that over it give where they are closed, with the places of both.
-void RecordForces::record_sides(std::size_t account, const std::array<Vec3, 2>& shifts, LocalId k, LocalId r,
-                                LocalId c) const {
-  for (std::size_t n = 0; n < shifts.size(); ++n) {
-    if (shifts[n].isZero()) continue;
-    obstacles_.record_projection(account, shifts[n], surface_.cuts()->middle(k, r, c + static_cast<LocalId>(n)));
-    obstacles_.record_projection(obstacles_.rest_account(), -shifts[n], Vec3::Zero());
-  }
-}
-
-// The pressure of a cell on the walls of the box that it touches, at their height.
+// The pressure of a cell, and of the water over it, on the walls of the box that it touches, at the middles of both.
 void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -65,7 +55,12 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
     if (grid.is_wall(a, k, r, c)) push(at, -1);
     if (grid.is_wall(a, above[0], above[1], above[2])) push(at + grid.step(a), 1);
   }
-  record_sides(obstacles_.box_account(), shifts, k, r, c);
+  for (std::size_t n = 0; n < shifts.size(); ++n) {
+    if (shifts[n].isZero()) continue;
+    const Vec3 place = surface_.cuts()->middle(k, r, c + static_cast<LocalId>(n));
+    obstacles_.record_projection(obstacles_.box_account(), shifts[n], place);
+    obstacles_.record_projection(obstacles_.rest_account(), -shifts[n], Vec3::Zero());
+  }
 }
 
 // How fast the pressure grows downwards, m: as in water at rest, and beside a solid that does not float as the pressure

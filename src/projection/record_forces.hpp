@@ -30,7 +30,6 @@ class RecordForces {
     Real here, over;
   };
   Sides on_sides(std::size_t at) const;
-  void record_sides(std::size_t account, const std::array<Vec3, 2>& shifts, LocalId k, LocalId r, LocalId c) const;
   void of_cell(LocalId k, LocalId r, LocalId c) const;
   Real fall_at(std::size_t top) const;
   void of_walls(LocalId k, LocalId r, LocalId c) const;

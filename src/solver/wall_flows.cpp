@@ -139,8 +139,7 @@ WallFlows::WallFlows(const Settings& settings)
       drain_settings_(settings.drains),
       settings_(settings),
       spacing_(settings.fluid.spacing),
-      gravity_(-settings.gravity.value_or(Vec3::Zero()).z()),
-      solids_(settings) {
+      gravity_(-settings.gravity.value_or(Vec3::Zero()).z()) {
   for (const InletSettings& inlet : inlet_settings_) {
     first_row_.push_back(inlet.is_in_wall() ? static_cast<std::ptrdiff_t>(rows_) : -1);
     of_inlet_.push_back(openings_.size());
@@ -152,6 +151,9 @@ WallFlows::WallFlows(const Settings& settings)
   for (const DrainSettings& drain : drain_settings_) {
     if (drain.is_in_wall()) add_drain(drain);
   }
+  if (openings_.empty()) return;
+  const StandingSolids solids(settings_);
+  for (Opening& opening : openings_) find_seen(opening, solids);
 }
 
 void WallFlows::resize(FlowState& state) const {
@@ -160,7 +162,7 @@ void WallFlows::resize(FlowState& state) const {
 }
 
 // Of an opening that is as wide as it will be, and of which is known where its level is measured.
-void WallFlows::find_seen(Opening& opening) const {
+void WallFlows::find_seen(Opening& opening, const StandingSolids& solids) const {
   const int other = 1 - opening.wall.axis;
   opening.seen = opening.across;
   if (opening.seen[0] < settings_.domain.min[other] + spacing_ / 2)
@@ -172,7 +174,7 @@ void WallFlows::find_seen(Opening& opening) const {
   part.max[opening.wall.axis] = opening.to;
   part.min[other] = opening.across[0];
   part.max[other] = opening.across[1];
-  if (solids_.may_reach_into(part)) opening.space.emplace(part, solids_, settings_);
+  if (solids.may_reach_into(part)) opening.space.emplace(part, solids, settings_);
 }
 
 void WallFlows::add_inlet(const InletSettings& inlet, std::size_t rows) {
@@ -192,7 +194,6 @@ void WallFlows::add_inlet(const InletSettings& inlet, std::size_t rows) {
     rows = std::min(rows, static_cast<std::size_t>(
                               std::max(1.0, std::floor((*inlet.level - opening.bottom) / spacing_ + 0.5 + rounding))));
   opening.speeds.assign(rows, 0);
-  find_seen(opening);
   openings_.push_back(std::move(opening));
 }
 
@@ -208,7 +209,6 @@ void WallFlows::add_drain(const DrainSettings& drain) {
   opening.top = drain.max.z();
   opening.drain = &drain;
   opening.speeds.assign(1, 0);
-  find_seen(opening);
   openings_.push_back(std::move(opening));
   ++drains_;
 }

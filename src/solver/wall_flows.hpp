@@ -99,7 +99,7 @@ class WallFlows {
   static std::vector<Leaving> first_of_all(MPI_Comm comm, std::vector<Leaving> mine, GlobalId due);
   void add_inlet(const InletSettings& inlet, std::size_t rows);
   void add_drain(const DrainSettings& drain);
-  void find_seen(Opening& opening) const;
+  void find_seen(Opening& opening, const StandingSolids& solids) const;
   std::vector<Water> look(MPI_Comm comm, const Particles& particles);
   void drive_inlet(Opening& opening, const Water& water, const StepInfo& info, FlowState::Opening& state) const;
   void drive_drain(Opening& opening, const Water& water, const StepInfo& info, FlowState::Opening& state) const;
@@ -108,7 +108,6 @@ class WallFlows {
   std::vector<DrainSettings> drain_settings_;
   Settings settings_;
   Real spacing_, gravity_;
-  StandingSolids solids_;
   std::vector<Opening> openings_;  // inlets first
   std::vector<std::ptrdiff_t> first_row_;
   std::vector<std::size_t> of_inlet_;

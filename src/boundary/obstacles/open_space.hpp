@@ -34,10 +34,7 @@ class OpenSpace {
   bool contains(const Vec3& from, const Vec3& to) const {
     return box_.contains(from) && box_.contains(to) && !closes(from, to);
   }
-  bool contains(const Vec3& p) const {
-    return box_.contains(p) &&
-           std::none_of(closed().begin(), closed().end(), [&](const Box& one) { return one.contains(p); });
-  }
+  bool contains(const Vec3& p) const { return box_.contains(p) && !closes(p, p); }
   /// Whether the box around a path comes into what is taken away.
   bool closes(const Vec3& from, const Vec3& to) const {
     const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);

@@ -83,14 +83,14 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       middles_(middles_of_cubes(settings)),
       in_layer_(settings.fluid.dimensions == 2),
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
-  const StandingSolids solids(settings);
+  std::optional<StandingSolids> solids;
   for (const GaugeSettings& gauge : gauges_) {
     first_.push_back(first_.back() + (gauge.kind == GaugeKind::velocity ? count_of_moments : 1));
     seen_.emplace_back(gauge.center, Vec3::Constant(gauge.radius + spacing_ / 2), settings);
+    open_.emplace_back();
     if (gauge.kind == GaugeKind::height) {
-      open_.emplace_back(OpenDisc(gauge, solids, settings));
-    } else {
-      open_.emplace_back();
+      if (!solids) solids.emplace(settings);
+      open_.back().emplace(gauge, *solids, settings);
     }
     run_ups_.emplace_back(gauge, settings);
     flows_.emplace_back(gauge, settings);
