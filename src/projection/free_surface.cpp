@@ -21,6 +21,21 @@ void FreeSurface::keep_wet() {
   height_.give_back();
 }
 
+Real FreeSurface::distance(std::size_t a, std::size_t at) const {
+  const std::size_t below = at - grid().step(a);
+  if (!upright() || is_wet(below) == is_wet(at)) return 1;
+  if (a == 2) return is_wet(below) ? above_middle(below) : 1;
+  return is_wet(at) ? part_in_water(at, below) : part_in_water(below, at);
+}
+
+// Of the way from the middle of a wet cell to that of a dry one beside it, where the surface steps down by a cell
+// between them. Cut cells have too uneven levels to tell a slope.
+Real FreeSurface::part_in_water(std::size_t wet, std::size_t dry) const {
+  if (!is_top(dry - 1) || is_solid(wet) || is_cut(wet) || is_cut(dry) || is_cut(dry - 1)) return 1;
+  const Real in = is_top(wet) ? above_middle(wet) : 1 + above_middle(wet + 1);
+  return in / (in + std::max(1.5 - height_[dry - 1], 0.0));
+}
+
 void FreeSurface::classify(Halo& halo) {
   for_each_row(grid().rows_of({1, grid().planes() + 1}), [&](LocalId k, LocalId r) {
     water().find_volumes(k, r, {&fill_[grid().index(k, r, 0)], static_cast<std::size_t>(grid().columns(k, r))});

@@ -68,6 +68,9 @@ class FreeSurface {
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
+  /// Distance, in cells, between the points beside face (a, at) where phi is given: the middle of a wet cell, and that
+  /// of the other, or where the surface is on the way to it (ghost-fluid method, Gibou et al. 2002).
+  Real distance(std::size_t a, std::size_t at) const;
 
  private:
   // In wet_; the last one only while cells are classified.
@@ -91,6 +94,7 @@ class FreeSurface {
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
   void exchange(Halo& halo, Borrowed<Real>& field) const;
+  Real part_in_water(std::size_t wet, std::size_t dry) const;
   template <class Level>
   void level_cut_cells(Halo& halo, const Level& level);
   std::optional<Real> share_below(std::size_t floor, std::size_t top) const;

@@ -38,11 +38,8 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
   const std::size_t step = surface.grid().step(a);
   if (at < step) return;  // in the lowest ghost plane
   const std::size_t below = at - step;
-  const auto depth = [&](std::size_t cell) {
-    return a < 2 && surface.cuts()->floats(cell) ? std::min(surface.height(cell), 1.0) : 1;
-  };
-  if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= depth(at) * source;
-  if (surface.is_wet(below)) multigrid_.finest().rhs[below] += depth(below) * source;
+  if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= source;
+  if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
 }
 
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
@@ -68,15 +65,7 @@ void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
       weight[a][at] = 0;
       const Real open = surface.face(a, at);
       if (grid.is_wall(a, k, r, c) || (!low && !high) || open == 0) continue;
-      if (!surface.upright()) {
-        weight[a][at] = 1;
-      } else if (a == 2) {
-        weight[a][at] = low && !high ? 1 / surface.above_middle(below) : 1;
-      } else {
-        weight[a][at] =
-            low && high ? (surface.height(below) + surface.height(at)) / 2 : surface.height(low ? below : at);
-      }
-      weight[a][at] *= open;
+      weight[a][at] = 1 / surface.distance(a, at) * open;
     }
   }
 }
@@ -123,7 +112,7 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
 }
 
 // A cell before an opening holds what goes through it: it does not return to its volume. Water that leaves takes the
-// whole height of the cell's water along, water that enters what the opening covers.
+// whole height of the cell's water along, water that enters what the opening covers, over that height.
 void Pressure::find_flow_through_walls(const FreeSurface& surface) {
   Borrowed<Real>& rhs = multigrid_.finest().rhs;
   const std::vector<Openings::Face>& faces = surface.openings()->faces();
@@ -133,7 +122,7 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
   for (const Openings::Face& face : faces) {
     if (!surface.is_wet(face.cell)) continue;
     const Real height = std::min(surface.height(face.cell), 1.0);
-    const Real share = face.takes_all ? std::min(face.covered, height) : face.covered;
+    const Real share = (face.takes_all ? std::min(face.covered, height) : face.covered) / height;
     const Real flow = share * surface.openings()->displacement(face.a, face.at) /
                       surface.grid().size()[static_cast<Eigen::Index>(face.a)];
     rhs[face.cell] += face.at_max ? flow : -flow;
@@ -221,25 +210,21 @@ void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) 
   }
 }
 
-// Divergence of the displacements of the faces. Nothing passes a wall; side faces count as far as the cell's own water
-// stands, horizontal ones with their whole area, as far as they are open. A moving solid takes the rest of a face
-// along.
+// Divergence of the displacements of the faces, as if the cell were full of water: faces count as far as they are open,
+// and nothing passes a wall. A moving solid takes the rest of a face along.
 Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
   const ProjectionGrid& grid = surface.grid();
   const auto& weight = multigrid_.finest().link;
   const CutCells* cuts = surface.cuts();
-  const Real height = std::min(surface.height(at), 1.0);
   Real sum = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t above = at + grid.step(a);
-    const Real depth = a < 2 ? height : 1;
-    const Real low = weight[a][at] > 0 ? depth * surface.face(a, at) : 0;
-    const Real high = weight[a][above] > 0 ? depth * surface.face(a, above) : 0;
+    const Real low = weight[a][at] > 0 ? surface.face(a, at) : 0;
+    const Real high = weight[a][above] > 0 ? surface.face(a, above) : 0;
     sum += (high * surface.water().displacement(a, above) - low * surface.water().displacement(a, at)) /
            grid.size()[static_cast<Eigen::Index>(a)];
     if (cuts != nullptr && cuts->moves()) {
-      sum += (cuts->floats(at) ? depth : 1) *
-             ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
+      sum += ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
              grid.size()[static_cast<Eigen::Index>(a)];
     }
   }

@@ -49,9 +49,7 @@ class Pressure {
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
     const Borrowed<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
-    const Real u = (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)];
-    return surface.upright() && a == 2 && surface.is_wet(below) && !surface.is_wet(at) ? u / surface.above_middle(below)
-                                                                                       : u;
+    return (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)] / surface.distance(a, at);
   }
 
   /// phi of a cell, m².
@@ -84,8 +82,8 @@ class Pressure {
   MPI_Comm comm_;
   bool closed_ = false;  // no water has a surface
   std::vector<Inflow> inflow_;
-  // Its links first hold the weight of each face: its area under water, as a fraction of the whole area, over the
-  // distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
+  // Its links first hold the weight of each face: what is open of its area, as a fraction, over the distance between
+  // the points on its two sides where phi is given, in cells; 0 where nothing passes.
   Multigrid multigrid_;
 };
 

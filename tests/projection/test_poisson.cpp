@@ -124,6 +124,27 @@ TEST(Poisson, IsOfSecondOrderBelowAFreeSurface) {
   EXPECT_GT(order_of("cells at the surface", beside), 1.6);
 }
 
+// Water at rest under gravity that leans: its surface steps down by a cell after every other one, and on the lattice
+// the mean height of each cell is that of the plane, but at the walls, beyond which there is none.
+TEST(Poisson, HasTheLinearPressureBelowASurfaceThatLeans) {
+  constexpr Real spacing = 0.1, g_dt2 = 1e-3;
+  for (const Real slope : {0.5, -0.5}) {
+    const auto surface = [&](const Vec3& p) { return 1.25 + slope * (p.x() - 1); };
+    const Solution exact{[&](const Vec3& p) { return g_dt2 * (p.z() - surface(p)); },
+                         [&](const Vec3&) { return Vec3(-g_dt2 * slope, 0, g_dt2); }};
+    Water water([&](const Vec3& p) { return Vec3(-exact.gradient(p)); },
+                {.top = 2.2, .at = 0, .holds = [&](const Vec3& p) { return p.z() < surface(p); }});
+    Stages stages(water, spacing);
+    const auto inside = [&](std::size_t at) {
+      const auto plane = static_cast<LocalId>(at / stages.grid.step(0));
+      return plane > 2 && plane < stages.grid.planes() - 1;
+    };
+    const Errors errors = errors_of(stages, exact, g_dt2, inside);
+    EXPECT_LT(errors.all, 0.1 * g_dt2 * spacing);
+    EXPECT_LT(errors.beside, 0.03 * g_dt2 * spacing);
+  }
+}
+
 // A cylinder that is full of water to the ceiling.
 TEST(Poisson, IsOfSecondOrderInCutCells) {
   constexpr Real size = 1e-6, radius = 0.73, height = 1.2;

@@ -149,26 +149,27 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   }
   Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
 
+  // Between the points beside a face at which phi is given, in cells; the surface is one where one cell is dry.
+  Real distance(int a, const Cell& c) const {
+    const Cell below = c - unit(a);
+    if (!upright() || wet(below) == wet(c)) return 1;
+    if (a == 2) return is_top(below) ? above_middle(below) : 1;
+    const Cell water = wet(c) ? c : below, beside = (wet(c) ? below : c) - unit(2);
+    if (!is_top(beside)) return 1;  // the surface does not step down by one cell
+    const Real in = is_top(water) ? above_middle(water) : 1 + above_middle(water + unit(2));
+    return in / (in + std::max(1.5 - (*height_)[beside], 0.0));
+  }
+
   // ---- the pressure -----------------------------------------------------------------------------------------------
 
   bool is_open(int a, const Cell& c) const { return !is_wall(a, c) && (wet(c) || wet(c - unit(a))); }
-  // Area under water over the distance between what is on either side; 0 where nothing passes.
-  Real weight(int a, const Cell& c) const {
-    const Cell below = c - unit(a);
-    if (!is_open(a, c)) return 0;
-    if (!upright()) return 1;
-    if (a == 2) return is_top(below) ? 1 / above_middle(below) : 1;
-    if (wet(below) && wet(c)) return ((*height_)[below] + (*height_)[c]) / 2;
-    return (*height_)[wet(c) ? c : below];
-  }
+  Real weight(int a, const Cell& c) const { return is_open(a, c) ? 1 / distance(a, c) : 0; }
 
-  // Both side faces of a cell count with its own height of water.
   Real divergence(const Cell& c) const {
     Real sum = 0;
     for (int a = 0; a < 3; ++a) {
-      const Real area = a == 2 ? 1 : std::min((*height_)[c], 1.0);
       const Cell up = c + unit(a);
-      sum += area * ((is_open(a, up) ? mean(a, up) : 0) - (is_open(a, c) ? mean(a, c) : 0)) / size_[a];
+      sum += ((is_open(a, up) ? mean(a, up) : 0) - (is_open(a, c) ? mean(a, c) : 0)) / size_[a];
     }
     return sum;
   }
@@ -301,8 +302,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell below = face - unit(a);
     if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
-    const Real u = ((*phi_)[face] - (*phi_)[below]) / size_[a];
-    return a == 2 && is_top(below) ? u / above_middle(below) : u;
+    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face);
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
