@@ -27,7 +27,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 import trevi_run
-from known_water import rest_figures, wave_figures, zeros_of
+from known_water import last, rest_figures, wave_figures, zeros_of
 from study import GRAVITY, columns_of, energies, launch, mass_of, mean, start_of, states_of
 
 DOWN = np.array([0.0, 0.0, -GRAVITY])
@@ -375,6 +375,11 @@ def pool_figures(columns, water):
     share = spacings * water.spacing / water.depth
     return {"kinetic_per_mass": found["kinetic_per_mass"], "rise_spacings": spacings, "rise_share": share,
             "rise_over_mark": min(abs(share) / 0.003, abs(spacings) / 0.1)}
+
+
+def still_figures(spacing, run):
+    """The last second."""
+    return {"kinetic_per_mass": mean(last(run.columns, "kinetic_energy", 1)) / mass_of(run.columns, spacing)}
 
 
 # Compression by count.

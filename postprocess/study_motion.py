@@ -15,7 +15,8 @@ shear             at several angles to the lattice, free and as a pool: 0.98 of 
 taylor_green      Re 100 to 3 %; with 40 across Re 1000 to 10 %, and without viscosity 0.95 of the energy after 1 s
 waves             high ones and low ones: 1/480 s loses at most 1.05 times what 1/60 s does; energy never above its
                   start by more than 2 % of the wave's own
-rest              pools: 1e-4 m²/s², centre of mass to 0.3 % of the depth or 0.1 spacings; closed by a lid: 1e-6 m²/s²
+rest              pools: 1e-4 m²/s², centre of mass to 0.3 % of the depth or 0.1 spacings; closed by a lid: 1e-6 m²/s²;
+                  under gravity that leans, without a target
 count             compression by count: 0.2 % in the mean, 1 % in an impact
 sphere            pulled through water: drag coefficient below 0.5 with s = 0.05 m
 A case whose targets are those of another resolution has none, and the verdict "-". Cases that are judged by another one
@@ -25,7 +26,10 @@ A case whose targets are those of another resolution has none, and the verdict "
 import math
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Callable, NamedTuple
+
+import numpy as np
 
 import counted_water
 import known_motion as known
@@ -220,6 +224,20 @@ def rests(rates=(30, 60, 240, 480), jitters=(0, 0.05, 0.2), lids=(1.0, 1.02, 1.0
                        (Mark("kinetic_per_mass", most=1e-6), rise), parameters | {"lid": lid})
 
 
+def leaning(angles=(5, 10, 20, 30, 40), rate=120, spacing=0.025, length=2.0, depth=0.6, seconds=5.0):
+    """Still water in a tank of two dimensions under gravity that leans, its surface at right angles to it."""
+    for angle in angles:
+        lean = math.radians(angle)
+        place = known.lattice((round(length / spacing), 1, round((depth + length) / spacing)), spacing)
+        columns = np.rint((depth + (place[:, 0] - length / 2) * math.tan(lean)) / spacing)
+        place = place[place[:, 2] < columns * spacing] * (1, 0, 1)
+        text = known.scene_of((0, 0, 0), (length, spacing, depth + length), spacing, 1 / rate, seconds, extra="")
+        settings = ["domain.dimensions=2", f"gravity.acceleration={[9.8 * math.sin(lean), 0, -9.8 * math.cos(lean)]}"]
+        yield Case("rest", f"gravity leans by {angle} degrees, {at(rate)}",
+                   Motion(text, partial(known.still_figures, spacing), (place, 0 * place), settings), (),
+                   {"spacing": spacing, "steps_per_second": rate, "angle": angle})
+
+
 def counts(cube_rates=(60, 240), dam_rates=(150, 480), long_rates=(60, 240)):
     marks = Mark("count_mean", -0.002, 0.002), Mark("count_impact", most=0.01)
     scenes = (("falling cube", "cube", (4, 3, 6), 0.1, cube_rates, 2.0, 0.62, 0.05),
@@ -247,7 +265,7 @@ def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
 
 def all_cases():
     return [*flights(), *balls(), *meetings(), *jets(), *plates(), *rotations(), *tanks(), *shears(), *vortices(), *waves(), *rests(),
-            *counts(), *spheres(), *long_rotations()]
+            *leaning(), *counts(), *spheres(), *long_rotations()]
 
 
 def chosen(cases, only, large):

@@ -4,13 +4,14 @@
 // where r slowly returns each cell to its volume.
 //
 // Under gravity the surface lies where the water ends, not at the edge of a cell (the ghost-fluid method: Gibou et al.,
-// J. Comput. Phys. 176, 2002; Enright et al. 2003): the face above a top cell has the weight 1/theta, theta being the
-// height of the surface above the middle of the cell in cells; a face at its side has the fraction of its area that is
-// under water. The divergence of d counts both side faces of a cell with the cell's own height of water: water that
-// moves as a whole then has none, whatever the fill of its cells, and no pressure acts on water in flight. Without
-// gravity phi is 0 in the middle of the first dry cell. (Links over the mass of the particles at a face would keep
-// momentum to rounding, but the noise of eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of
-// it after 1 s so, and 1.00 with even links.)
+// J. Comput. Phys. 176, 2002; Enright et al. 2003): a face between a wet cell and a dry one has the weight 1/theta,
+// theta being the part of the way between their middles that is in water. Above a top cell that is the height of the
+// surface above its middle; at its side, where the surface steps down by a cell, the levels of the two columns say it.
+// Faces count as far as they are open, under water or not: a linear pressure is exact below a surface that leans, and
+// water that moves as a whole has no divergence, whatever the fill of its cells, so that no pressure acts in flight.
+// Without gravity phi is 0 in the middle of the first dry cell. (Links over the mass of the particles at a face would
+// keep momentum to rounding, but the noise of eight particles a cell costs energy: a vortex without viscosity keeps
+// 0.92 of it after 1 s so, and 1.00 with even links.)
 //
 // Solved by V-cycles of a multigrid (multigrid.hpp) from the hydrostatic pressure of each column, which is the exact
 // solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
