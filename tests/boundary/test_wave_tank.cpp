@@ -176,6 +176,53 @@ position = {1}
   EXPECT_LT(left, 0.25 * kept);
 }
 
+// A paddle that absorbs where nothing comes back goes as one that does not: it takes neither particles that are nearer
+// to it than half a spacing nor a flap that leans back for missing water.
+TEST_F(WaveTank, NothingToAbsorbLeavesAPaddleInItsPlace) {
+  for (const char* kind : {"piston", "flap"}) {
+    const Scene scene = parse_scene("test.toml",
+                                    fmt::format(R"scene(
+[domain]
+min = [0, 0]
+max = [9.6, 2]
+dimensions = 2
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0]
+max = [9.6, 1]
+[time]
+dt = 0.0333333333333333333
+end = 12
+[gravity]
+[[damping]]
+min = [4.8, 0]
+max = [9.6, 2]
+rate = 4
+[[wavemaker]]
+type = "{}"
+height = 0.2
+period = 1.9
+position = 1.2
+absorb = true
+)scene",
+                                                kind),
+                                    {});
+    std::vector<Real> offsets;
+    SolverExtras extras;
+    extras.observers.push_back(std::make_unique<Offsets>(offsets));
+    auto solver = make_solver(world, scene, initial_particles(world, scene), std::move(extras));
+    solver->start();
+    Real farthest = 0;
+    for (int n = 0; n < 6 * 57; ++n) {
+      solver->step();
+      farthest = std::max(farthest, std::abs(offsets[0]));
+    }
+    if (rank_of(world) == 0) std::printf("%s: %.2f spacings off\n", kind, farthest / 0.1);
+    EXPECT_LT(farthest, 0.18);
+  }
+}
+
 struct Energy : Observer {
   Real supplied = 0;  // J
   bool due(const Clock&) const override { return true; }
@@ -184,8 +231,8 @@ struct Energy : Observer {
   void observe(const Frame& frame) override { supplied = frame.supplied_energy; }
 };
 
-// Linear theory: the energy that a wave carries away, rho g H²/8 times the group velocity and the width of the layer. Of
-// 30 spacings a wavelength a fifth is lost at once, and supplied, too.
+// Linear theory: the energy that a wave carries away, rho g H²/8 times the group velocity and the width of the layer.
+// Of 30 spacings a wavelength a fifth is lost at once, and supplied, too.
 TEST_F(WaveTank, TheWorkOfAPaddleIsThatOfItsWaves) {
   for (const char* kind : {"piston", "flap"}) {
     const Scene scene = parse_scene("test.toml",
