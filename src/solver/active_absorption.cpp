@@ -41,17 +41,22 @@ void ActiveAbsorption::place(Obstacles& obstacles) const {
     obstacles.set_paddle_offset(paddles_[n].obstacle, offsets_[n], offsets_[n]);
 }
 
-// m above the still water, in the mean over the strip. Particles are cubes, as for gauges of height.
-Real ActiveAbsorption::level_before(MPI_Comm comm, const Paddle& paddle, Real face, const Particles& particles) {
+// m above the still water, in the mean over the strip, which follows the face at each height. Particles are cubes that
+// lie before the face, as for gauges of height: what is cut off of those near to it would be missing at all depths, and
+// the paddle would go after it.
+Real ActiveAbsorption::level_before(MPI_Comm comm, const Paddle& paddle, Real way, const Particles& particles) {
   constexpr Real unit = 0x1p-30;  // of a particle
   constexpr LocalId part_size = 8192;
   const Eigen::Index axis = paddle.maker.direction.x() != 0 ? 0 : 1;
   const Real sign = paddle.maker.direction[axis];
+  const bool is_flap = paddle.maker.kind == PaddleKind::flap;
   sums_.for_each([](auto& sums) { sums.assign(1, 0); });
   for_each_part({0, static_cast<LocalId>(particles.size())}, part_size, [&](Range part) {
     for (LocalId i = part.begin; i < part.end; ++i) {
-      const Real ahead = sign * (particles.position[static_cast<std::size_t>(i)][axis] - face) / spacing_;
-      const Real low = std::max(ahead - 0.5, 0.0), high = std::min(ahead + 0.5, strip_ / spacing_);
+      const Vec3& p = particles.position[static_cast<std::size_t>(i)];
+      const Real lean = is_flap ? (p.z() - paddle.maker.floor) / paddle.maker.depth : 1;
+      const Real ahead = std::max(sign * (p[axis] - paddle.maker.position) - lean * way, spacing_ / 2) / spacing_;
+      const Real low = ahead - 0.5, high = std::min(ahead + 0.5, strip_ / spacing_);
       if (high > low) sums_.mine()[0] += std::llround((high - low) / unit);
     }
   });
@@ -62,10 +67,8 @@ Real ActiveAbsorption::level_before(MPI_Comm comm, const Paddle& paddle, Real fa
 void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const StepInfo& info, Obstacles& obstacles) {
   for (std::size_t n = 0; n < paddles_.size(); ++n) {
     const Paddle& paddle = paddles_[n];
-    const Eigen::Index axis = paddle.maker.direction.x() != 0 ? 0 : 1;
     const Real own = paddle.motion.displacement(info.time), before = offsets_[n];
-    const Real face = paddle.maker.position + paddle.maker.direction[axis] * (own + before);
-    const Real back = level_before(comm, paddle, face, particles) - paddle.motion.level(info.time);
+    const Real back = level_before(comm, paddle, own + before, particles) - paddle.motion.level(info.time);
     const Real kept = elementary::exp(-info.dt / (return_periods * paddle.maker.period));
     const Real offset = (before - info.dt * paddle.gain * back) * kept;
     offsets_[n] = std::clamp(offset, -paddle.farthest, paddle.farthest);

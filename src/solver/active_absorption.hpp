@@ -38,7 +38,8 @@ class ActiveAbsorption {
     Real wide;      // m, of the tank across
     Real farthest;  // m, that it may go by absorbing, to either side
   };
-  Real level_before(MPI_Comm comm, const Paddle& paddle, Real face, const Particles& particles);
+  // `way`: of the paddle at the surface of the still water, m.
+  Real level_before(MPI_Comm comm, const Paddle& paddle, Real way, const Particles& particles);
 
   std::vector<Paddle> paddles_;
   std::vector<Real> offsets_;

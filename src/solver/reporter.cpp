@@ -150,7 +150,9 @@ void Reporter<T>::add_forces() {
   sums_.pressures.resize(pressed.size());
   for (std::size_t k = 0; k < impulses.size(); ++k) {
     sums_.forces[k].force -= per * impulses[k].shift;
-    sums_.forces[k].torque -= per * impulses[k].moment;
+    Vec3 moment = impulses[k].moment;
+    if (k < obstacles->count()) moment += obstacles->lever(k).cross(impulses[k].shift);
+    sums_.forces[k].torque -= per * moment;
   }
   for (std::size_t k = 0; k < pressed.size(); ++k) sums_.pressures[k] += per_pressure * pressed[k];
   ++sums_.steps;
@@ -158,7 +160,7 @@ void Reporter<T>::add_forces() {
   if (obstacles->moves()) add_work(impulses, per);
 }
 
-// What obstacles do by their motion: force times shift and torque times rotation of the step.
+// What obstacles do by their motion: force times shift of the pivot and torque about it times rotation of the step.
 template <class T>
 void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) {
   const Obstacles& obstacles = *state_.problem.obstacles();
@@ -169,8 +171,8 @@ void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) 
     if (!body.moves()) continue;
     const Pose from = body.motion().at(begin, offsets_[k]), to = body.motion().at(end, body.paddle_offset());
     const Eigen::AngleAxisd rotation(to.turn * from.turn.transpose());
-    supplied_.add(per * (impulses[k].shift.dot(to.center - from.center) +
-                         impulses[k].moment.dot(rotation.angle() * rotation.axis())));
+    const Vec3 pivot = to.into_body(body.pivot()), shift = to.into_world(pivot) - from.into_world(pivot);
+    supplied_.add(per * (impulses[k].shift.dot(shift) + impulses[k].moment.dot(rotation.angle() * rotation.axis())));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "boundary/geometry/pose.hpp"
+#include "boundary/waves/wave_theory.hpp"
 #include "io/tables/gauge_readings.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
@@ -173,6 +174,109 @@ position = {1}
   for (const Real position : {0.5, 0.56, 0.6}) left += swing(position, true) / 3, kept += swing(position, false) / 3;
   if (rank_of(world) == 0) std::printf("left of 0.1 m: %.4f with absorption, %.4f without\n", left, kept);
   EXPECT_LT(left, 0.25 * kept);
+}
+
+// A paddle that absorbs where nothing comes back goes as one that does not: it takes neither particles that are nearer
+// to it than half a spacing nor a flap that leans back for missing water.
+TEST_F(WaveTank, NothingToAbsorbLeavesAPaddleInItsPlace) {
+  for (const char* kind : {"piston", "flap"}) {
+    const Scene scene = parse_scene("test.toml",
+                                    fmt::format(R"scene(
+[domain]
+min = [0, 0]
+max = [9.6, 2]
+dimensions = 2
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0]
+max = [9.6, 1]
+[time]
+dt = 0.0333333333333333333
+end = 12
+[gravity]
+[[damping]]
+min = [4.8, 0]
+max = [9.6, 2]
+rate = 4
+[[wavemaker]]
+type = "{}"
+height = 0.2
+period = 1.9
+position = 1.2
+absorb = true
+)scene",
+                                                kind),
+                                    {});
+    std::vector<Real> offsets;
+    SolverExtras extras;
+    extras.observers.push_back(std::make_unique<Offsets>(offsets));
+    auto solver = make_solver(world, scene, initial_particles(world, scene), std::move(extras));
+    solver->start();
+    Real farthest = 0;
+    for (int n = 0; n < 6 * 57; ++n) {
+      solver->step();
+      farthest = std::max(farthest, std::abs(offsets[0]));
+    }
+    if (rank_of(world) == 0) std::printf("%s: %.2f spacings off\n", kind, farthest / 0.1);
+    EXPECT_LT(farthest, 0.18);
+  }
+}
+
+struct Energy : Observer {
+  Real supplied = 0;  // J
+  bool due(const Clock&) const override { return true; }
+  bool wants_diagnostics() const override { return true; }
+  bool wants_forces() const override { return true; }
+  void observe(const Frame& frame) override { supplied = frame.supplied_energy; }
+};
+
+// Linear theory: the energy that a wave carries away, rho g H²/8 times the group velocity and the width of the layer.
+// Of 30 spacings a wavelength a fifth is lost at once, and supplied, too.
+TEST_F(WaveTank, TheWorkOfAPaddleIsThatOfItsWaves) {
+  for (const char* kind : {"piston", "flap"}) {
+    const Scene scene = parse_scene("test.toml",
+                                    fmt::format(R"scene(
+[domain]
+min = [0, 0]
+max = [7.2, 1.4]
+dimensions = 2
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0]
+max = [7.2, 0.7]
+[time]
+dt = 0.0166666666666666667
+end = 6
+[gravity]
+[output.series]
+[[wavemaker]]
+type = "{}"
+height = 0.15
+period = 1.46
+position = 0.6
+)scene",
+                                                kind),
+                                    {});
+    SolverExtras extras;
+    auto watch = std::make_unique<Energy>();
+    const Energy& seen = *watch;
+    extras.observers.push_back(std::move(watch));
+    auto solver = make_solver(world, scene, initial_particles(world, scene), std::move(extras));
+    solver->start();
+    const WavemakerSettings& maker = *scene.obstacles.front().wavemaker;
+    for (int n = 0; n < 2 * 88; ++n) solver->step();
+    const Real before = seen.supplied;
+    for (int n = 0; n < 2 * 88; ++n) solver->step();
+    const Real omega = two_pi / maker.period, k = wave_number(omega, maker.depth, maker.gravity);
+    const Real group = omega / k / 2 * (1 + 2 * k * maker.depth / std::sinh(2 * k * maker.depth));
+    const Real carried = 1000 * maker.gravity * maker.height * maker.height / 8 * group * 0.1;  // W
+    const Real part = (seen.supplied - before) / (2 * maker.period * carried);
+    if (rank_of(world) == 0) std::printf("%s: %.3f of the work that theory has\n", kind, part);
+    EXPECT_GT(part, 0.95);
+    EXPECT_LT(part, 1.25);
+  }
 }
 
 }  // namespace

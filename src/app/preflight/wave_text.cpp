@@ -19,15 +19,30 @@ struct Expected {
   Real k = 0, length = 0, celerity = 0, stroke = 0;
 };
 
+// From end to end, m. A second harmonic is small where the first is at its ends, so amplitudes do not add up.
+Real stroke_of(const WavemakerSettings& w) {
+  if (w.wave == WaveKind::irregular) return 2 * paddle_reach(w);
+  constexpr int samples = 1000;
+  const std::vector<PaddleComponent> parts = paddle_components(w);
+  Real reach = 0;
+  for (int n = 0; n < samples; ++n) {
+    Real sum = 0;
+    for (const PaddleComponent& part : parts)
+      sum += part.amplitude * std::sin(2 * std::numbers::pi * (part.frequency * w.period * n / samples + part.phase));
+    reach = std::max(reach, std::abs(sum));
+  }
+  return 2 * reach;
+}
+
 Expected expected_of(const WavemakerSettings& w) {
   constexpr Real two_pi = 2 * std::numbers::pi;
   if (w.wave == WaveKind::solitary) {
     const auto [kappa, celerity] = solitary_wave(w.height, w.depth, w.gravity);
-    const Real width = two_pi / kappa;  // 97 % of its volume
+    const Real width = two_pi / kappa;  // 99.6 % of its volume
     return {kappa, width, celerity, solitary_stroke(w.height, w.depth)};
   }
   const Real k = wave_number(two_pi / w.period, w.depth, w.gravity);
-  return {k, two_pi / k, two_pi / k / w.period, 2 * paddle_reach(w)};
+  return {k, two_pi / k, two_pi / k / w.period, stroke_of(w)};
 }
 
 // From where on potential flow has 2 % less of the waves of a piston than Biésel's transfer, which is for small motions
@@ -81,7 +96,8 @@ std::string wave_text(const Scene& scene) {
 }
 
 std::vector<std::string> wave_warnings(const Scene& scene) {
-  constexpr Real min_length = 30, min_height = 4;  // spacings
+  constexpr Real min_length = 30, min_height = 4;                               // spacings
+  constexpr Real highest_ursell = 8 * std::numbers::pi * std::numbers::pi / 3;  // Madsen 1971
   std::vector<std::string> warnings;
   for_each_wavemaker(scene, [&](const WavemakerSettings& w, int line) {
     const Real s = scene.fluid.spacing, length = expected_of(w).length;
@@ -95,6 +111,12 @@ std::vector<std::string> wave_warnings(const Scene& scene) {
           fmt::format("the waves of line {} are {:.1f} spacings long, and die early with less than "
                       "{:.0f}; make them longer, or the spacing at most {:.4g} m",
                       line, length / s, min_length, length / min_length));
+    const Real ursell = w.height * length * length / (w.depth * w.depth * w.depth);
+    if (w.wave == WaveKind::regular && ursell > highest_ursell)
+      warnings.push_back(
+          fmt::format("the waves of line {} have H L²/d³ = {:.3g}, and from {:.3g} on Stokes' theory, by which the "
+                      "paddle goes, has a second crest in each trough; make them lower or shorter, or the water deeper",
+                      line, ursell, highest_ursell));
     if (w.height < min_height * s)
       warnings.push_back(
           fmt::format("the waves of line {} are {:.1f} spacings high, and noisy with less than {:.0f}; "

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "boundary/waves/paddle_motion.hpp"
+
 namespace trevi {
 
 namespace {
@@ -37,6 +39,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       inner_{rules.open.min.array() + wall_extension_, rules.open.max.array() - wall_extension_},
       across_((rules.open.max - rules.open.min).norm()),
       shares_(like != nullptr) {
+  if (obstacle.wavemaker && obstacle.wavemaker->kind == PaddleKind::flap) hinge_ = hinge_of(*obstacle.wavemaker);
   move(0, 0);
   if (like != nullptr) {
     map_ = like->map_;

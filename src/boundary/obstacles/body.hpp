@@ -60,6 +60,9 @@ class Body {
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
+  /// About what moments of forces are taken: the centre, of a flap its hinge. The centre of its box is the length of the
+  /// tank away: what its arc is longer than its chord, times the force, would be more than the work.
+  const Vec3& pivot() const { return hinge_ ? *hinge_ : now_.center; }
   const Shape& shape() const { return *shape_; }
   const VolumeMap& map() const { return *map_; }
   const BodyMotion& motion() const { return motion_; }
@@ -162,6 +165,7 @@ class Body {
   std::shared_ptr<const Shape> shape_;
   Box surface_;  // its bounds, in the frame of the body
   BodyMotion motion_;
+  std::optional<Vec3> hinge_;  // of a flap
   bool floats_, moves_, vessel_, whole_;
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it

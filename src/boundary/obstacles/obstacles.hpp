@@ -110,7 +110,7 @@ class Obstacles {
   void begin_step();
   /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The rest is shared
   /// among them by the squares of what each gave, along the line on which that acts, so that the sum is that of the
-  /// water. Moments of the box are about the origin. Collective.
+  /// water. Moments are about the pivots, those of the box about the origin. Collective.
   std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
@@ -121,6 +121,9 @@ class Obstacles {
   bool records_impulses() const { return recording_; }
   /// Records in the ledger alone, for the projection, whose gauges have a rule of their own.
   void record_projection(std::size_t account, const Vec3& shift, const Vec3& p);
+
+  /// From the centre of an obstacle to its pivot, m; zero of bodies that float, whose moments are about their own.
+  Vec3 lever(std::size_t k) const { return bodies_[k]->pivot() - bodies_[k]->now().center; }
 
   /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
   /// particles is calibrated to their kernel.
@@ -136,7 +139,7 @@ class Obstacles {
   std::vector<TotalImpulse> recorded(MPI_Comm comm);
   Vec3 arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const;
   const Vec3& arm_center(std::size_t k) const {
-    return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->now().center;
+    return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->pivot();
   }
   bool is_near_floating(const Vec3& from, const Vec3& to) const;
   // Those that a path may come near to.

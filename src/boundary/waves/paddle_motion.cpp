@@ -81,9 +81,14 @@ Pose PaddleMotion::pose(const Pose& rest, Real displacement) const {
   straight.col(1) = along;
   straight.col(2) = Vec3::UnitZ();
   const Rotation by = turn * straight.transpose();
-  Vec3 hinge = wavemaker_.position * along.cwiseAbs();
-  hinge.z() = wavemaker_.floor;
+  const Vec3 hinge = hinge_of(wavemaker_);
   return {hinge + by * (rest.center - hinge), by * rest.turn};
+}
+
+Vec3 hinge_of(const WavemakerSettings& flap) {
+  Vec3 hinge = flap.position * flap.direction.cwiseAbs();
+  hinge.z() = flap.floor;
+  return hinge;
 }
 
 Real paddle_reach(const WavemakerSettings& wavemaker) {

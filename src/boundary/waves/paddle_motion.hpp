@@ -32,6 +32,9 @@ class PaddleMotion {
   std::vector<Real> levels_;                 // m, of the wave of each component
 };
 
+/// A place of the line about which a flap turns.
+Vec3 hinge_of(const WavemakerSettings& flap);
+
 /// The farthest that a paddle goes to either side of its rest, m; irregular waves by four standard deviations.
 Real paddle_reach(const WavemakerSettings& wavemaker);
 

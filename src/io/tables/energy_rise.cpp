@@ -5,7 +5,7 @@
 
 namespace trevi {
 
-void EnergyRise::add(const Diagnostics& row, Real supplied) {
+void EnergyRise::add(const Diagnostics& row, Real supplied, Real of_bodies) {
   constexpr Real compressed = 0.01;
   const Real energy = row.kinetic_energy + row.potential_energy - supplied;
   if (std::isnan(start_)) {
@@ -22,7 +22,7 @@ void EnergyRise::add(const Diagnostics& row, Real supplied) {
   highest_ = std::max(highest_, energy);
   if (supplied == 0) return;
   const Real largest =
-      std::max({std::abs(supplied), row.kinetic_energy, mass_ * g_ * h_ * static_cast<Real>(row.particles)});
+      std::max({std::abs(supplied), row.kinetic_energy, of_bodies, mass_ * g_ * h_ * static_cast<Real>(row.particles)});
   scale_ = std::isnan(scale_) ? largest : std::max(scale_, largest);
 }
 

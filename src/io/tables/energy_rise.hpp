@@ -19,8 +19,9 @@ class EnergyRise {
   /// Water at rest is level in a closed box of that floor, m², with nothing in it; its particles are `spacing` apart.
   void set_tank(Real floor, Real spacing) { floor_ = floor, spacing_ = spacing; }
 
-  /// The next row; the first that is compressed by at most 1 % is the start.
-  void add(const Diagnostics& row, Real supplied = 0);
+  /// The next row; the first that is compressed by at most 1 % is the start. `of_bodies`: the kinetic energy of bodies,
+  /// J, whose changes count as supplied: exact to a part of that alone.
+  void add(const Diagnostics& row, Real supplied = 0, Real of_bodies = 0);
 
   /// The highest rise so far; nan without a start, and for one at rest without gravity.
   Real fraction() const { return (highest_ - start_) / scale_; }

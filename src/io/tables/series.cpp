@@ -113,7 +113,10 @@ void SeriesWriter::recall(const std::string& rows) {
 void SeriesWriter::observe(const Frame& frame) {
   require(frame.diagnostics != nullptr, "series.csv: no diagnostics in this frame");
   on_root(comm_, [&] { table_->write(row(frame, options_, wall_seconds_before_)); });
-  if (options_.energy) options_.energy->add(*frame.diagnostics, frame.supplied_energy);
+  Real of_bodies = 0;
+  for (const BodyState& body : frame.bodies)
+    of_bodies += (body.momentum.dot(body.velocity) + body.angular_momentum.dot(body.angular_velocity)) / 2;
+  if (options_.energy) options_.energy->add(*frame.diagnostics, frame.supplied_energy, of_bodies);
   last_step_ = frame.clock.step;
 }
 
