@@ -18,8 +18,6 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE V clamp(V v, Real low, Real high) { return hn::Min(hn::Max(v, set(low)), set(high)); }
-
 // A vector of particles of a cell; lanes of `valid` hold one.
 struct Particles8 {
   V3 path;     // p − x, m

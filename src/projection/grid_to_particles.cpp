@@ -17,6 +17,13 @@ AffineMap times(AffineMap map, Real factor) {
   return map;
 }
 
+// What the linear mean says of a wall is extrapolated where few particles stand for the water, and what is more than
+// the mean of the cell's own, or against that, is not theirs (README.md).
+Real bounded(Real by_slope, Real by_mean) {
+  if (by_mean * by_slope <= 0) return 0;
+  return std::abs(by_mean) < std::abs(by_slope) ? by_mean : by_slope;
+}
+
 }  // namespace
 
 // A dry cell right above water under gravity: the few particles in it follow the top cell.
@@ -96,8 +103,7 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
 }
 
 // What takes the particles of a cell along with a wall, or with a solid. They move towards it as the linear mean at its
-// face does; but that is extrapolated where few particles stand for the water, and what is more than the mean of the
-// cell, or against that, is not theirs (README.md).
+// face does.
 Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_t at) const {
   const CutCells* cuts = surface_.cuts();
   const Openings* openings = surface_.openings();
@@ -105,10 +111,7 @@ Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_
       (cuts != nullptr ? cuts->moved(a, face) : 0) + (openings != nullptr ? openings->displacement(a, face) : 0);
   const ParticlesToGrid::Means held = surface_.water().means(at);
   if (held.n == 0) return wall - surface_.water().displacement(a, face);
-  const Real by_mean = wall - held.u[surface_.grid().axis(a)] / held.n;
-  const Real at_wall = wall - surface_.water().displacement(a, face);
-  if (by_mean * at_wall <= 0) return 0;
-  return std::abs(by_mean) < std::abs(at_wall) ? by_mean : at_wall;
+  return bounded(wall - surface_.water().displacement(a, face), wall - held.u[surface_.grid().axis(a)] / held.n);
 }
 
 GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r,
@@ -138,7 +141,8 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
 
 // At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
 // asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
-// closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it.
+// closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it. A sheet one
+// cell deep on a solid is bounded as water at walls is.
 void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
@@ -164,7 +168,12 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const Real size = area.norm();
   if (size < min_wall) return;
   const Vec3 n = area / size;
-  const Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
+  Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
+  const bool is_sheet = surface_.is_top(at) && faces[2].low_closed && !faces[2].low_wall;
+  if (const ParticlesToGrid::Means held = water.means(at); is_sheet && held.n > 0) {
+    const Vec3 mean = Vec3(held.u[grid.axis(0)], held.u[grid.axis(1)], held.u[grid.axis(2)]) / held.n;
+    into = bounded(into, n.dot(mean - solid) + n.z() * step_.g_dt2);
+  }
   for (std::size_t a = 0; a < 3; ++a) {
     const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
     FacePair& pair = faces[a];

@@ -15,6 +15,11 @@ namespace trevi::projection {
 constexpr Real tent = 0.25;
 /// Added to the variance of positions in a fit, cells²: particles in a plane or on a line have no gradient across it.
 constexpr Real fit_damping = 1e-3;
+/// Water in a cell and around it, over that in full cells, below which the particles of a fit are few; and what is
+/// added to the variance of their positions besides, cells², where there is none and the fit closes the cell. Two to
+/// four that meet within a part of a cell say little of its faces: told to close all of it as fast, they were thrown
+/// out at its top. 51 drops of 2 to 4 m/s on slabs gain 0.27 J in the mean for 2.8 without.
+constexpr Real few = 0.375, few_damping = 0.2;
 /// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
 /// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end along
 /// each axis, back on its path, cells. Cut off along each axis for itself, the place of volume left the path, and water

@@ -290,7 +290,7 @@ void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
 
 void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
   fit_.clear_around(k, r, filled(k, r));
-  fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r)});
+  fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r), frame_});
 }
 
 // Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far

@@ -29,36 +29,35 @@ HWY_INLINE Symmetric product(const Symmetric& a, const Symmetric& b) {
           dot(a[0], a[3], a[4], b[4], b[5], b[2]), dot(a[3], a[1], a[5], b[4], b[5], b[2])};
 }
 
-// The inverse P of a variance that has got the damping e. What that leaves out of a fit is fitted, too, twice:
+// The inverse P of a variance that has got the damping e, cells². What that leaves out of a fit is fitted, too, twice:
 // P + e P² + e² P³. Where there is a variance the damping is gone to (e P)³, and where there is none the inverse is
 // bounded by 3/e.
-HWY_INLINE Symmetric inverse_of(const Symmetric& v) {
-  constexpr Real e = projection::fit_damping;
+HWY_INLINE Symmetric inverse_of(const Symmetric& v, V e) {
   const V xx = v[0], yy = v[1], zz = v[2], xy = v[3], xz = v[4], yz = v[5];
   const auto minor = [](V a, V b, V c, V d) { return hn::NegMulAdd(c, d, hn::Mul(a, b)); };
   Symmetric once = {minor(yy, zz, yz, yz), minor(xx, zz, xz, xz), minor(xx, yy, xy, xy),
                     minor(xz, yz, xy, zz), minor(xy, yz, xz, yy), minor(xy, xz, xx, yz)};
   const V determinant = dot(xx, xy, xz, once[0], once[3], once[4]);
-  const V per = hn::Div(set(1), hn::Max(determinant, set(0.5 * e * e * e)));
+  const V per = hn::Div(set(1), hn::Max(determinant, hn::Mul(hn::Mul(hn::Mul(set(0.5), e), e), e)));
   for (V& one : once) one = hn::Mul(one, per);
   const Symmetric twice = product(once, once), thrice = product(twice, once);
   Symmetric sum = once;
-  for (std::size_t q = 0; q < 6; ++q) sum[q] = hn::MulAdd(set(e), hn::MulAdd(set(e), thrice[q], twice[q]), once[q]);
+  for (std::size_t q = 0; q < 6; ++q) sum[q] = hn::MulAdd(e, hn::MulAdd(e, thrice[q], twice[q]), once[q]);
   return sum;
 }
 
 // Where there is nothing numbers are finite.
-HWY_INLINE SpreadVectors spread_of(const Numbers<>& places) {
+HWY_INLINE SpreadVectors spread_of(const Numbers<>& places, V damping) {
   const V n = places[0], per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
   V3 mean = zeros();
   for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(places[1 + a], per_n);
   const auto variance = [&](std::size_t q, V a, V b) { return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n)); };
   // Rounding may leave a variance of a single particle below what is added.
-  const V least = set(projection::fit_damping);
-  const auto own = [&](std::size_t a) { return hn::Max(hn::Add(variance(a, mean[a], mean[a]), least), least); };
+  const auto own = [&](std::size_t a) { return hn::Max(hn::Add(variance(a, mean[a], mean[a]), damping), damping); };
   return {per_n, mean,
           inverse_of({own(0), own(1), own(2), variance(3, mean[0], mean[1]), variance(4, mean[0], mean[2]),
-                      variance(5, mean[1], mean[2])})};
+                      variance(5, mean[1], mean[2])},
+                     damping)};
 }
 
 struct FitVectors {
@@ -83,6 +82,41 @@ HWY_INLINE FitVectors fit_of(const SpreadVectors& s, const Numbers<>& flow) {
   return fit;
 }
 
+struct MotionVectors {
+  SpreadVectors spread;
+  FitVectors fit;
+};
+
+HWY_INLINE MotionVectors motion_of(const Numbers<>& places, const Numbers<>& flow, V damping) {
+  const SpreadVectors spread = spread_of(places, damping);
+  return {spread, fit_of(spread, flow)};
+}
+
+// Of a fit that closes its cell: from 0 where half of its strain is compression, or less, to 1 where all of it is.
+HWY_INLINE V closing_of(const FitVectors& fit, const ByAxis& per_length) {
+  const auto slope = [&](std::size_t i, std::size_t j) { return hn::Mul(fit.b[i][j], set(per_length[j])); };
+  const V xx = slope(0, 0), yy = slope(1, 1), zz = slope(2, 2);
+  const V xy = hn::Add(slope(0, 1), slope(1, 0)), xz = hn::Add(slope(0, 2), slope(2, 0)),
+          yz = hn::Add(slope(1, 2), slope(2, 1));
+  const V strain2 = hn::MulAdd(set(0.5), dot(xy, xz, yz, xy, xz, yz), dot(xx, yy, zz, xx, yy, zz));
+  const V strain = hn::Sqrt(hn::Max(strain2, set(1e-200)));
+  const V compression = hn::Div(hn::Sub(set(0), hn::Add(xx, hn::Add(yy, zz))), strain);
+  return clamp(hn::MulSub(set(2), compression, set(1)), 0, 1);
+}
+
+// Few particles that meet say little of how the faces of their cell close (see projection::few_damping).
+HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const CellFrame& frame, const Numbers<>& places,
+                                       const Numbers<>& flow) {
+  const V damping = set(projection::fit_damping);
+  const MotionVectors motion = motion_of(places, flow, damping);
+  const Real full = projection::few / (frame.per_full * moments.per_tent);
+  const V few = hn::Max(hn::NegMulAdd(places[0], set(1 / full), set(1)), set(0));
+  if (hn::AllFalse(Wide(), hn::Gt(few, set(0)))) return motion;
+  const V meeting = hn::Mul(few, closing_of(motion.fit, frame.per_length));
+  if (hn::AllFalse(Wide(), hn::Gt(meeting, set(0)))) return motion;
+  return motion_of(places, flow, hn::MulAdd(meeting, set(projection::few_damping), damping));
+}
+
 HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {
   write(factor, map, 0);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -102,8 +136,7 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
-    const SpreadVectors spread = spread_of(around.from());
-    const FitVectors fit = fit_of(spread, around.from(10));
+    const auto [spread, fit] = motion_around(moments, out.frame, around.from(), around.from(10));
     write(fit, holds_any(moments, part), part.of(out.fit));
     Real* const places = part.of(out.spread);
     write(spread.per_n, places, 0);
@@ -118,7 +151,7 @@ void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
-    const SpreadVectors spread = spread_of(around.from());
+    const SpreadVectors spread = spread_of(around.from(), set(projection::fit_damping));
     write(fit_of(spread, around.from(10)), load(out.factor, part), part.of(out.fit));
     store(hn::Mul(around.from()[22], spread.per_n), part, out.mean);
   }

@@ -67,9 +67,10 @@ struct RowPlace {
 RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowPlace row, TentMemory& memory);
 
 /// Fits of the moments around cells, and their spread, where `more` is Σ |u|². A cell without particles has neither.
-/// Of the numbers::map that a cell has room for a spread takes the first.
+/// Of the numbers::map that a cell has room for a spread takes the first. Of the frame the size of cells is used.
 struct MotionFits {
   RowToWrite fit, spread;
+  const CellFrame& frame;
 };
 void fit_motion(const RowsAround& moments, const MotionFits& out);
 

@@ -24,6 +24,7 @@ using V = hn::Vec<Wide>;
 using V3 = std::array<V, 3>;
 
 HWY_INLINE V set(Real a) { return hn::Set(Wide(), a); }
+HWY_INLINE V clamp(V v, Real low, Real high) { return hn::Min(hn::Max(v, set(low)), set(high)); }
 // Always made with values: the default constructor would not be of this instruction set.
 HWY_INLINE V3 zeros() { return {hn::Zero(Wide()), hn::Zero(Wide()), hn::Zero(Wide())}; }
 

@@ -208,6 +208,37 @@ TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
   }
 }
 
+// Drops and a jet that fall on slabs which cut cells. When few particles that meet closed all of their cell the first
+// drop gained 17 J, and the jet 20; when a sheet one cell deep was told of the slab what its slope says the second drop
+// gained 14 J in a step.
+TEST(SuppliedEnergy, IsAllThatASplashGains) {
+  const auto risen = [](Real top, const std::string& water) {
+    const Scene scene = scene_with(
+        tank_text(
+            {.max = fmt::format("2, 2, {}", 2 + top), .dt = "0.0041666666666666667", .end = "1", .spacing = "0.05"}) +
+            "[gravity]\n" + water +
+            fmt::format("[[obstacle]]\ntype = \"box\"\nsize = [5, 5, {}]\ncenter = [1, 1, {}]\n", top + 1,
+                        (top - 1) / 2),
+        {});
+    const auto [seen, solver] = watched(scene);
+    run(*solver, 0.5);
+    Real rises = 0;
+    for (std::size_t k = 1; k < seen->energy.size(); ++k)
+      rises += std::max(0.0, seen->energy[k] - seen->energy[k - 1] - (seen->supplied[k] - seen->supplied[k - 1]));
+    return rises;
+  };
+  const std::string drop =
+      "[[particles]]\nmin = [0.813, 0.8065, 0.325]\nmax = [1.213, 1.2065, 0.725]\n"
+      "velocity = [0, 0, -3]\n";
+  const std::string faster =
+      "[[particles]]\nmin = [0.808, 0.804, 0.3125]\nmax = [1.208, 1.204, 0.7125]\n"
+      "velocity = [0, 0, -3.5]\n";
+  const std::string jet_down = "[[inlet]]\ncenter = [1, 1, 0.75]\nradius = 0.1\nspeed = 4\ndirection = [0, 0, -1]\n";
+  EXPECT_LT(risen(0.225, drop), 2.9) << "a hundredth of the energy that it falls with";
+  EXPECT_LT(risen(0.2125, faster), 3.9) << "the same";
+  EXPECT_LT(risen(0.25, jet_down), 5.8) << "a hundredth of what it has been given";
+}
+
 // An inlet at the floor lifts the pool, which stays level: of water that comes with little speed the work is the
 // potential energy that the level tells. It gets room as it comes, and is pressed by some per cent at most.
 TEST(SuppliedEnergy, OfAnInletUnderWaterIsWhatItLifts) {

@@ -17,7 +17,9 @@ struct ReferenceFit {
   Real weight = 0;  ///< 1, or 0 where there is nothing to fit
   Vec3 a = Vec3::Zero();
   Eigen::Matrix3d b = Eigen::Matrix3d::Zero();
-  Real rest2 = 0;  ///< mean of u · (u − fit), with a fit without penalty the mean square of what it leaves
+  Real held = 0;     ///< sum of the weights of what is fitted
+  Real penalty = 0;  ///< of the slopes, in fit_of
+  Real rest2 = 0;    ///< mean of u · (u − fit), with a fit without penalty the mean square of what it leaves
 
   Vec3 at(const Vec3& y) const { return a + b * y; }
 };
@@ -27,9 +29,9 @@ struct Sample {
   Vec3 y, u;
 };
 
-/// Least squares Σ w |u − a − b y|² + 1e-3 |b|² Σ w: the variance of positions grows by 1e-3 in each direction. What
-/// the penalty leaves out is fitted, too, `again` times (iterated Tikhonov regularisation).
-inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
+/// Least squares Σ w |u − a − b y|² + penalty |b|² Σ w: the variance of positions grows by it in each direction. What
+/// it leaves out is fitted, too, `again` times (iterated Tikhonov regularisation).
+inline ReferenceFit fit_of(const std::vector<Sample>& samples, Real penalty) {
   constexpr int again = 2;
   ReferenceFit fit;
   if (samples.empty()) return fit;
@@ -43,7 +45,7 @@ inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
     right.row(i) = std::sqrt(sample.weight) * sample.u.transpose();
     total += sample.weight;
   }
-  left.bottomRightCorner<3, 3>() = std::sqrt(1e-3 * total) * Eigen::Matrix3d::Identity();
+  left.bottomRightCorner<3, 3>() = std::sqrt(penalty * total) * Eigen::Matrix3d::Identity();
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> least_squares(left);
   Eigen::MatrixXd found = Eigen::MatrixXd::Zero(4, 3), rest = right;
   for (int k = 0; k <= again; ++k) {
@@ -51,6 +53,8 @@ inline ReferenceFit fit_of(const std::vector<Sample>& samples) {
     rest.topRows(rows) = right.topRows(rows) - left.topRows(rows) * found;
   }
   fit.weight = 1;
+  fit.held = total;
+  fit.penalty = penalty;
   fit.a = found.row(0);
   fit.b = found.bottomRows<3>().transpose();
   fit.rest2 = std::max(right.cwiseProduct(rest).sum() / total, 0.0);

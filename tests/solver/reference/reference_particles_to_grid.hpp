@@ -129,13 +129,19 @@ class ReferenceParticlesToGrid {
 
   /// Of what all particles around a cell have as `u` at y, which is counted from the corners of their own cells. A cell
   /// without particles has no fit.
-  ReferenceFit fit_around(const Cell& c, const std::vector<Vec3>& y, const std::vector<Vec3>& u) const {
+  ReferenceFit fit_around(const Cell& c, const std::vector<Vec3>& y, const std::vector<Vec3>& u,
+                          Real penalty = 1e-3) const {
     std::vector<Sample> samples;
     if ((*members_)[c].empty()) return {};
     for_each_around(c, [&](const Cell& cell, const Vec3& offset, Real weight) {
       for (const std::size_t i : (*members_)[cell]) samples.push_back({weight, y[i] + offset, u[i]});
     });
-    return fit_of(samples);
+    return fit_of(samples, penalty);
+  }
+  /// Of a fit that closes its cell, from 0 where half of its strain is compression, or less, to 1 where all of it is.
+  Real closing(const ReferenceFit& fit) const {
+    const Eigen::Matrix3d slope = fit.b * size_.cwiseInverse().asDiagonal(), strain = (slope + slope.transpose()) / 2;
+    return strain.norm() > 0 ? std::clamp(-2 * strain.trace() / strain.norm() - 1, 0.0, 1.0) : 0;
   }
   void fit_motion() {
     std::vector<Vec3> y, u;
@@ -144,7 +150,12 @@ class ReferenceParticlesToGrid {
       u.push_back(i.way);
     }
     fit_.emplace(cells_, ReferenceFit{});
-    for_each_cell([&](const Cell& c) { (*fit_)[c] = fit_around(c, y, u); });
+    // With less than three eighths of the water of full cells, and where the cell closes, slopes are penalised more.
+    for_each_cell([&](const Cell& c) {
+      ReferenceFit& fit = (*fit_)[c] = fit_around(c, y, u);
+      const Real filled = fit.held / std::pow(1.5, dimensions_) * std::pow(s_, 3) / size_.prod();
+      if (filled < 0.375) fit = fit_around(c, y, u, 1e-3 + 0.2 * (1 - filled / 0.375) * closing(fit));
+    });
   }
 
   // Linear weights of what each particle says of the middle of the face, by the slope of its cell; where they come to

@@ -268,7 +268,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     CellArray<ReferenceFit> second(cells_, {});
     for_each_cell([&](const Cell& c) {
       if (!wet(c) && !follows(c)) return;
-      second[c] = fit_around(c, y, noise);
+      second[c] = fit_around(c, y, noise, (*fit_)[c].penalty);
       second[c].weight *= std::min(time / 12, 1.0) / (1 + (*fit_)[c].rest2 / std::pow(0.2 * time * h_, 2));
     });
     for (std::size_t i = 0; i < particles_.size(); ++i) damping.push_back(-filtered(particles_[i], noise[i], second));
