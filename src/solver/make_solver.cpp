@@ -175,6 +175,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.balance = make_balance(*parts.comm, settings);
   parts.clock = {extras.step, settings.dt, extras.substeps};
   parts.force_sums = std::move(extras.force_sums);
+  parts.corner = settings.domain.min;
   parts.supplied_energy = extras.supplied_energy;
   parts.paddle_offsets = std::move(extras.paddle_offsets);
   parts.bodies = std::move(extras.bodies);

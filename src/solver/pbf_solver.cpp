@@ -26,7 +26,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
                  parts_.first_cell, parts_.crush_limit, parts_.probes.get(), parts_.absorption.get()},
                 std::move(parts_.observers), *parts_.diagnostics,
-                {*parts_.comm, parts_.water_mass, parts_.gravity, parts_.supplied_energy}) {
+                {*parts_.comm, parts_.water_mass, parts_.gravity, parts_.corner, parts_.supplied_energy}) {
   reporter_.set_force_sums(std::move(parts_.force_sums));
 }
 

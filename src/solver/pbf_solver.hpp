@@ -62,6 +62,7 @@ struct SolverParts {
   std::vector<Real> paddle_offsets;  ///< of the solver before, m
   Real water_mass = 0;               ///< of a particle, kg
   Vec3 gravity = Vec3::Zero();
+  Vec3 corner = Vec3::Zero();  ///< of the box, m: there potential energies are 0
   Real crush_limit = 0;
   Clock clock;
   std::function<RequestCounts()> requests;  ///< requests from outside that this rank sees; may be empty

@@ -21,7 +21,7 @@ std::int64_t SuppliedEnergy::units(const Particles& particles) const {
     std::uint64_t sum = 0;
     for (LocalId i = part.begin; i < part.end; ++i) {
       const auto n = static_cast<std::size_t>(i);
-      const Real energy = particles.velocity[n].squaredNorm() / 2 - gravity_.dot(particles.position[n]);
+      const Real energy = particles.velocity[n].squaredNorm() / 2 - gravity_.dot(particles.position[n] - corner_);
       if (std::abs(energy) < highest) sum += static_cast<std::uint64_t>(std::llround(energy / unit));
     }
     sums.mine() += sum;

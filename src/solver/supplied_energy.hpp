@@ -15,9 +15,10 @@ namespace trevi {
 
 class SuppliedEnergy {
  public:
-  /// Of particles of that mass, kg. `before`: J, of the run that goes on.
-  SuppliedEnergy(MPI_Comm comm, Real mass, const Vec3& gravity, Real before)
-      : comm_(comm), mass_(mass), gravity_(gravity), joules_(before) {}
+  /// Of particles of that mass, kg. `corner`: from which potential energies count, as those of the water (diagnostics).
+  /// `before`: J, of the run that goes on.
+  SuppliedEnergy(MPI_Comm comm, Real mass, const Vec3& gravity, const Vec3& corner, Real before)
+      : comm_(comm), mass_(mass), gravity_(gravity), corner_(corner), joules_(before) {}
 
   /// Counts by how much `work` changes the kinetic and potential energy of this rank's particles.
   void measure(const Particles& particles, const std::function<void()>& work);
@@ -36,7 +37,7 @@ class SuppliedEnergy {
 
   MPI_Comm comm_;
   Real mass_;
-  Vec3 gravity_;
+  Vec3 gravity_, corner_;
   Real joules_;
   std::int64_t measured_ = 0;
 };

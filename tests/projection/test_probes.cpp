@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
+#include "io/tables/body_series.hpp"
 #include "io/tables/gauge_series.hpp"
+#include "io/tables/obstacle_series.hpp"
+#include "parallel/collective.hpp"
 #include "support/cloud.hpp"
 #include "support/output_fixture.hpp"
 #include "support/tank.hpp"
@@ -49,6 +53,31 @@ std::unique_ptr<Solver> run(MPI_Comm comm, const std::string& text, const std::s
 }
 
 class Probes : public Output {};
+
+// A pressure on a wall is the mean over the steps since the row before, whatever other tables have rows in between.
+TEST_F(Probes, OtherTablesTakeNothingOfAMean) {
+  const std::string text = tank +
+                           "[[obstacle]]\ntype = 'sphere'\ncenter = [1, 0.6, 0.4]\nradius = 0.3\n"
+                           "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.6, 0.5]\nnormal = [1, 0, 0]\n";
+  const Scene scene = parse_scene("test.toml", text, {});
+  const auto last_row = [&](int every, int other) {
+    const std::string into = fmt::format("{}/{}", folder(), other);
+    on_root(world, [&] { std::filesystem::create_directory(into); });
+    SolverExtras extras;
+    extras.observers.push_back(std::make_unique<GaugeSeries>(world, TableOptions{into, Schedule{0, every}, {}}, scene));
+    const TableOptions options{into, Schedule{0, other}, {}};
+    extras.observers.push_back(std::make_unique<ObstacleSeries>(world, options, 1));
+    extras.observers.push_back(std::make_unique<BodySeries>(world, options, 0, 1));
+    auto solver = make_solver(world, scene, initial_particles(world, scene), std::move(extras));
+    solver->start();
+    for (int k = 0; k < 12; ++k) solver->step();
+    return into;
+  };
+  const std::string whole = last_row(12, 12), often = last_row(12, 5);
+  if (rank_of(world) != 0) return;
+  EXPECT_GT(rows_of(whole).back()[2], 100);
+  EXPECT_EQ(rows_of(often).back()[2], rows_of(whole).back()[2]);
+}
 
 // In the open, at walls, in corners, between cells and in the air; without an obstacle.
 TEST_F(Probes, StillWaterHasThePressureOfItsDepth) {

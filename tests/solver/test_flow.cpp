@@ -188,12 +188,16 @@ TEST(Flow, TankFillsToItsWeirAndStays) {
   EXPECT_NEAR(static_cast<Real>(gone[last] - gone[full]) * volume, brought, 0.05 * brought);
 }
 
-// A jet in the air has all that it was given until a drain takes it; while it falls each kilogram loses g² dt²/2 a
-// step.
+// A jet in the air has all that it was given until a drain takes it, wherever the floor is; while it falls each
+// kilogram loses g² dt²/2 a step.
 TEST(SuppliedEnergy, OfAJetIsWhatItHas) {
-  for (const char* weight : {"", "[gravity]\n"}) {
-    const Scene scene = scene_with(shaft + weight + jet + "speed = 3\n" + bottom,
-                                   {"inlet.0.direction=[0.15,0,-1]", "inlet.0.center=[0.7,0.45,2.7]"});
+  for (const auto& [weight, floor] :
+       {std::pair("", 0.0), std::pair("[gravity]\n", 0.0), std::pair("[gravity]\n", -5.0)}) {
+    const Scene scene = scene_with(
+        shaft + weight + jet + "speed = 3\n" + bottom,
+        {"inlet.0.direction=[0.15,0,-1]", fmt::format("domain.min=[0,0,{}]", floor),
+         fmt::format("domain.max=[1.6,0.9,{}]", floor + 3), fmt::format("drain.0.center=[0,0,{}]", floor + 0.3),
+         fmt::format("inlet.0.center=[0.7,0.45,{}]", floor + 2.7)});
     const auto [seen, solver] = watched(scene);
     run(*solver, 1.5);
     ASSERT_GT(solver->flow()->outflow, 0);

@@ -60,8 +60,8 @@ class Body {
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
-  /// About what moments of forces are taken: the centre, of a flap its hinge. The centre of its box is the length of the
-  /// tank away: what its arc is longer than its chord, times the force, would be more than the work.
+  /// About what moments of forces are taken: the centre, of a flap its hinge. The centre of its box is the length of
+  /// the tank away: what its arc is longer than its chord, times the force, would be more than the work.
   const Vec3& pivot() const { return hinge_ ? *hinge_ : now_.center; }
   const Shape& shape() const { return *shape_; }
   const VolumeMap& map() const { return *map_; }
