@@ -18,7 +18,8 @@ constexpr Real fit_damping = 1e-3;
 /// Water in a cell and around it, over that in full cells, below which the particles of a fit are few; and what is
 /// added to the variance of their positions besides, cells², where there is none and the fit closes the cell. Two to
 /// four that meet within a part of a cell say little of its faces: told to close all of it as fast, they were thrown
-/// out at its top. 51 drops of 2 to 4 m/s on slabs gain 0.27 J in the mean for 2.8 without.
+/// out at its top. 51 drops of 2 to 4 m/s on slabs gain 0.27 J in the mean for 2.8 without and
+/// without the bound of sheets at cut solids.
 constexpr Real few = 0.375, few_damping = 0.2;
 /// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
 /// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end along
