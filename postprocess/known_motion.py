@@ -363,8 +363,8 @@ def wave_energy_figures(columns, water):
                                            "own_kinetic_gain": max(kinetic) / kinetic[0] - 1}
 
 
-def against_60(figures, slow):
-    return {"loss_over_60": figures["loss_per_half"] / slow["loss_per_half"]}
+def against_60(figures, slow):  # a wave that loses nothing is judged by its energy; 1e-4: scatter of the fit
+    return {"loss_over_60": max(figures["loss_per_half"], 0.0) / max(slow["loss_per_half"], 1e-4)}
 
 
 def pool_figures(columns, water):

@@ -82,6 +82,7 @@ TEST(ParticlesToGrid, FewParticlesThatMeetDoNotCloseTheirCell) {
       four.particles.position[i] = at - motion(at) / 2;
       four.particles.predicted[i] = at + motion(at) / 2;
     }
+    migrate(world, four.particles, &Particles::predicted, four.grid, four.slabs);
     four.sort();
     const FacesMove of_few(four, motion);
     if (slope == meeting) {
