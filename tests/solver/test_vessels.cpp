@@ -275,8 +275,8 @@ end = 3
     for (std::size_t k = 0; k < 3; ++k) {
       std::printf("swing %zu: %.3f s and %.3f of those in the box\n", k, held[k].time / free[k].time,
                   held[k].far / free[k].far);
-      EXPECT_NEAR(held[k].time / free[k].time, 1, 0.08) << around << k;
-      EXPECT_GT(held[k].far / free[k].far, 0.9) << around << k;
+      EXPECT_NEAR(held[k].time / free[k].time, 1, 0.06) << around << k;
+      EXPECT_GT(held[k].far / free[k].far, 0.91) << around << k;
     }
   }
 }
