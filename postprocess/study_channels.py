@@ -50,7 +50,7 @@ every_steps = 20
 """
 HEIGHT = '[[gauge]]\ntype = "height"\ncenter = [{x}, {y}, {z}]\nradius = {radius}\n'
 FLOW = '[[gauge]]\ntype = "flow"\ncenter = [2, {y}, 0.6]\nsize = [{wide}, 1.2]\nnormal = [1, 0, 0]\n'
-ROUND = '[[obstacle]]\ntype = "cylinder"\ncenter = [4, {y}, {z}]\naxis = [0, 1, 0]\nradius = 1.5\nheight = 10\n'
+ROUND = '[[obstacle]]\ntype = "cylinder"\ncenter = [4, {y}, {z}]\naxis = [0, 1, 0]\nradius = 1.5\n'
 SQUARE = '[[obstacle]]\ntype = "box"\ncenter = [4, {y}, 0.15]\nsize = [0.2, 10, 0.3]\n'
 CASES = {
     "uniform": {"speed": 0.5, "opening": 0.5, "level": 0.5},
