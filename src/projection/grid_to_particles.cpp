@@ -139,11 +139,8 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
-// At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
-// asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
-// closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it. A sheet one
-// cell deep on a solid is bounded as water at walls is.
-void GridToParticles::slip(std::size_t at, Faces& faces) const {
+// Nothing where the surface has no direction. A sheet one cell deep on a solid is bounded as water at walls is.
+std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, const Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
   const ParticlesToGrid& water = surface_.water();
@@ -166,7 +163,7 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
       solid[i] = (closed_low * cuts.moved(a, at) + closed_high * cuts.moved(a, above)) / (closed_low + closed_high);
   }
   const Real size = area.norm();
-  if (size < min_wall) return;
+  if (size < min_wall) return std::nullopt;
   const Vec3 n = area / size;
   Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
   const bool is_sheet = surface_.is_top(at) && faces[2].low_closed && !faces[2].low_wall;
@@ -174,8 +171,19 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
     const Vec3 mean = Vec3(held.u[grid.axis(0)], held.u[grid.axis(1)], held.u[grid.axis(2)]) / held.n;
     into = bounded(into, n.dot(mean - solid) + n.z() * step_.g_dt2);
   }
+  return SolidSurface{n, into};
+}
+
+// At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
+// asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
+// closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it.
+void GridToParticles::slip(std::size_t at, Faces& faces) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const CutCells& cuts = *surface_.cuts();
+  const std::optional<SolidSurface> solid = solid_surface(at, faces);
+  if (!solid) return;
   for (std::size_t a = 0; a < 3; ++a) {
-    const Real along = (a == 2 ? step_.g_dt2 : 0) - n[static_cast<Eigen::Index>(a)] * into;
+    const Real along = (a == 2 ? step_.g_dt2 : 0) - solid->normal[static_cast<Eigen::Index>(a)] * solid->into;
     FacePair& pair = faces[a];
     const bool low = pair.low_closed && !pair.low_wall, high = pair.high_closed && !pair.high_wall;
     const bool from_open = a < 2 && !cuts.floats(at) && (low ? !pair.high_closed : !pair.low_closed);

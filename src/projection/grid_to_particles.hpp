@@ -21,6 +21,8 @@
 // Collective: prepare().
 #pragma once
 
+#include <optional>
+
 #include "projection/pressure.hpp"
 
 namespace trevi {
@@ -60,6 +62,12 @@ class GridToParticles {
   using Faces = std::array<FacePair, 3>;
   FacePair faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
   bool follows(std::size_t at) const;
+  // Of a solid in a cell: its mean normal, by directions of the grid, and what goes into it, m.
+  struct SolidSurface {
+    Vec3 normal;
+    Real into;
+  };
+  std::optional<SolidSurface> solid_surface(std::size_t at, const Faces& faces) const;
   void slip(std::size_t at, Faces& faces) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;

@@ -20,17 +20,13 @@ struct Expected {
 };
 
 // From end to end, m. A second harmonic is small where the first is at its ends, so amplitudes do not add up.
-Real stroke_of(const WavemakerSettings& w) {
+Real stroke_of(WavemakerSettings w) {
   if (w.wave == WaveKind::irregular) return 2 * paddle_reach(w);
   constexpr int samples = 1000;
-  const std::vector<PaddleComponent> parts = paddle_components(w);
+  w.ramp = 0;
+  const PaddleMotion paddle(w);
   Real reach = 0;
-  for (int n = 0; n < samples; ++n) {
-    Real sum = 0;
-    for (const PaddleComponent& part : parts)
-      sum += part.amplitude * std::sin(2 * std::numbers::pi * (part.frequency * w.period * n / samples + part.phase));
-    reach = std::max(reach, std::abs(sum));
-  }
+  for (int n = 0; n < samples; ++n) reach = std::max(reach, std::abs(paddle.displacement(w.period * n / samples)));
   return 2 * reach;
 }
 
