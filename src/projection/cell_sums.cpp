@@ -22,26 +22,25 @@ struct Lanes {
   alignas(64) double value[moments + volumes][virtual_lanes];
 };
 
-// Of a density that rises linearly and falls again what is before t, where it reaches from 0 to 1.
-HWY_INLINE V part_of_tent(V t) {
-  const V rest = hn::Sub(set(1), t);
-  return hn::IfThenElse(hn::Lt(t, set(0.5)), hn::Mul(set(2), hn::Mul(t, t)),
-                        hn::NegMulAdd(hn::Mul(set(2), rest), rest, set(1)));
+HWY_INLINE V square_above_zero(V v) {
+  const V positive = hn::Max(v, set(0));
+  return hn::Mul(positive, positive);
+}
+
+// The part of a particle that is further than its middle by more than `way`, in cells: the integral of its density.
+HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
+  const Real flat = frame.flat[a], reach = frame.reach[a];
+  const V w = hn::Max(way, set(-reach));
+  const V sloped = hn::Sub(square_above_zero(hn::Sub(set(reach), w)), square_above_zero(hn::Sub(set(flat), w)));
+  return hn::Mul(hn::Sub(sloped, square_above_zero(hn::Sub(set(-flat), w))),
+                 set(0.5 / (reach * reach - flat * flat)));
 }
 
 // The part of each particle's volume below the cell along a, in it and above it.
 HWY_INLINE V3 parts(const CellFrame& frame, const Particles8& particles, const ByAxis& corner, std::size_t a) {
-  const Real low = frame.half[0][a], high = frame.half[1][a];
   const V mid = clamp(particles.surface[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
-  if (a == frame.upwards) {
-    const V below = clamp(hn::Mul(hn::Sub(set(2 * low), mid), set(0.25 / low)), 0, 1);
-    const V above = clamp(hn::Mul(hn::Add(mid, set(2 * high - 1)), set(0.25 / high)), 0, 1);
-    const V under = frame.floor < corner[a] ? part_of_tent(below) : set(0);
-    const V over = frame.ceiling > corner[a] + 1 ? part_of_tent(above) : set(0);
-    return {under, hn::Sub(hn::Sub(set(1), under), over), over};
-  }
-  const V below = clamp(hn::Mul(hn::Sub(set(low), mid), set(0.5 / low)), 0, 1);
-  const V above = clamp(hn::Mul(hn::Add(mid, set(high - 1)), set(0.5 / high)), 0, 1);
+  const V below = frame.floor[a] < corner[a] ? part_beyond(frame, mid, a) : set(0);
+  const V above = frame.ceiling[a] > corner[a] + 1 ? part_beyond(frame, hn::Sub(set(1), mid), a) : set(0);
   return {below, hn::Sub(hn::Sub(set(1), below), above), above};
 }
 

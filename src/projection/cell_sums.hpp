@@ -12,16 +12,14 @@ namespace trevi {
 
 using ByAxis = std::array<Real, 3>;
 
-/// What in_cells() etc. of ProjectionGrid are made of, and the cuboid over which a particle is spread.
+/// What in_cells() etc. of ProjectionGrid are made of, and how a particle is spread.
 struct CellFrame {
-  ByAxis per_length;  ///< cells per metre
-  std::array<ByAxis, 2>
-      half;                  ///< of a cuboid's edges, in cells, where it reaches through the lower and the upper faces
-  ByAxis nearest, farthest;  ///< where a cuboid's middle can be between walls, in cells from the corner of the box
-  std::size_t upwards;  ///< the coordinate along which it is not spread evenly: its density falls linearly to nothing
-                        ///< at twice `half`
-  Real floor, ceiling;  ///< through which nothing reaches along that, in cells from the corner of the box
-  Real per_full;        ///< volume of a particle, in cells
+  ByAxis per_length;         ///< cells per metre
+  ByAxis flat, reach;        ///< a particle's density is even up to `flat` from its middle and falls linearly to nothing
+                             ///< at `reach`, in cells
+  ByAxis nearest, farthest;  ///< where its middle can be, in cells from the corner of the box
+  ByAxis floor, ceiling;     ///< through which nothing reaches, in cells from the corner of the box
+  Real per_full;             ///< volume of a particle, in cells
 };
 
 /// The positions, m, between which the prediction, or a shift, moves the particles.
@@ -49,8 +47,8 @@ struct MotionSums {
   std::array<ByAxis, 3> uy;  ///< uy[a][b]: Σ u_a y_b
   Real uu;                   ///< Σ |u|²
 };
-/// volume[i][j][k] is what they fill of the cell (1, 1, 1) itself and of the 26 around it, in cells. The cuboid
-/// of a particle is placed at its surface position (FreeSurface), but moved to lie inside the walls.
+/// volume[i][j][k] is what they fill of the cell (1, 1, 1) itself and of the 26 around it, in cells. A particle is
+/// placed at its surface position (FreeSurface), and what would be beyond a wall stays in the cell before it.
 struct CellSums {
   MotionSums motion;
   std::array<std::array<ByAxis, 3>, 3> volume;

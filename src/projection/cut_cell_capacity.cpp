@@ -26,18 +26,16 @@ void CutCells::store_shares(std::size_t cells) {
 // Of a cuboid at `place`, in cells from the corner of its cell, which is `corner` cells from that of the box.
 CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real corner) const {
   const auto b = static_cast<std::size_t>(axis_[a]);
-  const Real low = frame_.half[0][b], high = frame_.half[1][b];
+  const Real flat = frame_.flat[b], reach = frame_.reach[b];
   const Real middle = std::min(std::max(place, frame_.nearest[b] - corner), frame_.farthest[b] - corner);
-  if (b == frame_.upwards) {
-    const auto part_of_tent = [](Real t) { return t < 0.5 ? 2 * t * t : 1 - 2 * (1 - t) * (1 - t); };
-    const Real below = std::clamp((2 * low - middle) * (0.25 / low), 0.0, 1.0);
-    const Real above = std::clamp((middle + (2 * high - 1)) * (0.25 / high), 0.0, 1.0);
-    const Real under = corner > frame_.floor + 0.5 ? part_of_tent(below) : 0;
-    const Real over = corner + 1.5 < frame_.ceiling ? part_of_tent(above) : 0;
-    return {under, 1 - under - over, over};
-  }
-  const Real below = std::clamp((low - middle) * (0.5 / low), 0.0, 1.0);
-  const Real above = std::clamp((middle + (high - 1)) * (0.5 / high), 0.0, 1.0);
+  const auto square_above_zero = [](Real v) { return v > 0 ? v * v : 0; };
+  const auto part_beyond = [&](Real way) {
+    const Real w = std::max(way, -reach);
+    return (square_above_zero(reach - w) - square_above_zero(flat - w) - square_above_zero(-flat - w)) /
+           (2 * (reach * reach - flat * flat));
+  };
+  const Real below = corner > frame_.floor[b] + 0.5 ? part_beyond(middle) : 0;
+  const Real above = corner + 1.5 < frame_.ceiling[b] ? part_beyond(1 - middle) : 0;
   return {below, 1 - below - above, above};
 }
 
@@ -45,7 +43,7 @@ CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real cor
 // in cells upwards, as `height` is; distance of the solid and its slope upwards, in samples.
 Real CutCells::off_solid(Real height, Real distance, Real slope) const {
   const Real way = std::max(distance, 0.0), steep = std::abs(slope) * samples;  // the solid is way/steep below or above
-  const Real half = frame_.half[slope > 0 ? 0 : 1][2];
+  const Real half = frame_.reach[2] / 2;
   if (way >= half * steep) return height;
   const Real missing = half - way / steep;
   return slope > 0 ? height + missing : height - missing;
@@ -88,32 +86,31 @@ CellFrame CutCells::beside_solids(const CellFrame& frame, const ProjectionGrid& 
   const LocalId c = cell[2];
   const std::size_t at = grid.index(cell[0], cell[1], c);
   const CellPlace place = grid.place_of(cell[0], cell[1], c);
-  const auto keep_above = [&](std::size_t a, Real bottom) {
+  for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
-    narrowed.nearest[b] = std::max(narrowed.nearest[b], place.corner[b] + bottom + frame.half[0][b]);
-  };
-  const auto keep_below = [&](std::size_t a, Real top) {
-    const std::size_t b = grid.axis(a);
-    narrowed.farthest[b] = std::min(narrowed.farthest[b], place.corner[b] + top - frame.half[1][b]);
-  };
-  for (std::size_t a = 0; a < 2; ++a) {
-    if (face(a, at) == 0) keep_above(a, 0);
-    if (face(a, at + grid.step(a)) == 0) keep_below(a, 1);
+    if (face(a, at) == 0) narrowed.floor[b] = place.corner[b];
+    if (face(a, at + grid.step(a)) == 0) narrowed.ceiling[b] = place.corner[b] + 1;
   }
+  const std::size_t up = grid.axis(2);
+  const Real half = frame.reach[up] / 2;
+  const auto keep_above = [&](Real bottom) {
+    narrowed.nearest[up] = std::max(narrowed.nearest[up], place.corner[up] + bottom + half);
+  };
+  const auto keep_below = [&](Real top) {
+    narrowed.farthest[up] = std::min(narrowed.farthest[up], place.corner[up] + top - half);
+  };
   const LocalId end = grid.columns();
   const auto rises = [&](LocalId of, std::size_t i) { return of == 0 || open(i - 1) == 0 ? rise(i, false) : 0; };
   const auto hangs = [&](LocalId of, std::size_t i) { return of + 1 == end || open(i + 1) == 0 ? rise(i, true) : 0; };
   if (face(2, at) == 0) {
-    narrowed.floor = place.corner[grid.axis(2)];
-    keep_above(2, rises(c, at));
+    keep_above(rises(c, at));
   } else if (c > 0 && open(at - 1) > 0 && face(2, at - 1) == 0) {
-    keep_above(2, rises(c - 1, at - 1) - 1);
+    keep_above(rises(c - 1, at - 1) - 1);
   }
   if (face(2, at + 1) == 0) {
-    narrowed.ceiling = place.corner[grid.axis(2)] + 1;
-    keep_below(2, 1 - hangs(c, at));
+    keep_below(1 - hangs(c, at));
   } else if (c + 1 < end && open(at + 1) > 0 && face(2, at + 2) == 0) {
-    keep_below(2, 2 - hangs(c + 1, at + 1));
+    keep_below(2 - hangs(c + 1, at + 1));
   }
   return narrowed;
 }
@@ -145,10 +142,10 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
   }
 }
 
-// Where the water of a cell beside is that has a share: near the face, a sixth of a cell beyond it in the mean.
+// Where the water of a cell beside is that has a share: near the face, a quarter of a cell beyond it in the mean.
 void CutCells::measure_capacity(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
                                 std::vector<Cell>& cells) const {
-  constexpr Real beyond_face = 1.0 / 6;
+  constexpr Real beyond_face = 0.25;
   const auto off_middle = [](std::size_t side, float middle) {
     return side == 0 ? -beyond_face - 0.5 : side == 2 ? 1 + beyond_face - 0.5 : static_cast<Real>(middle) - 0.5;
   };

@@ -27,9 +27,10 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
   return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
-// Particles as cuboids `spread` spacings wide, or one where cells are less wide than that. Upwards their density falls
-// linearly to nothing one spacing away, and what would be beyond a wall stays in the cell before it.
-CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing) {
+// Along x and y a particle is the convolution of two boxes, the first as many whole spacings wide as a cell has, and both
+// together two cells: uniform for a lattice, and, as the whole of it is a cell at h = 2 s, what passes a face in a step
+// is what particles say of the face.
+CellFrame frame_of_particles(const ProjectionGrid& grid, Real spacing) {
   constexpr Real rounding = 1e-9;
   CellFrame frame{};
   frame.per_length = grid.per_length();
@@ -37,16 +38,15 @@ CellFrame frame_of_cuboids(const ProjectionGrid& grid, Real spacing) {
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
     const Real edge = spacing * frame.per_length[b];
-    const Real wide = projection::spread * edge;
-    const Real half = a == 2 || wide > 1 + rounding ? edge / 2 : std::min(wide, 1.0) / 2;
-    frame.half[0][b] = frame.half[1][b] = half;
-    frame.nearest[b] = grid.repeats()[a] ? -INFINITY : half;
-    frame.farthest[b] = grid.repeats()[a] ? INFINITY : grid.count(a) - half;
+    frame.flat[b] = a == 2 ? 0 : 1 - edge * std::floor(1 / edge + rounding);
+    frame.reach[b] = a == 2 ? edge : 1;
+    const bool open = grid.repeats()[a], moved_in = a == 2 && !open;
+    frame.nearest[b] = moved_in ? edge / 2 : -INFINITY;
+    frame.farthest[b] = moved_in ? grid.count(a) - edge / 2 : INFINITY;
+    frame.floor[b] = open ? -INFINITY : 0;
+    frame.ceiling[b] = open ? INFINITY : static_cast<Real>(grid.count(a));
     frame.per_full *= edge;
   }
-  frame.upwards = grid.axis(2);
-  frame.floor = grid.repeats()[2] ? -INFINITY : 0;
-  frame.ceiling = grid.repeats()[2] ? INFINITY : static_cast<Real>(grid.count(2));
   return frame;
 }
 
@@ -70,7 +70,7 @@ class FaceMiddles {
 }  // namespace
 
 ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing)
-    : grid_(grid), frame_(frame_of_cuboids(grid, spacing)) {}
+    : grid_(grid), frame_(frame_of_particles(grid, spacing)) {}
 
 void ParticlesToGrid::borrow() {
   filled_.assign(row_index(grid_.planes() + 2, -1), {});

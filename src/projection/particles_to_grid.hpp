@@ -69,7 +69,7 @@ class ParticlesToGrid {
   /// Height of still water above a level, in cells, whose particles have `volume` above it: as they reach beyond the
   /// water, they have some also where it ends below.
   Real height_of(Real volume) const {
-    const Real edge = 2 * frame_.half[1][frame_.upwards];
+    const Real edge = frame_.reach[grid_.axis(2)];
     return volume < edge / 2 ? std::sqrt(2 * edge * volume) - edge / 2 : volume;
   }
   /// Volumes of the water in the cells of an own row, in cells.

@@ -8,19 +8,16 @@
 namespace trevi::test {
 namespace {
 
-// The share of a particle in the cell around `middle`. It is two spacings wide, and upwards its density falls linearly
-// to nothing one spacing away; within the box, beyond which what is in the cell before it.
+// The share of a particle in the cell around `middle`. Its density falls linearly to nothing, along x and y a cell away
+// and along z a spacing; what would be beyond the box is in the cell before its wall.
 Real share(const Vec3& place, const Vec3& middle, const Box& box) {
   Real part = 1;
   for (int a = 0; a < 3; ++a) {
-    const Real half = a == 2 ? h / 4 : h / 2, at = std::clamp(place[a], box.min[a] + half, box.max[a] - half);
+    const Real reach = a == 2 ? h / 2 : h, aside = a == 2 ? reach / 2 : 0;
+    const Real at = std::clamp(place[a], box.min[a] + aside, box.max[a] - aside);
     Real low = middle[a] - h / 2, high = middle[a] + h / 2;
-    if (a < 2) {
-      part *= std::max(std::min(at + half, high) - std::max(at - half, low), 0.0) / (2 * half);
-      continue;
-    }
     const auto below = [&](Real level) {
-      const Real way = std::clamp((level - at) / (2 * half), -1.0, 1.0);
+      const Real way = std::clamp((level - at) / reach, -1.0, 1.0);
       return way < 0 ? (1 + way) * (1 + way) / 2 : 1 - (1 - way) * (1 - way) / 2;
     };
     if (low < box.min[a] + h / 2) low = -INFINITY;
@@ -46,7 +43,7 @@ Vec3 off_solid(const Measured& m, Vec3 place) {
 // What uniform water fills of a cell, by samples of the water around it.
 TEST(CutCellCapacity, CapacitiesAreWhatUniformWaterFills) {
   const Measured m;
-  constexpr int n = 20;  // a tenth of a cell each, over two cells: what is further away has no share
+  constexpr int n = 24;  // an eighth of a cell each, over three cells: what is further away has no share
   Real wrong = 0;
   int told = 0, cell = 0;
   for (LocalId k = 1; k <= m.grid.planes(); ++k) {
@@ -58,10 +55,10 @@ TEST(CutCellCapacity, CapacitiesAreWhatUniformWaterFills) {
         Real sum = 0;
         for (int i = 0; i < n * n * n; ++i) {
           const Vec3 in_cells(i % n, i / n % n, i / n / n);
-          const Vec3 p = middle + 2 * h * ((in_cells.array() + 0.5) / n - 0.5).matrix();
+          const Vec3 p = middle + 3 * h * ((in_cells.array() + 0.5) / n - 0.5).matrix();
           if (!m.settings.domain.contains(p)) continue;
           if (m.nearest(p).first <= 0) continue;
-          sum += share(off_solid(m, p), middle, m.settings.domain) / 1000;
+          sum += share(off_solid(m, p), middle, m.settings.domain) / 512;
         }
         wrong = std::max(wrong, std::abs(m.solids.capacity(at) - sum));
         told += std::abs(m.solids.capacity(at) - m.solids.open(at)) > 0.02;

@@ -179,30 +179,36 @@ class ReferenceParticlesToGrid {
   }
   Real mean(int a, const Cell& c) const { return (*mean_)[static_cast<std::size_t>(a)][c]; }
 
-  // Of a density that falls linearly to nothing `edge` from the middle, what is in a cell of column `z`, from 0 to 1,
-  // with what is beyond a wall before it.
-  Real part_of_tent(int z, Real middle, Real edge) const {
-    const auto below = [&](Real level) {
-      const Real way = std::clamp((level - middle) / edge, -1.0, 1.0);
-      return way < 0 ? (1 + way) * (1 + way) / 2 : 1 - (1 - way) * (1 - way) / 2;
-    };
-    const bool on_floor = z == 0 && !cells_.repeats(2), under_lid = z + 1 == count_.z() && !cells_.repeats(2);
-    return (under_lid ? 1 : below(1)) - (on_floor ? 0 : below(0));
+  // The density of a particle is that of a box moved along a box: along x and y the first is as many whole spacings wide
+  // as a cell has, and both together two cells, along z both are a spacing wide. Of that what is below a level along
+  // `a`, in cells from the corner of the particle's own one.
+  Real part_below(const Particle& i, int a, Real level) const {
+    const Real edge = s_ / size_[a], first = a == 2 ? edge : edge * std::floor(1 / edge + 1e-9);
+    const Real second = a == 2 ? edge : 2 - first;
+    const bool moved_in = a == 2 && !cells_.repeats(a);
+    const Real place = moved_in ? std::clamp(i.surface[a], edge / 2, count_[a] - edge / 2) : i.surface[a];
+    const Real middle = cells_.way(a, place, i.cell[a] + 0.5) + 0.5;
+    Real sum = 0;
+    for (const Real k : {-0.5, 0.5}) {
+      for (const Real l : {-0.5, 0.5}) {
+        const Real way = std::max(level - middle + k * first + l * second, 0.0);
+        sum += 2 * k * l * way * way / (first * second);
+      }
+    }
+    return sum;
+  }
+  // What is beyond the cells beside its own is in these, and what is beyond a wall before it.
+  Real part_in(const Particle& i, int a, const Cell& c) const {
+    const int own = i.cell[a], last = count_[a] - 1;
+    const Real below = own == 0 && !cells_.repeats(a) ? 0 : part_below(i, a, 0);
+    const Real above = own == last && !cells_.repeats(a) ? 0 : 1 - part_below(i, a, 1);
+    const auto beside = [&](int d) { return cells_.wrapped(i.cell + d * unit(a))[a] == c[a]; };
+    return (beside(-1) ? below : 0) + (beside(0) ? 1 - below - above : 0) + (beside(1) ? above : 0);
   }
   Real volume_in(const Cell& c) const {
     Real volume = 0;
     for (const Particle& i : particles_) {
-      if (i.in_flight) continue;
-      Real part = 1;
-      for (int a = 0; a < 3; ++a) {
-        const Real edge = s_ / size_[a], half = a == 2 || edge > 0.5 + 1e-9 ? edge / 2 : std::min(edge, 0.5);
-        const Real inside = cells_.repeats(a) ? i.surface[a] : std::clamp(i.surface[a], half, count_[a] - half);
-        const Real middle = cells_.way(a, inside, c[a] + 0.5) + 0.5;  // in cells from the corner of the cell
-        part *= edge / (2 * half) *
-                (a == 2 ? 2 * half * part_of_tent(c.z(), middle, edge)
-                        : std::max(0.0, std::min(middle + half, 1.0) - std::max(middle - half, 0.0)));
-      }
-      volume += part;
+      if (!i.in_flight) volume += part_in(i, 0, c) * part_in(i, 1, c) * part_in(i, 2, c) * s_ * s_ * s_ / size_.prod();
     }
     return volume;
   }
