@@ -87,7 +87,7 @@ struct Frame {
   /// forces only). Measured from the
   /// first step on if an observer wants diagnostics; 0 otherwise.
   Real supplied_energy = 0;
-  std::span<const Real> paddle_offsets{};  ///< m, ActiveAbsorption::offsets(); empty without paddles that absorb
+  std::span<const Real> paddle_offsets{};  ///< m, ActiveAbsorption::state(); empty without paddles that absorb
   std::span<const Real> probes{};          ///< Pa, of each gauge of pressure in the water in this step; with pressures
   std::span<const BodyState> bodies{};     ///< in the order of the scene
 };

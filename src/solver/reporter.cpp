@@ -171,7 +171,7 @@ Frame Reporter<T>::frame() {
           state_.first_cell,
           state_.problem.obstacles() != nullptr ? &sums_of_files_ : nullptr,
           supplied_.joules(),
-          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->offsets()) : std::span<const Real>(),
+          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->state()) : std::span<const Real>(),
           {},
           body_states_};
 }
