@@ -328,7 +328,9 @@ class BadInput(ProgramTest):
         inlet = "[[inlet]]\ncenter = [0.65, 0.5, 0.3]\nradius = 0.15\nspeed = 1\n"
         self.assert_all_refused([
             ("an inlet in an obstacle", ball + inlet, ["scene.toml"],
-             ["scene.toml:20: [[inlet]] center: the opening is in obstacle 0 at (", "move it out of the obstacle"]),
+             ["scene.toml:20: [[inlet]] center: the opening is in obstacle 0 at (", "move it out of there"]),
+            ("an inlet in a body", ball.replace("[[obstacle]]", "[[body]]") + "mass = 20\n" + inlet,
+             ["scene.toml"], ["scene.toml:21: [[inlet]] center: the opening is in body 0 at (", "move it out of there"]),
             ("anderson", ball + "[density]\nmethod = 'anderson'\n", ["scene.toml"],
              ["scene.toml:21: [density] method: ", "no regard to obstacles"])], rank_counts=(1, 2))
 

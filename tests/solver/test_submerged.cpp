@@ -75,10 +75,11 @@ TEST(Submerged, ALightBoxIsPushedUpInEachStep) {
 // the few particles in the cells that its upper side cuts were told to leave them as the flow beside it said, and at
 // short steps had three times its speed.
 TEST(Submerged, ALightBoxThrowsNoWater) {
-  BodyRun run(world,
-              tank_with_gravity({.max = "1.2, 1.2, 2.0", .water = {{"0, 0, 0", "1.2, 1.2, 1.2"}}}) +
-                  "[[body]]\ntype = 'box'\nsize = [0.563, 0.464, 0.582]\ndensity = 70\ncenter = [0.611, 0.569, 0.435]\n",
-              {"time.dt=0.004166666666666667"});
+  BodyRun run(
+      world,
+      tank_with_gravity({.max = "1.2, 1.2, 2.0", .water = {{"0, 0, 0", "1.2, 1.2, 1.2"}}}) +
+          "[[body]]\ntype = 'box'\nsize = [0.563, 0.464, 0.582]\ndensity = 70\ncenter = [0.611, 0.569, 0.435]\n",
+      {"time.dt=0.004166666666666667"});
   const Real start = run.energy(), buoyancy = 930 * 9.81 * 0.563 * 0.464 * 0.582;
   Real largest = 0, highest = 0;
   while (run.rows.size() < 49) {
