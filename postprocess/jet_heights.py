@@ -16,7 +16,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from study import GRAVITY, STRESS, launch, parser_of  # noqa: E402
+from study import GRAVITY, STRESS, in_turn, launch, parser_of  # noqa: E402
 from trevi_run import Run  # noqa: E402
 
 SPEEDS = (6, 8, 10, 12, 14)  # m/s
@@ -65,11 +65,10 @@ def draw(table, output):
 def main():
     arguments = parser_of(__doc__, "PNG").parse_args()
     table = {kind: [] for kind in KINDS}
-    for kind, rows in table.items():
-        for speed in SPEEDS:
-            rise = ratios(arguments.trevi, kind, speed)
-            rows.append((np.median(rise), np.percentile(rise, 99)))
-            print(f"{kind:6}  {speed:4} m/s  {len(rise):5} launched  median {rows[-1][0]:.3f}  99 % {rows[-1][1]:.3f}")
+    cases = [(kind, speed) for kind in KINDS for speed in SPEEDS]
+    for (kind, speed), rise in zip(cases, in_turn(lambda case: ratios(arguments.trevi, *case), cases)):
+        table[kind].append((np.median(rise), np.percentile(rise, 99)))
+        print("{:6}  {:4} m/s  {:5} launched  median {:.3f}  99 % {:.3f}".format(kind, speed, len(rise), *table[kind][-1]))
     draw(table, arguments.output)
     return 0
 

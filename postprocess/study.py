@@ -73,10 +73,19 @@ def states_of(output):
     return [(state.position, state.velocity) for state in trevi_run.Run(output).checkpoints] if output.is_dir() else []
 
 
-def two_at_a_time(work, cases):
-    """work(case) of each, in their order, as they are done. For runs that nobody times."""
-    with ThreadPoolExecutor(2) as workers:
+def in_turn(work, cases, jobs=1):
+    """work(case) of each, in their order, as they are done, `jobs` at a time. A study goes through its cases by this, or by
+    the one below, and makes one run in each, so that ctest `studies` can ask whether all their scenes are well."""
+    if jobs == 1:
+        yield from map(work, cases)
+        return
+    with ThreadPoolExecutor(jobs) as workers:
         yield from workers.map(work, cases)
+
+
+def two_at_a_time(work, cases):
+    """For runs that nobody times."""
+    yield from in_turn(work, cases, 2)
 
 
 def columns_of(file):

@@ -20,7 +20,7 @@ import numpy as np
 
 from known_floating import decay
 from make_gallery import duck_distance
-from study import GRAVITY, ROOT, columns_of, launch, parser_of
+from study import GRAVITY, ROOT, columns_of, in_turn, launch, parser_of
 
 RESULTS = Path(__file__).resolve().parent / "results"
 SCENE = """
@@ -360,10 +360,8 @@ def main():
     parser.add_argument("--only", help="cases whose name begins so")
     arguments = parser.parse_args()
     rows, curves = [], {}
-    for case, measure in CASES.items():
-        if arguments.only and not case.startswith(arguments.only):
-            continue
-        found, curve = measure(arguments.trevi)
+    cases = [case for case in CASES if case.startswith(arguments.only or "")]
+    for case, (found, curve) in zip(cases, in_turn(lambda case: CASES[case](arguments.trevi), cases)):
         rows += [(case, *row) for row in found]
         for row in rows[-len(found):]:
             print(*row, sep="; ", flush=True)

@@ -19,7 +19,7 @@ import statistics
 import sys
 
 from known_water import STATES, Tank, figures_of, jets, pool, wave
-from study import (PLAIN_JACOBI, REPORT, STRESS, energies, energy_gain, mass_of, mean, parser_of, simulate_states,
+from study import (PLAIN_JACOBI, REPORT, STRESS, energies, energy_gain, in_turn, mass_of, mean, parser_of, simulate_states,
                    write_table)
 
 METHODS = {
@@ -103,13 +103,16 @@ def measure(arguments, scene):
     kernels all."""
     trevi, rows, times, processor = arguments.trevi, {}, {}, {}
     settings = settings_of_kernels if arguments.kernels else settings_of
+
+    def timed(case):
+        before = cpu_seconds()
+        found = run(trevi, scene, case[2])
+        return cpu_seconds() - before, *found
+
     for turn in range(arguments.rounds):
-        for name, iterations, keys in settings(scene, arguments.iterations):
-            if turn > 0 and not arguments.kernels and (name not in CLAIMED or iterations not in (4, 8)):
-                continue
-            before = cpu_seconds()
-            columns, states, code, message = run(trevi, scene, keys)
-            spent = cpu_seconds() - before
+        cases = [(name, iterations, keys) for name, iterations, keys in settings(scene, arguments.iterations)
+                 if turn == 0 or arguments.kernels or (name in CLAIMED and iterations in (4, 8))]
+        for (name, iterations, _), (spent, columns, states, code, message) in zip(cases, in_turn(timed, cases)):
             if len(columns.get("step", ())) < 2:
                 print(f"{scene}, {name}, {iterations}: {message}", file=sys.stderr)
                 continue

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from study import columns_of, launch, parser_of, states_of, write_table
+from study import columns_of, in_turn, launch, parser_of, states_of, write_table
 
 SPACING = 0.1  # m
 SPEED, FRAMES, PERIOD = 10.0, 60, 19  # m/s; steps in a second; steps of a turn, which makes 20.2 g
@@ -133,21 +133,26 @@ def row_of(name, outside, output, code, steps):
             "looks": len(states)}
 
 
+def shake(trevi, folder, name, text, outside):
+    scene, output = folder / f"{name}.toml", folder / name
+    scene.write_text(text, encoding="utf-8")
+    code, message = launch(trevi, scene, output, [], 7200)
+    steps = sorted(int(file.stem.split("_")[1]) for file in output.glob("checkpoint_*.h5"))
+    if not steps:
+        sys.exit(f"study_leaks.py: {name}: {message}")
+    return row_of(name, outside, output, code, steps)
+
+
 def main():
     parser = parser_of(__doc__, "CSV")
     parser.add_argument("--seconds", type=int, default=10, help="that each is shaken for (default %(default)s)")
     options = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        for name, text, outside in cases(Path(folder), options.seconds):
-            scene, output = Path(folder) / f"{name}.toml", Path(folder) / name
-            scene.write_text(text, encoding="utf-8")
-            code, message = launch(options.trevi, scene, output, [], 7200)
-            steps = sorted(int(file.stem.split("_")[1]) for file in output.glob("checkpoint_*.h5"))
-            if not steps:
-                sys.exit(f"study_leaks.py: {name}: {message}")
-            rows.append(row_of(name, outside, output, code, steps))
-            print(rows[-1], flush=True)
+        folder = Path(folder)
+        for row in in_turn(lambda case: shake(options.trevi, folder, *case), cases(folder, options.seconds)):
+            rows.append(row)
+            print(row, flush=True)
     write_table(options.output, rows)
     return int(any(row["exit_code"] != 0 or row["lost"] or row["outside"] for row in rows))
 

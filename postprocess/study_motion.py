@@ -25,7 +25,6 @@ A case whose targets are those of another resolution has none, and the verdict "
 
 import math
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Callable, NamedTuple
 
@@ -36,7 +35,7 @@ import known_motion as known
 import known_plate
 from known_motion import Motion, of_water, run_motion
 from known_water import Tank, pool, wave
-from study import STRESS, parser_of, write_table
+from study import STRESS, in_turn, parser_of, write_table
 
 RATES = (30, 60, 120, 240, 480)  # steps per second
 
@@ -348,11 +347,10 @@ def main():
         return row_of(case, *run_motion(arguments.trevi, case.motion, arguments.set, arguments.time_limit))
 
     rows = []
-    with ThreadPoolExecutor(arguments.jobs) as workers:
-        for row in workers.map(run, cases):
-            rows.append(compared(row, rows))
-            rows[-1].tell()
-            write_table(arguments.output, table_of(rows, arguments.set))
+    for row in in_turn(run, cases, arguments.jobs):
+        rows.append(compared(row, rows))
+        rows[-1].tell()
+        write_table(arguments.output, table_of(rows, arguments.set))
     verdicts = [row.verdict() for row in rows]
     print(f"{verdicts.count('pass')} pass, {verdicts.count('fail')} fail, {verdicts.count('-')} without target")
     return 0

@@ -15,7 +15,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from study import launch, parser_of, states_of, write_table
+from study import in_turn, launch, parser_of, states_of, write_table
 from trevi_run import Run
 
 NU, WIDTH = 0.2, 1.0  # m²/s, m
@@ -121,10 +121,10 @@ def main():
         write_rings(arguments.rings, arguments.output)
         return
     rows = []
-    for across in (10, 20, 40, 80):
-        for flow in TIMES if across <= arguments.finest else ():
-            rows.append(measure(arguments.trevi, flow, across))
-            print(rows[-1], flush=True)
+    cases = [(flow, across) for across in (10, 20, 40, 80) if across <= arguments.finest for flow in TIMES]
+    for row in in_turn(lambda case: measure(arguments.trevi, *case), cases):
+        rows.append(row)
+        print(row, flush=True)
     write_table(arguments.output, rows)
 
 

@@ -17,7 +17,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from study import ROOT, columns_of, launch, parser_of, write_table  # noqa: E402
+from study import ROOT, columns_of, in_turn, launch, parser_of, write_table  # noqa: E402
 
 SCENE = ROOT / "inputs/dam_break_obstacle.toml"
 WINDOW = 0.02  # s
@@ -119,10 +119,14 @@ def main():
     parser.add_argument("cases", nargs="*", default=["0.05", "0.025"], help="spacings, m, or spacing=folder of a run")
     arguments = parser.parse_args()
     runs = {}
-    for case in arguments.cases:
+
+    def columns_of_case(case):
         name, _, folder = case.partition("=")
-        runs[name] = columns_of(Path(folder) / "gauges.csv") if folder else gauges_of(arguments.trevi, name)
-        tell(name, runs[name])
+        return name, columns_of(Path(folder) / "gauges.csv") if folder else gauges_of(arguments.trevi, name)
+
+    for name, columns in in_turn(columns_of_case, arguments.cases):
+        runs[name] = columns
+        tell(name, columns)
         sys.stdout.flush()
     rows = []
     for name, columns in runs.items():

@@ -25,7 +25,7 @@ import numpy as np
 
 from known_motion import plain
 from known_water import rest_figures, wave_figures
-from study import GRAVITY, columns_of, energies, energy_gain, launch, mean, parser_of, start_of, write_table
+from study import GRAVITY, columns_of, energies, energy_gain, in_turn, launch, mean, parser_of, start_of, write_table
 from validate import TIME_SCALE, best_shift, experiments, relative_rms
 
 SINGLE = '[density]\nprecision = "single"\n'
@@ -217,17 +217,19 @@ def main():
     parser.add_argument("--plane", action="store_true", help="two dimensions only")
     arguments = parser.parse_args()
     rows, names = [], []
-    for name, work, given in cases(arguments.quick):
-        width = given[1]
-        if not name.startswith(arguments.only) or (arguments.plane and width):
-            continue
+    chosen = [case for case in cases(arguments.quick)
+              if case[0].startswith(arguments.only) and not (arguments.plane and case[2][1])]
+
+    def timed(case):
         begin = clock.time()
-        columns, seconds, figures = work(arguments.trevi, *given)
+        return *case[1](arguments.trevi, *case[2]), clock.time() - begin
+
+    for (name, _, (_, width, *_)), (columns, seconds, figures, waited) in zip(chosen, in_turn(timed, chosen)):
         row = {"case": name, "dimensions": 3 if width else 2, "particles": int(columns["particles"][0]),
                "cpu_per_second": seconds / columns["time"][-1], **figures}
         rows.append(row)
         print("  ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{value}" for key, value in row.items()),
-              f" ({clock.time() - begin:.0f} s)", flush=True)
+              f" ({waited:.0f} s)", flush=True)
         names += [key for key in row if key not in names]
     write_table(arguments.output, [{key: f"{value:.5g}" if isinstance(value := row.get(key, ""), float) else value
                                     for key in names} for row in rows])

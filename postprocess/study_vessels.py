@@ -142,7 +142,8 @@ VESSELS = {
 
 def extent_of(inside, turn):
     """Lowest and highest points of the inside about its centre, and a cloud of points in it FINE apart."""
-    side = np.arange(-105, 105) * FINE + FINE / 2
+    half = round(1.26 / FINE)
+    side = np.arange(-half, half) * FINE + FINE / 2
     points = np.stack(np.meshgrid(side, side, side, indexing="ij"), axis=-1).reshape(-1, 3)
     points = points[inside(points @ turn) > 0]
     return points.min(axis=0) - FINE / 2, points.max(axis=0) + FINE / 2, points

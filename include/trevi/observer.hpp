@@ -51,13 +51,13 @@ struct FlowState {
   std::vector<Real> rows;  ///< of these inlets: how far the water of each row has come since its last particles, m
 };
 
-/// What the water did to an obstacle, or to the box, in the mean over the steps since an observer last heard of it.
+/// What the water did to an obstacle, or to the box, in the mean over the steps since the observer was last due.
 struct BodyForce {
   Vec3 force = Vec3::Zero();   ///< N
   Vec3 torque = Vec3::Zero();  ///< N m, about the centre of the obstacle, the centre of mass of a body
 };
 
-/// The forces of the steps since an observer last heard of them, added up; what a restart needs to go on with the mean.
+/// The forces of the steps since an observer was last due, added up; what a restart needs to go on with the mean.
 struct ForceSums {
   std::int64_t steps = 0;           ///< of the forces
   std::vector<BodyForce> forces;    ///< on each obstacle, each body, then on the box
@@ -73,19 +73,21 @@ struct Frame {
   const Diagnostics* diagnostics;            ///< null unless an observer wanted it
   std::span<const FountainState> fountains;  ///< at the clock's time, in the order of the scene, inlets last
   const FlowState* flow = nullptr;           ///< null where the scene has no inlet and no drain
-  /// On each obstacle, each body, then on the box; empty unless an observer wanted it.
+  /// On each obstacle, each body, then on the box, in the mean over the steps since this observer was last due; empty
+  /// unless it wants them.
   std::span<const BodyForce> forces{};
-  /// Pa, of each gauge of pressure on a solid in the mean over the steps since an observer last heard of them; empty
-  /// unless an observer wanted it.
+  /// Pa, of each gauge of pressure on a solid, likewise.
   std::span<const Real> pressures{};
-  std::array<LocalId, 3> first_cell{};    ///< Solver::first_cell()
-  const ForceSums* force_sums = nullptr;  ///< not yet in a mean; null without obstacles and bodies
+  std::array<LocalId, 3> first_cell{};  ///< Solver::first_cell()
+  /// Not yet in a mean, of the first observers that want forces and pressures, which are those of the run's files where
+  /// it writes some; null without obstacles and bodies.
+  const ForceSums* force_sums = nullptr;
   /// J, given to the water since the start by forcings that are not gravity or friction, by what inlets bring and
   /// drains take, by bodies (what they have less of), and by obstacles that move (of these with an observer that wants
   /// forces only). Measured from the
   /// first step on if an observer wants diagnostics; 0 otherwise.
   Real supplied_energy = 0;
-  std::span<const Real> paddle_offsets{};  ///< m, ActiveAbsorption::offsets(); empty without paddles that absorb
+  std::span<const Real> paddle_offsets{};  ///< m, ActiveAbsorption::state(); empty without paddles that absorb
   std::span<const Real> probes{};          ///< Pa, of each gauge of pressure in the water in this step; with pressures
   std::span<const BodyState> bodies{};     ///< in the order of the scene
 };

@@ -51,9 +51,8 @@ void check_water(MPI_Comm comm, const Scene& scene, const Restart& restart) {
     for (std::size_t i = 0; i < rows.position.size(); ++i) {
       const int k = places.solid_at(rows.position[i], scene.fluid.spacing / 2);
       if (k < 0) continue;
-      throw InputError(
-          fmt::format("{}: /particles/position: row {} would be in obstacle {}, which has changed; move the obstacle",
-                      restart.file, rows.first + static_cast<GlobalId>(i), k));
+      throw InputError(fmt::format("{}: /particles/position: row {} would be in {}, which has changed; move it back",
+                                   restart.file, rows.first + static_cast<GlobalId>(i), places.name_of(k)));
     }
   });
 }

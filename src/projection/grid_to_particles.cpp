@@ -139,7 +139,8 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
-// Nothing where the surface has no direction. A sheet one cell deep on a solid is bounded as water at walls is.
+// Nothing where the surface has no direction. A sheet one cell deep on a solid, and water at a body that moves freely,
+// are bounded as water at walls is: the slope beside a light body that rises is steep, and throws what is few.
 std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, const Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
@@ -167,7 +168,7 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   const Vec3 n = area / size;
   Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
   const bool is_sheet = surface_.is_top(at) && faces[2].low_closed && !faces[2].low_wall;
-  if (const ParticlesToGrid::Means held = water.means(at); is_sheet && held.n > 0) {
+  if (const ParticlesToGrid::Means held = water.means(at); (is_sheet || cuts.floats(at)) && held.n > 0) {
     const Vec3 mean = Vec3(held.u[grid.axis(0)], held.u[grid.axis(1)], held.u[grid.axis(2)]) / held.n;
     into = bounded(into, n.dot(mean - solid) + n.z() * step_.g_dt2);
   }

@@ -1,10 +1,12 @@
 #include "scene/free_places.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace trevi {
 
-FreePlaces::FreePlaces(const Scene& scene, Real time) {
+FreePlaces::FreePlaces(const Scene& scene, Real time) : obstacles_(static_cast<int>(scene.obstacles.size())) {
   constexpr Real rounding = 1e-6;  // a lattice that fits just beside a solid stays whole
   const Real gap = (0.5 - rounding) * scene.fluid.spacing;
   const auto is_known = [time](const ObstacleSettings& obstacle) {  // where a paddle that absorbs is, the water says
@@ -19,6 +21,10 @@ FreePlaces::FreePlaces(const Scene& scene, Real time) {
 bool FreePlaces::is_free(const Vec3& p) const {
   return std::all_of(solids_.begin(), solids_.end(),
                      [&](const Solid& solid) { return solid.shape->distance(solid.pose.into_body(p)) >= solid.gap; });
+}
+
+std::string FreePlaces::name_of(int solid) const {
+  return solid < obstacles_ ? fmt::format("obstacle {}", solid) : fmt::format("body {}", solid - obstacles_);
 }
 
 int FreePlaces::solid_at(const Vec3& p, Real depth) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "boundary/geometry/pose.hpp"
@@ -21,6 +22,8 @@ class FreePlaces {
   bool is_free(const Vec3& p) const;
   /// Whether p is in a solid, and deeper than so many m; its number, bodies after obstacles, or −1.
   int solid_at(const Vec3& p, Real depth = 0) const;
+  /// "obstacle 0", or "body 0", as they are counted in the scene.
+  std::string name_of(int solid) const;
 
  private:
   struct Solid {
@@ -29,6 +32,7 @@ class FreePlaces {
     Real gap;  // m
   };
   std::vector<Solid> solids_;
+  int obstacles_;
 };
 
 /// Calls visit(i, j, k) for the points of a layer of a lattice across an axis, x fastest.

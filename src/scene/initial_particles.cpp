@@ -100,8 +100,8 @@ void check_free(MPI_Comm comm, const FreePlaces& places, const ParticleRows& row
     for (std::size_t i = 0; i < rows.position.size(); ++i) {
       const int k = places.solid_at(rows.position[i]);
       if (k < 0) continue;
-      throw InputError(fmt::format("{}: /particles/position: row {} is in obstacle {} of the scene; move the particle",
-                                   source, rows.first + static_cast<GlobalId>(i), k));
+      throw InputError(fmt::format("{}: /particles/position: row {} is in {} of the scene; move the particle", source,
+                                   rows.first + static_cast<GlobalId>(i), places.name_of(k)));
     }
   });
 }

@@ -241,12 +241,11 @@ void check_drains(const Scene& scene, const FreePlaces& places) {
     const DrainSettings& drain = scene.drains[k];
     const int solid = drain.is_in_wall() ? solid_in(drain, scene, places) : -1;
     if (solid < 0) continue;
-    const auto obstacles = static_cast<int>(scene.obstacles.size());
     told_at(scene, {"drain", k}, drain.level ? "level" : "flow", [&] {
       throw InputError(
-          fmt::format("{} {} is in its box, in which the level of the water is measured; move it out, or "
+          fmt::format("{} is in its box, in which the level of the water is measured; move it out, or "
                       "make the box smaller",
-                      solid < obstacles ? "obstacle" : "body", solid < obstacles ? solid : solid - obstacles));
+                      places.name_of(solid)));
     });
   }
 }
@@ -261,9 +260,8 @@ void check_openings(const Scene& scene, const FreePlaces& places) {
       if (solid < 0) continue;
       told_at(scene, {"inlet", k}, "center", [&] {
         throw InputError(
-            fmt::format("the opening is in obstacle {} at ({:.6g}, {:.6g}, {:.6g}); move it out of the obstacle, or "
-                        "make it smaller",
-                        solid, p.x(), p.y(), p.z()));
+            fmt::format("the opening is in {} at ({:.6g}, {:.6g}, {:.6g}); move it out of there, or make it smaller",
+                        places.name_of(solid), p.x(), p.y(), p.z()));
       });
     }
   }

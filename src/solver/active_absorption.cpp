@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "boundary/geometry/pose.hpp"
 #include "boundary/waves/elementary.hpp"
 #include "parallel/reductions.hpp"
 
@@ -12,6 +13,7 @@ namespace trevi {
 namespace {
 
 constexpr Real return_periods = 8;  // in which an offset falls to 1/e
+constexpr Real mean_periods = 3;    // over which the slow mean of the level is taken
 
 bool absorbs(const ObstacleSettings& obstacle) { return obstacle.wavemaker && obstacle.wavemaker->absorb; }
 
@@ -21,24 +23,29 @@ bool ActiveAbsorption::is_wanted(const Settings& settings) {
   return std::any_of(settings.obstacles.begin(), settings.obstacles.end(), absorbs);
 }
 
-ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> offsets)
-    : offsets_(std::move(offsets)), spacing_(settings.fluid.spacing), strip_(4 * settings.fluid.spacing) {
-  for (std::size_t k = 0; k < settings.obstacles.size(); ++k) {
-    if (!absorbs(settings.obstacles[k])) continue;
-    const WavemakerSettings& maker = *settings.obstacles[k].wavemaker;
+ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> state)
+    : state_(std::move(state)), spacing_(settings.fluid.spacing), strip_(4 * settings.fluid.spacing) {
+  for (std::size_t n = 0; n < settings.obstacles.size(); ++n) {
+    if (!absorbs(settings.obstacles[n])) continue;
+    const WavemakerSettings& maker = *settings.obstacles[n].wavemaker;
     const Eigen::Index axis = maker.direction.x() != 0 ? 0 : 1;
     const Real omega = 2 * std::numbers::pi / maker.period, low = settings.domain.min[axis];
-    const Real kd = wave_number(omega, maker.depth, maker.gravity) * maker.depth, reach = paddle_reach(maker);
+    const Real k = wave_number(omega, maker.depth, maker.gravity), reach = paddle_reach(maker);
+    constexpr Real quarter = std::numbers::pi / 2;  // no wave of less than two strips is resolved
+    const Real way = std::min(k * strip_ / 2, quarter), lag = way / omega;
+    const Real seen = sine_cosine_of_turns(way / (2 * std::numbers::pi)).sine / way;
     const Real room = std::min(maker.position - low, settings.domain.max[axis] - maker.position) - reach;
-    paddles_.push_back({k, maker, PaddleMotion(maker), omega / biesel_transfer(maker.kind, kd),
+    const Real smoothed = 1 / std::sqrt(1 + way * way);  // what smoothing leaves of a wave
+    paddles_.push_back({n, maker, PaddleMotion(maker),
+                        omega / (biesel_transfer(maker.kind, k * maker.depth) * seen * smoothed), lag, seen,
                         (settings.domain.max - settings.domain.min)[1 - axis], std::max(0.0, room)});
   }
-  offsets_.resize(paddles_.size(), 0);
+  state_.resize(3 * paddles_.size(), 0);
 }
 
 void ActiveAbsorption::place(Obstacles& obstacles) const {
   for (std::size_t n = 0; n < paddles_.size(); ++n)
-    obstacles.set_paddle_offset(paddles_[n].obstacle, offsets_[n], offsets_[n]);
+    obstacles.set_paddle_offset(paddles_[n].obstacle, state_[n], state_[n]);
 }
 
 // m above the still water, in the mean over the strip, which follows the face at each height. Particles are cubes that
@@ -67,12 +74,18 @@ Real ActiveAbsorption::level_before(MPI_Comm comm, const Paddle& paddle, Real wa
 void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const StepInfo& info, Obstacles& obstacles) {
   for (std::size_t n = 0; n < paddles_.size(); ++n) {
     const Paddle& paddle = paddles_[n];
-    const Real own = paddle.motion.displacement(info.time), before = offsets_[n];
-    const Real back = level_before(comm, paddle, own + before, particles) - paddle.motion.level(info.time);
-    const Real kept = elementary::exp(-info.dt / (return_periods * paddle.maker.period));
-    const Real offset = (before - info.dt * paddle.gain * back) * kept;
-    offsets_[n] = std::clamp(offset, -paddle.farthest, paddle.farthest);
-    obstacles.set_paddle_offset(paddle.obstacle, before, offsets_[n]);
+    const Real own = paddle.motion.displacement(info.time), before = state_[n];
+    Real& smooth = state_[paddles_.size() + 2 * n];
+    Real& mean = state_[paddles_.size() + 2 * n + 1];
+    // Of a time constant, what a substep leaves.
+    const auto kept = [&](Real seconds) { return elementary::exp(-info.dt / seconds); };
+    const Real level = level_before(comm, paddle, own + before, particles);
+    const Real back = level - paddle.seen * paddle.motion.level(std::max(0.0, info.time - paddle.lag));
+    smooth = back + (smooth - back) * kept(paddle.lag);
+    mean = smooth + (mean - smooth) * kept(mean_periods * paddle.maker.period);
+    const Real offset = (before - info.dt * paddle.gain * (smooth - mean)) * kept(return_periods * paddle.maker.period);
+    state_[n] = std::clamp(offset, -paddle.farthest, paddle.farthest);
+    obstacles.set_paddle_offset(paddle.obstacle, before, state_[n]);
   }
 }
 

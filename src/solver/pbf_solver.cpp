@@ -27,7 +27,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
                  parts_.first_cell, parts_.crush_limit, parts_.probes.get(), parts_.absorption.get()},
                 std::move(parts_.observers), *parts_.diagnostics,
                 {*parts_.comm, parts_.water_mass, parts_.gravity, parts_.corner, parts_.supplied_energy}) {
-  reporter_.set_force_sums(std::move(parts_.force_sums));
+  reporter_.set_force_sums(parts_.force_sums);
 }
 
 template <class T>

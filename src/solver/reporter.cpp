@@ -14,7 +14,47 @@ namespace trevi {
 template <class T>
 Reporter<T>::Reporter(const ReportedState<T>& state, std::vector<std::unique_ptr<Observer>> observers,
                       const DiagnosticsSum& diagnostics, const SuppliedEnergy& supplied)
-    : state_(state), observers_(std::move(observers)), diagnostics_(diagnostics), supplied_(supplied) {}
+    : state_(state),
+      observers_(std::move(observers)),
+      diagnostics_(diagnostics),
+      supplied_(supplied),
+      sums_(observers_.size()),
+      means_(observers_.size()) {}
+
+template <class T>
+void Reporter<T>::set_force_sums(const ForceSums& sums) {
+  for (std::size_t k = 0; k < observers_.size(); ++k) {
+    if (observers_[k]->wants_forces()) {
+      sums_[k].steps = sums.steps;
+      sums_[k].forces = sums.forces;
+    }
+    if (observers_[k]->wants_pressures()) {
+      sums_[k].pressure_steps = sums.pressure_steps;
+      sums_[k].pressures = sums.pressures;
+    }
+  }
+}
+
+// What a checkpoint keeps: the sums of the first observer that wants them, as those of files come first, and those of
+// bodies.csv are those of obstacles.csv.
+template <class T>
+ForceSums Reporter<T>::sums_of_files() const {
+  ForceSums sums;
+  const auto first = [&](const auto& wants) {
+    return static_cast<std::size_t>(std::find_if(observers_.begin(), observers_.end(), wants) - observers_.begin());
+  };
+  const std::size_t forces = first([](const auto& one) { return one->wants_forces(); });
+  const std::size_t pressures = first([](const auto& one) { return one->wants_pressures(); });
+  if (forces < observers_.size()) {
+    sums.steps = sums_[forces].steps;
+    sums.forces = sums_[forces].forces;
+  }
+  if (pressures < observers_.size()) {
+    sums.pressure_steps = sums_[pressures].pressure_steps;
+    sums.pressures = sums_[pressures].pressures;
+  }
+  return sums;
+}
 
 template <class T>
 RigidBodies* Reporter<T>::bodies() const {
@@ -42,7 +82,6 @@ void Reporter<T>::ask_observers(std::int64_t step) {
     asked_.due.push_back(due);
     asked_.diagnostics = asked_.diagnostics || (due && observer->wants_diagnostics());
     asked_.density = asked_.density || (due && observer->wants_density());
-    asked_.forces = asked_.forces || (due && observer->wants_forces());
     asked_.pressures = asked_.pressures || (due && observer->wants_pressures());
   }
   fountain_states_ = fountain_states(clock.time());
@@ -71,16 +110,13 @@ void Reporter<T>::note_compression(Real mean, std::int64_t step) {
 
 template <class T>
 void Reporter<T>::observe() {
+  if (asked_.pressures) probed_ = probe_pressures();
+  for (std::size_t k = 0; k < observers_.size(); ++k)
+    if (asked_.due[k]) take_means(k);
   Frame seen = frame();
   if (asked_.diagnostics || asked_.density) {
     state_.problem.compute_density();
     seen.density = state_.problem.density();
-  }
-  if (asked_.forces || asked_.pressures) {
-    take_means();
-    seen.forces = means_.forces;
-    seen.pressures = means_.pressures;
-    seen.probes = probed_;
   }
   Diagnostics row;
   if (asked_.diagnostics) {
@@ -91,7 +127,11 @@ void Reporter<T>::observe() {
     seen.diagnostics = &row;
   }
   for (std::size_t k = 0; k < observers_.size(); ++k) {
-    if (asked_.due[k]) attempt([&] { observers_[k]->observe(seen); });
+    if (!asked_.due[k]) continue;
+    seen.forces = means_[k].forces;
+    seen.pressures = means_[k].pressures;
+    seen.probes = observers_[k]->wants_pressures() ? std::span<const Real>(probed_) : std::span<const Real>();
+    attempt([&] { observers_[k]->observe(seen); });
   }
 }
 
@@ -119,6 +159,7 @@ void Reporter<T>::attempt(const std::function<void()>& work) {
 template <class T>
 Frame Reporter<T>::frame() {
   if (const RigidBodies* const floating = bodies()) body_states_ = floating->states();
+  sums_of_files_ = sums_of_files();
   return {state_.clock,
           state_.particles,
           {},
@@ -128,9 +169,9 @@ Frame Reporter<T>::frame() {
           {},
           {},
           state_.first_cell,
-          state_.problem.obstacles() != nullptr ? &sums_ : nullptr,
+          state_.problem.obstacles() != nullptr ? &sums_of_files_ : nullptr,
           supplied_.joules(),
-          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->offsets()) : std::span<const Real>(),
+          state_.absorption != nullptr ? std::span<const Real>(state_.absorption->state()) : std::span<const Real>(),
           {},
           body_states_};
 }
@@ -146,18 +187,31 @@ void Reporter<T>::add_forces() {
   const Real per_pressure = state_.problem.model().rest_density * clock.substeps / (clock.dt * clock.dt);
   const std::vector<TotalImpulse> impulses = state_.problem.taken();
   const std::vector<Real> pressed = state_.problem.pressed();
-  sums_.forces.resize(impulses.size());
-  sums_.pressures.resize(pressed.size());
-  for (std::size_t k = 0; k < impulses.size(); ++k) {
-    sums_.forces[k].force -= per * impulses[k].shift;
-    Vec3 moment = impulses[k].moment;
-    if (k < obstacles->count()) moment += obstacles->lever(k).cross(impulses[k].shift);
-    sums_.forces[k].torque -= per * moment;
+  for (std::size_t n = 0; n < observers_.size(); ++n) {
+    if (observers_[n]->wants_forces()) add_forces(impulses, per, sums_[n]);
+    if (observers_[n]->wants_pressures()) add_pressures(pressed, per_pressure, sums_[n]);
   }
-  for (std::size_t k = 0; k < pressed.size(); ++k) sums_.pressures[k] += per_pressure * pressed[k];
-  ++sums_.steps;
-  ++sums_.pressure_steps;
   if (obstacles->moves()) add_work(impulses, per);
+}
+
+template <class T>
+void Reporter<T>::add_forces(const std::vector<TotalImpulse>& impulses, Real per, ForceSums& sums) const {
+  const Obstacles& obstacles = *state_.problem.obstacles();
+  sums.forces.resize(impulses.size());
+  for (std::size_t k = 0; k < impulses.size(); ++k) {
+    sums.forces[k].force -= per * impulses[k].shift;
+    Vec3 moment = impulses[k].moment;
+    if (k < obstacles.count()) moment += obstacles.lever(k).cross(impulses[k].shift);
+    sums.forces[k].torque -= per * moment;
+  }
+  ++sums.steps;
+}
+
+template <class T>
+void Reporter<T>::add_pressures(const std::vector<Real>& pressed, Real per, ForceSums& sums) {
+  sums.pressures.resize(pressed.size());
+  for (std::size_t k = 0; k < pressed.size(); ++k) sums.pressures[k] += per * pressed[k];
+  ++sums.pressure_steps;
 }
 
 // What obstacles do by their motion: force times shift of the pivot and torque about it times rotation of the step.
@@ -195,25 +249,27 @@ void Reporter<T>::add_supply() {
     supplied_.add(bodies_had_ - floating->energy() + floating->take_driven_work());
 }
 
-// Forces and pressures are each of the steps since somebody asked for them.
+// Forces and pressures are each of the steps since this observer was last due.
 template <class T>
-void Reporter<T>::take_means() {
+void Reporter<T>::take_means(std::size_t observer) {
   const Obstacles* const obstacles = state_.problem.obstacles();
-  require(obstacles != nullptr || !asked_.forces, "forces without obstacles");
-  means_ = {};
-  if (asked_.forces) {
-    sums_.forces.resize(obstacles->count() + 1);
-    means_.forces = std::exchange(sums_.forces, {});
-    const auto steps = static_cast<Real>(std::max<std::int64_t>(std::exchange(sums_.steps, 0), 1));
-    for (BodyForce& one : means_.forces) one = {one.force / steps, one.torque / steps};
+  const auto per = [](std::int64_t& steps) {
+    return static_cast<Real>(std::max<std::int64_t>(std::exchange(steps, 0), 1));
+  };
+  ForceSums &sums = sums_[observer], &means = means_[observer];
+  means = {};
+  if (observers_[observer]->wants_forces()) {
+    require(obstacles != nullptr, "forces without obstacles");
+    sums.forces.resize(obstacles->count() + 1);
+    means.forces = std::exchange(sums.forces, {});
+    const Real steps = per(sums.steps);
+    for (BodyForce& one : means.forces) one = {one.force / steps, one.torque / steps};
   }
-  if (!asked_.pressures) return;
-  probed_ = probe_pressures();
-  if (obstacles == nullptr) return;
-  sums_.pressures.resize(state_.problem.gauges());
-  means_.pressures = std::exchange(sums_.pressures, {});
-  const auto steps = static_cast<Real>(std::max<std::int64_t>(std::exchange(sums_.pressure_steps, 0), 1));
-  for (Real& one : means_.pressures) one /= steps;
+  if (obstacles == nullptr || !observers_[observer]->wants_pressures()) return;
+  sums.pressures.resize(state_.problem.gauges());
+  means.pressures = std::exchange(sums.pressures, {});
+  const Real steps = per(sums.pressure_steps);
+  for (Real& one : means.pressures) one /= steps;
 }
 
 // phi is a pressure over the density, times the time of the substep squared.

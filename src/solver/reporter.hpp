@@ -46,9 +46,10 @@ class Reporter {
   /// between.
   void note_search(int substep);
   void note_solution(const SolveResult& result);
-  /// The forces of the step that has just been made are added to those since the last row.
+  /// The forces of the step that has just been made are added to those since the last row of each observer.
   void add_forces();
-  void set_force_sums(ForceSums sums) { sums_ = std::move(sums); }
+  /// Of a restart; each observer goes on with what it wants of them.
+  void set_force_sums(const ForceSums& sums);
   /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
   void measure_supply(const std::function<void()>& work);
   /// The work of this rank's water that comes in, against the pressure there, in SuppliedEnergy::unit.
@@ -76,7 +77,10 @@ class Reporter {
  private:
   void attempt(const std::function<void()>& work);
   Frame frame();
-  void take_means();
+  void add_forces(const std::vector<TotalImpulse>& impulses, Real per, ForceSums& sums) const;
+  static void add_pressures(const std::vector<Real>& pressed, Real per, ForceSums& sums);
+  void take_means(std::size_t observer);
+  ForceSums sums_of_files() const;
   std::vector<Real> probe_pressures() const;
   bool watches_energy() const;
   void add_work(const std::vector<TotalImpulse>& impulses, Real per);
@@ -84,7 +88,7 @@ class Reporter {
 
   struct Asked {
     std::vector<bool> due;  // of each observer
-    bool diagnostics = false, density = false, forces = false, pressures = false;
+    bool diagnostics = false, density = false, pressures = false;
   };
 
   ReportedState<T> state_;
@@ -98,7 +102,8 @@ class Reporter {
   Stopwatch stopwatch_;
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
-  ForceSums sums_, means_;
+  std::vector<ForceSums> sums_, means_;         // of each observer: since its last row, and of the row that is due
+  ForceSums sums_of_files_;
   std::vector<Real> offsets_;  // of obstacles (Body::paddle_offset()) at the start of the step
   std::vector<Real> probed_;
   std::vector<BodyState> body_states_;  // as those of fountains

@@ -193,6 +193,28 @@ TEST_F(Gauges, AHeightCountsWholeParticlesAtTheFloorAndAtWalls) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(row[k + 2], 1.2, 1e-8) << k;
 }
 
+// Water in which particles are as often at any place beside a wall as far from it shows its depth there, too: moved
+// into the box as they are, cubes are too many from half a spacing to one off the wall and too few next to it.
+TEST_F(Gauges, AHeightBesideWallsIsThatOfWaterWithoutLayers) {
+  std::string text = pool;
+  const std::vector<Vec3> feet{{0, 0.6, 0}, {0.1, 0.6, 0}, {0.2, 0.6, 0}, {0, 0, 0}, {0.2, 0.2, 0}, {1.8, 1, 0}};
+  for (const Vec3& foot : feet)
+    text += fmt::format("[[gauge]]\ntype = 'height'\ncenter = [{}, {}, {}]\n", foot.x(), foot.y(), foot.z());
+  const Scene scene = parse_scene("test.toml", text, {});
+  Particles particles = initial_particles(world, scene);
+  for (Vec3& p : particles.position) {  // each of twelve layers has places of its own in its cells
+    const auto layer = static_cast<int>(p.z() / scene.fluid.spacing);
+    p.x() += scene.fluid.spacing * ((layer + 0.5) / 12 - 0.5);
+    p.y() += scene.fluid.spacing * ((5 * layer % 12 + 0.5) / 12 - 0.5);
+  }
+  GaugeSeries gauges(world, {folder(), *scene.output.series, {}}, scene);
+  const Clock clock{0, scene.dt};
+  gauges.observe({clock, particles, {}, nullptr, {}});
+  if (rank_of(world) != 0) return;
+  const std::vector<Real> row = rows_of(folder()).front();
+  for (std::size_t k = 0; k < feet.size(); ++k) EXPECT_NEAR(row[k + 2] / 1.2, 1, 0.01) << k;
+}
+
 // Of a block that turns and shears the velocity is exact, in the water and not only at particles; nothing is nan.
 TEST_F(Gauges, AVelocityIsExactInALinearField) {
   const Scene scene = parse_scene("test.toml",

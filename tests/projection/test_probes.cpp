@@ -54,29 +54,36 @@ std::unique_ptr<Solver> run(MPI_Comm comm, const std::string& text, const std::s
 
 class Probes : public Output {};
 
-// A pressure on a wall is the mean over the steps since the row before, whatever other tables have rows in between.
-TEST_F(Probes, OtherTablesTakeNothingOfAMean) {
+// Pressures and forces are means over the steps since the row before, whatever other observers have rows in between.
+TEST_F(Probes, OtherObserversTakeNothingOfAMean) {
   const std::string text = tank +
                            "[[obstacle]]\ntype = 'sphere'\ncenter = [1, 0.6, 0.4]\nradius = 0.3\n"
                            "[[gauge]]\ntype = 'pressure'\ncenter = [0, 0.6, 0.5]\nnormal = [1, 0, 0]\n";
   const Scene scene = parse_scene("test.toml", text, {});
-  const auto last_row = [&](int every, int other) {
-    const std::string into = fmt::format("{}/{}", folder(), other);
+  struct Other : Observer {
+    bool due(const Clock& clock) const override { return clock.step % 7 == 0; }
+    bool wants_forces() const override { return true; }
+    void observe(const Frame&) override {}
+  };
+  const auto last_row = [&](int every, int other, bool with_others) {
+    const std::string into = fmt::format("{}/{}_{}", folder(), other, with_others);
     on_root(world, [&] { std::filesystem::create_directory(into); });
     SolverExtras extras;
     extras.observers.push_back(std::make_unique<GaugeSeries>(world, TableOptions{into, Schedule{0, every}, {}}, scene));
     const TableOptions options{into, Schedule{0, other}, {}};
     extras.observers.push_back(std::make_unique<ObstacleSeries>(world, options, 1));
     extras.observers.push_back(std::make_unique<BodySeries>(world, options, 0, 1));
+    if (with_others) extras.observers.push_back(std::make_unique<Other>());
     auto solver = make_solver(world, scene, initial_particles(world, scene), std::move(extras));
     solver->start();
     for (int k = 0; k < 12; ++k) solver->step();
     return into;
   };
-  const std::string whole = last_row(12, 12), often = last_row(12, 5);
+  const std::string whole = last_row(12, 12, false), often = last_row(12, 5, true), forces = last_row(5, 12, true);
   if (rank_of(world) != 0) return;
   EXPECT_GT(rows_of(whole).back()[2], 100);
   EXPECT_EQ(rows_of(often).back()[2], rows_of(whole).back()[2]);
+  EXPECT_EQ(text_of(forces + "/obstacles.csv"), text_of(whole + "/obstacles.csv"));
 }
 
 // In the open, at walls, in corners, between cells and in the air; without an obstacle.

@@ -326,9 +326,9 @@ class BadInput(ProgramTest):
             ("larger", ball.replace("\nradius = 0.2", "\nradius = 1e300"), ["scene.toml"],
              ["scene.toml:16: [[obstacle]]: it is 2e+300 m long", "make it smaller"])], rank_counts=(1, 2))
         inlet = "[[inlet]]\ncenter = [0.65, 0.5, 0.3]\nradius = 0.15\nspeed = 1\n"
-        self.assert_all_refused([
-            ("an inlet in an obstacle", ball + inlet, ["scene.toml"],
-             ["scene.toml:20: [[inlet]] center: the opening is in obstacle 0 at (", "move it out of the obstacle"]),
+        self.assert_all_refused([*((at, text + inlet, ["scene.toml"], [f"scene.toml:{at} at (", "move it out of there"]) for at, text in (
+                ("20: [[inlet]] center: the opening is in obstacle 0", ball),
+                ("21: [[inlet]] center: the opening is in body 0", ball.replace("obstacle", "body") + "mass = 20\n"))),
             ("anderson", ball + "[density]\nmethod = 'anderson'\n", ["scene.toml"],
              ["scene.toml:21: [density] method: ", "no regard to obstacles"])], rank_counts=(1, 2))
 

@@ -71,6 +71,26 @@ TEST(Submerged, ALightBoxIsPushedUpInEachStep) {
   }
 }
 
+// Water that it pushes away is not much faster than itself, and water and body have no more energy than at the start:
+// the few particles in the cells that its upper side cuts were told to leave them as the flow beside it said, and at
+// short steps had three times its speed.
+TEST(Submerged, ALightBoxThrowsNoWater) {
+  BodyRun run(
+      world,
+      tank_with_gravity({.max = "1.2, 1.2, 2.0", .water = {{"0, 0, 0", "1.2, 1.2, 1.2"}}}) +
+          "[[body]]\ntype = 'box'\nsize = [0.563, 0.464, 0.582]\ndensity = 70\ncenter = [0.611, 0.569, 0.435]\n",
+      {"time.dt=0.004166666666666667"});
+  const Real start = run.energy(), buoyancy = 930 * 9.81 * 0.563 * 0.464 * 0.582;
+  Real largest = 0, highest = 0;
+  while (run.rows.size() < 49) {
+    run.steps(1);
+    largest = std::max(largest, run.rows.back().speed_max / run.bodies()[0].velocity.norm());
+    highest = std::max(highest, (run.energy() - start) / buoyancy);
+  }
+  EXPECT_LT(largest, 2.2);
+  EXPECT_LT(highest, 0.001);  // m
+}
+
 // Beside a wall, and above a floor, that are obstacles, half a cell away: a body of the water's density, or half of it,
 // stays where it is, as beside the walls of the box. When the pressure on what else is solid in a cell that a body cuts
 // counted as the body's, it was drawn there at some metres per second squared.

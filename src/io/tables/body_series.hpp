@@ -11,7 +11,6 @@ class BodySeries : public TableSeries {
   /// `first`: the number of forces before those on bodies.
   BodySeries(MPI_Comm comm, const TableOptions& options, std::size_t bodies, std::size_t first);
   bool wants_forces() const override { return true; }
-  bool wants_pressures() const override { return false; }  // whose means are those of the gauges' own rows
   void observe(const Frame& frame) override;
 
  private:

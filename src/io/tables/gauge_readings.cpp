@@ -62,15 +62,15 @@ Vec3 velocity_from(const std::int64_t* sums, bool in_layer) {
   return moments.ldlt().solve(velocities).row(0).transpose();
 }
 
-// Where the middle of a particle's cube may be.
-Box middles_of_cubes(const Settings& settings) {
-  Box middles = settings.domain;
+// The box, which has no end along periodic axes.
+Box walls_of(const Settings& settings) {
+  Box walls = settings.domain;
   for (Eigen::Index a = 0; a < 3; ++a) {
-    const Real inwards = settings.periodic[static_cast<std::size_t>(a)] ? -INFINITY : settings.fluid.spacing / 2;
-    middles.min[a] += inwards;
-    middles.max[a] -= inwards;
+    if (!settings.periodic[static_cast<std::size_t>(a)]) continue;
+    walls.min[a] = -INFINITY;
+    walls.max[a] = INFINITY;
   }
-  return middles;
+  return walls;
 }
 
 }  // namespace
@@ -80,7 +80,8 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       gauges_(settings.gauges),
       first_{0},
       spacing_(settings.fluid.spacing),
-      middles_(middles_of_cubes(settings)),
+      walls_(walls_of(settings)),
+      middles_{walls_.min.array() + spacing_ / 2, walls_.max.array() - spacing_ / 2},
       in_layer_(settings.fluid.dimensions == 2),
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
   std::optional<StandingSolids> solids;
@@ -99,17 +100,48 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
 
 // Each particle is a cube of one spacing that lies in the box, cut at the foot of the gauge. A wire that is wetted
 // measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on
-// it would miss a part, and crests press more of them there: waves were 2.4 % too low.
+// it would miss a part, and crests press more of them there: waves were 2.4 % too low. Along walls the disc's weight is
+// its mean over the spacing next to them: where in that the cubes lie tells little of the water.
 void GaugeReadings::add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const {
-  const Real half = spacing_ / 2, reach = gauges_[g].radius + half;
+  const Real half = spacing_ / 2, reach = gauges_[g].radius + half + spacing_;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
   const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
-  const Box2 cube{from.x() - half, from.y() - half, from.x() + half, from.y() + half};
-  const Real weight =
-      in_layer_ ? gauge_weight_in_layer_of(cube, gauges_[g].radius) : gauge_weight_of(cube, gauges_[g].radius);
-  if (weight == 0 || above == 0) return;
+  if (above == 0) return;
+  const Real weight = weight_of_cube(g, from);
+  if (weight == 0) return;
   const Real height = gauges_[g].center.z() + from.z() + half - above * spacing_ / 2;  // of what counts
   sum += std::llround(above * spacing_ * weight / open_[g]->at(height) / unit_of_height(spacing_));
+}
+
+Real GaugeReadings::weight_of_cube(std::size_t g, const Vec3& from) const {
+  const GaugeSettings& gauge = gauges_[g];
+  const std::array<SharesAlong, 2> shares{shares_along(0, from, gauge), shares_along(1, from, gauge)};
+  Real sum = 0;
+  for (const Share& x : shares[0]) {
+    if (x.share == 0) continue;
+    if (in_layer_) {
+      sum += x.share * gauge_weight_in_layer_of({x.low, 0, x.high, 0}, gauge.radius);
+      continue;
+    }
+    for (const Share& y : shares[1])
+      if (y.share != 0) sum += x.share * y.share * gauge_weight_of({x.low, y.low, x.high, y.high}, gauge.radius);
+  }
+  return sum;
+}
+
+// What is next to a wall, at either end, lies evenly in the spacing there; the rest is where it is.
+GaugeReadings::SharesAlong GaugeReadings::shares_along(Eigen::Index axis, const Vec3& from,
+                                                       const GaugeSettings& gauge) const {
+  const Real low = from[axis] - spacing_ / 2, high = from[axis] + spacing_ / 2;
+  const Real first = walls_.min[axis] - gauge.center[axis], last = walls_.max[axis] - gauge.center[axis];
+  const Real thick = std::min(spacing_, (last - first) / 2);
+  SharesAlong shares{Share{first, first + thick, 0},
+                     Share{std::max(low, first + thick), std::min(high, last - thick), 0},
+                     Share{last - thick, last, 0}};
+  shares[0].share = std::max(0.0, std::min(high, first + thick) - low) / thick;
+  shares[1].share = shares[1].low < shares[1].high ? 1 : 0;
+  shares[2].share = std::max(0.0, high - std::max(low, last - thick)) / thick;
+  return shares;
 }
 
 void GaugeReadings::add(std::size_t g, const Particles& particles, Range part, std::vector<std::int64_t>& sums) const {

@@ -3,6 +3,7 @@
 // Collective: read().
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,11 +34,19 @@ class GaugeReadings {
   Real run_up(std::size_t g, const Particles& particles) const;
   // Of a particle whose middle is `from` the centre of the gauge.
   void add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const;
+  Real weight_of_cube(std::size_t g, const Vec3& from) const;
+  // What of a cube lies evenly from `low` to `high`, m from the centre of the gauge; 0: none.
+  struct Share {
+    Real low, high, share;
+  };
+  using SharesAlong = std::array<Share, 3>;
+  SharesAlong shares_along(Eigen::Index axis, const Vec3& from, const GaugeSettings& gauge) const;
 
   MPI_Comm comm_;
   std::vector<GaugeSettings> gauges_;
   std::vector<std::size_t> first_;  // of the sums of each gauge; one more at the end
   Real spacing_;                    // m, the edge of a particle's cube
+  Box walls_;                       // none along periodic axes
   Box middles_;                     // where that of a cube may be
   bool in_layer_;                   // two dimensions
   bool pressures_;

@@ -10,7 +10,6 @@ class ObstacleSeries : public TableSeries {
  public:
   ObstacleSeries(MPI_Comm comm, const TableOptions& options, std::size_t obstacles);
   bool wants_forces() const override { return true; }
-  bool wants_pressures() const override { return false; }  // whose means are those of the gauges' own rows
   void observe(const Frame& frame) override;
 
  private:
