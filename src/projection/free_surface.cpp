@@ -1,5 +1,8 @@
 #include "projection/free_surface.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/threads.hpp"
 
 namespace trevi {
@@ -95,7 +98,9 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
       const Real more = standing ? std::clamp(counted / area, -max_excess, max_excess) : 0;
       height_[at] = std::max((fill_[at] + fill_[at + 1]) / share.value_or(1) + more, floor_fill);
     } else {
-      excess += open(at) * (fill_[at] - 1);
+      const Real off = fill_[at] - 1;
+      const bool near_solid = cuts() != nullptr && cuts()->is_near(at);
+      excess += open(at) * off * (near_solid ? 1 : std::clamp(2 - std::abs(off) / torn, 0.0, 1.0));
     }
   }
 }

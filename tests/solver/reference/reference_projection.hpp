@@ -143,7 +143,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     Real excess = 0;
     for (Cell below = c - unit(2); below.z() >= 0; below -= unit(2)) {
       if (!wet(below)) return own;
-      excess += (*fill_)[below] - 1;
+      const Real off = (*fill_)[below] - 1;  // counts in full up to 0.1, not at all from 0.2 on
+      excess += off * std::clamp(2 - std::abs(off) / 0.1, 0.0, 1.0);
     }
     return own + std::clamp(excess, -0.25, 0.25);
   }
