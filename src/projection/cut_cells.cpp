@@ -260,7 +260,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
   }
   step_ = {grid.step(0), grid.step(1), grid.step(2)};
   box_ = box;
-  frame_ = frame;
+  use(frame);
   first_ = grid.first_plane();
   planes_ = grid.planes();
   first_row_ = grid.first_row();

@@ -219,6 +219,7 @@ class CutCells {
   Real rise(std::size_t at, bool hangs) const;
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
   Real off_solid(Real height, Real distance, Real slope) const;
+  void use(const CellFrame& frame);
   void find_whole_shares(const ProjectionGrid& grid);
   // Of the first, of others and of the last cell of a row.
   const Shares* whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r) const;
@@ -251,6 +252,7 @@ class CutCells {
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   CellFrame frame_{};
+  std::array<Real, 2> less_in_layers_{};  // of a share in a cell beside, along each horizontal direction
   std::array<Shares, 27> whole_shares_{};  // of cells without solids: the first, others and the last by direction
   std::vector<Cell> all_;                  // of all columns of the box
   std::unique_ptr<Shares[]> shares_;       // of cells near solids, by index; of others not written
