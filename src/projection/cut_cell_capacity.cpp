@@ -1,8 +1,8 @@
-// What cells beside solids hold when they are full. Particles are spread (particles_to_grid.hpp), and reach into a solid
-// beside them, out of which nothing reaches back. So the fill of a cell is what its particles say over what uniform
-// water would say: the integral, over what is open of it and of the cells around, of the share that a particle there
-// has in it (the normalisation of Shepard, Proc. ACM Nat. Conf. 1968). With the open volume in its place the level
-// beside a wall is too low by what lies in the solid.
+// What cells beside solids hold when they are full. Particles are spread (particles_to_grid.hpp), and reach into a
+// solid beside them, out of which nothing reaches back. So the fill of a cell is what its particles say over what
+// uniform water would say: the integral, over what is open of it and of the cells around, of the share that a particle
+// there has in it (the normalisation of Shepard, Proc. ACM Nat. Conf. 1968). With the open volume in its place the
+// level beside a wall is too low by what lies in the solid.
 #include <algorithm>
 
 #include "projection/cut_cells.hpp"
@@ -42,7 +42,7 @@ CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real cor
   return {below, 1 - below - above, above};
 }
 
-// Where the middle of a cuboid that would reach down, or up, into a solid lies when the cuboid lies on it, or beneath,
+// Where the middle of a particle that would reach down, or up, into a solid lies when it lies on that, or beneath,
 // in cells upwards, as `height` is; distance of the solid and its slope upwards, in samples.
 Real CutCells::off_solid(Real height, Real distance, Real slope) const {
   const Real way = std::max(distance, 0.0), steep = std::abs(slope) * samples;  // the solid is way/steep below or above
@@ -132,7 +132,7 @@ CellFrame CutCells::beside_solids(const CellFrame& frame, const ProjectionGrid& 
   return narrowed;
 }
 
-// A cuboid that would reach through a face which a solid closes stays in its own cell.
+// What would reach through a face which a solid closes stays in its own cell.
 void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells) {
   const std::size_t at = grid.index(k, r, c);
   if (cells[at].open == 0) return;

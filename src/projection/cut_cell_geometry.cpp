@@ -156,7 +156,7 @@ Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
 }
 
 // Linear in each sample, as the faces; shares of what is open of a sample are those of its middle, but water is nowhere
-// nearer to a solid below or above than half of a cuboid's height. The middle of the solid is that of its parts in
+// nearer to a solid below or above than half a spacing. The middle of the solid is that of its parts in
 // samples, which lie off the middles of these along the slope.
 Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const {
   CubeOfDistances distance;

@@ -22,20 +22,20 @@ class CutCells {
  public:
   explicit CutCells(const Obstacles& obstacles);
 
-  /// For the window and columns that `grid` has now; `frame` is that of the cuboids by which particles fill cells.
+  /// For the window and columns that `grid` has now; `frame` says how particles fill them.
   void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box, const CellFrame& frame);
 
   /// Fraction of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
   Real open(std::size_t at) const { return cells_[at].open; }
-  /// What uniform water fills of a cell, in cells, where each particle is spread over its cuboid; more or less than
-  /// what is open, as cuboids reach into solids and out of neighbours.
+  /// What uniform water fills of a cell, in cells, as particles are spread; more or less than what is open, as they
+  /// reach into solids and out of neighbours.
   Real capacity(std::size_t at) const { return cells_[at].capacity; }
   /// How far the middle of a cell lies from the mean place of the water that fills it, along a horizontal direction, in
   /// cells: out of the water at walls that cut it.
   Real aside(std::size_t a, std::size_t at) const { return cells_[at].aside[a]; }
   /// Whether a solid changes what uniform water fills of a cell.
   bool is_near(std::size_t at) const { return cells_[at].open < 1 || cells_[at].capacity != 1; }
-  /// That frame for particles of cell (k, r, c): a cuboid stays on its own side of a sheet.
+  /// That frame for particles of cell (k, r, c): they stay on their own side of a sheet.
   CellFrame beside_solids(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
   /// Fraction of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
@@ -252,7 +252,7 @@ class CutCells {
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   CellFrame frame_{};
-  std::array<Real, 2> less_in_layers_{};  // of a share in a cell beside, along each horizontal direction
+  std::array<Real, 2> less_in_layers_{};   // of a share in a cell beside, along each horizontal direction
   std::array<Shares, 27> whole_shares_{};  // of cells without solids: the first, others and the last by direction
   std::vector<Cell> all_;                  // of all columns of the box
   std::unique_ptr<Shares[]> shares_;       // of cells near solids, by index; of others not written

@@ -47,11 +47,12 @@ constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
 constexpr Real max_excess = 0.25, torn = 0.1;
 /// Largest difference, of itself, between the capacities of cells of a column that are cut alike; most by which what
 /// they hold may differ from what is around them in the level of the top one; share of their excess that counts there.
-/// With all of it periods of tanks at eleven angles and places (study of motion) are off by 2.3 % rms for 1.9, with
-/// half of it by 1.5, but water that starts with a step then takes 1.10 of its time to a cut wall for 1.07.
+/// The paraboloid of a cylinder of R = 10 s, from a lattice, is 1.06 as steep as the exact one with half of it, 1.09
+/// with three quarters, 1.12 with all (1/240 s).
 constexpr Real alike = 0.02, max_uneven = 0.5, excess_of_cut = 0.5;
 /// Least distance, cells, of the middle of a cut cell from the mean place of its water, from which on its level is
-/// continued to there; most of the difference to the cell beside that it takes for that.
+/// continued to there; most of the difference to the cell beside that it takes for that: with 0.3, 0.5, 0.8, 1.2 the
+/// same paraboloid from rings is 1.115, 1.085, 1.060, 1.055.
 constexpr Real min_aside = 0.05, max_continued = 0.8;
 /// Least height of the surface above the middle of a top cell, cells: a bound on the ghost-fluid weight.
 constexpr Real min_height = 0.05;
@@ -94,7 +95,8 @@ constexpr Real cut_return = 0.5;
 /// with 3.5 and 0.98 with 14; a pool that starts with each coordinate off by up to 0.2 s rests at 6e-6 and 5e-5 m²/s².
 constexpr Real noise_time = 12;
 /// Where a solid cuts a cell the motion relaxes to the affine one itself, this many times as fast: there faces and
-/// particles are few, and noise is made.
+/// particles are few, and noise is made. With 60 turned tanks swing 4.0 % off the plain box at most, with 40 3.0, with
+/// 30 2.1; vessels full to a half rest at 1.3e-4, 1.5e-4, 2.2e-4 m²/s² in the median.
 constexpr Real cut_noise = 40;
 /// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
 /// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.

@@ -1,11 +1,13 @@
 // First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the
 // affine fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
 //
-// The volume of a cell is that of the particles in and around it, each spread over two spacings along x and y
-// (`spread`) and, upwards, with a density that falls linearly to nothing one spacing away: a count of particles would
-// not show a surface that tilts by less than a layer. They are placed at the positions at the start of the step.
-// Pressure then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its
-// amplitude; with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
+// The volume of a cell is that of the particles in and around it, each with a density that falls linearly to nothing,
+// along x and y a cell away and along z one spacing: a count of particles would not show a surface that tilts by less
+// than a layer. As such a volume changes by what passes the faces of a column, by the weights below, so do levels; with
+// others water that moves as a whole pulls itself along the cells (the self-force of particle-in-cell methods, Birdsall
+// & Langdon 1985, ch. 8). Particles are placed at the positions at the start of the step. Pressure then acts on the
+// surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its amplitude; with the
+// predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
 //
 // The displacement of a face is the mean over the particles of the two cells beside it, with weights that fall linearly
 // with the distance from the face, of what each of them says of the middle of the open part of the face,

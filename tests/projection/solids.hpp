@@ -22,7 +22,7 @@ inline CellWindow window_of(const ProjectionGrid& grid, LocalId planes) {
   return {{first, first + planes}, {0, grid.count(1)}};
 }
 
-/// That of cuboids for particles of half a cell.
+/// For particles of half a cell.
 inline CellFrame frame_of(const ProjectionGrid& grid) { return ParticlesToGrid(grid, h / 2).frame(); }
 
 // Balls and turned boxes at the places of a loose lattice, none in another, some cut by walls.

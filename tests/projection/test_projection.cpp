@@ -139,6 +139,47 @@ TEST(ParticlesToGrid, StretchedLayersFillCellsEvenly) {
   }
 }
 
+// The level changes by what passes the faces: the volume of a plane of cells, of particles that move through them
+// anyhow, by what they say of its faces, with weights that fall linearly to nothing a cell away. With other volumes
+// water that moves over a floor pulls itself along the cells.
+TEST(ParticlesToGrid, VolumesChangeByWhatPassesTheFaces) {
+  const auto motion = [](const Vec3& p) { return Vec3(1e-5 * std::sin(9 * p.x() + 7 * p.y() + 5 * p.z()), 0, 0); };
+  Water water(motion, {.jitter = 0.3});
+  const auto planes = static_cast<std::size_t>(water.grid.planes());
+  const auto sum_over_ranks = [](std::vector<Real>& all) {
+    MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, world);
+  };
+  const auto volumes = [&](Real path_before) {
+    Water moved(motion, {.jitter = 0.3, .at = path_before});
+    Stages at(moved, s);
+    at.gather();
+    std::vector<Real> sums(planes), of_row(static_cast<std::size_t>(at.grid.columns()));
+    for (LocalId k = 1; k <= at.grid.planes(); ++k)
+      for (LocalId r = 0; r < at.grid.rows(); ++r) {
+        at.transfer.find_volumes(k, r, of_row);
+        for (const Real volume : of_row)
+          sums[static_cast<std::size_t>(moved.slabs.first_plane(rank_of(world)) + k - 1)] += volume;
+      }
+    sum_over_ranks(sums);
+    return sums;
+  };
+  std::vector<Real> flux(planes + 1);  // through the lower face of each plane, cells
+  for (std::size_t i = 0; i < water.particles.position.size(); ++i) {
+    const Vec3 u = water.particles.predicted[i] - water.particles.position[i];
+    const Real x = (water.particles.position[i] + u / 2 - box.min).x() / h;
+    for (std::size_t f = 1; f < planes; ++f) flux[f] += std::max(0.0, 1 - std::abs(x - f)) * u.x() / h / 8;
+  }
+  sum_over_ranks(flux);
+  const std::vector<Real> before = volumes(1), after = volumes(0);
+  Real most = 0, wrong = 0;
+  for (std::size_t k = 0; k < planes; ++k) {
+    most = std::max(most, std::abs(flux[k]));
+    wrong = std::max(wrong, std::abs(after[k] - before[k] - (flux[k] - flux[k + 1])));
+  }
+  std::printf("flux up to %.2e cells, volumes off by %.2e\n", most, wrong);
+  EXPECT_LT(wrong, 1e-3 * most);
+}
+
 /// What the projection does to the particles in a step of 1/60 s.
 std::vector<Vec4<double>> displacements(Water& water, Real gravity) {
   Projection projection(world, water.grid, box, {s, h, gravity});

@@ -4,6 +4,7 @@
 // tests/regression/test_golden.py; whole steps against brute force: test_reference.cpp.)
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "boundary/geometry/shape.hpp"
 #include "boundary/volume_map/volume_map.hpp"
@@ -292,6 +293,51 @@ TEST(TwoDimensions, SettingsThatHaveNoPlaceThereAreRefused) {
   off.position = {Vec3(1, 0.01, 1)};
   off.velocity = {Vec3::Zero()};
   EXPECT_THROW(make_solver(world, flat(), off), InputError);
+}
+
+// Disordered water that moves over a floor as a whole, through the cells: it goes on, and is calm. Where volumes
+// changed by other than what passes the faces, 0.033 m/s of 0.3 were lost in 15 s, the noise was five times as much,
+// and in three dimensions it was the same.
+TEST(TwoDimensions, WaterThatMovesAsAWholeIsNotHeldByTheCells) {
+  const Scene scene = parse_scene("stream.toml", R"(
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [4.8, 2.4]
+periodic = ["x"]
+[fluid]
+spacing = 0.1
+[[particles]]
+min = [0, 0]
+max = [4.8, 1.2]
+velocity = [0.3, 0]
+[time]
+dt = 0.0166666667
+end = 15
+[gravity]
+)",
+                                  {});
+  Particles water = initial_particles(world, scene);
+  for (std::size_t i = 0; i < water.position.size(); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(water.id[i]));
+    std::uniform_real_distribution<Real> off(-0.03, 0.03);
+    water.position[i] += Vec3(off(random), 0, off(random));
+  }
+  std::vector<Diagnostics> rows;
+  std::vector<std::vector<BodyForce>> forces;
+  SolverExtras extras;
+  extras.observers.push_back(std::make_unique<Keeper>(rows, forces, false));
+  const std::unique_ptr<Solver> solver = make_solver(world, scene, water, std::move(extras));
+  solver->start();
+  for (int k = 0; k < 900; ++k) solver->step();
+  const Real mass = 1000 * 0.1 * 0.1 * 0.1 * static_cast<Real>(rows.front().particles);
+  Real noise = 0;
+  for (std::size_t k = 450; k < 900; ++k)
+    noise += (rows[k].kinetic_energy / mass - (rows[k].momentum / mass).squaredNorm() / 2) / 450;
+  const Real lost = 0.3 - rows.back().momentum.x() / mass;
+  std::printf("of 0.3 m/s %.4f are lost; noise %.2e m²/s²\n", lost, noise);
+  EXPECT_LT(std::abs(lost), 0.02);
+  EXPECT_LT(noise, 1.5e-3);
 }
 
 }  // namespace
