@@ -32,8 +32,7 @@ HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
   const Real flat = frame.flat[a], reach = frame.reach[a];
   const V w = hn::Max(way, set(-reach));
   const V sloped = hn::Sub(square_above_zero(hn::Sub(set(reach), w)), square_above_zero(hn::Sub(set(flat), w)));
-  return hn::Mul(hn::Sub(sloped, square_above_zero(hn::Sub(set(-flat), w))),
-                 set(0.5 / (reach * reach - flat * flat)));
+  return hn::Mul(hn::Sub(sloped, square_above_zero(hn::Sub(set(-flat), w))), set(0.5 / (reach * reach - flat * flat)));
 }
 
 // The part of each particle's volume below the cell along a, in it and above it.

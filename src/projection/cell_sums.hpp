@@ -14,9 +14,9 @@ using ByAxis = std::array<Real, 3>;
 
 /// What in_cells() etc. of ProjectionGrid are made of, and how a particle is spread.
 struct CellFrame {
-  ByAxis per_length;         ///< cells per metre
-  ByAxis flat, reach;        ///< a particle's density is even up to `flat` from its middle and falls linearly to nothing
-                             ///< at `reach`, in cells
+  ByAxis per_length;   ///< cells per metre
+  ByAxis flat, reach;  ///< a particle's density is even up to `flat` from its middle and falls linearly to nothing
+                       ///< at `reach`, in cells
   ByAxis nearest, farthest;  ///< where its middle can be, in cells from the corner of the box
   ByAxis floor, ceiling;     ///< through which nothing reaches, in cells from the corner of the box
   Real per_full;             ///< volume of a particle, in cells

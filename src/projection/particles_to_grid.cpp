@@ -27,9 +27,9 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
   return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
-// Along x and y a particle is the convolution of two boxes, the first as many whole spacings wide as a cell has, and both
-// together two cells: uniform for a lattice, and, as the whole of it is a cell at h = 2 s, what passes a face in a step
-// is what particles say of the face.
+// Along x and y a particle is the convolution of two boxes, the first as many whole spacings wide as a cell has, and
+// both together two cells: uniform for a lattice, and, as the whole of it is a cell at h = 2 s, what passes a face in a
+// step is what particles say of the face.
 CellFrame frame_of_particles(const ProjectionGrid& grid, Real spacing) {
   constexpr Real rounding = 1e-9;
   CellFrame frame{};

@@ -179,9 +179,9 @@ class ReferenceParticlesToGrid {
   }
   Real mean(int a, const Cell& c) const { return (*mean_)[static_cast<std::size_t>(a)][c]; }
 
-  // The density of a particle is that of a box moved along a box: along x and y the first is as many whole spacings wide
-  // as a cell has, and both together two cells, along z both are a spacing wide. Of that what is below a level along
-  // `a`, in cells from the corner of the particle's own one.
+  // The density of a particle is that of a box moved along a box: along x and y the first is as many whole spacings
+  // wide as a cell has, and both together two cells, along z both are a spacing wide. Of that what is below a level
+  // along `a`, in cells from the corner of the particle's own one.
   Real part_below(const Particle& i, int a, Real level) const {
     const Real edge = s_ / size_[a], first = a == 2 ? edge : edge * std::floor(1 / edge + 1e-9);
     const Real second = a == 2 ? edge : 2 - first;
