@@ -28,8 +28,8 @@ LocalId rows_of_sums(Range planes, LocalId rows) {
 }
 
 // Along x and y a particle is the convolution of two boxes, the first as many whole spacings wide as a cell has, and
-// both together two cells: uniform for a lattice, and, as the whole of it is a cell at h = 2 s, what passes a face in a
-// step is what particles say of the face.
+// both together two cells: that is even for a lattice, and at h = 2 s a tent that ends a cell away, so that volumes
+// change by what particles say of the faces. Along z it is a tent that ends one spacing away.
 CellFrame frame_of_particles(const ProjectionGrid& grid, Real spacing) {
   constexpr Real rounding = 1e-9;
   CellFrame frame{};
