@@ -41,9 +41,10 @@ constexpr Real min_face_weight = 0.05;
 /// on the floor lower still, so that a sheet of one layer is supported, too.
 constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
 /// Largest volume, cells, by which the fill of the cells below may raise or lower the surface in a top cell. The cells
-/// of torn water, and those at the side of a jet, are far from full, and say nothing of its height: one counts in full
-/// up to the first difference, cells, not at all from twice that on. A jet on a plate has 0.96 of the speed of its head
-/// so for 0.90 (s = 0.025 m, 1/240 s). Not so beside solids, where water that turns lost 1 % a turn.
+/// of torn water, and those at the side of a jet, are far from full, and say nothing of its height: what a cell has too
+/// much or too little counts in full up to `torn`, cells, and not at all from twice that on. A jet on a plate has 0.96
+/// of the speed of its head so for 0.90 (s = 0.025 m, 1/240 s). Not so beside solids, where water that turns lost 1 % a
+/// turn.
 constexpr Real max_excess = 0.25, torn = 0.1;
 /// Largest difference, of itself, between the capacities of cells of a column that are cut alike; most by which what
 /// they hold may differ from what is around them in the level of the top one; share of their excess that counts there.
@@ -96,8 +97,9 @@ constexpr Real cut_return = 0.5;
 /// with 3.5 and 0.98 with 14; a pool that starts with each coordinate off by up to 0.2 s rests at 6e-6 and 5e-5 m²/s².
 constexpr Real noise_time = 12;
 /// Where a solid cuts a cell the motion relaxes to the affine one itself, this many times as fast: there faces and
-/// particles are few, and noise is made. With 60 turned tanks swing 4.0 % off the plain box at most, with 40 3.0, with
-/// 30 2.1; vessels full to a half rest at 1.3e-4, 1.5e-4, 2.2e-4 m²/s² in the median.
+/// particles are few, and noise is made. Where levels are continued by up to 0.8 cells, turned tanks
+/// swing 4.0, 3.0, 2.1 % off the plain box at most with 60, 40, 30, and deep vessels rest at 1.3e-4, 1.5e-4, 2.2e-4
+/// m²/s² in the median.
 constexpr Real cut_noise = 45;
 /// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
 /// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.

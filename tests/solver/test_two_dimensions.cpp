@@ -323,13 +323,9 @@ end = 15
     std::uniform_real_distribution<Real> off(-0.03, 0.03);
     water.position[i] += Vec3(off(random), 0, off(random));
   }
-  std::vector<Diagnostics> rows;
-  std::vector<std::vector<BodyForce>> forces;
-  SolverExtras extras;
-  extras.observers.push_back(std::make_unique<Keeper>(rows, forces, false));
-  const std::unique_ptr<Solver> solver = make_solver(world, scene, water, std::move(extras));
-  solver->start();
-  for (int k = 0; k < 900; ++k) solver->step();
+  KeptRun run(world, scene, std::move(water));
+  run.steps(900);
+  const std::vector<Diagnostics>& rows = run.rows;
   const Real mass = 1000 * 0.1 * 0.1 * 0.1 * static_cast<Real>(rows.front().particles);
   Real noise = 0;
   for (std::size_t k = 450; k < 900; ++k)

@@ -33,10 +33,12 @@ struct KeptRun {
   std::vector<std::vector<BodyForce>> forces;  ///< none without obstacles
   std::unique_ptr<Solver> solver;
 
-  KeptRun(MPI_Comm comm, Scene of) : scene(std::move(of)) {
+  KeptRun(MPI_Comm comm, const Scene& of) : KeptRun(comm, of, initial_particles(comm, of)) {}
+  /// From other particles than those of the scene.
+  KeptRun(MPI_Comm comm, Scene of, Particles water) : scene(std::move(of)) {
     SolverExtras extras;
     extras.observers.push_back(std::make_unique<Keeper>(rows, forces, has_solids(scene)));
-    solver = make_solver(comm, scene, initial_particles(comm, scene), std::move(extras));
+    solver = make_solver(comm, scene, std::move(water), std::move(extras));
     solver->start();
   }
   KeptRun(const KeptRun&) = delete;
