@@ -13,8 +13,7 @@ taylor_green  Taylor & Green 1937 (Proc. R. Soc. A 158, 499): E0 exp(−4 nu k²
 waves         As tanks; a standing wave of amplitude A has the energy rho g A² L W/4 (Lamb, §174, §230), all of it
               kinetic where it starts.
 rest          Nothing moves, and the centre of mass stays at half the depth.
-count         Water is incompressible: the particles in a part of space that is all water are its volume over s³. That
-              knows nothing of kernels.
+count         Water is incompressible: the particles in what is all water are its volume over s³, without kernels.
 sphere        A sphere through water at 1e5 < Re has drag coefficients of 0.4 to 0.5 (0 in d'Alembert's ideal flow).
 """
 
@@ -189,8 +188,7 @@ def disc(radius, spacing, start):
 
 def rotation(rate, spacing=0.05, radius=0.5, layers=10, omega=3.0, turns=1, start="lattice", closed=False):
     """In an upright cylinder that slips. closed: without gravity, filled whole between floor and ceiling. Whole layers
-    alone would be a paraboloid of steps, 14 % too steep with 10 spacings; so some columns of a ring go a particle
-    higher than others, that their mean is the surface."""
+    alone would be a paraboloid of steps; so some columns go a particle higher, that their mean is the surface."""
     turn, depth = 2 * math.pi / omega, layers * spacing
     room = 0 if closed else 10 * spacing
     flat = disc(radius, spacing, start)
@@ -214,14 +212,16 @@ def rotation(rate, spacing=0.05, radius=0.5, layers=10, omega=3.0, turns=1, star
 
 def rotation_figures(turn, radius, rise, run):
     """Angular momentum about the axis over that of the start after 1, 5 and 10 turns, and how steep the paraboloid is,
-    over the exact one (rise: 1/m; None: no surface), in the mean of the last 0.35 turns, about a period of the first
-    round wave."""
+    over the exact one (rise: 1/m, at the speed of the start; None: no surface), in the mean of the last 0.35 turns,
+    about a period of the first round wave. Water from a lattice flows to the wall first, and turns more slowly then."""
     axial = np.array([(x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]).sum() for x, v in run.states])
+    omega = axial / [(x[:, :2]**2).sum() for x, _ in run.states]
     figures = {f"angular_{k}": axial[np.abs(run.times - k * turn).argmin()] / axial[0] for k in (1, 5, 10)
                if run.times[-1] > (k - 0.1) * turn}
     if rise is not None:
-        late = [state for state, time in zip(run.states, run.times) if time > run.times[-1] - 0.36 * turn]
-        figures |= {"paraboloid": steepness([x for x, _ in late], radius) / rise,
+        late = np.flatnonzero(run.times > run.times[-1] - 0.36 * turn)
+        slower = ((omega[late] / omega[0])**2).mean()
+        figures |= {"paraboloid": steepness([run.states[k][0] for k in late], radius) / rise / slower,
                     "paraboloid_start": steepness([run.states[0][0]], radius) / rise}
     figures["energy_left"] = run.columns["kinetic_energy"][-1] / run.columns["kinetic_energy"][0]
     return figures

@@ -1,7 +1,8 @@
 """A plane jet that falls on a level plate, of which the right answer is known: it runs out both ways, at its surface with
 the speed of its total head, sqrt(U² + 2 g (H − d)); the plate bears the weight of the water over it and takes what
-momentum comes down to it (Milne-Thomson, Theoretical Hydrodynamics, §11.42). No program of its own; study_motion.py runs
-it.
+momentum comes down to it (Milne-Thomson, Theoretical Hydrodynamics, §11.42). U is the speed with which water leaves the
+nozzle, a spacing ahead of the opening (inputs/README.md, "Inlets and drains"), and H the height of that above the plate.
+No program of its own; study_motion.py runs it.
 """
 
 import math
@@ -31,6 +32,7 @@ def plate(rate, spacing=0.05, wide=0.2, speed=3.0, fall=0.65, seconds=1.2, lengt
 def plate_figures(spacing, wide, speed, fall, top, run, last=0.4, high=0.5):
     """In the mean of the last 0.4 s, from 0.8 to 1.2 m beside the jet: speed along the plate over that of the total head
     at the surface. And the force on the plate over the weight and momentum of the water below `high`, m, over it."""
+    fall -= spacing  # from the end of the nozzle
     late = [state for state, time in zip(run.states, run.times) if time > run.times[-1] - last]
     place, velocity = (np.concatenate(part) for part in zip(*late))
     width, height = 6 * spacing, place[:, 2] - top
