@@ -16,15 +16,25 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
+template <class Mask>
+HWY_INLINE unsigned bits_of(Mask mask) {
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(Wide(), mask, bytes.data());
+  return bytes[0];
+}
+
 // Appends the numbers of those that are marked, from the first on.
 template <class Mask>
 HWY_INLINE std::size_t append(Mask mask, std::size_t first, LocalId* found) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(Wide(), mask, bytes.data());
   std::size_t count = 0;
-  for (unsigned bits = bytes[0]; bits != 0; bits &= bits - 1)
+  for (unsigned bits = bits_of(mask); bits != 0; bits &= bits - 1)
     found[count++] = static_cast<LocalId>(first) + std::countr_zero(bits);
   return count;
+}
+
+// A NaN is not.
+HWY_INLINE bool is_beyond(const Box& box, const Vec3& p) {
+  return (p.array() < box.min.array()).any() || (p.array() > box.max.array()).any();
 }
 
 std::size_t find_outside_of(const OpenSpace& open, std::span<const Vec3> p, LocalId* found) {
@@ -32,13 +42,31 @@ std::size_t find_outside_of(const OpenSpace& open, std::span<const Vec3> p, Loca
   std::size_t count = 0, k = 0;
   for (; k + lanes <= p.size(); k += lanes) {
     const WideVec3 here = load(&p[k]);
-    count += append(hn::Or(is_outside(open.box(), here), is_closed(open, here, here)), k, found + count);
+    count += append(hn::Or(is_outside(open.box(), here), is_closed(open, here)), k, found + count);
   }
-  const auto is_beyond = [&](const Vec3& one) {
-    return (one.array() < open.box().min.array()).any() || (one.array() > open.box().max.array()).any();
-  };
   for (; k < p.size(); ++k)
-    if (is_beyond(p[k]) || open.closes(p[k], p[k])) found[count++] = static_cast<LocalId>(k);
+    if (is_beyond(open.box(), p[k]) || open.closes(p[k], p[k])) found[count++] = static_cast<LocalId>(k);
+  return count;
+}
+
+std::size_t find_outside_both(const OpenSpace& open, const Box& box, std::span<const Vec3> p, OutsideOf* found) {
+  const Box both{open.box().min.cwiseMax(box.min), open.box().max.cwiseMin(box.max)};
+  const std::size_t lanes = hn::Lanes(Wide());
+  std::size_t count = 0, k = 0;
+  for (; k + lanes <= p.size(); k += lanes) {
+    const WideVec3 here = load(&p[k]);
+    const auto closed = is_closed(open, here), any = hn::Or(is_outside(both, here), closed);
+    if (hn::AllFalse(Wide(), any)) continue;
+    const unsigned space = bits_of(hn::Or(is_outside(open.box(), here), closed));
+    for (unsigned bits = bits_of(any); bits != 0; bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      found[count++] = {static_cast<LocalId>(k) + lane, (space >> lane & 1U) != 0};
+    }
+  }
+  for (; k < p.size(); ++k) {
+    const bool of_space = is_beyond(open.box(), p[k]) || open.closes(p[k], p[k]);
+    if (of_space || is_beyond(box, p[k])) found[count++] = {static_cast<LocalId>(k), of_space};
+  }
   return count;
 }
 
@@ -70,10 +98,15 @@ HWY_AFTER_NAMESPACE();
 namespace trevi {
 
 HWY_EXPORT(find_outside_of);
+HWY_EXPORT(find_outside_both);
 HWY_EXPORT(go_straight_by);
 
 std::size_t find_outside(const OpenSpace& open, std::span<const Vec3> p, LocalId* found) {
   return HWY_DYNAMIC_DISPATCH(find_outside_of)(open, p, found);
+}
+
+std::size_t find_outside(const OpenSpace& open, const Box& box, std::span<const Vec3> p, OutsideOf* found) {
+  return HWY_DYNAMIC_DISPATCH(find_outside_both)(open, box, p, found);
 }
 
 std::size_t go_straight(const OpenSpace& open, const Straight& way, Vec3* end, LocalId* found) {

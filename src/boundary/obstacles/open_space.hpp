@@ -53,9 +53,19 @@ class OpenSpace {
   std::size_t count_ = 0;
 };
 
+/// The number of a position, and whether it is outside of a space.
+struct OutsideOf {
+  LocalId which;
+  bool space;
+};
+
 /// Writes which of the positions are outside of a space, in their order, and returns how many; `found` has room for
 /// all. A NaN is not outside.
 std::size_t find_outside(const OpenSpace& open, std::span<const Vec3> p, LocalId* found);
+
+/// Writes which of the positions are outside of a space or of a box, in their order, and of each whether it is outside
+/// of the space; returns how many.
+std::size_t find_outside(const OpenSpace& open, const Box& box, std::span<const Vec3> p, OutsideOf* found);
 
 /// From positions with as many velocities, for a time, s.
 struct Straight {
