@@ -71,33 +71,12 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
-namespace {
-
-// Around each of so many positions, and the last.
-template <std::size_t each>
-Box box_around(std::span<const Vec3> p) {
-  using Pair = Eigen::Array2d;  // in a register
-  Pair low = p.back().head<2>(), high = low;
-  Real bottom = p.back().z(), top = bottom;
-  for (std::size_t k = 0; k < p.size(); k += each) {
-    const Pair here = p[k].head<2>();
-    const Real z = p[k].z();
-    low = low.min(here);
-    high = high.max(here);
-    bottom = z < bottom ? z : bottom;
-    top = z > top ? z : top;
-  }
-  return {Vec3(low[0], low[1], bottom), Vec3(high[0], high[1], top)};
-}
-
-}  // namespace
-
 // Where they are is told by some of them, of about each cell one. Of many bodies only those are asked that come near to
 // that; few are all asked, and what they leave open reaches further than a path.
 OpenSpace Obstacles::open_space(std::span<const Vec3> p, Extent extent) const {
   constexpr std::size_t each = 8, few_bodies = 4;
   constexpr Real far = 4;
-  const Box water = box_around<each>(p);
+  const Box water = box_around(p, each);
   const bool are_few = bodies_.size() <= few_bodies;
   const Vec3 path = Vec3::Constant((are_few ? far : 1) * index_->longest_path());
   OpenSpace space(walls_.box());

@@ -37,6 +37,28 @@ HWY_INLINE bool is_beyond(const Box& box, const Vec3& p) {
   return (p.array() < box.min.array()).any() || (p.array() > box.max.array()).any();
 }
 
+// Four numbers at a time where there are such vectors; what follows z is of no interest.
+Box box_around_of(std::span<const Vec3> p, std::size_t each) {
+  const std::size_t last = p.size() - 1;
+#if HWY_MAX_BYTES >= 32
+  const hn::FixedTag<double, 4> d;
+  std::array<Real, 4> low_of{p[last].x(), p[last].y(), p[last].z(), 0}, high_of;
+  auto low = hn::LoadU(d, low_of.data()), high = low;
+  for (std::size_t k = 0; k < last; k += each) {
+    const auto here = hn::LoadU(d, p[k].data());
+    low = hn::Min(low, here);
+    high = hn::Max(high, here);
+  }
+  hn::StoreU(low, d, low_of.data());
+  hn::StoreU(high, d, high_of.data());
+  return {Vec3(low_of[0], low_of[1], low_of[2]), Vec3(high_of[0], high_of[1], high_of[2])};
+#else
+  Box box{p[last], p[last]};
+  for (std::size_t k = 0; k < last; k += each) box = {box.min.cwiseMin(p[k]), box.max.cwiseMax(p[k])};
+  return box;
+#endif
+}
+
 std::size_t find_outside_of(const OpenSpace& open, std::span<const Vec3> p, LocalId* found) {
   const std::size_t lanes = hn::Lanes(Wide());
   std::size_t count = 0, k = 0;
@@ -97,9 +119,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace trevi {
 
+HWY_EXPORT(box_around_of);
 HWY_EXPORT(find_outside_of);
 HWY_EXPORT(find_outside_both);
 HWY_EXPORT(go_straight_by);
+
+Box box_around(std::span<const Vec3> p, std::size_t each) { return HWY_DYNAMIC_DISPATCH(box_around_of)(p, each); }
 
 std::size_t find_outside(const OpenSpace& open, std::span<const Vec3> p, LocalId* found) {
   return HWY_DYNAMIC_DISPATCH(find_outside_of)(open, p, found);

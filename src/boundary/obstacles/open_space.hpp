@@ -56,6 +56,9 @@ class OpenSpace {
   Real lowest_ = INFINITY;
 };
 
+/// Around every so many of the positions, from the first on, and the last.
+Box box_around(std::span<const Vec3> p, std::size_t each);
+
 /// The number of a position, and whether it is outside of a space.
 struct OutsideOf {
   LocalId which;
