@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "multigrid/column_loops.hpp"
+
 namespace trevi {
 
 namespace {
@@ -59,13 +61,9 @@ void MultigridLevel::factor_column(LocalId k, LocalId r) {
 void MultigridLevel::gather_column(const Column& column) {
   const auto [at, count] = column;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
-  const Real *x = phi.data() + at, *wx = link[0].data() + at, *wy = link[1].data() + at, *b = rhs.data() + at;
+  const Real* x = phi.data() + at;
   Real* y = next.data() + at;
-#pragma GCC ivdep
-  for (std::size_t c = 0; c < count; ++c) {
-    y[c] = b[c] +
-           ((wx[c] * x[c - plane] + wx[c + plane] * x[c + plane]) + (wy[c] * x[c - row] + wy[c + row] * x[c + row]));
-  }
+  gather_sides({x, link[0].data() + at, link[1].data() + at, rhs.data() + at, row, plane, count}, y);
   if (!shape_.repeats[2] || count == 0) return;
   const Real* wz = link[2].data() + at;
   y[0] += wz[0] * x[-1];
@@ -147,10 +145,7 @@ void MultigridLevel::solve_rows(Range planes, Range of_plane, const Make& make, 
 void MultigridLevel::sweep(Range planes, Range rows, Real weight) {
   solve_rows(
       planes, rows, [&](const Column& column) { gather_column(column); },
-      [&](const Column& column) {
-        for (std::size_t i = column.at; i < column.at + column.count; ++i)
-          next[i] = phi[i] + weight * (next[i] - phi[i]);
-      });
+      [&](const Column& column) { damp(phi.data() + column.at, weight, column.count, next.data() + column.at); });
 }
 
 void MultigridLevel::sweep_from_zero(Real weight) {
@@ -169,16 +164,9 @@ void MultigridLevel::find_residual() {
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(shape_.own_rows(), [&](LocalId k, LocalId r) {
     const std::size_t at = shape_.index(k, r, 0), count = top(k, r);
-    const Real *x = phi.data() + at, *b = rhs.data() + at, *d = dirichlet.data() + at, *per = per_pivot.data() + at;
-    const Real *wx = link[0].data() + at, *wy = link[1].data() + at, *wz = link[2].data() + at;
-    Real* y = next.data() + at;
-#pragma GCC ivdep
-    for (std::size_t c = 0; c < count; ++c) {
-      const Real flow = (wx[c] * (x[c - plane] - x[c]) + wx[c + plane] * (x[c + plane] - x[c])) +
-                        (wy[c] * (x[c - row] - x[c]) + wy[c + row] * (x[c + row] - x[c])) +
-                        (wz[c] * (x[c - 1] - x[c]) + wz[c + 1] * (x[c + 1] - x[c]));
-      y[c] = per[c] > 0 ? b[c] - d[c] * x[c] + flow : 0;
-    }
+    const ColumnOfLevel column{
+        phi.data() + at, link[0].data() + at, link[1].data() + at, rhs.data() + at, row, plane, count};
+    find_residual_of(column, {link[2].data() + at, dirichlet.data() + at, per_pivot.data() + at}, next.data() + at);
   });
 }
 
@@ -265,7 +253,7 @@ void MultigridLevel::add_correction(const MultigridLevel& coarse) {
     const std::size_t at = shape_.index(k, r, 0), above = from.index(parent_of(from, k), parent_row_of(from, r), 0);
     const bool is_own = r >= 0 && r < shape_.rows;
     const std::size_t end = is_own ? used(k, r) : static_cast<std::size_t>(shape_.columns);
-    for (std::size_t c = 0; c < end; ++c) phi[at + c] += per_pivot[at + c] > 0 ? coarse.phi[above + c] : 0;
+    add_where_water(coarse.phi.data() + above, per_pivot.data() + at, end, phi.data() + at);
   });
   repeat(phi);
 }

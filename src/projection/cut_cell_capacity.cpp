@@ -70,10 +70,11 @@ void CutCells::use(const CellFrame& frame) {
 void CutCells::find_whole_shares(const ProjectionGrid& grid) {
   std::array<std::array<SharesAlong, 3>, 3> mean{};  // by direction
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::array<LocalId, 3> corners{0, 1, grid.count(a) - 1};
+    count_[a] = grid.count(a);
+    const std::array<LocalId, 3> corners{0, 1, count_[a] - 1};
     for (std::size_t n = 0; n < 3; ++n) {
-      for (int k = 0; k < samples; ++k) {
-        const SharesAlong one = shares_along(a, sample(k), corners[n]);
+      for (std::size_t k = 0; k < samples; ++k) {
+        const SharesAlong one = sample_shares_[a][n][k] = shares_along(a, sample_at[k], corners[n]);
         for (std::size_t i = 0; i < 3; ++i) mean[a][n][i] += one[i] / samples;
       }
     }
@@ -83,6 +84,13 @@ void CutCells::find_whole_shares(const ProjectionGrid& grid) {
     for (std::size_t n = 0; n < 27; ++n)
       whole_shares_[place][n] = static_cast<float>(u[n / 9] * v[n / 3 % 3] * w[n % 3]);
   }
+}
+
+// Of a cell of which nothing else is known yet; of one outside of the box they are put into `own`.
+const CutCells::SharesAlong* CutCells::shares_of_samples(std::size_t a, Real corner, SharesOfSamples& own) const {
+  if (corner >= 0 && corner < count_[a]) return sample_shares_[a][which_of(corner, count_[a])].data();
+  for (std::size_t k = 0; k < samples; ++k) own[k] = shares_along(a, sample_at[k], corner);
+  return own.data();
 }
 
 const CutCells::Shares* CutCells::whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r) const {
@@ -159,71 +167,108 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
   }
 }
 
-// Where the water of a cell beside is that has a share: near the face, a quarter of a cell beyond it in the mean.
-void CutCells::measure_capacity(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell,
-                                std::vector<Cell>& cells) const {
-  constexpr Real beyond_face = 0.25;
-  const auto off_middle = [](std::size_t side, float middle) {
-    return side == 0 ? -beyond_face - 0.5 : side == 2 ? 1 + beyond_face - 0.5 : static_cast<Real>(middle) - 0.5;
+// The three by three rows around one of cells, itself in the middle; those in walls do not exist.
+struct CutCells::RowsAround {
+  struct One {
+    bool exists = false;
+    std::size_t floor = 0;
+    const Shares* whole = nullptr;
   };
-  const LocalId columns = grid.columns();
-  std::array<std::array<bool, 3>, 3> beyond{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    std::array<LocalId, 3> above = cell;
-    ++above[a];
-    beyond[a] = {grid.is_wall(a, cell[0], cell[1], cell[2]), false, grid.is_wall(a, above[0], above[1], above[2])};
+  std::array<One, 9> row;
+  LocalId columns, count;
+  std::array<bool, 2> ends;  // whether there are walls below the first column and above the last
+  bool repeats;
+  std::size_t floor() const { return row[4].floor; }
+};
+
+// Where the water of a cell beside is that has a share: near the face, a quarter of a cell beyond it in the mean.
+void CutCells::measure_capacity(const RowsAround& rows, LocalId c, std::vector<Cell>& cells) const {
+  constexpr Real beyond_face = 0.25;
+  constexpr std::array<Real, 3> off{-beyond_face - 0.5, 0, beyond_face + 0.5};  // of those beside the middle
+  struct Column {
+    std::size_t at, kind;  // kind: which of the shares of whole cells
+    bool exists, above;
+  };
+  std::array<Column, 3> column;
+  for (std::size_t l = 0; l < 3; ++l) {
+    LocalId beside = c + static_cast<LocalId>(l) - 1;
+    const bool in_wall = (rows.ends[0] && beside < 0) || (rows.ends[1] && beside == rows.count);
+    if (rows.repeats) beside = (beside + rows.columns) % rows.columns;
+    column[l] = {static_cast<std::size_t>(beside), which_of(beside, rows.count), !in_wall, beside >= rows.columns};
   }
+  constexpr Cell plain;  // above what is measured
   Real sum = 0;
   std::array<Real, 2> moment{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const LocalId k = cell[0] + static_cast<LocalId>(i) - 1;
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (beyond[0][i] || beyond[1][j]) continue;
-      const LocalId r = grid.row_beside(cell[1] + static_cast<LocalId>(j) - 1);
-      const std::size_t floor = grid.index(k, r, 0);
-      const Shares* const whole = whole_shares(grid, k, r);
+  for (std::size_t n = 0; n < 9; ++n) {
+    const RowsAround::One& row = rows.row[n];
+    if (!row.exists) continue;
+    const auto add = [&](const auto& off_0, const auto& off_1) {
       for (std::size_t l = 0; l < 3; ++l) {
-        if (beyond[2][l]) continue;
-        LocalId c = cell[2] + static_cast<LocalId>(l) - 1;
-        if (grid.repeats()[2]) c = (c + columns) % columns;
-        const std::size_t at = floor + static_cast<std::size_t>(c);
-        const bool above_columns = c >= columns;
-        if (!above_columns && cells[at].open == 0) continue;
-        const bool own = !above_columns && cells[at].has_shares;
-        const Shares& shares = own ? shares_[at] : whole[which_of(c, grid.count(2))];
-        const Real share = shares[number_of(2 - i, 2 - j, 2 - l)];
+        if (!column[l].exists) continue;
+        const std::size_t at = row.floor + column[l].at;
+        const Cell& cell = column[l].above ? plain : cells[at];
+        if (cell.open == 0) continue;
+        const Shares& shares = cell.has_shares ? shares_[at] : row.whole[column[l].kind];
+        const Real share = shares[26 - 3 * n - l];  // what it has in the cell in the middle
         sum += share;
-        const std::array<float, 2> middle = above_columns ? std::array{0.5F, 0.5F} : cells[at].middle[2];
-        moment[0] += share * off_middle(i, middle[0]);
-        moment[1] += share * off_middle(j, middle[1]);
+        moment[0] += share * off_0(cell.middle[2]);
+        moment[1] += share * off_1(cell.middle[2]);
       }
+    };
+    const auto beside = [&](std::size_t side) { return [place = off[side]](const auto&) { return place; }; };
+    const auto in_cell = [](std::size_t a) {
+      return [a](const std::array<float, 2>& middle) { return static_cast<Real>(middle[a]) - 0.5; };
+    };
+    const std::size_t i = n / 3, j = n % 3;
+    if (i == 1) {
+      j == 1 ? add(in_cell(0), in_cell(1)) : add(in_cell(0), beside(j));
+    } else {
+      j == 1 ? add(beside(i), in_cell(1)) : add(beside(i), beside(j));
     }
   }
-  Cell& measured = cells[grid.index(cell[0], cell[1], cell[2])];
+  Cell& measured = cells[rows.floor() + static_cast<std::size_t>(c)];
   measured.capacity = static_cast<float>(sum);
   for (std::size_t a = 0; a < 2 && sum > 0; ++a) measured.aside[a] = static_cast<float>(-moment[a] / sum);
 }
 
+CutCells::RowsAround CutCells::rows_around(const ProjectionGrid& grid, LocalId k, LocalId r) const {
+  RowsAround rows{{},
+                  grid.columns(),
+                  grid.count(2),
+                  {grid.is_wall(2, k, r, 0), grid.is_wall(2, k, r, grid.count(2))},
+                  grid.repeats()[2]};
+  for (std::size_t n = 0; n < 9; ++n) {
+    const LocalId i = k + static_cast<LocalId>(n / 3) - 1, j = grid.row_beside(r + static_cast<LocalId>(n % 3) - 1);
+    const bool beyond = (n < 3 && grid.is_wall(0, k, r, 0)) || (n >= 6 && grid.is_wall(0, k + 1, r, 0)) ||
+                        (n % 3 == 0 && grid.is_wall(1, k, r, 0)) || (n % 3 == 2 && grid.is_wall(1, k, r + 1, 0));
+    rows.row[n] = {!beyond, grid.index(i, j, 0), beyond ? nullptr : whole_shares(grid, i, j)};
+  }
+  return rows;
+}
+
 void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
                                   std::vector<Cell>& cells) {
-  find_whole_shares(grid);
   for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) confine_shares(grid, k, r, c, cells);
   });
   for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
     if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
+    // From the column before the first to the one after the last: whether one of the nine cells is cut.
+    std::vector<unsigned char>& is_cut = candidates_.mine().is_cut;
+    is_cut.assign(static_cast<std::size_t>(columns.size()) + 2, 0);
+    const std::size_t before = grid.index(k, r, columns.begin) - 1;
+    for (std::size_t n = 0; n < 9; ++n) {
+      const Cell* const row =
+          &cells[before + n / 3 * grid.step(0) + n % 3 * grid.step(1) - grid.step(0) - grid.step(1)];
+      for (std::size_t c = 0; c < is_cut.size(); ++c) is_cut[c] |= static_cast<unsigned char>(row[c].cut);
+    }
+    const RowsAround rows = rows_around(grid, k, r);
     for (LocalId c = columns.begin; c < columns.end; ++c) {
-      const std::size_t at = grid.index(k, r, c);
-      bool whole = true;
-      for (std::size_t n = 0; n < 27 && whole; ++n) {
-        const std::size_t beside =
-            at + (n / 9) * grid.step(0) + (n / 3 % 3) * grid.step(1) + n % 3 - grid.step(0) - grid.step(1) - 1;
-        const Cell& one = cells[beside];
-        whole = one.open == 1 && one.face[0] == 1 && one.face[1] == 1 && one.face[2] == 1;
-      }
-      cells[at].capacity = 1;
-      cells[at].aside = {};
-      if (!whole) measure_capacity(grid, {k, r, c}, cells);
+      Cell& cell = cells[rows.floor() + static_cast<std::size_t>(c)];
+      cell.capacity = 1;
+      cell.aside = {};
+      const unsigned char* const around = &is_cut[static_cast<std::size_t>(c - columns.begin)];
+      if ((around[0] | around[1] | around[2]) != 0) measure_capacity(rows, c, cells);
     }
   });
 }

@@ -48,9 +48,12 @@ bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodi
 // Of distances at samples that lie `stride` apart in their order, between those on either side, or from one of them.
 template <std::size_t stride>
 void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope) {
-  for (std::size_t n = 0; n < distance.size(); ++n) {
-    const std::size_t k = n / stride % samples, low = k == 0 ? n : n - stride, high = k == samples - 1 ? n : n + stride;
-    slope[n] = (distance[high] - distance[low]) * (high - low == stride ? 1 : 0.5);
+  for (std::size_t first = 0; first < distance.size(); first += stride * samples) {
+    const Real* const d = &distance[first];
+    Real* const of = &slope[first];
+    for (std::size_t n = 0; n < stride; ++n) of[n] = d[n + stride] - d[n];
+    for (std::size_t n = stride; n < (samples - 1) * stride; ++n) of[n] = (d[n + stride] - d[n - stride]) * 0.5;
+    for (std::size_t n = (samples - 1) * stride; n < samples * stride; ++n) of[n] = d[n] - d[n - stride];
   }
 }
 
@@ -64,27 +67,32 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   const std::size_t u = (a + 1) % 3, v = (a + 2) % 3, count = along.size() * samples * samples;
   for (std::size_t k = 0; k < along.size(); ++k) put(a, k, along[k]);
   for (std::size_t k = 0; k < samples; ++k) {
-    put(u, k, sample(static_cast<int>(k)));
-    put(v, k, sample(static_cast<int>(k)));
+    put(u, k, sample_at[k]);
+    put(v, k, sample_at[k]);
   }
+  // By direction: how many samples, and how far apart in their order.
+  std::array<std::size_t, 3> number{samples, samples, samples}, stride{};
+  number[a] = along.size();
+  stride[a] = samples * samples;
+  stride[u] = samples;
+  stride[v] = 1;
   std::array<Vec3, samples * samples * samples> there;
   std::array<Real, samples * samples * samples> own;
   std::fill(distance.begin(), distance.end(), INFINITY);
   for (const std::size_t body : bodies) {
     const Pose& pose = obstacles_.body(body).now();
-    // What each coordinate in the world adds to those of the body: Pose::into_body(), in its order.
+    // What each coordinate in the world adds to those of the body: Pose::into_body(), in its order. Direction 2 is z.
     std::array<std::array<Vec3, samples>, 3> part;
     for (std::size_t b = 0; b < 3; ++b) {
-      for (std::size_t k = 0; k < samples; ++k)
-        part[b][k] = pose.turn.row(axis_[b]).transpose() * (coordinate[b][k] - pose.center[axis_[b]]);
+      const Vec3 row = pose.turn.row(axis_[b]).transpose();
+      for (std::size_t k = 0; k < number[b]; ++k) part[b][k] = row * (coordinate[b][k] - pose.center[axis_[b]]);
     }
-    std::array<const Vec3*, 3> of_axis{};
-    const auto take = [&](std::size_t b, std::size_t k) { of_axis[static_cast<std::size_t>(axis_[b])] = &part[b][k]; };
-    for (std::size_t n = 0; n < count; ++n) {
-      if (n % (samples * samples) == 0) take(a, n / (samples * samples));
-      if (n % samples == 0) take(u, n / samples % samples);
-      take(v, n % samples);
-      there[n] = (*of_axis[0] + *of_axis[1]) + *of_axis[2];
+    for (std::size_t i = 0; i < number[0]; ++i) {
+      for (std::size_t j = 0; j < number[1]; ++j) {
+        const Vec3 level = part[0][i] + part[1][j];
+        Vec3* const line = &there[i * stride[0] + j * stride[1]];
+        for (std::size_t k = 0; k < number[2]; ++k) line[k * stride[2]] = level + part[2][k];
+      }
     }
     obstacles_.body(body).rough_distances({there.data(), count}, own);
     for (std::size_t n = 0; n < count; ++n) distance[n] = std::min(distance[n], own[n]);
@@ -126,17 +134,20 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
   find_slopes<1>(distance, slope_v);
   Real sum = 0;
   std::array<Real, 2> moment{};
-  for (int i = 0; i < samples; ++i) {
-    for (int j = 0; j < samples; ++j) {
-      const auto n = static_cast<std::size_t>(i * samples + j);
+  for (std::size_t i = 0; i < samples; ++i) {
+    for (std::size_t j = 0; j < samples; ++j) {
+      const std::size_t n = i * samples + j;
       const SquarePart part = clipped_square(distance[n], {slope_u[n], slope_v[n]});
-      Vec3 on_face = corner;
-      on_face[u] += sample(i);
-      on_face[v] += sample(j);
-      if (part.area <= 0 || (!near.thick && !is_passage(a, on_face, bodies))) continue;
+      if (part.area <= 0) continue;
+      if (!near.thick) {
+        Vec3 on_face = corner;
+        on_face[u] += sample_at[i];
+        on_face[v] += sample_at[j];
+        if (!is_passage(a, on_face, bodies)) continue;
+      }
       sum += part.area;
-      moment[0] += part.area * sample(i) + part.moment[0] / samples;
-      moment[1] += part.area * sample(j) + part.moment[1] / samples;
+      moment[0] += part.area * sample_at[i] + part.moment[0] / samples;
+      moment[1] += part.area * sample_at[j] + part.moment[1] / samples;
     }
   }
   cell.face[a] = static_cast<float>(sum / (samples * samples));
@@ -147,8 +158,8 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
 Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
   const Real width = size_.maxCoeff() / (samples * samples);
   Real sum = 0;
-  for (int i = 0; i < samples * samples * samples; ++i) {
-    const Vec3 in_sample(sample(i % samples), sample(i / samples % samples), sample(i / samples / samples));
+  for (std::size_t n = 0; n < samples * samples * samples; ++n) {
+    const Vec3 in_sample(sample_at[n % samples], sample_at[n / samples % samples], sample_at[n / samples / samples]);
     const Real distance = nearest_at(place(corner + in_sample / samples), bodies).distance;
     sum += std::clamp(0.5 - distance / width, 0.0, 1.0);
   }
@@ -160,42 +171,40 @@ Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
 // samples, which lie off the middles of these along the slope.
 Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const {
   CubeOfDistances distance;
-  find_distances(corner, 2, std::array<Real, samples>{sample(0), sample(1), sample(2), sample(3)}, candidates.of_cell,
-                 distance);
+  find_distances(corner, 2, sample_at, candidates.of_cell, distance);
   // Planes of samples across direction 2, then samples along 0 and 1.
   std::array<CubeOfDistances, 3> slope;
   find_slopes<samples * samples>(distance, slope[0]);
   find_slopes<samples>(distance, slope[1]);
   find_slopes<1>(distance, slope[2]);
   const std::array<Real, 3> place = from_box(corner);
-  std::array<std::array<SharesAlong, samples>, 3> of_samples;
-  for (std::size_t a = 0; a < 3; ++a)
-    for (int i = 0; i < samples; ++i) of_samples[a][static_cast<std::size_t>(i)] = shares_along(a, sample(i), place[a]);
-  std::array<std::array<SharesAlong, samples>, samples> of_lines{};  // of what is open of those above each other
+  std::array<const SharesAlong*, 3> of_samples{};
+  for (std::size_t a = 0; a < 3; ++a) of_samples[a] = shares_of_samples(a, place[a], candidates.of_samples[a]);
+  std::array<SharesAlong, samples * samples> of_lines{};  // of what is open of those above each other
   const bool floats = any_floats() && obstacles_.floating()->holds(cell.nearest);  // its volume is what is not open
   Real sum = 0, solid = 0, whole = 0;
   std::array<Real, 3> moment{};
   for (std::size_t n = 0; n < distance.size(); ++n) {
-    const std::array<std::size_t, 3> here{n / samples / samples, n / samples % samples, n % samples};
     const std::array<Real, 3> rise{slope[0][n], slope[1][n], slope[2][n]};
     const Real open = clipped_cube(distance[n], rise), closed = 1 - open;
+    const std::size_t level = n / samples / samples;
     sum += open;
     if (open > 0) {
-      const Real middle = sample(static_cast<int>(here[0])), height = off_solid(middle, distance[n], rise[0]);
-      const SharesAlong w = height == middle ? of_samples[2][here[0]] : shares_along(2, height, place[2]);
-      SharesAlong& line = of_lines[here[1]][here[2]];
+      const Real middle = sample_at[level], height = off_solid(middle, distance[n], rise[0]);
+      const SharesAlong w = height == middle ? of_samples[2][level] : shares_along(2, height, place[2]);
+      SharesAlong& line = of_lines[n % (samples * samples)];
       for (std::size_t m = 0; m < 3; ++m) line[m] += open * w[m];
     }
     const bool at_edge =
         !floats && rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(distance[n]) < 1;
-    const Vec3 of_sample =
-        corner + Vec3(static_cast<Real>(here[1]), static_cast<Real>(here[2]), static_cast<Real>(here[0])) / samples;
-    solid += at_edge ? solid_part(of_sample, candidates.of_cell) : closed;
+    if (closed == 0 && !at_edge) continue;
+    const std::array<std::size_t, 3> here{level, n / samples % samples, n % samples};
+    const auto in_cell = [&](std::size_t a) { return static_cast<Real>(here[a]) / samples; };
+    solid += at_edge ? solid_part(corner + Vec3(in_cell(1), in_cell(2), in_cell(0)), candidates.of_cell) : closed;
     if (closed == 0) continue;
     whole += closed;
     const std::array<Real, 3> off = middle_below(closed, rise);
-    for (std::size_t a = 0; a < 3; ++a)
-      moment[(a + 2) % 3] += closed * (sample(static_cast<int>(here[a])) + off[a] / samples);
+    for (std::size_t a = 0; a < 3; ++a) moment[(a + 2) % 3] += closed * (sample_at[here[a]] + off[a] / samples);
   }
   for (std::size_t a = 0; a < 3 && whole > 0; ++a) cell.solid_middle[a] = static_cast<float>(moment[a] / whole);
   cell.solid = static_cast<float>(solid / (samples * samples * samples));
@@ -203,7 +212,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
   for (std::size_t i = 0; i < samples; ++i) {
     std::array<Real, 9> of_plane{};
     for (std::size_t j = 0; j < samples; ++j)
-      for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[i][j][n % 3];
+      for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[i * samples + j][n % 3];
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t n = 0; n < 9; ++n) shared[9 * k + n] += of_samples[0][i][k] * of_plane[n];
   }
@@ -225,7 +234,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
-  cell.nearest = static_cast<std::uint32_t>(far.body) & 0x7fffffffU;
+  cell.nearest = static_cast<std::uint32_t>(far.body) & 0x3fffffffU;
   candidates.near = std::abs(far.distance) <= 2 * size_.maxCoeff();
   if (!candidates.near) {  // no face of it comes within reach of is_passage()
     cell.open = far.distance > 0 ? 1 : 0;

@@ -138,6 +138,7 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
 void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
   store_shares(grid.cells());
+  find_whole_shares(grid);
   for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
@@ -160,8 +161,10 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
         const bool low_closed = has_below && cells[at - grid.step(a)].open == 0;
         if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
       }
+      note_cut(cells[at]);
       for_each_upper_wall(grid, k, r, c, [&](std::size_t a, std::size_t beyond) {
         if (cells[at].open == 0) cells[beyond].face[a] = 0;
+        note_cut(cells[beyond]);
       });
     }
   });
@@ -227,14 +230,12 @@ void CutCells::find_cut_rows(const ProjectionGrid& grid) {
   columns_ = grid.columns();
   cut_columns_.assign(row_index(grid.planes() + 2, -1), {0, 0});
   for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
-    const auto is_cut = [&](std::size_t at) {
-      const Cell& cell = cells_[at];
-      return cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
-    };
+    const std::size_t floor = grid.index(k, r, 0);
+    const bool has_row_after = r < grid.rows(), has_plane_after = k <= grid.planes();
     const auto is_cut_here = [&](LocalId c) {
-      const std::size_t at = grid.index(k, r, c);
-      return is_cut(at) || (r < grid.rows() && is_cut(at + grid.step(1))) ||
-             (k <= grid.planes() && is_cut(at + grid.step(0)));
+      const std::size_t at = floor + static_cast<std::size_t>(c);
+      return cells_[at].cut || (has_row_after && cells_[at + grid.step(1)].cut) ||
+             (has_plane_after && cells_[at + grid.step(0)].cut);
     };
     LocalId begin = 0, end = grid.columns();  // the last one is beyond the cells
     while (begin <= end && !is_cut_here(begin)) ++begin;
@@ -271,7 +272,9 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     zones_.clear();
     for (const std::size_t k : all_bodies_)
       if (obstacles_.body(k).moves()) zones_.push_back(zone_of(obstacles_.body(k)));
-    zones.insert(zones.end(), zones_.begin(), zones_.end());
+    const std::size_t before = zones.size();
+    for (std::size_t n = 0; n < zones_.size(); ++n)
+      if (n >= before || !(zones[n] == zones_[n])) zones.push_back(zones_[n]);
     if (!known) cells_.clear(), moved_.clear();
     measure_cells(grid, zones, cells_);
     measure_motion(grid, zones);

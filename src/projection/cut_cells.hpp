@@ -136,9 +136,13 @@ class CutCells {
     InCell solid_middle{0.5F, 0.5F, 0.5F};
     float capacity = 1;
     std::array<float, 2> aside{};
-    std::uint32_t nearest : 31 = 0;
+    std::uint32_t nearest : 30 = 0;
     bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
+    bool cut : 1 = false;         // whether not all of it and of its lower faces is open
   };
+  static void note_cut(Cell& cell) {
+    cell.cut = cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
+  }
   Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Cell& measured) const;
   struct Nearest {
     Real distance;
@@ -147,6 +151,11 @@ class CutCells {
   using Bodies = std::vector<std::size_t>;  // numbers of obstacles, in their order
   // Shares of what is open of a cell in itself, (1, 1, 1), and in the 26 around it, in cells.
   using Shares = std::array<float, 27>;
+  // Along a direction: those of a place in a cell in the cell below, itself, and the one above.
+  using SharesAlong = std::array<Real, 3>;
+  // In each direction of a cell.
+  static constexpr int samples = 4;
+  using SharesOfSamples = std::array<SharesAlong, samples>;
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
@@ -155,10 +164,13 @@ class CutCells {
     Shares shares{};     // of the cell
     std::vector<Real> distance;
     std::vector<Range> ranges;
+    std::array<SharesOfSamples, 3> of_samples{};  // by direction, where they are not those of whole cells
+    std::vector<unsigned char> is_cut;            // any of the cells of a column and of those around it
   };
   // Cells from `low` to `high` by direction, planes counted from the start of the box.
   struct Zone {
     std::array<LocalId, 3> low, high;
+    bool operator==(const Zone&) const = default;
   };
   static constexpr Zone everywhere{{-0x40000000, -0x40000000, -0x40000000}, {0x40000000, 0x40000000, 0x40000000}};
   struct Row {
@@ -178,11 +190,7 @@ class CutCells {
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
   static constexpr Real looked_at = 1.7;
-  // Along a direction: those of a place in a cell in the cell below, itself, and the one above.
-  using SharesAlong = std::array<Real, 3>;
-  // In each direction of a cell.
-  static constexpr int samples = 4;
-  static Real sample(int k) { return (k + 0.5) / samples; }
+  static constexpr std::array<Real, samples> sample_at{0.125, 0.375, 0.625, 0.875};  // in cells
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;
   using CubeOfDistances = std::array<Real, samples * samples * samples>;
@@ -214,10 +222,13 @@ class CutCells {
   // See cut_cell_capacity.cpp.
   void store_shares(std::size_t cells);
   void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
-  void measure_capacity(const ProjectionGrid& grid, const std::array<LocalId, 3>& cell, std::vector<Cell>& cells) const;
+  struct RowsAround;
+  RowsAround rows_around(const ProjectionGrid& grid, LocalId k, LocalId r) const;
+  void measure_capacity(const RowsAround& rows, LocalId c, std::vector<Cell>& cells) const;
   void confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells);
   Real rise(std::size_t at, bool hangs) const;
   SharesAlong shares_along(std::size_t a, Real place, Real corner) const;
+  const SharesAlong* shares_of_samples(std::size_t a, Real corner, SharesOfSamples& own) const;
   Real off_solid(Real height, Real distance, Real slope) const;
   void use(const CellFrame& frame);
   void find_whole_shares(const ProjectionGrid& grid);
@@ -254,8 +265,10 @@ class CutCells {
   CellFrame frame_{};
   std::array<Real, 2> less_in_layers_{};   // of a share in a cell beside, along each horizontal direction
   std::array<Shares, 27> whole_shares_{};  // of cells without solids: the first, others and the last by direction
-  std::vector<Cell> all_;                  // of all columns of the box
-  std::unique_ptr<Shares[]> shares_;       // of cells near solids, by index; of others not written
+  std::array<std::array<SharesOfSamples, 3>, 3> sample_shares_{};  // the same of samples along each direction
+  std::array<LocalId, 3> count_{};                                 // of cells of the box
+  std::vector<Cell> all_;                                          // of all columns of the box
+  std::unique_ptr<Shares[]> shares_;  // of cells near solids, by index; of others not written
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;

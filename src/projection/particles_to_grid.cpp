@@ -298,6 +298,7 @@ void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
 void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
   const LocalId last_row = a == 1 && r + 1 == grid_.rows() && !grid_.rows_wrap() ? r + 1 : r;
   static thread_local FaceMiddles middles;
+  const bool cuts_faces = cuts != nullptr && cuts->cuts_row(k, r);  // or of the row after it
   for (LocalId row = r; row <= last_row; ++row) {
     const LocalId plane_below = a == 0 ? k - 1 : k;
     const LocalId row_below = a != 1 ? row : grid_.row_beside(row - 1);
@@ -308,7 +309,7 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
     const LocalId begin = whole ? 0 : cells.begin / eight * eight, end = whole ? grid_.columns() : cells.end;
     const auto count = static_cast<std::size_t>(end - begin + (a == 2 ? 1 : 0));
     const std::size_t first = grid_.index(k, row, begin);
-    middles.find(a, first, count, cuts);
+    middles.find(a, first, count, cuts_faces ? cuts : nullptr);
     const auto beside = [&](LocalId plane, LocalId of) {
       const auto lowest = static_cast<std::size_t>(begin / eight);
       return RowBeside{sums_.row(plane, of).from(lowest), fit_.row(plane, of).from(lowest)};

@@ -2,6 +2,8 @@
 // water (free_surface_cut.cpp): a lattice leaves out what is within half a spacing of a curved wall. A face between two
 // such cells moves as the fits of the cells around say. As long as such faces stood still, water that turned had a
 // divergence there, and pressure braked it: in a cylinder of R = 10 spacings by an eighth in the first turn.
+#include <algorithm>
+
 #include "projection/particles_to_grid.hpp"
 
 namespace trevi {
@@ -10,8 +12,15 @@ void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, cons
   CellNumbers row_below{k, r, 0};
   --row_below[a];
   if (a != 2 && !exists(row_below)) return;
-  if (!cuts.cuts_row(k, r) && (a == 2 || !cuts.cuts_row(row_below[0], row_below[1]))) return;
-  for (LocalId c = 0; c < grid_.columns(k, r); ++c) {
+  const Range own = cuts.cut_columns(k, r), other = a == 2 ? own : cuts.cut_columns(row_below[0], row_below[1]);
+  const Range cut = own.size() == 0     ? other
+                    : other.size() == 0 ? own
+                                        : Range{std::min(own.begin, other.begin), std::max(own.end, other.end)};
+  if (cut.size() == 0) return;
+  // Where columns repeat the lowest cell is beside the highest one.
+  const LocalId columns = grid_.columns(k, r);
+  const Range near = grid_.repeats()[2] ? Range{0, columns} : Range{cut.begin, std::min(cut.end + 1, columns)};
+  for (LocalId c = near.begin; c < near.end; ++c) {
     const std::size_t at = grid_.index(k, r, c);
     if (cuts.face(a, at) == 0 || grid_.is_wall(a, k, r, c)) continue;
     if (cuts.open(at) == 1 && cuts.open(at - grid_.step(a)) == 1) continue;

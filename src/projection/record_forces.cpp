@@ -71,25 +71,27 @@ Real RecordForces::fall_at(std::size_t top) const {
 }
 
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
+  Pushes pushes = shifts_of_cell(k, r, c);
+  const Real particles = surface_.grid().size().prod() / (spacing_ * spacing_ * spacing_);
+  for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].shift *= particles;
+  return pushes;
+}
+
+// The same of a single particle's mass a cell.
+RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   if (surface_.is_solid(at)) return {};
   const CutCells& cuts = *surface_.cuts();
-  Pushes pushes;
   if (surface_.is_wet(at)) {
     const Real phi = pressure_.phi_so_far(at), height = surface_.height(at);
-    if (height >= 1) {
-      pushes = cuts.pushes({k, r, c}, at, {phi, g_dt2_});
-    } else {
-      const Real fall = fall_at(at), at_rest = -fall * grid.size()[2] * surface_.above_middle(at);
-      pushes = cuts.pushes_below({k, r, c}, at, height, {phi - at_rest, fall});
-    }
-  } else if (c > 0 && surface_.is_top(at - 1) && surface_.height(at - 1) > 1) {
-    pushes = cuts.pushes_below({k, r, c}, at, std::min(surface_.height(at - 1) - 1, 1.0), {0, fall_at(at - 1)});
+    if (height >= 1) return cuts.pushes({k, r, c}, at, {phi, g_dt2_});
+    const Real fall = fall_at(at), at_rest = -fall * grid.size()[2] * surface_.above_middle(at);
+    return cuts.pushes_below({k, r, c}, at, height, {phi - at_rest, fall});
   }
-  const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
-  for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].shift *= particles;
-  return pushes;
+  if (c > 0 && surface_.is_top(at - 1) && surface_.height(at - 1) > 1)
+    return cuts.pushes_below({k, r, c}, at, std::min(surface_.height(at - 1) - 1, 1.0), {0, fall_at(at - 1)});
+  return {};
 }
 
 // Of the solid nearest to a cell that it cuts.

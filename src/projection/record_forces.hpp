@@ -25,6 +25,7 @@ class RecordForces {
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
 
  private:
+  Pushes shifts_of_cell(LocalId k, LocalId r, LocalId c) const;
   // The mean pressure on the upright sides of a cell, and on those of the cell over it where that is dry, m².
   struct Sides {
     Real here, over;

@@ -36,17 +36,6 @@ Vec3 direction_of(GlobalId a, GlobalId b, int dimensions) {
   }
 }
 
-// Whether p[i] may be as near to one of those before it as that, squared: by two coordinates, without a branch.
-bool is_near_any(const Vec3* p, std::size_t i, Real squared) {
-  const Real x = p[i].x(), z = p[i].z();
-  std::uint64_t any = 0;
-  for (std::size_t j = 0; j < i; ++j) {
-    const Real dx = x - p[j].x(), dz = z - p[j].z();
-    any |= static_cast<std::uint64_t>(dx * dx < squared) & static_cast<std::uint64_t>(dz * dz < squared);
-  }
-  return any != 0;
-}
-
 }  // namespace
 
 template <class T>
@@ -307,8 +296,8 @@ void DensityProblem<T>::separate_coincident(const CellWindow& window, bool insid
     for (LocalId c = first; c < first + columns; ++c) {
       const auto begin = static_cast<std::size_t>(order.start(k, c) - order.low_ghosts());
       const auto end = static_cast<std::size_t>(order.start(k, c + 1) - order.low_ghosts());
+      if (end - begin < 2 || !may_coincide({p.data() + begin, end - begin}, coincident)) continue;  // nearly all
       for (std::size_t i = begin; i < end; ++i) {
-        if (!is_near_any(&p[begin], i - begin, coincident)) continue;  // nearly all
         for (std::size_t j = begin; j < i; ++j)
           if ((p[i] - p[j]).squaredNorm() < coincident) part(i, j);
       }

@@ -7,7 +7,9 @@
 #include <numbers>
 #include <random>
 
+#include "base/simd.hpp"
 #include "boundary/obstacles/obstacles.hpp"
+#include "boundary/volume_map/spline.hpp"
 
 namespace trevi {
 namespace {
@@ -113,6 +115,77 @@ TEST(Paths, InTheOpenMeetNothing) {
   }
   for (const Extent extent : {Extent::shift, Extent::path})
     EXPECT_GT(open_ones[static_cast<std::size_t>(extent)], 20000);
+}
+
+// Of any number of particles each one by itself, on every instruction set.
+TEST(Paths, OutsideOfASpaceOrOfABoxIsEachByItself) {
+  std::mt19937 generator(13);
+  OpenSpace open(Box{Vec3::Constant(-0.8), Vec3::Constant(0.9)});
+  open.close({Vec3(-0.3, -0.9, 0), Vec3(0.2, 0.5, 0.4)});
+  open.close({Vec3(0.1, 0.1, -0.5), Vec3(0.6, 0.4, 0.1)});
+  const Box box{Vec3(-0.7, -1, -0.6), Vec3(1, 0.6, 0.8)};
+  for (const std::string& name : instruction_set_names()) {
+    ASSERT_TRUE(use_instruction_set(name));
+    std::array<std::size_t, 3> of_kind{};  // inside, outside of the box alone, of the space
+    for (std::size_t count = 1; count < 40; ++count) {
+      std::vector<Vec3> p;
+      for (std::size_t k = 0; k < count; ++k) p.push_back(random_point(generator, 1));
+      std::vector<OutsideOf> found(count);
+      found.resize(find_outside(open, box, p, found.data()));
+      std::size_t next = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        const bool of_space = !open.contains(p[k]), any = of_space || !box.contains(p[k]);
+        ++of_kind[of_space ? 2 : any ? 1 : 0];
+        if (!any) continue;
+        ASSERT_LT(next, found.size());
+        EXPECT_EQ(found[next].which, static_cast<LocalId>(k));
+        EXPECT_EQ(found[next++].space, of_space);
+      }
+      EXPECT_EQ(next, found.size());
+    }
+    for (const std::size_t some : of_kind) EXPECT_GT(some, 50U);
+  }
+  restrict_instruction_sets(-1);
+}
+
+// In whatever vectors: each sum in its order.
+TEST(Spline, HasTheBitsOfItsFormula) {
+  std::mt19937 generator(14);
+  constexpr std::size_t row = 5, plane = 26;
+  std::vector<Real> nodes(4 * plane + 1);
+  const auto weights = [](Real t) {
+    return std::array<Real, 4>{t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
+                               t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};
+  };
+  const auto slopes = [](Real t) {
+    return std::array<Real, 4>{-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t),
+                               t * (-1 + 1.5 * t)};
+  };
+  for (int round = 0; round < 200; ++round) {
+    for (Real& one : nodes) one = random_point(generator, 1).x();
+    const Vec3 t = (random_point(generator, 0.5).array() + 0.5).matrix();
+    const auto sum = [&](const auto& x, const auto& y, const auto& z) {
+      Real all = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        Real of_plane = 0;
+        for (std::size_t j = 0; j < 4; ++j) {
+          const Real* const d = &nodes[1 + k * plane + j * row];
+          of_plane += y[j] * ((x[0] * d[0] + x[1] * d[1]) + (x[2] * d[2] + x[3] * d[3]));
+        }
+        all += z[k] * of_plane;
+      }
+      return all;
+    };
+    const auto x = weights(t.x()), y = weights(t.y()), z = weights(t.z());
+    const Vec3 slope(sum(slopes(t.x()), y, z), sum(x, slopes(t.y()), z), sum(x, y, slopes(t.z())));
+    for (const std::string& name : instruction_set_names()) {
+      ASSERT_TRUE(use_instruction_set(name));
+      const SplineValue found = interpolate({&nodes[1], row, plane}, t);
+      EXPECT_EQ(found.value, sum(x, y, z)) << name;
+      EXPECT_EQ(found.slope, slope) << name;
+    }
+  }
+  restrict_instruction_sets(-1);
 }
 
 // Sums of integers hold what many particles far from the centre of a wide body say of it: its motion is that by sums

@@ -4,9 +4,11 @@
 // is measured against the sum of the absolute terms: 1e-12 of it in double precision, 1e-5 in single.
 #include <Eigen/Geometry>
 #include <map>
+#include <random>
 
 #include "base/simd.hpp"
 #include "fluid/pairs/pair_sums.hpp"
+#include "fluid/pairs/particle_loops.hpp"
 #include "support/distributed.hpp"
 
 namespace trevi::test {
@@ -252,6 +254,25 @@ TYPED_TEST(PairSumsOf, CoincidentParticlesGiveFiniteSums) {
       EXPECT_TRUE(std::isfinite(squares[k]));
     }
   }
+}
+
+// As many as are tested at once, and more, of which it says so; the two that do are any of them.
+TEST(Coincident, NoneIsMissedAndFewAreSuspected) {
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<Real> number(-1, 1);
+  constexpr Real near = 1e-6;
+  for (const std::string& name : instruction_set_names()) {
+    ASSERT_TRUE(use_instruction_set(name));
+    for (std::size_t count = 2; count < 70; ++count) {
+      std::vector<Vec3> p(count);
+      for (Vec3& one : p) one = {number(generator), number(generator), number(generator)};
+      EXPECT_EQ(may_coincide(p, near * near), count > 64) << name << ' ' << count;
+      const std::size_t one = generator() % count, other = (one + 1 + generator() % (count - 1)) % count;
+      p[one] = p[other] + Vec3(0.5, -0.5, 0.6) * near;
+      EXPECT_TRUE(may_coincide(p, near * near)) << name << ' ' << count << ' ' << one << ' ' << other;
+    }
+  }
+  restrict_instruction_sets(-1);
 }
 
 }  // namespace

@@ -12,8 +12,11 @@ ObstacleIndex::ObstacleIndex(const Box& box, Real h, const std::vector<std::uniq
   while ((extent.array() / edge_).ceil().max(1.0).prod() > most) edge_ *= 2;
   per_edge_ = 1 / edge_;
   std::size_t all = 1;
-  for (std::size_t a = 0; a < 3; ++a)
-    all *= count_[a] = static_cast<std::size_t>(std::max(std::ceil(extent[static_cast<Eigen::Index>(a)] / edge_), 1.0));
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real count = std::max(std::ceil(extent[static_cast<Eigen::Index>(a)] / edge_), 1.0);
+    all *= count_[a] = static_cast<std::size_t>(count);
+    last_[static_cast<Eigen::Index>(a)] = count - 1;
+  }
   standing_.assign(all, 0);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (bodies_[k]->moves()) {
@@ -60,7 +63,13 @@ ObstacleIndex::Bits ObstacleIndex::in(const Box& box) const {
   for (std::size_t a = 0; a < 3; ++a) cells *= block.high[a] - block.low[a] + 1;
   if (cells > few) return all();
   Bits found = everywhere_;
-  for_each_cell(block, [&](std::size_t cell) { found |= cells_[cell]; });
+  const std::size_t columns = block.high[2] - block.low[2] + 1;
+  for (std::size_t x = block.low[0]; x <= block.high[0]; ++x) {
+    for (std::size_t y = block.low[1]; y <= block.high[1]; ++y) {
+      const Bits* const column = &cells_[(x * count_[1] + y) * count_[2] + block.low[2]];
+      for (std::size_t z = 0; z < columns; ++z) found |= column[z];
+    }
+  }
   return found;
 }
 

@@ -61,9 +61,9 @@ class ObstacleIndex {
   Block block_of(const Box& box) const;
   static Bits bit_of(std::size_t k) { return Bits{1} << (k % width); }
   std::size_t along(Real x, Eigen::Index a) const {
-    const Real cells = (x - low_[a]) * per_edge_;  // also where it is no number
-    const auto count = count_[static_cast<std::size_t>(a)];
-    return cells > 0 ? (cells < static_cast<Real>(count) ? static_cast<std::size_t>(cells) : count - 1) : 0;
+    const Real cells = (x - low_[a]) * per_edge_, last = last_[a];
+    const Real within = cells > 0 ? (cells < last ? cells : last) : 0;  // also where it is no number
+    return static_cast<std::size_t>(static_cast<std::int64_t>(within));
   }
   std::size_t cell_of(const Vec3& p) const {
     return (along(p.x(), 0) * count_[1] + along(p.y(), 1)) * count_[2] + along(p.z(), 2);
@@ -74,7 +74,7 @@ class ObstacleIndex {
   void for_each_cell(const Block& block, const Visit& visit) const;
 
   const std::vector<std::unique_ptr<Body>>& bodies_;
-  Vec3 low_;
+  Vec3 low_, last_;  // last_: the number of the last cell along each axis
   Real edge_, per_edge_;
   std::array<std::size_t, 3> count_{};
   Bits everywhere_ = 0, always_ = 0;    // always_: of those that stand

@@ -76,11 +76,7 @@ Real Obstacles::fastest(Real begin, Real end) const {
 OpenSpace Obstacles::open_space(std::span<const Vec3> p, Extent extent) const {
   constexpr std::size_t each = 8, few_bodies = 4;
   constexpr Real far = 4;
-  Box water{p.back(), p.back()};
-  for (std::size_t k = 0; k < p.size(); k += each) {
-    water.min = water.min.cwiseMin(p[k]);
-    water.max = water.max.cwiseMax(p[k]);
-  }
+  const Box water = box_around(p, each);
   const bool are_few = bodies_.size() <= few_bodies;
   const Vec3 path = Vec3::Constant((are_few ? far : 1) * index_->longest_path());
   OpenSpace space(walls_.box());
@@ -117,9 +113,10 @@ std::optional<BoundaryDensity> Obstacles::near_density(const Vec3& p) const {
   bool is_near = false;
   index_->for_each(index_->at(p), [&](std::size_t k) {
     const Contribution one = contribution_of(*bodies_[k], *law_, p);
+    if (!one.is_near) return;  // it has none
     all.density += one.density;
     all.gradient += one.gradient;
-    is_near = is_near || one.is_near;
+    is_near = true;
   });
   return is_near ? std::optional(all) : std::nullopt;
 }

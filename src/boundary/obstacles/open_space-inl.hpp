@@ -48,13 +48,31 @@ HWY_INLINE auto is_inside(const Box& box, const WideVec3& p) {
                  within(p.z, box.min.z(), box.max.z()));
 }
 
-// Whether the box around a path comes into what is closed. Most of the water is below that.
+// Whether places are in what is closed. Most of the water is below that.
+HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
+  const Wide d;
+  const auto within = [d](hn::Vec<Wide> v, Real low, Real high) {
+    return hn::And(hn::Ge(v, hn::Set(d, low)), hn::Le(v, hn::Set(d, high)));
+  };
+  auto met = hn::MaskFromVec(hn::Zero(d));
+  if (hn::AllFalse(d, hn::Ge(p.z, hn::Set(d, open.lowest_closed())))) return met;
+  for (const Box& box : open.closed()) {
+    const auto in_z = within(p.z, box.min.z(), box.max.z());
+    if (hn::AllFalse(d, in_z)) continue;
+    met = hn::Or(met,
+                 hn::And(in_z, hn::And(within(p.x, box.min.x(), box.max.x()), within(p.y, box.min.y(), box.max.y()))));
+  }
+  return met;
+}
+
+// Whether the box around a path comes into what is closed.
 HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& from, const WideVec3& to) {
   const Wide d;
   const auto across = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real low, Real high) {
     return hn::And(hn::Ge(hn::Max(a, b), hn::Set(d, low)), hn::Le(hn::Min(a, b), hn::Set(d, high)));
   };
   auto met = hn::MaskFromVec(hn::Zero(d));
+  if (hn::AllFalse(d, hn::Ge(hn::Max(from.z, to.z), hn::Set(d, open.lowest_closed())))) return met;
   for (const Box& box : open.closed()) {
     const auto in_z = across(from.z, to.z, box.min.z(), box.max.z());
     if (hn::AllFalse(d, in_z)) continue;

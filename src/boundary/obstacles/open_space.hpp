@@ -20,6 +20,7 @@ class OpenSpace {
   /// Takes away what is in `closed`. More of these than are kept apart are taken together.
   void close(const Box& closed) {
     if ((closed.max.array() < box_.min.array()).any() || (closed.min.array() > box_.max.array()).any()) return;
+    lowest_ = std::min(lowest_, closed.min.z());
     if (count_ < closed_.size()) {
       closed_[count_++] = closed;
       return;
@@ -46,16 +47,31 @@ class OpenSpace {
   /// Of a box and a few in it, for loops in vectors.
   const Box& box() const { return box_; }
   std::span<const Box> closed() const { return {closed_.data(), count_}; }
+  Real lowest_closed() const { return lowest_; }  ///< height below which none of these is
 
  private:
   Box box_{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
   std::array<Box, 8> closed_;
   std::size_t count_ = 0;
+  Real lowest_ = INFINITY;
+};
+
+/// Around every so many of the positions, from the first on, and the last.
+Box box_around(std::span<const Vec3> p, std::size_t each);
+
+/// The number of a position, and whether it is outside of a space.
+struct OutsideOf {
+  LocalId which;
+  bool space;
 };
 
 /// Writes which of the positions are outside of a space, in their order, and returns how many; `found` has room for
 /// all. A NaN is not outside.
 std::size_t find_outside(const OpenSpace& open, std::span<const Vec3> p, LocalId* found);
+
+/// Writes which of the positions are outside of a space or of a box, in their order, and of each whether it is outside
+/// of the space; returns how many.
+std::size_t find_outside(const OpenSpace& open, const Box& box, std::span<const Vec3> p, OutsideOf* found);
 
 /// From positions with as many velocities, for a time, s.
 struct Straight {

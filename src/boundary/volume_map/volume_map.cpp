@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "boundary/volume_map/spline.hpp"
+
 namespace trevi {
 
 namespace {
@@ -30,15 +32,6 @@ Real mean_over_cell(const Kernel& kernel, const Vec3& corner, Real size, Real h,
   }
   return sum / (parts * parts * parts);
 }
-
-// Catmull & Rom: what each of four nodes weighs at t between the second and the third, and the derivatives.
-struct Spline {
-  std::array<Real, 4> value, slope;
-  explicit Spline(Real t)
-      : value{t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2 - 1.5 * t)),
-              t * t * (-0.5 + 0.5 * t)},
-        slope{-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t), t * (-1 + 1.5 * t)} {}
-};
 
 }  // namespace
 
@@ -233,28 +226,15 @@ EquivalentPlane VolumeMap::at(const Vec3& p) const {
 }
 
 EquivalentPlane VolumeMap::interpolated(const Nodes& here, const Vec3& in_nodes) const {
-  std::array<int, 3> cell;
-  for (int a = 0; a < 3; ++a)
-    cell[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(in_nodes[a]), 0, block - 1);
-  const Spline sx(in_nodes.x() - cell[0]), sy(in_nodes.y() - cell[1]), sz(in_nodes.z() - cell[2]);
-  using Pair = Eigen::Array2d;
-  const std::array<Pair, 4> x{Pair(sx.value[0], sx.slope[0]), Pair(sx.value[1], sx.slope[1]),
-                              Pair(sx.value[2], sx.slope[2]), Pair(sx.value[3], sx.slope[3])};
-  Real value = 0;
-  Vec3 slope = Vec3::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
-    Pair plane = Pair::Zero();  // and its slope along x
-    Real plane_y = 0;
-    for (std::size_t j = 0; j < 4; ++j) {
-      const std::size_t row = (static_cast<std::size_t>(cell[2]) + k) * nodes + static_cast<std::size_t>(cell[1]) + j;
-      const Real* d = here.distance.data() + row * nodes + cell[0];
-      const Pair line = (x[0] * d[0] + x[1] * d[1]) + (x[2] * d[2] + x[3] * d[3]);
-      plane += sy.value[j] * line;
-      plane_y += sy.slope[j] * line[0];
-    }
-    value += sz.value[k] * plane[0];
-    slope += Vec3(sz.value[k] * plane[1], sz.value[k] * plane_y, sz.slope[k] * plane[0]);
+  std::array<std::size_t, 3> cell;
+  Vec3 t;
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const int lower = std::clamp(static_cast<int>(in_nodes[a]), 0, block - 1);
+    cell[static_cast<std::size_t>(a)] = static_cast<std::size_t>(lower);
+    t[a] = in_nodes[a] - lower;
   }
+  constexpr auto row = static_cast<std::size_t>(nodes), plane = row * row;
+  const auto [value, slope] = interpolate({&here.distance[cell[2] * plane + cell[1] * row + cell[0]], row, plane}, t);
   return {value, slope / node_};
 }
 

@@ -47,19 +47,18 @@ template <class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
   if (!walls_) return;
   const Box& interior = walls_->interior();
-  std::array<LocalId, sums_chunk> near;
   if (!obstacles_) {
+    std::array<LocalId, sums_chunk> near;
     const std::size_t count = find_outside(OpenSpace(interior), part_of(p, range), near.data());
     for (std::size_t k = 0; k < count; ++k) visit(static_cast<std::size_t>(range.begin + near[k]), Wall::box, {});
     return;
   }
   const OpenSpace open = obstacles_->open_space(part_of(p, range), Extent::density);
-  OpenSpace open_inside = open;
-  open_inside.confine(interior);
-  const std::size_t count = find_outside(open_inside, part_of(p, range), near.data());
+  std::array<OutsideOf, sums_chunk> near;
+  const std::size_t count = find_outside(open, interior, part_of(p, range), near.data());
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = static_cast<std::size_t>(range.begin + near[k]);
-    const std::optional<BoundaryDensity> all = open.contains(p[i]) ? std::nullopt : obstacles_->near_density(p[i]);
+    const std::size_t i = static_cast<std::size_t>(range.begin + near[k].which);
+    const std::optional<BoundaryDensity> all = near[k].space ? obstacles_->near_density(p[i]) : std::nullopt;
     if (all) {
       visit(i, Wall::obstacle, *all);
     } else if (!interior.contains(p[i])) {

@@ -119,6 +119,34 @@ std::size_t move_particles_of(const Shift<T>& shift, const Vec4<T>* delta, const
   return stay;
 }
 
+// Each against those that come 1, 2, ... after it. Twice the square, as the test itself may round otherwise.
+bool may_coincide_of(std::span<const Vec3> p, Real squared) {
+  const Wide d;
+  constexpr std::size_t most = 64, pad = hn::MaxLanes(Wide());
+  const std::size_t lanes = hn::Lanes(d), count = p.size();
+  if (count > most) return true;
+  std::array<Real, most + pad> x, y, z;
+  std::size_t k = 0;
+  for (; k + lanes <= count; k += lanes) {
+    const WideVec3 here = load(&p[k]);
+    hn::StoreU(here.x, d, &x[k]);
+    hn::StoreU(here.y, d, &y[k]);
+    hn::StoreU(here.z, d, &z[k]);
+  }
+  for (; k < count; ++k) x[k] = p[k].x(), y[k] = p[k].y(), z[k] = p[k].z();
+  for (auto* of : {&x, &y, &z}) hn::StoreU(hn::Inf(d), d, of->data() + count);
+  const auto near = hn::Set(d, 2 * squared);
+  auto any = hn::MaskFromVec(hn::Zero(d));
+  for (std::size_t after = 1; after < count; ++after) {
+    for (std::size_t i = 0; i + after < count; i += lanes) {
+      const auto off = [&](const auto& of) { return hn::Sub(hn::LoadU(d, &of[i]), hn::LoadU(d, &of[i + after])); };
+      const auto dx = off(x), dy = off(y), dz = off(z);
+      any = hn::Or(any, hn::Lt(hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx))), near));
+    }
+  }
+  return !hn::AllFalse(d, any);
+}
+
 // Highway's dispatch takes no templates.
 void multipliers_single(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda) {
   find_multipliers_of(law, in, rho, lambda);
@@ -141,10 +169,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace trevi {
 
+HWY_EXPORT(may_coincide_of);
 HWY_EXPORT(multipliers_single);
 HWY_EXPORT(multipliers_double);
 HWY_EXPORT(move_single);
 HWY_EXPORT(move_double);
+
+bool may_coincide(std::span<const Vec3> p, Real squared) { return HWY_DYNAMIC_DISPATCH(may_coincide_of)(p, squared); }
 
 template <>
 void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda) {

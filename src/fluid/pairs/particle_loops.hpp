@@ -57,4 +57,8 @@ template <>
 std::size_t move_particles(const Shift<double>& shift, const Vec4<double>* delta, const Moved<double>& moved,
                            LocalId* left);
 
+/// Whether two of the positions may be nearer to each other than a distance, m, squared: never false where two are. Of
+/// more positions than are tested at once it says so.
+bool may_coincide(std::span<const Vec3> p, Real squared);
+
 }  // namespace trevi
