@@ -59,7 +59,7 @@ void FreeSurface::classify_cells(Halo& halo) {
     const LocalId highest = grid().repeats()[2] ? grid().columns() : from_.rows.wet_columns(k, r);
     for (LocalId c = 0; c < std::min(highest, grid().columns()); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] = is_full_enough(at, c, upright() && c == 0 ? floor_fill : wet_fill) ? 1 : 0;
+      wet_[at] = is_full_enough({k, r, c}, upright() && c == 0 ? floor_fill : wet_fill) ? 1 : 0;
     }
     if (grid().columns(k, r) == grid().columns()) close_ceiling(k, r);
     find_tops(k, r);
@@ -68,11 +68,21 @@ void FreeSurface::classify_cells(Halo& halo) {
   grid().complete(halo, height_);
 }
 
-bool FreeSurface::is_full_enough(std::size_t at, LocalId c, Real least) const {
-  if (is_drained(at)) return false;
+bool FreeSurface::is_full_enough(const Place& place, Real least) const {
+  const auto [k, r, c] = place;
+  const std::size_t at = grid().index(k, r, c);
+  if (is_drained(at) || is_beside_water(place, at)) return false;
   const bool submerged =
       upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
   return fill_[at] >= least || submerged;
+}
+
+// Whether a cell without particles holds no more than what those on one side of it may reach into it. It is air: what
+// would move its outer faces nobody knows, and where they stand water that moves as a whole runs against them.
+bool FreeSurface::is_beside_water(const Place& place, std::size_t at) const {
+  constexpr Real rounding = 1e-3;
+  if (fill_[at] > (1 + rounding) * water().told_from_one_side()) return false;
+  return !(cuts() != nullptr && cuts()->is_near(at)) && !water().holds_any(place.k, place.r, place.c);
 }
 
 // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.

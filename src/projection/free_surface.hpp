@@ -82,7 +82,8 @@ class FreeSurface {
   void classify_cells(Halo& halo);
   void find_tops(LocalId k, LocalId r);
   void close_ceiling(LocalId k, LocalId r);
-  bool is_full_enough(std::size_t at, LocalId c, Real least) const;
+  bool is_full_enough(const Place& place, Real least) const;
+  bool is_beside_water(const Place& place, std::size_t at) const;
   // Among obstacles; see free_surface_cut.cpp.
   Real min_wet_fill(std::size_t at, LocalId c) const;
   void classify_among_solids(Halo& halo);

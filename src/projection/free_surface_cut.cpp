@@ -33,7 +33,8 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] = !is_solid(at) && is_full_enough(at, c, min_wet_fill(at, c)) && stands_in(at, c) ? wet_cell : dry_cell;
+      wet_[at] =
+          !is_solid(at) && is_full_enough({k, r, c}, min_wet_fill(at, c)) && stands_in(at, c) ? wet_cell : dry_cell;
     }
   });
   join_cells_at_solids(halo);

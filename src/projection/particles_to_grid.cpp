@@ -50,6 +50,23 @@ CellFrame frame_of_particles(const ProjectionGrid& grid, Real spacing) {
   return frame;
 }
 
+// Layers of particles beyond a side of a cell, the first at its face.
+Real largest_from_one_side(const ProjectionGrid& grid, const CellFrame& frame, Real spacing) {
+  Real most = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (a == 1 && grid.is_layer()) continue;
+    const std::size_t b = grid.axis(a);
+    const Real edge = spacing * frame.per_length[b], reach = frame.reach[b], flat = frame.flat[b];
+    Real told = 0;
+    for (Real way = 0; way < reach; way += edge) {
+      const Real sloped = std::pow(reach - way, 2) - std::pow(std::max(flat - way, 0.0), 2);
+      told += edge * sloped / (2 * (reach * reach - flat * flat));
+    }
+    most = std::max(most, told);
+  }
+  return most;
+}
+
 // The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
 class FaceMiddles {
  public:
@@ -70,10 +87,13 @@ class FaceMiddles {
 }  // namespace
 
 ParticlesToGrid::ParticlesToGrid(const ProjectionGrid& grid, Real spacing)
-    : grid_(grid), frame_(frame_of_particles(grid, spacing)) {}
+    : grid_(grid),
+      frame_(frame_of_particles(grid, spacing)),
+      told_from_one_side_(largest_from_one_side(grid, frame_, spacing)) {}
 
 void ParticlesToGrid::borrow() {
   filled_.assign(row_index(grid_.planes() + 2, -1), {});
+  first_empty_.assign(filled_.size(), 0);
   fit_.borrow(grid_.scratch(), grid_.storage());
   for (Borrowed<Real>& u : displacement_) {
     u = grid_.scratch().borrow_briefly<Real>(grid_.cells());
@@ -129,15 +149,13 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
     if (!grid_.is_layer()) find_faces(1, k, r, cuts);  // across a layer nothing moves
     find_faces(2, k, r, cuts);
   });
-  if (cuts != nullptr) {
-    for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
-      find_empty_faces(0, k, r, *cuts);
-      if (k > planes) return;
-      if (!grid_.is_layer()) find_empty_faces(1, k, r, *cuts);
-      find_empty_faces(2, k, r, *cuts);
-      if (grid_.rows_are_cut() && r + 1 == grid_.rows()) find_empty_faces(1, k, r + 1, *cuts);
-    });
-  }
+  for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
+    find_empty_faces(0, k, r, cuts);
+    if (k > planes) return;
+    if (!grid_.is_layer()) find_empty_faces(1, k, r, cuts);
+    find_empty_faces(2, k, r, cuts);
+    if (grid_.rows_are_cut() && r + 1 == grid_.rows()) find_empty_faces(1, k, r + 1, cuts);
+  });
   grid_.repeat(displacement_[1]);
   if (grid_.repeats()[2]) grid_.repeat(displacement_[2]);
 }
@@ -286,6 +304,10 @@ void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
   while (filled.end > 0 && !holds_any(filled.end - 1)) --filled.end;
   while (filled.begin < filled.end && !holds_any(filled.begin)) ++filled.begin;
+  LocalId& first = first_empty_[row_index(k, r)] = 0;
+  if (filled.begin == 0) {
+    while (first < filled.end && holds_any(first)) ++first;
+  }
 }
 
 void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
@@ -324,7 +346,7 @@ std::size_t ParticlesToGrid::bytes() const {
   for (std::size_t side : {0U, 1U})
     values += (given_[side].capacity() + received_[side].capacity()) * sizeof(VolumesBeside) / sizeof(Real) +
               ends_[side].capacity() * sizeof(CellSums) / sizeof(Real);
-  return filled_.capacity() * sizeof(Range) + values * sizeof(Real);
+  return filled_.capacity() * (sizeof(Range) + sizeof(LocalId)) + values * sizeof(Real);
 }
 
 }  // namespace trevi

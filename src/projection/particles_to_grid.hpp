@@ -14,7 +14,7 @@
 //   u_f = Σ w_i (u_i + B (x_f − y_i)) / Σ w_i,
 // with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen
 // midway of their paths, which makes it that of the middle of the step: second order in time. Between two cells without
-// particles beside an obstacle it is what the fits around say, weighted by their particles.
+// particles it is what the fits around say, weighted by their particles.
 //
 // Sums are formed by the owner of a plane in the order of the particles: the same bits on any rank count. Collective:
 // gather().
@@ -73,6 +73,13 @@ class ParticlesToGrid {
   Real height_of(Real volume) const {
     const Real edge = frame_.reach[grid_.axis(2)];
     return volume < edge / 2 ? std::sqrt(2 * edge * volume) - edge / 2 : volume;
+  }
+  /// The most that a cell is told by particles on one side of it alone, in cells: air, where it holds none itself.
+  Real told_from_one_side() const { return told_from_one_side_; }
+  /// Whether the cell, in an own plane or row or in one beside, holds particles.
+  bool holds_any(LocalId k, LocalId r, LocalId c) const {
+    const Range cells = filled(k, r);
+    return c >= cells.begin && c < cells.end && sums_.number(0, k, r, c) > 0;
   }
   /// Volumes of the water in the cells of an own row, in cells.
   void find_volumes(LocalId k, LocalId r, std::span<Real> volumes) const;
@@ -146,22 +153,25 @@ class ParticlesToGrid {
   void find_filled(LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
-  // Beside obstacles; see particles_to_grid_cut.cpp.
+  // Beside obstacles, and faces without particles on either side; see particles_to_grid_cut.cpp.
   using CellNumbers = std::array<LocalId, 3>;  // of plane, row and column
   struct FittedMean {
     Real sum = 0, weight = 0;
   };
   CellSums sums_of(const CellNumbers& at, const CellParticles& cell, const Motion& motion, const CutCells* near) const;
-  void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells& cuts);
+  void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
+  Range cells_without(std::size_t a, LocalId k, LocalId r) const;
   bool exists(CellNumbers& cell) const;
-  bool holds_any(const CellNumbers& cell) const;
+  bool holds_any(const CellNumbers& cell) const { return holds_any(cell[0], cell[1], cell[2]); }
   void add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place, FittedMean& mean) const;
 
   const ProjectionGrid& grid_;
   CellFrame frame_;
+  Real told_from_one_side_;
   CellFields sums_{numbers::moments, numbers::volumes}, volumes_{numbers::volumes}, spread_{numbers::map},
       fit_{numbers::map}, means_{sizeof(Means) / sizeof(Real)};
-  std::vector<Range> filled_;  // filled(k, r)
+  std::vector<Range> filled_;         // filled(k, r)
+  std::vector<LocalId> first_empty_;  // of the cells of a row, as above
   std::array<Borrowed<Real>, 3> displacement_;
   // Where rows are cut, of the first and the last own row, and of the rows before and after these.
   std::array<std::vector<VolumesBeside>, 2> given_, received_;

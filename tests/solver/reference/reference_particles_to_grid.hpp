@@ -175,7 +175,26 @@ class ReferenceParticlesToGrid {
         nu += (*fit_)[cell].at(middle)[a];
       }
     }
-    return w >= 0.05 ? wu / w : n > 0 ? nu / n : 0;
+    return w >= 0.05 ? wu / w : n > 0 ? nu / n : is_wall(a, face) ? 0 : mean_around(a, face);
+  }
+  // Of a face with no particle on either side: what the fits of the cells beside say that lie along it, by particles.
+  Real mean_around(int a, const Cell& face) const {
+    Real n = 0, nu = 0;
+    for (const bool below : {false, true}) {
+      for (int b = 0; b < 3; ++b) {
+        for (const int side : {-1, 1}) {
+          const Cell cell = cells_.wrapped(face - (below ? 1 : 0) * unit(a) + side * unit(b));
+          if (b == a || (cell.array() < 0).any() || (cell.array() >= count_.array()).any()) continue;
+          Vec3 middle = Vec3::Constant(0.5);
+          middle[a] = below ? 1 : 0;
+          middle[b] -= side;
+          const auto held = static_cast<Real>((*members_)[cell].size());
+          n += held;
+          nu += held * (*fit_)[cell].at(middle)[a];
+        }
+      }
+    }
+    return n > 0 ? nu / n : 0;
   }
   Real mean(int a, const Cell& c) const { return (*mean_)[static_cast<std::size_t>(a)][c]; }
 
@@ -212,6 +231,25 @@ class ReferenceParticlesToGrid {
     }
     return volume;
   }
+
+  /// What layers of particles tell a cell, of which the first lies at its face and the others behind it, at most.
+  Real told_from_one_side() const {
+    Real most = 0;
+    for (int a = 0; a < 3; ++a) {
+      if (dimensions_ == 2 && a == 1) continue;
+      const Real edge = s_ / size_[a];
+      Real told = 0;
+      for (int layer = 0; layer * edge < 1; ++layer) {
+        Particle i{};
+        i.cell = Cell::Zero();
+        i.surface = Vec3::Constant(1 - layer * edge);
+        told += edge * (1 - part_below(i, a, 1));
+      }
+      most = std::max(most, told);
+    }
+    return most;
+  }
+  bool holds_any(const Cell& c) const { return !(*members_)[c].empty(); }
 
   // The number of cells above one another that hold a fifth of what fills them.
   int depth() const {

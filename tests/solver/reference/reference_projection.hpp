@@ -117,10 +117,13 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     wet_.emplace(cells_, 0);
     height_.emplace(cells_, 1);
     for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
+    const Real told = told_from_one_side();
     for_each_cell([&](const Cell& c) {
       const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
       const bool on_floor = c.z() == 0 && (*fill_)[c] >= 0.2;
-      (*wet_)[c] = (cells_.repeats(2) || c.z() < (*reach_)[Cell(c.x(), c.y(), 0)]) &&
+      // Without a particle, and told no more than from one side, it is air.
+      const bool is_water = holds_any(c) || (*fill_)[c] > 1.001 * told;
+      (*wet_)[c] = is_water && (cells_.repeats(2) || c.z() < (*reach_)[Cell(c.x(), c.y(), 0)]) &&
                    ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
     });
     // Water under the ceiling has no surface.
