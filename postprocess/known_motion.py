@@ -88,10 +88,10 @@ def of_water(water, figures, settings=()):
 
 # Flight.
 
-def flight(spacing, rate, offset=(0, 0, 0), seconds=0.4):
-    """A block of 8 x 8 x 8 thrown at (4, 0, 2) m/s; offset: spacings by which it is off the lattice of the box."""
+def flight(spacing, rate, offset=(0, 0, 0), velocity=(4.0, 0.0, 2.0), seconds=0.4):
+    """A block of 8 x 8 x 8 thrown at `velocity`, m/s; offset: spacings by which it is off the lattice of the box."""
     corner = 1 + np.array(offset) * spacing
-    velocity = np.array([4.0, 0.0, 2.0])
+    velocity = np.array(velocity)
     block = (f"[[particles]]\nmin = {plain(corner)}\nmax = {plain(corner + 8 * spacing)}\n"
              f"velocity = {plain(velocity)}")
     text = scene_of((0, 0, 0), (4.8, 3.0, 3.2), spacing, 1 / rate, seconds, every=seconds, extra=block)

@@ -80,6 +80,10 @@ def flights(spacings=(0.1, 0.05), rates=RATES, offsets=((0, 0, 0), (0.037, 0.021
                 yield Case("flight", f"s {spacing:g}, {'off the lattice, ' if any(offset) else ''}{at(rate)}",
                            known.flight(spacing, rate, offset), marks,
                            {"spacing": spacing, "steps_per_second": rate, "offset": float(any(offset))})
+    for rate in rates:  # a speed at which layers pass faces of cells slowly, so that some lie right before one
+        yield Case("flight", f"s {spacings[0]:g}, askew, {at(rate)}",
+                   known.flight(spacings[0], rate, velocity=(3.7, 0.3, 2.2)), marks,
+                   {"spacing": spacings[0], "steps_per_second": rate, "offset": 0.0})
 
 
 def balls(rates=(60, 240), closings=(0, 2)):
