@@ -25,8 +25,9 @@ HWY_INLINE void for_each_vector(std::size_t count, const Put& put) {
 }
 
 void gather(const ColumnOfLevel& of, Real* HWY_RESTRICT y) {
-  const auto [x, wx, wy, rhs, row, plane, count] = of;
-  for_each_vector(count, [=](auto d, std::size_t c) {
+  const Real *const x = of.x, *const wx = of.wx, *const wy = of.wy, *const rhs = of.rhs;
+  const std::size_t row = of.row, plane = of.plane;
+  for_each_vector(of.count, [=](auto d, std::size_t c) {
     const auto part = [=](const Real* w, const Real* field) { return hn::Mul(hn::LoadU(d, w), hn::LoadU(d, field)); };
     const auto over_planes = hn::Add(part(wx + c, x + c - plane), part(wx + c + plane, x + c + plane));
     const auto over_rows = hn::Add(part(wy + c, x + c - row), part(wy + c + row, x + c + row));
@@ -35,9 +36,10 @@ void gather(const ColumnOfLevel& of, Real* HWY_RESTRICT y) {
 }
 
 void residual(const ColumnOfLevel& of, const LinksUpwards& up, Real* HWY_RESTRICT y) {
-  const auto [x, wx, wy, rhs, row, plane, count] = of;
-  const auto [wz, dirichlet, per] = up;
-  for_each_vector(count, [=](auto d, std::size_t c) {
+  const Real *const x = of.x, *const wx = of.wx, *const wy = of.wy, *const rhs = of.rhs;
+  const Real *const wz = up.wz, *const dirichlet = up.dirichlet, *const per = up.per;
+  const std::size_t row = of.row, plane = of.plane;
+  for_each_vector(of.count, [=](auto d, std::size_t c) {
     const auto here = hn::LoadU(d, x + c);
     const auto from = [=](const Real* w, const Real* beside) {
       return hn::Mul(hn::LoadU(d, w), hn::Sub(hn::LoadU(d, beside), here));
