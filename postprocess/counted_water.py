@@ -28,9 +28,10 @@ def interior_counts(place, low, high, spacing):
     around it is made of parts of 2 spacings, which hold 8 particles; none of them holds less than 5 (beyond walls, all
     do). A particle is a cube of one spacing, of which each part gets what lies in it, and the part at a wall what would
     be beyond. By their middles a lattice that flows, whose layers draw together upwards as their particles part
-    sideways, has a quarter too much in all cubes at once wherever a fifth layer comes in; so it has 64 to 2e-3.
-    Lattices turned anyhow, with a wavy surface, have a mean of 64 to 4e-4. Cubes overlap, so that what is at walls
-    counts less than the rest: where water crowds there, the mean is below 64 in a box that is full."""
+    sideways, has a quarter too much in all cubes at once wherever a fifth layer comes in; so that of a dam break has
+    64 to 2e-3, and evenly stretched ones, by up to a quarter, to 2e-2 however they lie to the walls. Lattices turned
+    anyhow, with a wavy surface, have a mean of 64 to 4e-4. Cubes overlap, so that what is at walls counts less than
+    the rest: where water crowds there, the mean is below 64 in a box that is full."""
     parts = np.floor((np.array(high) - low) / (2 * spacing) + 1e-6).astype(int)
     first = (place - low) / (2 * spacing) - 0.25
     lower = np.floor(first).astype(int)

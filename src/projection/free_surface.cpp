@@ -80,8 +80,7 @@ bool FreeSurface::is_full_enough(const Place& place, Real least) const {
 // Whether a cell without particles holds no more than what those on one side of it may reach into it. It is air: what
 // would move its outer faces nobody knows, and where they stand water that moves as a whole runs against them.
 bool FreeSurface::is_beside_water(const Place& place, std::size_t at) const {
-  constexpr Real rounding = 1e-3;
-  if (fill_[at] > (1 + rounding) * water().told_from_one_side()) return false;
+  if (fill_[at] > (1 + told_rounding) * water().told_from_one_side()) return false;
   return !(cuts() != nullptr && cuts()->is_near(at)) && !water().holds_any(place.k, place.r, place.c);
 }
 

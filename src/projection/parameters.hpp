@@ -40,16 +40,19 @@ constexpr Real min_face_weight = 0.05;
 /// would move at 0.1 m/s. Below the surface the fraction is lower, as cells of disordered water may hold only a third;
 /// on the floor lower still, so that a sheet of one layer is supported, too.
 constexpr Real wet_fill = 0.585, submerged_fill = 0.3, floor_fill = 0.2;
+/// Share by which a cell without particles may be told more than those on one side of it can tell, and is air all the
+/// same: rounding where their layers lie on its face.
+constexpr Real told_rounding = 1e-3;
 /// Largest volume, cells, by which the fill of the cells below may raise or lower the surface in a top cell. The cells
 /// of torn water, and those at the side of a jet, are far from full, and say nothing of its height: what a cell has too
 /// much or too little counts in full up to `torn`, cells, and not at all from twice that on. A jet on a plate has 0.96
-/// of the speed of its head so for 0.90 (s = 0.025 m, 1/240 s). Not so beside solids, where water that turns lost 1 % a
-/// turn.
+/// of the speed of its head at the opening so for 0.90 (s = 0.025 m, 1/240 s). Not so beside solids, where water that
+/// turns lost 1 % a turn.
 constexpr Real max_excess = 0.25, torn = 0.1;
 /// Largest difference, of itself, between the capacities of cells of a column that are cut alike; most by which what
 /// they hold may differ from what is around them in the level of the top one; share of their excess that counts there.
-/// The paraboloid of a cylinder of R = 10 s, from a lattice, is 1.06 as steep as the exact one with half of it, 1.09
-/// with three quarters, 1.12 with all (1/240 s).
+/// The paraboloid of a cylinder of R = 10 s, from a lattice, is 1.06 times as steep as that of the start's rotation
+/// with half of it, 1.09 with three quarters, 1.12 with all (1/240 s).
 constexpr Real alike = 0.02, max_uneven = 0.5, excess_of_cut = 0.5;
 /// Least distance, cells, of the middle of a cut cell from the mean place of its water, from which on its level is
 /// continued to there; most of the difference to the cell beside that it takes for that: with 0.3, 0.5, 0.8, 1.2 the
