@@ -72,7 +72,7 @@ struct FluidSettings {
 
 struct DensitySettings {
   Method method = Method::chebyshev;
-  int iterations = 4;             ///< the coarse-grid correction counts as one; at least one Jacobi sweep follows it
+  Derived<int> iterations{};      ///< the coarse-grid correction counts as one; default: 3 with it, else 4
   std::optional<Real> tolerance;  ///< stop when mean compression is below it and the maximum below ten times it
   Derived<Real> relaxation{};     ///< under-relaxation; default: a fraction of what the kernel's lattice allows
   Real spectral_radius = 0.95;    ///< chebyshev: spectral radius assumed of the relaxed Jacobi iteration

@@ -78,6 +78,7 @@ Settings resolved(Settings settings) {
   // The other methods run as the literature describes them.
   const bool default_method = settings.density.method == DensitySettings{}.method;
   settings.density.coarse_grid.set_default(default_method);
+  settings.density.iterations.set_default(settings.density.coarse_grid ? 3 : 4);
   settings.density.max_shift.set_default(default_method ? 0.1 : 0);
   const auto resolve_music = [](PumpSettings& pump) {
     if (pump.music) resolve(*pump.music);
@@ -94,6 +95,7 @@ Settings resolved(Settings settings) {
 Settings report_settings() {
   Settings settings;
   settings.density.method = Method::jacobi;
+  settings.density.iterations = 4;
   settings.density.relaxation = 1;
   settings.density.coarse_grid = false;
   settings.density.max_shift = 0;

@@ -20,9 +20,10 @@ void read_density(Section& section, DensitySettings& density) {
   section.choice<Method>(
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
-  section.integer({"iterations", "the number of density iterations, at most when tolerance is given"},
-                  density.iterations, 1);
-  section.check("iterations", density.iterations <= max_iterations,
+  int iterations = 1;
+  if (section.integer({"iterations", "the number of density iterations, at most when tolerance is given"}, iterations, 1))
+    density.iterations = iterations;
+  section.check("iterations", iterations <= max_iterations,
                 fmt::format("must be at most {}; a step of more would hardly end", max_iterations));
   Real tolerance = 0;
   if (section.number({"tolerance", "the mean compression to stop at; default: never stop early"}, tolerance, above(0)))

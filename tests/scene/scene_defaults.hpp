@@ -28,7 +28,7 @@ inline std::vector<std::string> defaults_of_all_scenes(const Scene& scene) {
           "time.max_substeps=500",
           "density.preset='default'",
           "density.method='chebyshev'",
-          "density.iterations=4",
+          "density.iterations=3",
           "density.crush_limit=0.05",
           "density.spectral_radius=0.95",
           "density.coarse_grid=true",
