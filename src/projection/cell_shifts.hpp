@@ -13,12 +13,14 @@ struct Densities {
 };
 
 /// What the sweeps have done: shifts of positions from x to p, where the grid acts (0 to 1), and the densities that
-/// they have seen last; of all owned particles.
+/// they have seen last; of all owned particles. Of each own row of cells, plane by plane, whether there may be a shift
+/// within three rows of it: the smooth part of shifts reaches over two.
 template <class T>
 struct Swept {
   Motion shifts;
   std::span<const T> act;
   Densities densities;
+  std::span<const char> near_shifts;
 };
 
 /// Writes −act · (a + B y), m, of the particles of a cell, as the scalar 0; less of it, down to nothing, of those that

@@ -103,7 +103,7 @@ constexpr Real noise_time = 12;
 /// particles are few, and noise is made. Where levels are continued by up to 0.8 cells, turned tanks
 /// swing 4.0, 3.0, 2.1 % off the plain box at most with 60, 40, 30, and deep vessels rest at 1.3e-4, 1.5e-4, 2.2e-4
 /// m²/s² in the median.
-constexpr Real cut_noise = 45;
+constexpr Real cut_noise = 38;
 /// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
 /// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
 constexpr Real noise_speed = 0.2;

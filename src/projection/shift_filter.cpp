@@ -7,7 +7,7 @@ using namespace projection;
 void ShiftFilter::for_each_plane(Halo& halo, const Input& input, const std::function<void(Range)>& use) {
   borrow();
   const PlaneStage sums{[&](TentMemory&, LocalId k, LocalId r) { sum_row(input, k, r); }, [&] { sums_.start(halo); }};
-  const PlaneStage fits{[&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); },
+  const PlaneStage fits{[&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, input, k, r); },
                         [&] { fit_.start(halo); }};
   for_each_plane_in_turn<TentMemory>(surface_.grid(), halo, sums, fits, [&](Range planes) {
     if (planes.begin == 1) halo.finish();
@@ -42,6 +42,7 @@ void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
 void ShiftFilter::sum_row(const Input& input, LocalId k, LocalId r) {
   const ParticlesToGrid& water = surface_.water();
   sums_.clear(k, r);
+  if (!input.is_near(k, r)) return;
   water.for_each_cell(input.order, k, r, [&](LocalId c, const CellParticles& cell) {
     const MotionSums motion = sum_motion(water.frame(), input.shifts, cell);
     Moments sums{{static_cast<Real>(cell.end - cell.begin), motion.y, motion.yy}, {motion.u, motion.uy}, 0};
@@ -51,7 +52,8 @@ void ShiftFilter::sum_row(const Input& input, LocalId k, LocalId r) {
   });
 }
 
-void ShiftFilter::fit_row(TentMemory& memory, LocalId k, LocalId r) {
+void ShiftFilter::fit_row(TentMemory& memory, const Input& input, LocalId k, LocalId r) {
+  if (!input.is_near(k, r)) return fit_.clear(k, r);
   const ProjectionGrid& grid = surface_.grid();
   const Range cells = surface_.water().filled(k, r);
   const std::size_t floor = grid.index(k, r, 0);

@@ -24,14 +24,19 @@ class ShiftFilter {
  public:
   explicit ShiftFilter(const FreeSurface& surface) : surface_(surface) {}
 
-  /// Shifts of the owned particles, and their densities over that at rest.
+  /// Shifts of the owned particles, their densities over that at rest, and the own rows of cells that shifts are near
+  /// to (Swept). Of the others nothing is found.
   struct Input {
     const CellOrder& order;
     Motion shifts;
     Densities densities;
+    std::span<const char> near_shifts;
+    bool is_near(LocalId k, LocalId r) const {
+      return near_shifts[static_cast<std::size_t>((k - 1) * order.rows() + r)] != 0;
+    }
   };
   /// Calls use(planes) for runs of own planes, one after the other, which are all of them: find_smooth() is then for
-  /// their rows.
+  /// their rows that are near shifts.
   void for_each_plane(Halo& halo, const Input& input, const std::function<void(Range planes)>& use);
   /// What is taken off the shifts of the particles in a row of cells where the grid acts in full. One for each part of
   /// a loop of threads, in which rows come in their order.
@@ -46,7 +51,7 @@ class ShiftFilter {
   void borrow();
   void give_back();
   void sum_row(const Input& input, LocalId k, LocalId r);
-  void fit_row(TentMemory& memory, LocalId k, LocalId r);
+  void fit_row(TentMemory& memory, const Input& input, LocalId k, LocalId r);
   bool is_water(std::size_t at) const { return surface_.is_wet(at) || surface_.is_wet(at - 1); }
 
   Real* kept_of(LocalId k, LocalId r) const {

@@ -153,7 +153,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   if (!near_.halo().has_neighbours() || inner.planes.size() == 0) {
     compute_delta();
     if (separate) separate_coincident();
-    return with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
+    return with_halo(Phase::move, [&](Range part) { move_swept(part); });
   }
   if (positions_only_) note_sweep();
   find_swept_rows();
@@ -163,12 +163,21 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
     if (separate) separate_coincident(inner, inside);
   };
   find(near_.boundary(beside), false);
-  for (const Range& part : near_.boundary()) collide_and_move(part);
+  for (const Range& part : near_.boundary()) move_swept(part);
   near_.start_positions();
   find(near_.interior(beside), true);
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
-  for (const Range& part : near_.interior()) collide_and_move(part);
+  for (const Range& part : near_.interior()) move_swept(part);
   finish_moves();
+}
+
+// What is in a solid is taken out of it, whether it is swept or not.
+template <class T>
+void DensityProblem<T>::move_swept(Range part) {
+  if (boundary_.obstacles() != nullptr) return collide_and_move(part);
+  for_each_piece(part, swept_.moved(), [&](Range piece, bool is_swept) {
+    if (is_swept) collide_and_move(piece);
+  });
 }
 
 template <class T>
@@ -255,9 +264,11 @@ void DensityProblem<T>::release_in_flight() {
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
   const Borrowed<Real>& rho = looks_later_ && has_swept_ ? swept_rho_ : rho_;
+  const std::vector<char> near_shifts = swept_.near_shifts();
   const Swept<T> swept{{particles_->position, particles_->predicted},
                        {act_.data(), act_.size()},
-                       {{rho.data(), rho.size()}, constraint_.model().rest_density}};
+                       {{rho.data(), rho.size()}, constraint_.model().rest_density},
+                       near_shifts};
   {
     const Loan records(near_.scratch(), std::as_writable_bytes(std::span(near_.records())));  // to be written anew
     projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());

@@ -117,6 +117,7 @@ class DensityProblem {
   void find_swept_rows();
   void find_delta(Range part);
   void finish_moves();
+  void move_swept(Range part);
   static constexpr LocalId moved_at_once = 128;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const OpenSpace& open, Range few, Real relaxation);

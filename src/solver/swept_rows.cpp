@@ -25,6 +25,7 @@ void SweptRows::start(const CellOrder& order) {
   const auto all = static_cast<std::size_t>(planes_ + 2) * static_cast<std::size_t>(rows_ + 2);
   held_.assign(all, 0);
   moved_.assign(all, 1);
+  shifted_.assign(all, 0);
   digest_.assign(all, 0);
 }
 
@@ -53,7 +54,10 @@ void SweptRows::find_multipliers(const std::vector<Packed<T>>& records) {
 
 void SweptRows::move() {
   for_each_row([&](LocalId k, LocalId r) {
-    if (is_own(k, r)) moved_[index(k, r)] = static_cast<char>(is_beside(held_, k, r));
+    if (!is_own(k, r)) return;
+    const bool moves = is_beside(held_, k, r);
+    moved_[index(k, r)] = static_cast<char>(moves);
+    if (moves) shifted_[index(k, r)] = 1;
   });
 }
 
@@ -72,12 +76,16 @@ void SweptRows::find_moved_ghosts(const std::vector<Packed<T>>& records) {
   });
 }
 
-void SweptRows::move_all() { std::fill(moved_.begin(), moved_.end(), char{1}); }
+void SweptRows::move_all() {
+  std::fill(moved_.begin(), moved_.end(), char{1});
+  std::fill(shifted_.begin(), shifted_.end(), char{1});
+}
 
 void SweptRows::move(LocalId i) {
   const std::span<const LocalId> starts = order_->row_starts();
   const auto row = static_cast<LocalId>(std::upper_bound(starts.begin(), starts.end(), i) - starts.begin()) - 1;
-  std::atomic_ref(moved_[index(row / rows_ + 1, row % rows_)]).store(1, std::memory_order_relaxed);
+  for (std::vector<char>* marks : {&moved_, &shifted_})
+    std::atomic_ref((*marks)[index(row / rows_ + 1, row % rows_)]).store(1, std::memory_order_relaxed);
 }
 
 bool SweptRows::is_beside(const std::vector<char>& marked, LocalId k, LocalId r) const {
@@ -86,6 +94,28 @@ bool SweptRows::is_beside(const std::vector<char>& marked, LocalId k, LocalId r)
       if (marked[index(i, j)] != 0) return true;
   }
   return false;
+}
+
+std::vector<char> SweptRows::near_shifts() const {
+  constexpr LocalId reach = 3;
+  const bool cut = order_->rows_are_cut();
+  const auto shifts = [&](LocalId k, LocalId r) {
+    if (!cut) r = (r % rows_ + rows_) % rows_;
+    if (is_own(k, r)) return shifted_[index(k, r)] != 0;
+    const auto [begin, end] = order_->row(k, r);
+    return end > begin;
+  };
+  std::vector<char> near(static_cast<std::size_t>(planes_) * static_cast<std::size_t>(rows_), 0);
+  for_each_part(planes_ * rows_, [&](LocalId row) {
+    const LocalId k = row / rows_ + 1, r = row % rows_;
+    const Range planes{std::max(k - reach, 0), std::min(k + reach, planes_ + 1) + 1};
+    const Range rows{cut ? std::max(r - reach, -1) : r - reach, (cut ? std::min(r + reach, rows_) : r + reach) + 1};
+    for (LocalId i = planes.begin; i < planes.end; ++i) {
+      for (LocalId j = rows.begin; j < rows.end; ++j)
+        if (shifts(i, j)) near[static_cast<std::size_t>(row)] = 1;
+    }
+  });
+  return near;
 }
 
 std::vector<Range> SweptRows::beside(const std::vector<char>& marked, bool bridged) const {

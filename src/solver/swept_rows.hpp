@@ -35,6 +35,9 @@ class SweptRows {
   std::vector<Range> with_multipliers(bool bridged) const { return beside(held_, bridged); }
   /// Owned particles of rows that have moved since move(), or are beside such ones.
   std::vector<Range> moved() const { return beside(moved_, true); }
+  /// Of each own row, plane by plane, whether a row within three of it has moved since start(), or has particles of
+  /// other ranks.
+  std::vector<char> near_shifts() const;
 
  private:
   std::size_t index(LocalId k, LocalId r) const;
@@ -48,7 +51,7 @@ class SweptRows {
   const CellOrder* order_ = nullptr;
   LocalId planes_ = 0, rows_ = 0;
   // By row, of planes and rows with those beside them.
-  std::vector<char> held_, moved_;
+  std::vector<char> held_, moved_, shifted_;
   std::vector<std::uint64_t> digest_;  // of where ghosts are
 };
 
