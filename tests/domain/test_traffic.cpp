@@ -100,13 +100,13 @@ class TrafficOf : public Output {
 
 TEST_F(TrafficOf, IsAsTheFormulaSays) {
   const int ranks = size_of(world);
-  EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 4, Grid::upright));
+  EXPECT_EQ(bytes_per_step({"density.precision='single'"}), formula(ranks, 16, 3, Grid::upright));
   EXPECT_EQ(bytes_per_step({"density.precision='double'", "density.iterations=7"}),
             formula(ranks, 32, 7, Grid::upright));
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "density.method='jacobi'"}),
             formula(ranks, 16, 4, Grid::none));
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "vorticity.epsilon=0.002", "viscosity.c=0.001"}),
-            formula(ranks, 16, 4, Grid::upright, true));
+            formula(ranks, 16, 3, Grid::upright, true));
 }
 
 TEST_F(TrafficOf, OfSlabsThatAreSharedIsAsTheFormulaSays) {
@@ -114,7 +114,7 @@ TEST_F(TrafficOf, OfSlabsThatAreSharedIsAsTheFormulaSays) {
   const std::string shape = "domain.ranks=[" + std::to_string(ranks / parts) + ", " + std::to_string(parts) + "]";
   const std::vector<std::string> wide = {"domain.max=[3.4, 0.8, 1.6]", "particles.0.max=[3.4, 0.8, 1.0]",
                                          "density.precision='single'", shape};
-  EXPECT_EQ(bytes_per_step(wide, parts), formula_of_parts(ranks, parts, 16, 4));
+  EXPECT_EQ(bytes_per_step(wide, parts), formula_of_parts(ranks, parts, 16, 3));
 }
 
 // A level beside the finest one is too large for all ranks to have.
@@ -130,7 +130,7 @@ TEST_F(TrafficOf, LevelsOfAWideBox) {
 TEST_F(TrafficOf, NoiseIsThatOfGravityAlone) {
   const int ranks = size_of(world);
   EXPECT_EQ(bytes_per_step({"density.precision='single'", "gravity.acceleration=[0, 0, 0]"}),
-            formula(ranks, 16, 4, Grid::floating));
+            formula(ranks, 16, 3, Grid::floating));
 }
 
 }  // namespace
