@@ -100,9 +100,8 @@ constexpr Real cut_return = 0.5;
 /// with 3.5 and 0.98 with 14; a pool that starts with each coordinate off by up to 0.2 s rests at 6e-6 and 5e-5 m²/s².
 constexpr Real noise_time = 12;
 /// Where a solid cuts a cell the motion relaxes to the affine one itself, this many times as fast: there faces and
-/// particles are few, and noise is made. Where levels are continued by up to 0.8 cells, turned tanks
-/// swing 4.0, 3.0, 2.1 % off the plain box at most with 60, 40, 30, and deep vessels rest at 1.3e-4, 1.5e-4, 2.2e-4
-/// m²/s² in the median.
+/// particles are few, and noise is made. With 45, 38, 30 turned tanks swing 3.2, 2.9, 2.7 % off the plain box at most,
+/// and vessels rest at 6.2e-5, 6.9e-5 m²/s² deep and 1.4e-4, 1.7e-4 shallow in the median with 45 and 38.
 constexpr Real cut_noise = 38;
 /// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
 /// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
