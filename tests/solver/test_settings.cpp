@@ -111,7 +111,7 @@ TEST_F(Series, IterationsAreThoseOfAllSubsteps) {
   const Scene scene = scene_with(thrown_cube, {"output.series.every_steps=1"});
   bool split = false;
   for (const std::vector<Real>& row : rows_of(scene, 12, {"step", "substeps", "iterations"})) {
-    EXPECT_EQ(row[2], row[0] == 0 ? 0 : 4 * row[1]) << "step " << row[0];
+    EXPECT_EQ(row[2], row[0] == 0 ? 0 : 3 * row[1]) << "step " << row[0];
     split = split || row[1] > 1;
   }
   EXPECT_TRUE(split);
