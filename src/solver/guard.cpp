@@ -100,7 +100,7 @@ void Guard::agree(const Particles& particles, std::int64_t step) {
 }
 
 void Guard::end_if_crushed(std::int64_t step) const {
-  constexpr Real crushed = 0.5, relieved = 0.75;
+  constexpr Real crushed = 0.5, relieved = 0.9;
   if (compression_ > crushed && compression_ > relieved * last_compression_) {
     throw BlowUp(
         fmt::format("step {}: the water is compressed by {:.0f} % in the mean: {}", step, 100 * compression_,
