@@ -36,7 +36,7 @@ Real FreeSurface::distance(std::size_t a, std::size_t at) const {
 Real FreeSurface::part_in_water(std::size_t wet, std::size_t dry) const {
   if (!is_top(dry - 1) || is_solid(wet) || is_cut(wet) || is_cut(dry) || is_cut(dry - 1)) return 1;
   const Real in = is_top(wet) ? above_middle(wet) : 1 + above_middle(wet + 1);
-  return in / (in + std::max(1.5 - height_[dry - 1], 0.0));
+  return in / std::max(in + 1.5 - height_[dry - 1], min_rise);
 }
 
 void FreeSurface::classify(Halo& halo) {

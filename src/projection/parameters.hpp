@@ -61,6 +61,9 @@ constexpr Real alike = 0.02, max_uneven = 0.5, excess_of_cut = 0.5;
 constexpr Real min_aside = 0.05, max_continued = 0.5;
 /// Least height of the surface above the middle of a top cell, cells: a bound on the ghost-fluid weight.
 constexpr Real min_height = 0.05;
+/// Least rise of the surface, cells, from a dry cell to the wet one beside it, by which that is pressed: a dry cell may
+/// be filled up to above its middle, and where both stand alike nothing does. A bound on the same weight.
+constexpr Real min_rise = 1e-6;
 /// Fraction of its volume in particles of which the middle is in it from which on a cell counts for the depth, and from
 /// which on it has a surface of water in or above it. A sheet on a solid may be as thin as one on the floor.
 constexpr Real deep_fill = 0.2, surface_fill = 0.4;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "boundary/geometry/mass_properties.hpp"
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
+#include "boundary/geometry/surface_points.hpp"
 #include "boundary/rigid_bodies/rigid_body.hpp"
 
 namespace trevi {
@@ -98,27 +100,53 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   return "";
 }
 
+// Of the points those that are further than `depth` in a solid, the first of them; as the world sees it.
+std::optional<Vec3> first_within(const std::vector<Vec3>& points, const Pose& pose, const Shape& solid, const Pose& at,
+                                 Real depth) {
+  for (const Vec3& point : points) {
+    const Vec3 p = pose.into_world(point);
+    if (solid.distance(at.into_body(p)) < -depth) return p;
+  }
+  return std::nullopt;
+}
+
+// The corners of a solid, and a place in it, as of a twin all others are on the surface.
+std::vector<Vec3> corners_of(const Shape& shape, Real finest) {
+  std::vector<Vec3> points = shape.surface(finest).points;
+  if (shape.distance(Vec3::Zero()) < 0) points.push_back(Vec3::Zero());
+  return points;
+}
+
+// Faces and edges of a body may cross another solid though no corner of either is in the other.
+std::vector<Vec3> all_over(const Shape& shape, Real spacing) {
+  constexpr Real parts = 100;  // of a large body
+  const Real size = (shape.bounds().max - shape.bounds().min).maxCoeff();
+  std::vector<Vec3> points = points_of(shape.surface(spacing / 50), std::max(spacing / 4, size / parts));
+  if (shape.distance(Vec3::Zero()) < 0) points.push_back(Vec3::Zero());
+  return points;
+}
+
 std::string why_in_another(const Settings& settings, std::size_t k) {
   const ObstacleSettings& one = settings.bodies[k];
   const auto shape = make_shape(one);
   const Pose pose = BodyMotion(one).at(0);
-  const Real depth = 0.05 * settings.fluid.spacing;
-  const TriangleMesh mesh = shape->surface(settings.fluid.spacing / 50);
+  const Real spacing = settings.fluid.spacing, depth = 0.05 * spacing;
+  const std::vector<Vec3> points = all_over(*shape, spacing);
+  Real radius = 0;
+  for (const Vec3& point : points) radius = std::max(radius, point.norm());
   const std::vector<ObstacleSettings> all = solids_of(settings);
   for (std::size_t other = 0; other < all.size(); ++other) {
     if (other == settings.obstacles.size() + k) continue;
     const auto there = make_shape(all[other]);
     const Pose at = BodyMotion(all[other]).at(0);
-    std::vector<Vec3> points = mesh.points;
-    if (shape->distance(Vec3::Zero()) < 0) points.push_back(Vec3::Zero());  // of a twin all others are on the surface
-    for (const Vec3& point : points) {
-      const Vec3 p = pose.into_world(point);
-      if (there->distance(at.into_body(p)) >= -depth) continue;
-      const bool is_body = other >= settings.obstacles.size();
-      return fmt::format("reaches into {} {} at ({:.4g}, {:.4g}, {:.4g}) m; move one of them",
-                         is_body ? "body" : "obstacle", is_body ? other - settings.obstacles.size() : other, p.x(),
-                         p.y(), p.z());
-    }
+    if (there->distance(at.into_body(pose.center)) > radius) continue;
+    std::optional<Vec3> place = first_within(points, pose, *there, at, depth);
+    if (!place && !all[other].inside) place = first_within(corners_of(*there, spacing / 50), at, *shape, pose, depth);
+    if (!place) continue;
+    const bool is_body = other >= settings.obstacles.size();
+    return fmt::format("reaches into {} {} at ({:.4g}, {:.4g}, {:.4g}) m; move one of them",
+                       is_body ? "body" : "obstacle", is_body ? other - settings.obstacles.size() : other, place->x(),
+                       place->y(), place->z());
   }
   return "";
 }

@@ -3,7 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+
+#include "boundary/geometry/surface_points.hpp"
 
 namespace trevi {
 
@@ -14,31 +15,6 @@ constexpr int rounds = 200;
 constexpr Real settled = 1e-9;   // of all impulses, when a round changes no more
 constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
 constexpr Real push_out = 0.25;  // of an overlap, in a substep
-
-// In some order, each of them once.
-void keep_one_of_each(std::vector<Vec3>& points, Real closer) {
-  const auto key = [](const Vec3& p) { return std::make_tuple(p.x(), p.y(), p.z()); };
-  std::sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) { return key(p) < key(q); });
-  points.erase(std::unique(points.begin(), points.end(),
-                           [&](const Vec3& p, const Vec3& q) { return (p - q).squaredNorm() < closer * closer; }),
-               points.end());
-}
-
-// Of a surface, no further apart than `step`.
-std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step) {
-  std::vector<Vec3> points;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 &a = mesh.points[static_cast<std::size_t>(i)], &b = mesh.points[static_cast<std::size_t>(j)],
-               &c = mesh.points[static_cast<std::size_t>(k)];
-    const Real longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
-    const int n = std::max(1, static_cast<int>(std::ceil(longest / step)));
-    for (int u = 0; u <= n; ++u) {
-      for (int v = 0; u + v <= n; ++v) points.push_back(a + (b - a) * (Real(u) / n) + (c - a) * (Real(v) / n));
-    }
-  }
-  keep_one_of_each(points, 1e-6 * step);
-  return points;
-}
 
 bool is_convex(const ObstacleSettings& solid) {
   using enum ShapeKind;

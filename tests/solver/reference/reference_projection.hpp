@@ -161,7 +161,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell water = wet(c) ? c : below, beside = (wet(c) ? below : c) - unit(2);
     if (!is_top(beside)) return 1;  // the surface does not step down by one cell
     const Real in = is_top(water) ? above_middle(water) : 1 + above_middle(water + unit(2));
-    return in / (in + std::max(1.5 - (*height_)[beside], 0.0));
+    return in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
   }
 
   // ---- the pressure -----------------------------------------------------------------------------------------------

@@ -1,0 +1,16 @@
+// Points that stand for the surface of a solid where it may touch another one.
+#pragma once
+
+#include <vector>
+
+#include "trevi/box.hpp"
+#include "trevi/obstacle.hpp"
+
+namespace trevi {
+
+/// Sorts the points, and of those nearer to each other than `closer`, m, keeps one.
+void keep_one_of_each(std::vector<Vec3>& points, Real closer);
+/// Of the triangles, no further apart than `step`, m; each once.
+std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step);
+
+}  // namespace trevi
