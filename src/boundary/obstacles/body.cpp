@@ -69,9 +69,25 @@ void Body::place(const Pose& before, const Pose& now) {
   bounds_of(Extent::density) = box_at(now_, density_reach * h_);
   bounds_of(Extent::shift) = box_at(now_, 2 * wall_extension_);
   bounds_of(Extent::path) = on_way(density_reach * h_);
-  // A plane between it and both ends of a path is turned by no more than this over the length of the path.
-  way_ = on_way(std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_));
   went_ = (now_.center - before_.center).norm();
+  way_ = on_way(way_margin());
+  place_balls();
+}
+
+// A plane between it and both ends of a path is turned by no more than this over the length of the path.
+Real Body::way_margin() const {
+  return std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_);
+}
+
+// Who is outside of that for the density is out of reach by the distance, too: of a rough one that is not asked.
+void Body::place_balls() {
+  constexpr Real rounding = 1 + 1e-9;
+  const Real radius = shape_->bounding_radius();
+  const auto around = [&](const Vec3& center, Real far) { return Ball{center, rounding * (radius + far)}; };
+  auto& [density, shift, path] = balls_;
+  density = around(now_.center, rough_ ? INFINITY : out_of_reach * h_);
+  shift = around(now_.center, 2 * wall_extension_);
+  path = around((before_.center + now_.center) / 2, went_ / 2 + way_margin());
 }
 
 void Body::rough_distances(std::span<const Vec3> p, std::span<Real> found) const {
