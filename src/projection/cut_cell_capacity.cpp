@@ -246,12 +246,11 @@ CutCells::RowsAround CutCells::rows_around(const ProjectionGrid& grid, LocalId k
   return rows;
 }
 
-void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
-                                  std::vector<Cell>& cells) {
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+void CutCells::measure_capacities(const ProjectionGrid& grid, std::vector<Cell>& cells) {
+  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) confine_shares(grid, k, r, c, cells);
   });
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
     if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
     // From the column before the first to the one after the last: whether one of the nine cells is cut.
     std::vector<unsigned char>& is_cut = candidates_.mine().is_cut;

@@ -101,6 +101,18 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   for (Real& one : distance) one /= width;
 }
 
+// Wherever one looks from.
+bool CutCells::are_clear(const Bodies& bodies) const {
+  const Vec3 margin = Vec3::Constant(size_.maxCoeff());
+  const Box within{box_.min + margin, box_.max - margin};
+  return std::all_of(bodies.begin(), bodies.end(), [&](std::size_t k) {
+    const Body& body = obstacles_.body(k);
+    const Box place = body.surface_box();
+    return body.shape().min_thickness() > 1.1 * size_.maxCoeff() && !body.is_vessel() && within.contains(place.min) &&
+           within.contains(place.max);
+  });
+}
+
 bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
   const Real size = size_.maxCoeff();
   const Vec3 margin = Vec3::Constant(size);
@@ -235,16 +247,22 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
   cell.nearest = static_cast<std::uint32_t>(far.body) & 0x3fffffffU;
-  candidates.near = std::abs(far.distance) <= 2 * size_.maxCoeff();
-  if (!candidates.near) {  // no face of it comes within reach of is_passage()
+  // Farther from it no face is nearer than half a cell less: within reach of is_passage(), or of the surface where all
+  // solids are thick.
+  candidates.near = std::abs(far.distance) <= (candidates.clear ? 1.26 : 2) * size_.maxCoeff();
+  if (!candidates.near) {
     cell.open = far.distance > 0 ? 1 : 0;
     cell.solid = 1 - cell.open;
     cell.face.fill(cell.open);
     return cell;
   }
   const Bodies& bodies = candidates.of_cell;
-  keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
-  candidates.thick = are_thick(middle, bodies);
+  if (candidates.of_row.size() == 1) {
+    candidates.of_cell = candidates.of_row;
+  } else {
+    keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
+  }
+  candidates.thick = candidates.clear || are_thick(middle, bodies);
   for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, candidates, cell);
   if (std::abs(far.distance) > size_.norm() / 2) {
     cell.open = far.distance > 0 ? 1 : 0;

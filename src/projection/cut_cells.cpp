@@ -135,11 +135,27 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
   return Vec3(k, r, c);
 }
 
-void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
+void CutCells::find_ranges_near(const ProjectionGrid& grid, const std::vector<Zone>& zones) {
+  near_.clear();
+  std::vector<Range> ranges;
+  const CellRows rows = grid.rows_and_ghosts_of({0, grid.planes() + 2});
+  for (LocalId k = 0; k < grid.planes() + 2; ++k) {
+    for (LocalId r = rows.first_row; r < rows.first_row + rows.rows; ++r) {
+      if (!grid.has_row(r)) continue;
+      const Vec3 first = corner_of(grid, k, r, 0);
+      find_ranges(
+          {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
+          zones, ranges);
+      for (const Range& columns : ranges) near_.push_back({k, r, columns});
+    }
+  }
+}
+
+void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
   store_shares(grid.cells());
   find_whole_shares(grid);
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
+  for_each_row_near(grid, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       const Vec3 corner = corner_of(grid, k, r, c);
@@ -153,7 +169,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
     }
   });
   grid.repeat(cells);
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
@@ -169,15 +185,15 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
     }
   });
   grid.repeat(cells);
-  measure_capacities(grid, zones, cells);
+  measure_capacities(grid, cells);
 }
 
 // Of the solid that is nearest to the middle of each face.
-void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones) {
+void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.resize(grid.cells());
   PerThread<std::vector<BodyFace>> faces;
   const RigidBodies* const floating = obstacles_.floating();
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates& near, Range columns) {
+  for_each_row_near(grid, [&](LocalId k, LocalId r, const Candidates& near, Range columns) {
     const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
       if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
       const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;
@@ -211,6 +227,8 @@ void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone
   faces.for_each([&](const auto& some) { body_faces_.insert(body_faces_.end(), some.begin(), some.end()); });
   std::sort(body_faces_.begin(), body_faces_.end(),
             [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
+  for (std::size_t n = body_faces_.size(); n-- > 0;)
+    cells_[body_faces_[n].at].body_faces = static_cast<std::uint32_t>(n + 1);
 }
 
 void CutCells::find_columns(const ProjectionGrid& grid) {
@@ -276,8 +294,9 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     for (std::size_t n = 0; n < zones_.size(); ++n)
       if (n >= before || !(zones[n] == zones_[n])) zones.push_back(zones_[n]);
     if (!known) cells_.clear(), moved_.clear();
-    measure_cells(grid, zones, cells_);
-    measure_motion(grid, zones);
+    find_ranges_near(grid, zones);
+    measure_cells(grid, cells_);
+    measure_motion(grid);
     find_cut_rows(grid);
     if (obstacles_.floating() != nullptr) measure_excess(comm, grid);
     return;
@@ -286,7 +305,8 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     ProjectionGrid whole = grid;
     whole.resize(grid.window(), grid.count(2));
     all_.clear();
-    measure_cells(whole, {everywhere}, all_);
+    find_ranges_near(whole, {everywhere});
+    measure_cells(whole, all_);
     store_shares(0);
   }
   if (stays && cells_.size() == grid.cells()) return;

@@ -121,8 +121,9 @@ TEST(Paths, InTheOpenMeetNothing) {
 TEST(Paths, OutsideOfASpaceOrOfABoxIsEachByItself) {
   std::mt19937 generator(13);
   OpenSpace open(Box{Vec3::Constant(-0.8), Vec3::Constant(0.9)});
-  open.close({Vec3(-0.3, -0.9, 0), Vec3(0.2, 0.5, 0.4)});
-  open.close({Vec3(0.1, 0.1, -0.5), Vec3(0.6, 0.4, 0.1)});
+  const std::array<ClosedPart, 2> parts{{{{Vec3(-0.3, -0.9, 0), Vec3(0.2, 0.5, 0.4)}, {Vec3(0, -0.2, 0.2), 0.6}},
+                                         {{Vec3(0.1, 0.1, -0.5), Vec3(0.6, 0.4, 0.1)}, {}}}};
+  for (const ClosedPart& part : parts) open.close(part);
   const Box box{Vec3(-0.7, -1, -0.6), Vec3(1, 0.6, 0.8)};
   for (const std::string& name : instruction_set_names()) {
     ASSERT_TRUE(use_instruction_set(name));

@@ -100,17 +100,13 @@ class Body {
   /// What holds all that it may reach in the substep; has_bounds(): that a path of up to `length` along each axis
   /// outside of it cannot meet the surface.
   const Box& reach() const { return bounds_of(Extent::path); }
-  /// What holds all that straight paths may meet in the substep where it turns by little.
-  const Box& way() const { return way_; }
   bool has_bounds(Real length) const { return !vessel_ && turns_little(1.75 * length); }
-  /// The box outside of which no place in the box of the walls, and no path there, has to do with it; null where there
-  /// is none. Paths of what turns by itself are a question of their lengths.
-  const Box* bounds(Extent extent) const {
+  /// The part of space outside of which no place in the box of the walls, and no path there, has to do with it; null
+  /// where there is none. Paths of what turns by itself are a question of their lengths.
+  const ClosedPart* part(Extent extent) const {
     const bool by_length = extent == Extent::path && turned_ != 0 && !floats_;
-    return vessel_ || by_length ? nullptr : extent == Extent::path ? &way_ : &bounds_of(extent);
+    return vessel_ || by_length ? nullptr : &parts_[static_cast<std::size_t>(extent)];
   }
-  /// The same of a ball, where there is a box.
-  const Ball& ball(Extent extent) const { return balls_[static_cast<std::size_t>(extent)]; }
   bool is_near(const Vec3& p) const {
     if (!may_reach(p)) return false;
     const Vec3 there = now_.into_body(p);
@@ -174,8 +170,8 @@ class Body {
   std::shared_ptr<const Shape> shape_;
   Box surface_;  // its bounds, in the frame of the body
   BodyMotion motion_;
-  std::optional<Vec3> hinge_;  // of a flap
-  bool floats_, moves_, vessel_, whole_;
+  std::optional<Vec3> hinge_;                     // of a flap
+  bool floats_, moves_, vessel_, quick_, whole_;  // quick_: distances are
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
@@ -186,12 +182,11 @@ class Body {
   const Box& bounds_of(Extent extent) const { return bounds_[static_cast<std::size_t>(extent)]; }
   Box& bounds_of(Extent extent) { return bounds_[static_cast<std::size_t>(extent)]; }
   Box box_at(const Pose& pose, Real margin) const;
-  Real way_margin() const;
-  void place_balls();
-  std::array<Box, 3> bounds_;  // by extent
-  std::array<Ball, 3> balls_;  // by extent
-  Box way_;                    // of its surface in the substep, with as much around it as a turn bends a path
-  bool shares_;                // what follows, and the shape
+  // `way` is of its surface in the substep, with as much around it, `margin`, as a turn bends a path.
+  void place_parts(const Box& way, Real margin);
+  std::array<Box, 3> bounds_;        // by extent
+  std::array<ClosedPart, 3> parts_;  // by extent
+  bool shares_;                      // what follows, and the shape
   std::shared_ptr<const VolumeMap> map_;
   std::shared_ptr<const DistanceGrid> rough_;  // of a mesh
 };

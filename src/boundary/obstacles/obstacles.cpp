@@ -101,22 +101,24 @@ Obstacles::Surroundings Obstacles::around(std::span<const Vec3> p, LocalId first
   return known.around;
 }
 
-OpenSpace Obstacles::open_space(const Surroundings& around, Extent extent, Real wider) const {
+OpenSpace Obstacles::open_space(const Surroundings& around, Extent extent) const {
+  return open_space(around, [&](std::size_t k) { return bodies_[k]->part(extent); });
+}
+
+// part_of(k) is what obstacle k closes, null where that is all.
+template <class PartOf>
+OpenSpace Obstacles::open_space(const Surroundings& around, const PartOf& part_of) const {
   constexpr Real far = 4;
   const Vec3 path = Vec3::Constant((are_few() ? far : 1) * index_->longest_path());
   OpenSpace space(walls_.box());
   space.confine({around.water.min - path, around.water.max + path});
-  const bool is_closed = index_->any(around.near, [&](std::size_t k) {
-    const Body& body = *bodies_[k];
-    const Box* const bounds = body.bounds(extent);
-    if (bounds == nullptr) return true;
-    const Real more = floating_ && floating_->holds(k) ? wider : 0;
-    const Ball& ball = body.ball(extent);
-    space.close({bounds->min.array() - more, bounds->max.array() + more}, {ball.center, ball.radius + more});
-    return false;
-  });
-  if (is_closed) return {};
   space.set_near(around.near);
+  const bool is_closed = index_->any(around.near, [&](std::size_t k) {
+    const ClosedPart* const part = part_of(k);
+    if (part != nullptr) space.close(*part);
+    return part == nullptr;
+  });
+  if (is_closed) space = OpenSpace();
   return space;
 }
 
@@ -125,7 +127,7 @@ namespace {
 // The density that one obstacle contributes, and its gradient, in the world; at a place in its frame that is not out of
 // reach.
 Obstacles::NearDensity contribution_at(const Body& body, const AnalyticWallDensity& law, const Vec3& there) {
-  const EquivalentPlane plane = body.map().at(there);
+  const EquivalentPlane plane = body.map().at(there, law.reach());
   const auto [value, slope] = law.of_plane(plane.distance);
   return {{value, slope * (body.now().turn * plane.gradient)}, plane.is_near};
 }
@@ -276,20 +278,30 @@ void Obstacles::settle(MPI_Comm comm, Particles& particles, Real dt) {
 
 // Those that would have to be looked at if bodies were a little elsewhere, too.
 void Obstacles::find_bent(Particles& particles, Real dt) {
+  note_ways();
+  const auto part_of = [&](std::size_t k) {
+    return floating_->holds(k) ? &ways_[k - floating_->first()].wide : bodies_[k]->part(Extent::path);
+  };
   PerThread<std::vector<LocalId>> found;
   for_each_part({0, particles.size()}, at_once, [&](Range part) {
     const auto begin = static_cast<std::size_t>(part.begin), count = static_cast<std::size_t>(part.size());
     const Straight way{{&particles.position[begin], count}, {&particles.velocity[begin], count}, dt};
-    const OpenSpace open = open_space(around(way.p, part.begin), Extent::path, wider_);
+    const OpenSpace open = open_space(around(way.p, part.begin), part_of);
     std::array<LocalId, at_once> left;
     const std::size_t bent = go_straight(open, way, &particles.predicted[begin], left.data());
     for (std::size_t k = 0; k < bent; ++k) found.mine().push_back(part.begin + left[k]);
   });
   bent_.clear();
   found.for_each([&](const auto& some) { bent_.insert(bent_.end(), some.begin(), some.end()); });
+}
+
+void Obstacles::note_ways() {
   ways_.clear();
-  for (std::size_t k = floating_->first(); k < bodies_.size(); ++k)
-    ways_.push_back({bodies_[k]->reach(), bodies_[k]->way(), bodies_[k]->ball(Extent::path)});
+  for (std::size_t k = floating_->first(); k < bodies_.size(); ++k) {
+    const auto& [box, ball] = *bodies_[k]->part(Extent::path);
+    const Box wide{box.min.array() - wider_, box.max.array() + wider_};
+    ways_.push_back({bodies_[k]->reach(), {wide, {ball.center, ball.radius + wider_}}});
+  }
 }
 
 // Whether the bodies are where no other particles may meet them than when these were found.
@@ -298,12 +310,10 @@ bool Obstacles::are_bent_still_all() const {
     return box.contains(other.min) && box.contains(other.max);
   };
   for (std::size_t n = 0; n < ways_.size(); ++n) {
-    const Body& body = *bodies_[floating_->first() + n];
-    const auto& [reach, box, ball] = ways_[n];
-    const Ball& now = body.ball(Extent::path);
-    const Box wide{box.min.array() - wider_, box.max.array() + wider_};
-    if (!holds(reach, body.way()) || !holds(wide, body.way())) return false;
-    if ((now.center - ball.center).norm() + now.radius > ball.radius + wider_) return false;
+    const auto& [box, ball] = *bodies_[floating_->first() + n]->part(Extent::path);
+    const auto& [reach, wide] = ways_[n];
+    if (!holds(reach, box) || !holds(wide.box, box)) return false;
+    if (!((ball.center - wide.ball.center).norm() + ball.radius <= wide.ball.radius)) return false;
   }
   return true;
 }

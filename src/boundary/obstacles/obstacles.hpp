@@ -167,11 +167,13 @@ class Obstacles {
   };
   Surroundings around(std::span<const Vec3> p, LocalId first) const;
   Surroundings look_around(std::span<const Vec3> p) const;
-  // Less so much more beside bodies that float, m.
-  OpenSpace open_space(const Surroundings& around, Extent extent, Real wider = 0) const;
+  OpenSpace open_space(const Surroundings& around, Extent extent) const;
+  template <class PartOf>
+  OpenSpace open_space(const Surroundings& around, const PartOf& part_of) const;
   bool are_few() const;
   bool is_near_floating(const Vec3& from, const Vec3& to) const;
   void find_bent(Particles& particles, Real dt);
+  void note_ways();
   bool are_bent_still_all() const;
   // Those that a path may come near to.
   ObstacleIndex::Bits along(const Vec3& from, const Vec3& to) const {
@@ -183,10 +185,10 @@ class Obstacles {
   std::optional<ObstacleIndex> index_;  // made when all bodies are there
   mutable std::vector<Known> around_;   // of each piece of the particles, for whichever thread works on it
   std::unique_ptr<RigidBodies> floating_;
-  // Of settle(): the particles, and where paths could meet the bodies when they were found, but for wider_.
+  // Of settle(): the particles, and of each body that floats what it might reach and might meet when they were found.
   struct Way {
-    Box reach, box;
-    Ball ball;
+    Box reach;
+    ClosedPart wide;
   };
   std::vector<LocalId> bent_;
   std::vector<Way> ways_;

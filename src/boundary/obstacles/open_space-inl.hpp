@@ -61,7 +61,8 @@ HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
   };
   auto met = hn::MaskFromVec(hn::Zero(d));
   if (hn::AllFalse(d, hn::Ge(p.z, hn::Set(d, open.lowest_closed())))) return met;
-  for (const auto& [box, ball] : open.closed()) {
+  for (std::size_t k = 0; k < open.closed_parts(); ++k) {
+    const auto& [box, ball] = open.closed(k);
     const auto in_z = within(p.z, box.min.z(), box.max.z());
     if (hn::AllFalse(d, in_z)) continue;
     const auto in_box =
@@ -82,7 +83,8 @@ HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& from, const Wid
   };
   auto met = hn::MaskFromVec(hn::Zero(d));
   if (hn::AllFalse(d, hn::Ge(hn::Max(from.z, to.z), hn::Set(d, open.lowest_closed())))) return met;
-  for (const auto& [box, ball] : open.closed()) {
+  for (std::size_t k = 0; k < open.closed_parts(); ++k) {
+    const auto& [box, ball] = open.closed(k);
     const auto in_z = across(from.z, to.z, box.min.z(), box.max.z());
     if (hn::AllFalse(d, in_z)) continue;
     const auto in_box = hn::And(

@@ -30,16 +30,20 @@ class OpenSpace {
   OpenSpace() = default;  ///< no place at all
   explicit OpenSpace(const Box& box) : box_(box) {}
 
-  /// Takes away what is in `closed`. More of these than are kept apart are taken together.
-  void close(const Box& closed, const Ball& ball = {}) {
-    if ((closed.max.array() < box_.min.array()).any() || (closed.min.array() > box_.max.array()).any()) return;
+  /// Takes away what is in `part`, which must stay where it is as long as this is asked. What is more than a few of
+  /// these are taken together.
+  void close(const ClosedPart& part) {
+    const Box& closed = part.box;
+    if (!box_.meets(closed)) return;
     lowest_ = std::min(lowest_, closed.min.z());
     if (count_ < closed_.size()) {
-      closed_[count_++] = {closed, ball};
-      return;
+      closed_[count_++] = &part;
+    } else if (!has_rest_) {
+      rest_.box = closed;
+      has_rest_ = true;
+    } else {
+      rest_.box = {rest_.box.min.cwiseMin(closed.min), rest_.box.max.cwiseMax(closed.max)};
     }
-    ClosedPart& last = closed_.back();
-    last = {{last.box.min.cwiseMin(closed.min), last.box.max.cwiseMax(closed.max)}, {}};
   }
   /// Takes away what is outside of a box.
   void confine(const Box& box) { box_ = {box_.min.cwiseMax(box.min), box_.max.cwiseMin(box.max)}; }
@@ -56,22 +60,28 @@ class OpenSpace {
   /// Whether the box around a path comes into what is taken away.
   bool closes(const Vec3& from, const Vec3& to) const {
     const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
-    return std::any_of(closed().begin(), closed().end(), [&](const ClosedPart& one) {
-      if (!(high.array() >= one.box.min.array()).all() || !(low.array() <= one.box.max.array()).all()) return false;
-      const Vec3 gap = (one.ball.center - high).cwiseMax(low - one.ball.center).cwiseMax(0.0);
-      return gap.squaredNorm() <= one.ball.radius * one.ball.radius;
-    });
+    for (std::size_t k = 0; k < closed_parts(); ++k) {
+      const auto& [box, ball] = closed(k);
+      if (!(high.array() >= box.min.array()).all() || !(low.array() <= box.max.array()).all()) continue;
+      const Vec3 gap = (ball.center - high).cwiseMax(low - ball.center).cwiseMax(0.0);
+      const Real in_plane = gap.x() * gap.x() + gap.y() * gap.y();
+      if (in_plane + gap.z() * gap.z() <= ball.radius * ball.radius) return true;
+    }
+    return false;
   }
 
   /// Of a box and a few parts of it, for loops in vectors.
   const Box& box() const { return box_; }
-  std::span<const ClosedPart> closed() const { return {closed_.data(), count_}; }
+  std::size_t closed_parts() const { return count_ + (has_rest_ ? 1 : 0); }
+  const ClosedPart& closed(std::size_t k) const { return k < count_ ? *closed_[k] : rest_; }
   Real lowest_closed() const { return lowest_; }  ///< height below which none of these is
 
  private:
   Box box_{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
-  std::array<ClosedPart, 8> closed_;
+  std::array<const ClosedPart*, 8> closed_;
   std::size_t count_ = 0;
+  ClosedPart rest_;
+  bool has_rest_ = false;
   Real lowest_ = INFINITY;
   std::uint64_t near_ = ~std::uint64_t{0};
 };
