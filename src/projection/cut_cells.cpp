@@ -146,16 +146,24 @@ void CutCells::find_ranges_near(const ProjectionGrid& grid, const std::vector<Zo
       find_ranges(
           {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
           zones, ranges);
-      for (const Range& columns : ranges) near_.push_back({k, r, columns});
+      for (const Range& columns : ranges) near_.push_back({k, r, columns, {}, false});
     }
   }
+  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
+    RangeNear& one = near_[static_cast<std::size_t>(n)];
+    const Vec3 first = corner_of(grid, one.k, one.r, 0);
+    const Real reach = (0.5 * one.columns.size() + looked_at) * size_.maxCoeff();
+    const Vec3 middle(first[0] + 0.5, first[1] + 0.5, 0.5 * (one.columns.begin + one.columns.end));
+    keep_near(place(middle), reach, all_bodies_, one.bodies, candidates_.mine().distance);
+    one.clear = are_clear(one.bodies);
+  });
 }
 
 void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
   store_shares(grid.cells());
   find_whole_shares(grid);
-  for_each_row_near(grid, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
+  for_each_row_near([&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       const Vec3 corner = corner_of(grid, k, r, c);
@@ -193,7 +201,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.resize(grid.cells());
   PerThread<std::vector<BodyFace>> faces;
   const RigidBodies* const floating = obstacles_.floating();
-  for_each_row_near(grid, [&](LocalId k, LocalId r, const Candidates& near, Range columns) {
+  for_each_row_near([&](LocalId k, LocalId r, const Candidates& near, Range columns) {
     const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
       if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
       const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;

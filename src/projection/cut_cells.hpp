@@ -160,7 +160,7 @@ class CutCells {
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
-    bool clear = false;  // those of the row are thick, and go on to no wall
+    bool clear = false;  // as of the range
     bool near = false;   // any of them to the cell
     bool thick = false;  // those of the cell
     Shares shares{};     // of the cell
@@ -203,7 +203,7 @@ class CutCells {
   template <class Visit>
   void for_each_range_near(const Visit& visit) const;
   template <class Visit>
-  void for_each_row_near(const ProjectionGrid& grid, const Visit& visit);
+  void for_each_row_near(const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
   void measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells);
   Cell cell_at(const Vec3& corner, Candidates& candidates) const;
@@ -279,6 +279,8 @@ class CutCells {
   struct RangeNear {
     LocalId k, r;
     Range columns;
+    Bodies bodies;  // that matter to it
+    bool clear;     // these are thick, and go on to no wall
   };
   std::vector<RangeNear> near_;  // the ranges in zones that are being measured, ghost rows included
   // Which part of what is closed of a face a body that floats closes, the middle of that, and the displacement of what
@@ -313,15 +315,13 @@ void CutCells::for_each_range_near(const Visit& visit) const {
 
 // The same with the solids that matter to a range: visit(k, r, candidates, columns).
 template <class Visit>
-void CutCells::for_each_row_near(const ProjectionGrid& grid, const Visit& visit) {
-  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
+void CutCells::for_each_row_near(const Visit& visit) {
+  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
+    const RangeNear& one = near_[static_cast<std::size_t>(n)];
     Candidates& own = candidates_.mine();
-    const Vec3 first = corner_of(grid, k, r, 0);
-    const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
-    const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));
-    keep_near(place(middle), reach, all_bodies_, own.of_row, own.distance);
-    own.clear = are_clear(own.of_row);
-    visit(k, r, own, columns);
+    own.of_row = one.bodies;
+    own.clear = one.clear;
+    visit(one.k, one.r, own, one.columns);
   });
 }
 

@@ -81,7 +81,8 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
            {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
   if (surface_.cuts() == nullptr) return;
   cut_fit_.clear(k, r);
-  for (LocalId c = cells.begin; c < cells.end; ++c) {
+  const Range cut = surface_.cuts()->cut_columns(k, r);
+  for (LocalId c = std::max(cells.begin, cut.begin); c < std::min(cells.end, cut.end); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
       cut_fit_.set(

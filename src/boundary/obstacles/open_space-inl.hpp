@@ -48,6 +48,17 @@ HWY_INLINE auto is_inside(const Box& box, const WideVec3& p) {
                  within(p.z, box.min.z(), box.max.z()));
 }
 
+// The same of both ends of paths; a NaN may be where the other end is inside.
+HWY_INLINE auto are_inside(const Box& box, const WideVec3& from, const WideVec3& to) {
+  const Wide d;
+  const auto within = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real low, Real high) {
+    return hn::And(hn::Ge(hn::Min(a, b), hn::Set(d, low)), hn::Le(hn::Max(a, b), hn::Set(d, high)));
+  };
+  return hn::And(
+      hn::And(within(from.x, to.x, box.min.x(), box.max.x()), within(from.y, to.y, box.min.y(), box.max.y())),
+      within(from.z, to.z, box.min.z(), box.max.z()));
+}
+
 HWY_INLINE auto is_in(const Ball& ball, hn::Vec<Wide> off_x, hn::Vec<Wide> off_y, hn::Vec<Wide> off_z) {
   const auto in_plane = hn::Add(hn::Mul(off_x, off_x), hn::Mul(off_y, off_y));
   return hn::Le(hn::Add(in_plane, hn::Mul(off_z, off_z)), hn::Set(Wide(), ball.radius * ball.radius));

@@ -100,8 +100,11 @@ HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* 
   const WideVec3 to = {hn::Add(from.x, hn::Mul(factor, widened<T>(x))), hn::Add(from.y, hn::Mul(factor, widened<T>(y))),
                        hn::Add(from.z, hn::Mul(factor, widened<T>(z)))};
   const Box& box = shift.open.box();
-  if (!hn::AllTrue(d, is_inside(box, to)) || (!shift.from_inside && !hn::AllTrue(d, is_inside(box, from))))
+  if (shift.from_inside) {
+    if (!hn::AllTrue(d, is_inside(box, to))) return false;
+  } else if (!hn::AllTrue(d, are_inside(box, from, to))) {
     return false;
+  }
   if (any_closed && !hn::AllFalse(d, is_closed(shift.open, from, to))) return false;
   hn::StoreInterleaved3(to.x, to.y, to.z, d, p->data());
   store_records(shift.encoding, to, records);
