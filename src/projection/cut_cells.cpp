@@ -51,13 +51,6 @@ Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cel
   return place(corner);
 }
 
-Real CutCells::in_box(Eigen::Index axis, Real place) const {
-  const Real gap = size_.maxCoeff() / (2 * samples);
-  return std::min(std::max(place, box_.min[axis] + gap), box_.max[axis] - gap);
-}
-
-Vec3 CutCells::in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
-
 CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) const {
   Nearest nearest{INFINITY, 0};
   const Vec3 inside = in_box(p);
@@ -287,6 +280,8 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
   }
   step_ = {grid.step(0), grid.step(1), grid.step(2)};
   box_ = box;
+  const Real gap = size_.maxCoeff() / (2 * samples);
+  inner_ = {box.min.array() + gap, box.max.array() - gap};
   use(frame);
   first_ = grid.first_plane();
   planes_ = grid.planes();

@@ -185,8 +185,10 @@ class CutCells {
   Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
-  Real in_box(Eigen::Index axis, Real place) const;
-  Vec3 in_box(const Vec3& p) const;
+  Real in_box(Eigen::Index axis, Real place) const {
+    return std::min(std::max(place, inner_.min[axis]), inner_.max[axis]);
+  }
+  Vec3 in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
   Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.now().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
@@ -196,6 +198,13 @@ class CutCells {
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;
   using CubeOfDistances = std::array<Real, samples * samples * samples>;
+  // What samples of a cell say: planes of them across direction 2, then samples along 0 and 1.
+  struct Samples {
+    CubeOfDistances distance, open;
+    std::array<CubeOfDistances, 3> slope;
+  };
+  void measure_solid(const Vec3& corner, const Samples& at, const Bodies& bodies, Cell& cell) const;
+  void find_shares(const Vec3& corner, const Samples& at, Candidates& candidates) const;
   void find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
                       std::span<Real> distance) const;
   template <std::size_t stride>
@@ -261,7 +270,7 @@ class CutCells {
   const Obstacles& obstacles_;
   Bodies all_bodies_;
   PerThread<Candidates> candidates_;
-  Box box_;
+  Box box_, inner_;  // inner_: a little inside
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
