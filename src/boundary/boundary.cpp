@@ -11,7 +11,7 @@ class WallBoundary : public Boundary {
   using Boundary::Boundary;
   Vec3 predict(Vec3& p, const Vec3& v, Real dt) override { return walls().predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return walls().collide(p, shift); }
-  OpenSpace open_space(std::span<const Vec3>, Extent) const override { return OpenSpace(walls().box()); }
+  OpenSpace open_space(std::span<const Vec3>, Extent, LocalId) const override { return OpenSpace(walls().box()); }
   bool is_open_inside() const override { return true; }
 };
 
@@ -21,13 +21,11 @@ class ObstacleBoundary : public Boundary {
       : Boundary(walls), obstacles_(std::move(obstacles)) {}
   Vec3 predict(Vec3& p, const Vec3& v, Real dt) override { return obstacles_->predict(p, v, dt); }
   Vec3 collide(const Vec3& p, const Vec3& shift) override { return obstacles_->collide(p, shift); }
-  OpenSpace open_space(std::span<const Vec3> p, Extent extent) const override {
-    return obstacles_->open_space(p, extent);
+  OpenSpace open_space(std::span<const Vec3> p, Extent extent, LocalId first) const override {
+    return obstacles_->open_space(p, extent, first);
   }
   void begin_step() override { obstacles_->begin_step(); }
-  void settle_bodies(MPI_Comm comm, const Particles& particles, Real dt) override {
-    obstacles_->settle(comm, particles.position, particles.velocity, dt);
-  }
+  void settle_bodies(MPI_Comm comm, Particles& particles, Real dt) override { obstacles_->settle(comm, particles, dt); }
   void give_to_bodies(MPI_Comm comm) override { obstacles_->give_to_bodies(comm); }
   void finish_bodies(MPI_Comm comm) override { obstacles_->finish_bodies(comm); }
   void move(Real begin, Real end) override { obstacles_->move(begin, end); }
@@ -35,6 +33,8 @@ class ObstacleBoundary : public Boundary {
   Obstacles* obstacles() const override { return obstacles_.get(); }
 
  private:
+  const std::vector<LocalId>* bent() const override { return obstacles_->bent(); }
+
   std::shared_ptr<Obstacles> obstacles_;
 };
 
@@ -46,7 +46,7 @@ class PeriodicBoundary : public Inside {
   explicit PeriodicBoundary(const PeriodicDomain& domain, Rest&&... rest)
       : Inside(std::forward<Rest>(rest)...), domain_(domain) {}
 
-  OpenSpace open_space(std::span<const Vec3>, Extent) const override { return {}; }
+  OpenSpace open_space(std::span<const Vec3>, Extent, LocalId) const override { return {}; }
   bool is_open_inside() const override { return false; }
 
   void round_positions(Particles& particles) const override {
@@ -131,18 +131,25 @@ LocalId Boundary::predict(Particles& particles, Real dt) {
   lost.for_each([&](LocalId& first) { first = particles.size(); });
   std::vector<Vec3>& x = particles.position;
   const std::vector<Vec3>& v = particles.velocity;
-  for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
-    const auto begin = static_cast<std::size_t>(part.begin), end = static_cast<std::size_t>(part.end);
-    const OpenSpace open = open_space({&x[begin], end - begin}, Extent::path);
-    std::array<LocalId, Obstacles::at_once> left;
-    const Straight way{{&x[begin], end - begin}, {&v[begin], end - begin}, dt};
-    const std::size_t count = go_straight(open, way, &particles.predicted[begin], left.data());
-    for (std::size_t k = 0; k < count; ++k) {  // all others are inside
-      const std::size_t i = begin + static_cast<std::size_t>(left[k]);
-      particles.predicted[i] = predict(x[i], v[i], dt);
-      if (!walls_.inside(particles.predicted[i])) lost.mine() = std::min(lost.mine(), static_cast<LocalId>(i));
-    }
-  });
+  const auto bend = [&](LocalId one) {  // all others are inside
+    const auto i = static_cast<std::size_t>(one);
+    particles.predicted[i] = predict(x[i], v[i], dt);
+    if (!walls_.inside(particles.predicted[i])) lost.mine() = std::min(lost.mine(), one);
+  };
+  if (const std::vector<LocalId>* const all = bent(); all != nullptr) {
+    for_each_part({0, static_cast<LocalId>(all->size())}, Obstacles::at_once, [&](Range part) {
+      for (LocalId k = part.begin; k < part.end; ++k) bend((*all)[static_cast<std::size_t>(k)]);
+    });
+  } else {
+    for_each_part({0, particles.size()}, Obstacles::at_once, [&](Range part) {
+      const auto begin = static_cast<std::size_t>(part.begin), count = static_cast<std::size_t>(part.size());
+      const Straight way{{&x[begin], count}, {&v[begin], count}, dt};
+      const OpenSpace open = open_space(way.p, Extent::path, part.begin);
+      std::array<LocalId, Obstacles::at_once> left;
+      const std::size_t few = go_straight(open, way, &particles.predicted[begin], left.data());
+      for (std::size_t k = 0; k < few; ++k) bend(part.begin + left[k]);
+    });
+  }
   LocalId first = particles.size();
   lost.for_each([&](LocalId one) { first = std::min(first, one); });
   return first;

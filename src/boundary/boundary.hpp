@@ -30,15 +30,16 @@ class Boundary {
   /// inside of the walls then, or not a number; their number where there is none.
   LocalId predict(Particles& particles, Real dt);
   /// Where shifts, or paths, of these particles meet nothing; no place where each has to be asked for.
-  virtual OpenSpace open_space(std::span<const Vec3> p, Extent extent) const = 0;
+  /// `first`: see Obstacles::open_space().
+  virtual OpenSpace open_space(std::span<const Vec3> p, Extent extent, LocalId first) const = 0;
   /// Whether all particles are inside of open_space().
   virtual bool is_open_inside() const { return false; }
 
   /// What moves by itself is taken to where it is from `begin` to `end`; with a new step its records are cleared.
   virtual void begin_step() {}
   /// Bodies that move freely: between move() and predict(), before the projection, and at the end of a substep.
-  /// Collective where there are any.
-  virtual void settle_bodies(MPI_Comm, const Particles&, Real /*dt*/) {}
+  /// Collective where there are any. settle_bodies() finds the ends of straight paths for predict(), which follows it.
+  virtual void settle_bodies(MPI_Comm, Particles&, Real /*dt*/) {}
   virtual void give_to_bodies(MPI_Comm) {}
   virtual void finish_bodies(MPI_Comm) {}
   virtual void move(Real /*begin*/, Real /*end*/) {}
@@ -58,6 +59,10 @@ class Boundary {
   virtual Obstacles* obstacles() const { return nullptr; }
 
  private:
+  // The particles of which predict() needs to be asked, where `predicted` has the straight paths of all others; else
+  // null.
+  virtual const std::vector<LocalId>* bent() const { return nullptr; }
+
   Walls walls_;
 };
 

@@ -41,8 +41,7 @@ AnalyticWallDensity::AnalyticWallDensity(const Box& box, const Kernel& kernel, R
       spacing_(spacing),
       per_spacing_(1 / spacing),
       layers_(std::max(1, static_cast<int>(std::ceil(h / spacing - 1e-9)) - 1)) {
-  const Real reach = (layers_ + 0.5) * spacing;
-  interior_ = {box.min.array() + reach, box.max.array() - reach};
+  interior_ = {box.min.array() + reach(), box.max.array() - reach()};
   tabulate_layers(slope);
   tabulate_ratios();
 }
@@ -95,7 +94,7 @@ AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis
 }
 
 AnalyticWallDensity::OfPlane AnalyticWallDensity::of_plane(Real distance) const {
-  if (distance >= (layers_ + 0.5) * spacing_) return {0, 0};
+  if (distance >= reach()) return {0, 0};
   const Plane plane = plane_at(distance, 0, -1);
   return {plane.value, plane.slope};
 }

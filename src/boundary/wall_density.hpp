@@ -59,6 +59,8 @@ class AnalyticWallDensity {
     Real value, slope;
   };
   OfPlane of_plane(Real distance) const;
+  /// From which distance on both are 0, m.
+  Real reach() const { return (layers_ + 0.5) * spacing_; }
 
  private:
   static constexpr int max_planes = 6;

@@ -18,9 +18,11 @@ Real CutCells::area(std::size_t at) const {
 }
 
 const CutCells::BodyFace* CutCells::body_face(std::size_t a, std::size_t at) const {
-  const auto found = std::lower_bound(body_faces_.begin(), body_faces_.end(), std::pair(at, a),
-                                      [](const BodyFace& f, const auto& key) { return std::pair(f.at, f.a) < key; });
-  return found != body_faces_.end() && found->at == at && found->a == a ? &*found : nullptr;
+  const std::size_t first = cells_[at].body_faces;
+  if (first == 0) return nullptr;
+  for (std::size_t n = first - 1; n < body_faces_.size() && body_faces_[n].at == at; ++n)
+    if (body_faces_[n].a == a) return &body_faces_[n];
+  return nullptr;
 }
 
 // Of the face (a, at): none, a share of 0, where no body that floats closes any of it. Where another solid is near,

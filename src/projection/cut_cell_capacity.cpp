@@ -4,6 +4,7 @@
 // there has in it (the normalisation of Shepard, Proc. ACM Nat. Conf. 1968). With the open volume in its place the
 // level beside a wall is too low by what lies in the solid.
 #include <algorithm>
+#include <utility>
 
 #include "projection/cut_cells.hpp"
 
@@ -13,6 +14,9 @@ namespace {
 
 // The shares along direction a in the cell below (0), itself (1) and the one above (2).
 constexpr std::size_t number_of(std::size_t i, std::size_t j, std::size_t k) { return 9 * i + 3 * j + k; }
+
+template <std::size_t n>
+using Constant = std::integral_constant<std::size_t, n>;
 
 }  // namespace
 
@@ -197,34 +201,34 @@ void CutCells::measure_capacity(const RowsAround& rows, LocalId c, std::vector<C
     column[l] = {static_cast<std::size_t>(beside), which_of(beside, rows.count), !in_wall, beside >= rows.columns};
   }
   constexpr Cell plain;  // above what is measured
+  const Cell* const all = cells.data();
+  const Shares* const own = shares_.get();
+  const bool are_usual =
+      std::all_of(column.begin(), column.end(), [](const Column& one) { return one.exists && !one.above; });
   Real sum = 0;
   std::array<Real, 2> moment{};
-  for (std::size_t n = 0; n < 9; ++n) {
+  const auto add_row = [&]<std::size_t n, bool usual>(Constant<n>, std::bool_constant<usual>) {
     const RowsAround::One& row = rows.row[n];
-    if (!row.exists) continue;
-    const auto add = [&](const auto& off_0, const auto& off_1) {
-      for (std::size_t l = 0; l < 3; ++l) {
-        if (!column[l].exists) continue;
-        const std::size_t at = row.floor + column[l].at;
-        const Cell& cell = column[l].above ? plain : cells[at];
-        if (cell.open == 0) continue;
-        const Shares& shares = cell.has_shares ? shares_[at] : row.whole[column[l].kind];
-        const Real share = shares[26 - 3 * n - l];  // what it has in the cell in the middle
-        sum += share;
-        moment[0] += share * off_0(cell.middle[2]);
-        moment[1] += share * off_1(cell.middle[2]);
-      }
-    };
-    const auto beside = [&](std::size_t side) { return [place = off[side]](const auto&) { return place; }; };
-    const auto in_cell = [](std::size_t a) {
-      return [a](const std::array<float, 2>& middle) { return static_cast<Real>(middle[a]) - 0.5; };
-    };
-    const std::size_t i = n / 3, j = n % 3;
-    if (i == 1) {
-      j == 1 ? add(in_cell(0), in_cell(1)) : add(in_cell(0), beside(j));
-    } else {
-      j == 1 ? add(beside(i), in_cell(1)) : add(beside(i), beside(j));
+    if (!row.exists) return;
+    for (std::size_t l = 0; l < 3; ++l) {
+      if (!usual && !column[l].exists) continue;
+      const std::size_t at = row.floor + column[l].at;
+      const Cell& cell = !usual && column[l].above ? plain : all[at];
+      if (cell.open == 0) continue;
+      const Shares& shares = cell.has_shares ? own[at] : row.whole[column[l].kind];
+      const Real share = shares[26 - 3 * n - l];  // what it has in the cell in the middle
+      sum += share;
+      moment[0] += share * (n / 3 == 1 ? static_cast<Real>(cell.middle[2][0]) - 0.5 : off[n / 3]);
+      moment[1] += share * (n % 3 == 1 ? static_cast<Real>(cell.middle[2][1]) - 0.5 : off[n % 3]);
     }
+  };
+  const auto add_all = [&]<std::size_t... n>(std::index_sequence<n...>, auto usual) {
+    (add_row(Constant<n>(), usual), ...);
+  };
+  if (are_usual) {
+    add_all(std::make_index_sequence<9>(), std::true_type());
+  } else {
+    add_all(std::make_index_sequence<9>(), std::false_type());
   }
   Cell& measured = cells[rows.floor() + static_cast<std::size_t>(c)];
   measured.capacity = static_cast<float>(sum);
@@ -246,12 +250,11 @@ CutCells::RowsAround CutCells::rows_around(const ProjectionGrid& grid, LocalId k
   return rows;
 }
 
-void CutCells::measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones,
-                                  std::vector<Cell>& cells) {
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+void CutCells::measure_capacities(const ProjectionGrid& grid, std::vector<Cell>& cells) {
+  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) confine_shares(grid, k, r, c, cells);
   });
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
     if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
     // From the column before the first to the one after the last: whether one of the nine cells is cut.
     std::vector<unsigned char>& is_cut = candidates_.mine().is_cut;

@@ -78,7 +78,8 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   stride[v] = 1;
   std::array<Vec3, samples * samples * samples> there;
   std::array<Real, samples * samples * samples> own;
-  std::fill(distance.begin(), distance.end(), INFINITY);
+  const bool is_alone = bodies.size() == 1;
+  if (!is_alone) std::fill(distance.begin(), distance.end(), INFINITY);
   for (const std::size_t body : bodies) {
     const Pose& pose = obstacles_.body(body).now();
     // What each coordinate in the world adds to those of the body: Pose::into_body(), in its order. Direction 2 is z.
@@ -94,11 +95,23 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
         for (std::size_t k = 0; k < number[2]; ++k) line[k * stride[2]] = level + part[2][k];
       }
     }
-    obstacles_.body(body).rough_distances({there.data(), count}, own);
-    for (std::size_t n = 0; n < count; ++n) distance[n] = std::min(distance[n], own[n]);
+    obstacles_.body(body).rough_distances({there.data(), count}, is_alone ? distance : std::span<Real>(own));
+    for (std::size_t n = 0; n < count && !is_alone; ++n) distance[n] = std::min(distance[n], own[n]);
   }
   const Real width = size_.maxCoeff() / samples;
   for (Real& one : distance) one /= width;
+}
+
+// Wherever one looks from.
+bool CutCells::are_clear(const Bodies& bodies) const {
+  const Vec3 margin = Vec3::Constant(size_.maxCoeff());
+  const Box within{box_.min + margin, box_.max - margin};
+  return std::all_of(bodies.begin(), bodies.end(), [&](std::size_t k) {
+    const Body& body = obstacles_.body(k);
+    const Box place = body.surface_box();
+    return body.shape().min_thickness() > 1.1 * size_.maxCoeff() && !body.is_vessel() && within.contains(place.min) &&
+           within.contains(place.max);
+  });
 }
 
 bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
@@ -166,41 +179,38 @@ Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
   return sum / (samples * samples * samples);
 }
 
-// Linear in each sample, as the faces; shares of what is open of a sample are those of its middle, but water is nowhere
-// nearer to a solid below or above than half a spacing. The middle of the solid is that of its parts in
-// samples, which lie off the middles of these along the slope.
+// Linear in each sample, as the faces.
 Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const {
-  CubeOfDistances distance;
-  find_distances(corner, 2, sample_at, candidates.of_cell, distance);
-  // Planes of samples across direction 2, then samples along 0 and 1.
-  std::array<CubeOfDistances, 3> slope;
-  find_slopes<samples * samples>(distance, slope[0]);
-  find_slopes<samples>(distance, slope[1]);
-  find_slopes<1>(distance, slope[2]);
-  const std::array<Real, 3> place = from_box(corner);
-  std::array<const SharesAlong*, 3> of_samples{};
-  for (std::size_t a = 0; a < 3; ++a) of_samples[a] = shares_of_samples(a, place[a], candidates.of_samples[a]);
-  std::array<SharesAlong, samples * samples> of_lines{};  // of what is open of those above each other
+  Samples at;
+  find_distances(corner, 2, sample_at, candidates.of_cell, at.distance);
+  find_slopes<samples * samples>(at.distance, at.slope[0]);
+  find_slopes<samples>(at.distance, at.slope[1]);
+  find_slopes<1>(at.distance, at.slope[2]);
+  Real sum = 0;
+  for (std::size_t n = 0; n < at.open.size(); ++n) {
+    at.open[n] = clipped_cube(at.distance[n], {at.slope[0][n], at.slope[1][n], at.slope[2][n]});
+    sum += at.open[n];
+  }
+  measure_solid(corner, at, candidates.of_cell, cell);
+  find_shares(corner, at, candidates);
+  return sum / (samples * samples * samples);
+}
+
+// The middle of the solid is that of its parts in samples, which lie off the middles of these along the slope.
+void CutCells::measure_solid(const Vec3& corner, const Samples& at, const Bodies& bodies, Cell& cell) const {
   const bool floats = any_floats() && obstacles_.floating()->holds(cell.nearest);  // its volume is what is not open
-  Real sum = 0, solid = 0, whole = 0;
+  Real solid = 0, whole = 0;
   std::array<Real, 3> moment{};
-  for (std::size_t n = 0; n < distance.size(); ++n) {
-    const std::array<Real, 3> rise{slope[0][n], slope[1][n], slope[2][n]};
-    const Real open = clipped_cube(distance[n], rise), closed = 1 - open;
-    const std::size_t level = n / samples / samples;
-    sum += open;
-    if (open > 0) {
-      const Real middle = sample_at[level], height = off_solid(middle, distance[n], rise[0]);
-      const SharesAlong w = height == middle ? of_samples[2][level] : shares_along(2, height, place[2]);
-      SharesAlong& line = of_lines[n % (samples * samples)];
-      for (std::size_t m = 0; m < 3; ++m) line[m] += open * w[m];
-    }
+  for (std::size_t n = 0; n < at.open.size(); ++n) {
+    const Real closed = 1 - at.open[n];
+    if (closed == 0 && floats) continue;
+    const std::array<Real, 3> rise{at.slope[0][n], at.slope[1][n], at.slope[2][n]};
     const bool at_edge =
-        !floats && rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(distance[n]) < 1;
+        !floats && rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(at.distance[n]) < 1;
     if (closed == 0 && !at_edge) continue;
-    const std::array<std::size_t, 3> here{level, n / samples % samples, n % samples};
+    const std::array<std::size_t, 3> here{n / samples / samples, n / samples % samples, n % samples};
     const auto in_cell = [&](std::size_t a) { return static_cast<Real>(here[a]) / samples; };
-    solid += at_edge ? solid_part(corner + Vec3(in_cell(1), in_cell(2), in_cell(0)), candidates.of_cell) : closed;
+    solid += at_edge ? solid_part(corner + Vec3(in_cell(1), in_cell(2), in_cell(0)), bodies) : closed;
     if (closed == 0) continue;
     whole += closed;
     const std::array<Real, 3> off = middle_below(closed, rise);
@@ -208,17 +218,42 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
   }
   for (std::size_t a = 0; a < 3 && whole > 0; ++a) cell.solid_middle[a] = static_cast<float>(moment[a] / whole);
   cell.solid = static_cast<float>(solid / (samples * samples * samples));
+}
+
+// Shares of what is open of a sample are those of its middle, but water is nowhere nearer to a solid below or above
+// than half a spacing.
+void CutCells::find_shares(const Vec3& corner, const Samples& at, Candidates& candidates) const {
+  constexpr std::size_t lines = samples * samples;
+  const std::array<Real, 3> place = from_box(corner);
+  std::array<const SharesAlong*, 3> of_samples{};
+  for (std::size_t a = 0; a < 3; ++a) of_samples[a] = shares_of_samples(a, place[a], candidates.of_samples[a]);
+  // Of what is open of samples above each other, in the cell below, itself, and the one above.
+  std::array<std::array<Real, lines>, 3> of_lines{};
+  for (std::size_t level = 0; level < samples; ++level) {
+    std::array<std::array<Real, lines>, 3> w;
+    for (std::size_t m = 0; m < 3; ++m) w[m].fill(of_samples[2][level][m]);
+    for (std::size_t line = 0; line < lines; ++line) {
+      const std::size_t n = level * lines + line;
+      const Real height = off_solid(sample_at[level], at.distance[n], at.slope[0][n]);
+      if (height == sample_at[level] || at.open[n] == 0) continue;
+      const SharesAlong own = shares_along(2, height, place[2]);
+      for (std::size_t m = 0; m < 3; ++m) w[m][line] = own[m];
+    }
+    const Real* const open = &at.open[level * lines];
+    for (std::size_t m = 0; m < 3; ++m) {
+      for (std::size_t line = 0; line < lines; ++line) of_lines[m][line] += open[line] * w[m][line];
+    }
+  }
   std::array<Real, 27> shared{};
   for (std::size_t i = 0; i < samples; ++i) {
     std::array<Real, 9> of_plane{};
     for (std::size_t j = 0; j < samples; ++j)
-      for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[i * samples + j][n % 3];
+      for (std::size_t n = 0; n < 9; ++n) of_plane[n] += of_samples[1][j][n / 3] * of_lines[n % 3][i * samples + j];
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t n = 0; n < 9; ++n) shared[9 * k + n] += of_samples[0][i][k] * of_plane[n];
   }
-  constexpr int all = samples * samples * samples;
-  for (std::size_t n = 0; n < shared.size(); ++n) candidates.shares[n] = static_cast<float>(shared[n] / all);
-  return sum / all;
+  for (std::size_t n = 0; n < shared.size(); ++n)
+    candidates.shares[n] = static_cast<float>(shared[n] / (samples * samples * samples));
 }
 
 // Whether a corner of a cell, a middle of its edges or faces or its own is in the open.
@@ -235,16 +270,22 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
   cell.nearest = static_cast<std::uint32_t>(far.body) & 0x3fffffffU;
-  candidates.near = std::abs(far.distance) <= 2 * size_.maxCoeff();
-  if (!candidates.near) {  // no face of it comes within reach of is_passage()
+  // Farther from it no face is nearer than half a cell less: within reach of is_passage(), or of the surface where all
+  // solids are thick.
+  candidates.near = std::abs(far.distance) <= (candidates.clear ? 1.26 : 2) * size_.maxCoeff();
+  if (!candidates.near) {
     cell.open = far.distance > 0 ? 1 : 0;
     cell.solid = 1 - cell.open;
     cell.face.fill(cell.open);
     return cell;
   }
   const Bodies& bodies = candidates.of_cell;
-  keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
-  candidates.thick = are_thick(middle, bodies);
+  if (candidates.of_row.size() == 1) {
+    candidates.of_cell = candidates.of_row;
+  } else {
+    keep_near(middle, looked_at * size_.maxCoeff(), candidates.of_row, candidates.of_cell, candidates.distance);
+  }
+  candidates.thick = candidates.clear || are_thick(middle, bodies);
   for (std::size_t a = 0; a < 3; ++a) measure_face(a, corner, candidates, cell);
   if (std::abs(far.distance) > size_.norm() / 2) {
     cell.open = far.distance > 0 ? 1 : 0;

@@ -51,13 +51,6 @@ Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cel
   return place(corner);
 }
 
-Real CutCells::in_box(Eigen::Index axis, Real place) const {
-  const Real gap = size_.maxCoeff() / (2 * samples);
-  return std::min(std::max(place, box_.min[axis] + gap), box_.max[axis] - gap);
-}
-
-Vec3 CutCells::in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
-
 CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) const {
   Nearest nearest{INFINITY, 0};
   const Vec3 inside = in_box(p);
@@ -135,11 +128,35 @@ Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real 
   return Vec3(k, r, c);
 }
 
-void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells) {
+void CutCells::find_ranges_near(const ProjectionGrid& grid, const std::vector<Zone>& zones) {
+  near_.clear();
+  std::vector<Range> ranges;
+  const CellRows rows = grid.rows_and_ghosts_of({0, grid.planes() + 2});
+  for (LocalId k = 0; k < grid.planes() + 2; ++k) {
+    for (LocalId r = rows.first_row; r < rows.first_row + rows.rows; ++r) {
+      if (!grid.has_row(r)) continue;
+      const Vec3 first = corner_of(grid, k, r, 0);
+      find_ranges(
+          {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
+          zones, ranges);
+      for (const Range& columns : ranges) near_.push_back({k, r, columns, {}, false});
+    }
+  }
+  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
+    RangeNear& one = near_[static_cast<std::size_t>(n)];
+    const Vec3 first = corner_of(grid, one.k, one.r, 0);
+    const Real reach = (0.5 * one.columns.size() + looked_at) * size_.maxCoeff();
+    const Vec3 middle(first[0] + 0.5, first[1] + 0.5, 0.5 * (one.columns.begin + one.columns.end));
+    keep_near(place(middle), reach, all_bodies_, one.bodies, candidates_.mine().distance);
+    one.clear = are_clear(one.bodies);
+  });
+}
+
+void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells) {
   cells.resize(grid.cells());
   store_shares(grid.cells());
   find_whole_shares(grid);
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, Candidates& near, Range columns) {
+  for_each_row_near([&](LocalId k, LocalId r, Candidates& near, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       const Vec3 corner = corner_of(grid, k, r, c);
@@ -153,7 +170,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
     }
   });
   grid.repeat(cells);
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+  for_each_range_near([&](LocalId k, LocalId r, Range columns) {
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
@@ -169,15 +186,15 @@ void CutCells::measure_cells(const ProjectionGrid& grid, const std::vector<Zone>
     }
   });
   grid.repeat(cells);
-  measure_capacities(grid, zones, cells);
+  measure_capacities(grid, cells);
 }
 
 // Of the solid that is nearest to the middle of each face.
-void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones) {
+void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.resize(grid.cells());
   PerThread<std::vector<BodyFace>> faces;
   const RigidBodies* const floating = obstacles_.floating();
-  for_each_row_near(grid, zones, [&](LocalId k, LocalId r, const Candidates& near, Range columns) {
+  for_each_row_near([&](LocalId k, LocalId r, const Candidates& near, Range columns) {
     const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
       if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
       const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;
@@ -211,6 +228,8 @@ void CutCells::measure_motion(const ProjectionGrid& grid, const std::vector<Zone
   faces.for_each([&](const auto& some) { body_faces_.insert(body_faces_.end(), some.begin(), some.end()); });
   std::sort(body_faces_.begin(), body_faces_.end(),
             [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
+  for (std::size_t n = body_faces_.size(); n-- > 0;)
+    cells_[body_faces_[n].at].body_faces = static_cast<std::uint32_t>(n + 1);
 }
 
 void CutCells::find_columns(const ProjectionGrid& grid) {
@@ -261,6 +280,8 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
   }
   step_ = {grid.step(0), grid.step(1), grid.step(2)};
   box_ = box;
+  const Real gap = size_.maxCoeff() / (2 * samples);
+  inner_ = {box.min.array() + gap, box.max.array() - gap};
   use(frame);
   first_ = grid.first_plane();
   planes_ = grid.planes();
@@ -276,8 +297,9 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     for (std::size_t n = 0; n < zones_.size(); ++n)
       if (n >= before || !(zones[n] == zones_[n])) zones.push_back(zones_[n]);
     if (!known) cells_.clear(), moved_.clear();
-    measure_cells(grid, zones, cells_);
-    measure_motion(grid, zones);
+    find_ranges_near(grid, zones);
+    measure_cells(grid, cells_);
+    measure_motion(grid);
     find_cut_rows(grid);
     if (obstacles_.floating() != nullptr) measure_excess(comm, grid);
     return;
@@ -286,7 +308,8 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     ProjectionGrid whole = grid;
     whole.resize(grid.window(), grid.count(2));
     all_.clear();
-    measure_cells(whole, {everywhere}, all_);
+    find_ranges_near(whole, {everywhere});
+    measure_cells(whole, all_);
     store_shares(0);
   }
   if (stays && cells_.size() == grid.cells()) return;

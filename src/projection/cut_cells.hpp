@@ -136,6 +136,7 @@ class CutCells {
     InCell solid_middle{0.5F, 0.5F, 0.5F};
     float capacity = 1;
     std::array<float, 2> aside{};
+    std::uint32_t body_faces = 0;  // the number of the first one of its lower faces in `body_faces_`, from 1; 0: none
     std::uint32_t nearest : 30 = 0;
     bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
     bool cut : 1 = false;         // whether not all of it and of its lower faces is open
@@ -159,11 +160,11 @@ class CutCells {
   // Those that matter to a row of cells and to a cell of it; ranges of its columns.
   struct Candidates {
     Bodies of_row, of_cell;
+    bool clear = false;  // as of the range
     bool near = false;   // any of them to the cell
     bool thick = false;  // those of the cell
     Shares shares{};     // of the cell
     std::vector<Real> distance;
-    std::vector<Range> ranges;
     std::array<SharesOfSamples, 3> of_samples{};  // by direction, where they are not those of whole cells
     std::vector<unsigned char> is_cut;            // any of the cells of a column and of those around it
   };
@@ -178,13 +179,16 @@ class CutCells {
   };
   Zone zone_of(const Body& body) const;
   void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
+  void find_ranges_near(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   static Real countable(Real in_cell);
   // Along direction a.
   Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
   // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
-  Real in_box(Eigen::Index axis, Real place) const;
-  Vec3 in_box(const Vec3& p) const;
+  Real in_box(Eigen::Index axis, Real place) const {
+    return std::min(std::max(place, inner_.min[axis]), inner_.max[axis]);
+  }
+  Vec3 in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
   Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.now().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
@@ -194,16 +198,23 @@ class CutCells {
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;
   using CubeOfDistances = std::array<Real, samples * samples * samples>;
+  // What samples of a cell say: planes of them across direction 2, then samples along 0 and 1.
+  struct Samples {
+    CubeOfDistances distance, open;
+    std::array<CubeOfDistances, 3> slope;
+  };
+  void measure_solid(const Vec3& corner, const Samples& at, const Bodies& bodies, Cell& cell) const;
+  void find_shares(const Vec3& corner, const Samples& at, Candidates& candidates) const;
   void find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
                       std::span<Real> distance) const;
   template <std::size_t stride>
   static void find_slopes(std::span<const Real> distance, std::span<Real> slope);
   template <class Visit>
-  void for_each_range_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
+  void for_each_range_near(const Visit& visit) const;
   template <class Visit>
-  void for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit);
+  void for_each_row_near(const Visit& visit);
   bool meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const;
-  void measure_cells(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
+  void measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells);
   Cell cell_at(const Vec3& corner, Candidates& candidates) const;
   void measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const;
   // visit(a, index beyond) for the upper faces of a cell that are in walls of the box, across rows and columns. The
@@ -216,12 +227,13 @@ class CutCells {
   }
   // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
+  bool are_clear(const Bodies& bodies) const;
   Real solid_part(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const;
   bool reaches_open(const Vec3& corner, const Bodies& bodies) const;
   // See cut_cell_capacity.cpp.
   void store_shares(std::size_t cells);
-  void measure_capacities(const ProjectionGrid& grid, const std::vector<Zone>& zones, std::vector<Cell>& cells);
+  void measure_capacities(const ProjectionGrid& grid, std::vector<Cell>& cells);
   struct RowsAround;
   RowsAround rows_around(const ProjectionGrid& grid, LocalId k, LocalId r) const;
   void measure_capacity(const RowsAround& rows, LocalId c, std::vector<Cell>& cells) const;
@@ -242,7 +254,7 @@ class CutCells {
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
   // The corner of cell (k, r, c), counted from that of the first own cell.
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
-  void measure_motion(const ProjectionGrid& grid, const std::vector<Zone>& zones);
+  void measure_motion(const ProjectionGrid& grid);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
   // Of the surface in a cell, in faces.
@@ -258,7 +270,7 @@ class CutCells {
   const Obstacles& obstacles_;
   Bodies all_bodies_;
   PerThread<Candidates> candidates_;
-  Box box_;
+  Box box_, inner_;  // inner_: a little inside
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
@@ -273,6 +285,13 @@ class CutCells {
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
   std::vector<Zone> zones_;  // of what moves, as measured last
+  struct RangeNear {
+    LocalId k, r;
+    Range columns;
+    Bodies bodies;  // that matter to it
+    bool clear;     // these are thick, and go on to no wall
+  };
+  std::vector<RangeNear> near_;  // the ranges in zones that are being measured, ghost rows included
   // Which part of what is closed of a face a body that floats closes, the middle of that, and the displacement of what
   // else does, times its own part, m.
   struct BodyFace {
@@ -294,32 +313,24 @@ class CutCells {
   std::vector<Range> cut_columns_;    // of planes and rows with those beside them
 };
 
-// visit(k, r, columns) for the ranges of each row, ghosts included.
+// visit(k, r, columns) for the ranges that find_ranges_near() has found.
 template <class Visit>
-void CutCells::for_each_range_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
-  const CellRows rows = grid.rows_and_ghosts_of({0, grid.planes() + 2});
-  for_each_part((grid.planes() + 2) * rows.rows, [&](LocalId row) {
-    const LocalId k = row / rows.rows, r = rows.first_row + row % rows.rows;
-    if (!grid.has_row(r)) return;
-    Candidates& own = candidates_.mine();
-    const Vec3 first = corner_of(grid, k, r, 0);
-    find_ranges(
-        {static_cast<LocalId>(first[0]) - 1 + first_, static_cast<LocalId>(first[1]) + first_row_, grid.columns()},
-        zones, own.ranges);
-    for (const Range& columns : own.ranges) visit(k, r, columns);
+void CutCells::for_each_range_near(const Visit& visit) const {
+  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
+    const RangeNear& one = near_[static_cast<std::size_t>(n)];
+    visit(one.k, one.r, one.columns);
   });
 }
 
 // The same with the solids that matter to a range: visit(k, r, candidates, columns).
 template <class Visit>
-void CutCells::for_each_row_near(const ProjectionGrid& grid, const std::vector<Zone>& zones, const Visit& visit) {
-  for_each_range_near(grid, zones, [&](LocalId k, LocalId r, Range columns) {
+void CutCells::for_each_row_near(const Visit& visit) {
+  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
+    const RangeNear& one = near_[static_cast<std::size_t>(n)];
     Candidates& own = candidates_.mine();
-    const Vec3 first = corner_of(grid, k, r, 0);
-    const Real reach = (0.5 * columns.size() + looked_at) * size_.maxCoeff();
-    const Vec3 middle = Vec3(first[0] + 0.5, first[1] + 0.5, 0.5 * (columns.begin + columns.end));
-    keep_near(place(middle), reach, all_bodies_, own.of_row, own.distance);
-    visit(k, r, own, columns);
+    own.of_row = one.bodies;
+    own.clear = one.clear;
+    visit(one.k, one.r, own, one.columns);
   });
 }
 

@@ -72,9 +72,8 @@ bool FreeSurface::is_full_enough(const Place& place, Real least) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
   if (is_drained(at) || is_beside_water(place, at)) return false;
-  const bool submerged =
-      upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
-  return fill_[at] >= least || submerged;
+  if (fill_[at] >= least) return true;
+  return upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
 }
 
 // Whether a cell without particles holds no more than what those on one side of it may reach into it. It is air: what

@@ -11,6 +11,7 @@
 // 0.7 of its buoyancy less in one step and as much more in the next.
 #include "projection/free_surface.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/threads.hpp"
@@ -30,11 +31,17 @@ void FreeSurface::fill_open_parts() {
 
 void FreeSurface::classify_among_solids(Halo& halo) {
   const Range own{1, grid().planes() + 1}, all{0, grid().planes() + 2};
+  const Real surely =
+      openings_ != nullptr ? INFINITY : std::max(wet_fill, (1 + told_rounding) * water().told_from_one_side());
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) {
+    const Range near = cuts()->columns_near_cut(k, r);
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      wet_[at] =
-          !is_solid(at) && is_full_enough({k, r, c}, min_wet_fill(at, c)) && stands_in(at, c) ? wet_cell : dry_cell;
+      const bool is_near = c >= near.begin && c < near.end;  // elsewhere what is full enough stands there
+      const bool wet =
+          is_near ? !is_solid(at) && is_full_enough({k, r, c}, min_wet_fill(at, c)) && stands_in(at, c)
+                  : fill_[at] > surely || is_full_enough({k, r, c}, upright() && c == 0 ? floor_fill : wet_fill);
+      wet_[at] = wet ? wet_cell : dry_cell;
     }
   });
   join_cells_at_solids(halo);
@@ -225,8 +232,8 @@ Real FreeSurface::min_wet_fill(std::size_t at, LocalId c) const {
   if (!upright()) return wet_fill;
   if (c == 0) return floor_fill;
   const Real slope = std::max(cuts()->face(2, at + 1) - cuts()->face(2, at), 0.0);
-  if (cuts()->floats(at)) return wet_fill + slope * (floor_fill - wet_fill);
-  return slope > 0 ? floor_fill : wet_fill;
+  if (slope == 0) return wet_fill;
+  return cuts()->floats(at) ? wet_fill + slope * (floor_fill - wet_fill) : floor_fill;
 }
 
 // The surface in a small cell is that beside it, the mean of both where two faces are equally wide.

@@ -1,5 +1,6 @@
 #include "projection/grid_to_particles.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace trevi {
@@ -80,7 +81,8 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
            {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
   if (surface_.cuts() == nullptr) return;
   cut_fit_.clear(k, r);
-  for (LocalId c = cells.begin; c < cells.end; ++c) {
+  const Range cut = surface_.cuts()->cut_columns(k, r);
+  for (LocalId c = std::max(cells.begin, cut.begin); c < std::min(cells.end, cut.end); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
       cut_fit_.set(
@@ -98,8 +100,10 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
   damping.row.resize(noise_fit_.per_row());
   damp_noise(rows_around(grid, noise_fit_, row, of_noise), rows_around(grid, water.fits(), row, of_motion),
              damping.row.data());
-  if (surface_.cuts() != nullptr && surface_.cuts()->is_near_cut(k, r))
-    add_maps(rows_around(grid, cut_fit_, row, of_cut), damping.row.data());
+  if (surface_.cuts() == nullptr) return;
+  const Range near = surface_.cuts()->columns_near_cut(k, r);
+  const Range cells{std::max(near.begin, row.cells.begin), std::min(near.end, row.cells.end)};
+  if (cells.begin < cells.end) add_maps(rows_around(grid, cut_fit_, {k, r, cells}, of_cut), damping.row.data());
 }
 
 // What takes the particles of a cell along with a wall, or with a solid. They move towards it as the linear mean at its

@@ -93,10 +93,17 @@ bool Pressure::has_no_surface(const FreeSurface& surface) const {
   return any == 0;
 }
 
+namespace {
+
+bool is_anything_moved(const FreeSurface& surface) { return surface.cuts() != nullptr && surface.cuts()->moves(); }
+
+}  // namespace
+
 void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   MultigridLevel& cells = multigrid_.finest();
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
+  const Range moved = is_anything_moved(surface) ? surface.cuts()->cut_columns(k, r) : Range{0, 0};
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     const std::size_t at = grid.index(k, r, c);
     cells.rhs[at] = cells.dirichlet[at] = 0;
@@ -107,7 +114,7 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
       const Real high = surface.is_wet(at + face) ? 0 : cells.link[a][at + face];
       cells.dirichlet[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
     }
-    cells.rhs[at] = divergence(surface, at) - returned(surface, step, k, r, c);
+    cells.rhs[at] = divergence(surface, at, c >= moved.begin && c < moved.end) - returned(surface, step, k, r, c);
   }
 }
 
@@ -117,7 +124,7 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
   Borrowed<Real>& rhs = multigrid_.finest().rhs;
   const std::vector<Openings::Face>& faces = surface.openings()->faces();
   for (const Openings::Face& face : faces) {
-    if (surface.is_wet(face.cell)) rhs[face.cell] = divergence(surface, face.cell);
+    if (surface.is_wet(face.cell)) rhs[face.cell] = divergence(surface, face.cell, is_anything_moved(surface));
   }
   for (const Openings::Face& face : faces) {
     if (!surface.is_wet(face.cell)) continue;
@@ -141,7 +148,8 @@ void Pressure::find_inflow(const FreeSurface& surface) {
     const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
     if (wall ? !stands_on_floor(surface, gain) : !is_full(gain.behind)) continue;
     Real share = gain.share;
-    if (may_swell(surface, gain.k, gain.r, gain.c)) share = std::clamp(divergence(surface, gain.cell), 0.0, share);
+    if (may_swell(surface, gain.k, gain.r, gain.c))
+      share = std::clamp(divergence(surface, gain.cell, is_anything_moved(surface)), 0.0, share);
     inflow_.push_back({gain.cell, share});
     multigrid_.finest().rhs[gain.cell] -= share;
   }
@@ -211,8 +219,8 @@ void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 // Divergence of the displacements of the faces, as if the cell were full of water: faces count as far as they are open,
-// and nothing passes a wall. A moving solid takes the rest of a face along.
-Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
+// and nothing passes a wall. A moving solid takes the rest of a face along; `moved`: whether one may be there.
+Real Pressure::divergence(const FreeSurface& surface, std::size_t at, bool moved) const {
   const ProjectionGrid& grid = surface.grid();
   const auto& weight = multigrid_.finest().link;
   const CutCells* cuts = surface.cuts();
@@ -223,7 +231,7 @@ Real Pressure::divergence(const FreeSurface& surface, std::size_t at) const {
     const Real high = weight[a][above] > 0 ? surface.face(a, above) : 0;
     sum += (high * surface.water().displacement(a, above) - low * surface.water().displacement(a, at)) /
            grid.size()[static_cast<Eigen::Index>(a)];
-    if (cuts != nullptr && cuts->moves()) {
+    if (moved) {
       sum += ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
              grid.size()[static_cast<Eigen::Index>(a)];
     }

@@ -74,7 +74,7 @@ class Pressure {
   void find_inflow(const FreeSurface& surface);
   static bool stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
-  Real divergence(const FreeSurface& surface, std::size_t at) const;
+  Real divergence(const FreeSurface& surface, std::size_t at, bool moved) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
   void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);

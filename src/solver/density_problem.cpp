@@ -48,6 +48,7 @@ void DensityProblem<T>::start(Particles& particles, Real dt) {
   particles_ = &particles;
   dt_ = dt;
   positions_only_ = is_projected_ = false;
+  if (boundary_.obstacles() != nullptr) boundary_.obstacles()->number_particles(particles.id.size());
 }
 
 template <class T>
@@ -185,7 +186,7 @@ void DensityProblem<T>::collide_and_move(Range part, Real relaxation) {
   for_each_part(part, moved_at_once, [&](Range few) {
     const std::span<const Vec3> p(&particles_->predicted[static_cast<std::size_t>(few.begin)],
                                   static_cast<std::size_t>(few.size()));
-    move_in(boundary_.open_space(p, Extent::shift), few, relaxation);
+    move_in(boundary_.open_space(p, Extent::shift, few.begin), few, relaxation);
   });
 }
 

@@ -118,7 +118,7 @@ class DensityProblem {
   void find_delta(Range part);
   void finish_moves();
   void move_swept(Range part);
-  static constexpr LocalId moved_at_once = 128;
+  static constexpr LocalId moved_at_once = Obstacles::at_once;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const OpenSpace& open, Range few, Real relaxation);
   // Of the cells inside of a window of the own ones, or outside of it.

@@ -6,6 +6,7 @@
 #include <array>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "base/simd.hpp"
 #include "boundary/obstacles/obstacles.hpp"
@@ -66,7 +67,8 @@ TEST(Paths, TheIndexForgetsNobody) {
 }
 
 // A shift or a path in what is open to its particles meets nothing, as few particles as it is asked for and wherever
-// the rest of them are. Nothing is open to paths where an obstacle turns by itself, so none does.
+// the rest of them are, nor in what was open to those that had their numbers before. Nothing is open to paths where an
+// obstacle turns by itself, so none does.
 TEST(Paths, InTheOpenMeetNothing) {
   std::mt19937 generator(12);
   std::uniform_real_distribution<Real> number(-1, 1);
@@ -102,8 +104,9 @@ TEST(Paths, InTheOpenMeetNothing) {
     const Vec3 middle = cluster % 2 == 0 ? random_point(generator, 2.8) : beside;
     std::vector<Vec3> p;
     for (int k = 0; k < 20; ++k) p.push_back(middle + random_point(generator, 0.15));
-    for (const Extent extent : {Extent::shift, Extent::path}) {
-      const OpenSpace open = obstacles.open_space(p, extent);
+    if (cluster % 3 == 0) obstacles.number_particles(p.size());
+    for (const auto& [extent, first] : {std::pair{Extent::shift, -1}, {Extent::shift, 0}, {Extent::path, -1}}) {
+      const OpenSpace open = obstacles.open_space(p, extent, first);
       for (Vec3 from : p) {
         const Vec3 step = random_point(generator, 0.2), to = from + step, path = from + step / dt * dt;
         if (!open.contains(from, to) || !open.contains(from, path)) continue;
@@ -121,8 +124,9 @@ TEST(Paths, InTheOpenMeetNothing) {
 TEST(Paths, OutsideOfASpaceOrOfABoxIsEachByItself) {
   std::mt19937 generator(13);
   OpenSpace open(Box{Vec3::Constant(-0.8), Vec3::Constant(0.9)});
-  open.close({Vec3(-0.3, -0.9, 0), Vec3(0.2, 0.5, 0.4)});
-  open.close({Vec3(0.1, 0.1, -0.5), Vec3(0.6, 0.4, 0.1)});
+  const std::array<ClosedPart, 2> parts{{{{Vec3(-0.3, -0.9, 0), Vec3(0.2, 0.5, 0.4)}, {Vec3(0, -0.2, 0.2), 0.6}},
+                                         {{Vec3(0.1, 0.1, -0.5), Vec3(0.6, 0.4, 0.1)}, {}}}};
+  for (const ClosedPart& part : parts) open.close(part);
   const Box box{Vec3(-0.7, -1, -0.6), Vec3(1, 0.6, 0.8)};
   for (const std::string& name : instruction_set_names()) {
     ASSERT_TRUE(use_instruction_set(name));

@@ -29,6 +29,7 @@ class Sphere : public ShapeOf<Sphere> {
   explicit Sphere(Real radius) : radius_(radius) {}
   Real distance(const Vec3& p) const override { return p.norm() - radius_; }
   Box bounds() const override { return {Vec3::Constant(-radius_), Vec3::Constant(radius_)}; }
+  Real bounding_radius() const override { return radius_; }
   Real min_thickness() const override { return 2 * radius_; }
   TriangleMesh surface(Real finest) const override { return turned(arc(radius_, 0, radius_, finest), finest); }
 
@@ -60,6 +61,7 @@ class Cylinder : public ShapeOf<Cylinder> {
     return std::sqrt(a * a + b * b) + std::min(std::max(side, end), 0.0);
   }
   Box bounds() const override { return {Vec3(-radius_, -radius_, -half_), Vec3(radius_, radius_, half_)}; }
+  Real bounding_radius() const override { return std::sqrt(radius_ * radius_ + half_ * half_); }
   Real min_thickness() const override { return 2 * std::min(radius_, half_); }
   TriangleMesh surface(Real finest) const override {
     return turned({{0, -half_}, {radius_, -half_}, {radius_, half_}, {0, half_}}, finest);
@@ -79,6 +81,7 @@ class Capsule : public ShapeOf<Capsule> {
     const Vec3 corner(radius_, radius_, straight_ + radius_);
     return {-corner, corner};
   }
+  Real bounding_radius() const override { return straight_ + radius_; }
   Real min_thickness() const override { return 2 * radius_; }
   TriangleMesh surface(Real finest) const override { return turned(arc(radius_, straight_, radius_, finest), finest); }
 
@@ -97,6 +100,7 @@ class Torus : public ShapeOf<Torus> {
     const Vec3 corner(radius_ + tube_, radius_ + tube_, tube_);
     return {-corner, corner};
   }
+  Real bounding_radius() const override { return radius_ + tube_; }
   Real min_thickness() const override { return 2 * tube_; }
   TriangleMesh surface(Real finest) const override { return turned(ring(radius_, tube_, finest), finest); }
 
@@ -186,6 +190,7 @@ class Extruded : public ShapeOf<Extruded> {
     return shape_->distance(in_cut);
   }
   Box bounds() const override { return shown_->bounds(); }
+  Real bounding_radius() const override { return INFINITY; }
   TriangleMesh surface(Real finest) const override { return shown_->surface(finest); }
   std::optional<Eigen::Index> extruded_along() const override { return along_; }
 
@@ -244,6 +249,11 @@ std::unique_ptr<Shape> make_extruded(const ObstacleSettings& obstacle) {
 }
 
 }  // namespace
+
+Real Shape::bounding_radius() const {
+  const Box box = bounds();
+  return box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).norm();
+}
 
 Vec3 Shape::normal(const Vec3& p) const {
   return slope_of(bounds(), [&](const Vec3& step) { return distance(p + step); });

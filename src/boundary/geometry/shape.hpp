@@ -35,6 +35,8 @@ class Shape {
   virtual Real distance_within(const Vec3& p, Real) const { return distance(p); }
   /// Of the surface, not of a vessel's solid, which has no bounds.
   virtual Box bounds() const = 0;
+  /// Of a ball around the origin that holds bounds(), or at least the surface, m.
+  virtual Real bounding_radius() const;
   /// Triangles on the surface, for pictures: `finest`, m, is what a chord may deviate by.
   virtual TriangleMesh surface(Real finest) const = 0;
   /// Unit vector along which the distance grows.

@@ -29,6 +29,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
       floats_(floats),
       moves_(floats || obstacle.moves()),
       vessel_(obstacle.inside),
+      quick_(obstacle.shape != ShapeKind::mesh),
       whole_(rules.walls.reflection == Reflection::report),
       h_(rules.h),
       tolerance_(contact_distance * rules.h),
@@ -49,7 +50,7 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
   std::optional<Fixed> fixed;
   if (!moves_) fixed = Fixed{now_, rules.box};
   map_ = std::make_shared<VolumeMap>(*shape_, rules.kernel, h_, fixed);
-  if (obstacle.shape == ShapeKind::mesh) rough_ = std::make_shared<DistanceGrid>(*shape_, h_);
+  if (!quick_) rough_ = std::make_shared<DistanceGrid>(*shape_, h_);
 }
 
 Box Body::box_at(const Pose& pose, Real margin) const {
@@ -69,9 +70,21 @@ void Body::place(const Pose& before, const Pose& now) {
   bounds_of(Extent::density) = box_at(now_, density_reach * h_);
   bounds_of(Extent::shift) = box_at(now_, 2 * wall_extension_);
   bounds_of(Extent::path) = on_way(density_reach * h_);
-  // A plane between it and both ends of a path is turned by no more than this over the length of the path.
-  way_ = on_way(std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_));
   went_ = (now_.center - before_.center).norm();
+  // A plane between it and both ends of a path is turned by no more than this over the length of the path.
+  const Real margin = std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_);
+  place_parts(on_way(margin), margin);
+}
+
+// Who is outside of that for the density is out of reach by the distance, too, which is not asked of a mesh.
+void Body::place_parts(const Box& way, Real margin) {
+  constexpr Real rounding = 1 + 1e-9;
+  const Real radius = shape_->bounding_radius();
+  const auto around = [&](const Vec3& center, Real far) { return Ball{center, rounding * (radius + far)}; };
+  auto& [density, shift, path] = parts_;
+  density = {bounds_of(Extent::density), around(now_.center, quick_ ? out_of_reach * h_ : INFINITY)};
+  shift = {bounds_of(Extent::shift), around(now_.center, 2 * wall_extension_)};
+  path = {way, around((before_.center + now_.center) / 2, went_ / 2 + margin)};
 }
 
 void Body::rough_distances(std::span<const Vec3> p, std::span<Real> found) const {

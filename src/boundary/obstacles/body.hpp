@@ -12,6 +12,7 @@
 #include <span>
 
 #include "boundary/geometry/distance_grid.hpp"
+#include "boundary/obstacles/open_space.hpp"
 #include "boundary/volume_map/volume_map.hpp"
 #include "boundary/walls.hpp"
 #include "trevi/settings.hpp"
@@ -77,10 +78,12 @@ class Body {
   bool may_reach(const Vec3& p) const { return vessel_ || bounds_of(Extent::density).contains(p); }
   /// Whether p, in its frame, is so far from the surface that the density has nothing of it, as far as that is quickly
   /// told.
-  bool is_out_of_reach(const Vec3& p) const {
-    constexpr Real far = 1.4;  // of h: the reach, and a little for what lies between the nodes of the map
-    return !rough_ && shape_->distance(p) > far * h_;
+  bool is_out_of_reach(const Vec3& p) const { return !rough_ && is_out_of_reach(shape_->distance(p)); }
+  /// By the distances of places in its frame, or anything where they are not quickly told.
+  void quick_distances(std::span<const Vec3> p, std::span<Real> found) const {
+    if (!rough_) shape_->distances(p, found);
   }
+  bool is_out_of_reach(Real quick_distance) const { return !rough_ && quick_distance > out_of_reach * h_; }
   /// Whether a straight path in the world, the obstacle where it is now, stays on one side of its surface.
   bool is_passed_by(const Vec3& from, const Vec3& to) const {
     const Box& surface = bounds_of(Extent::shift);
@@ -98,11 +101,11 @@ class Body {
   /// outside of it cannot meet the surface.
   const Box& reach() const { return bounds_of(Extent::path); }
   bool has_bounds(Real length) const { return !vessel_ && turns_little(1.75 * length); }
-  /// The box outside of which no place in the box of the walls, and no path there, has to do with it; null where there
-  /// is none. Paths of what turns by itself are a question of their lengths.
-  const Box* bounds(Extent extent) const {
+  /// The part of space outside of which no place in the box of the walls, and no path there, has to do with it; null
+  /// where there is none. Paths of what turns by itself are a question of their lengths.
+  const ClosedPart* part(Extent extent) const {
     const bool by_length = extent == Extent::path && turned_ != 0 && !floats_;
-    return vessel_ || by_length ? nullptr : extent == Extent::path ? &way_ : &bounds_of(extent);
+    return vessel_ || by_length ? nullptr : &parts_[static_cast<std::size_t>(extent)];
   }
   bool is_near(const Vec3& p) const {
     if (!may_reach(p)) return false;
@@ -145,6 +148,8 @@ class Body {
   static Vec3 along(const Vec3& rest, const Vec3& normal) { return rest - std::min(rest.dot(normal), 0.0) * normal; }
 
  private:
+  // Of h: the reach, and a little for what lies between the nodes of the map.
+  static constexpr Real out_of_reach = 1.4;
   // Whether it turns by so little in the substep that the chord of a path of that length, which is straight in the
   // frame of the body, stays off the surface where the path is out of reach. A chord that comes to a body of radius r
   // is no longer than 1.2 (length + way of the centre) + 0.2 r at turns below 0.1, and the turn bends it by as much
@@ -165,8 +170,8 @@ class Body {
   std::shared_ptr<const Shape> shape_;
   Box surface_;  // its bounds, in the frame of the body
   BodyMotion motion_;
-  std::optional<Vec3> hinge_;  // of a flap
-  bool floats_, moves_, vessel_, whole_;
+  std::optional<Vec3> hinge_;                     // of a flap
+  bool floats_, moves_, vessel_, quick_, whole_;  // quick_: distances are
   Real h_, tolerance_, restitution_, friction_, radius_;
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
@@ -177,9 +182,11 @@ class Body {
   const Box& bounds_of(Extent extent) const { return bounds_[static_cast<std::size_t>(extent)]; }
   Box& bounds_of(Extent extent) { return bounds_[static_cast<std::size_t>(extent)]; }
   Box box_at(const Pose& pose, Real margin) const;
-  std::array<Box, 3> bounds_;  // by extent
-  Box way_;                    // of its surface in the substep, with as much around it as a turn bends a path
-  bool shares_;                // what follows, and the shape
+  // `way` is of its surface in the substep, with as much around it, `margin`, as a turn bends a path.
+  void place_parts(const Box& way, Real margin);
+  std::array<Box, 3> bounds_;        // by extent
+  std::array<ClosedPart, 3> parts_;  // by extent
+  bool shares_;                      // what follows, and the shape
   std::shared_ptr<const VolumeMap> map_;
   std::shared_ptr<const DistanceGrid> rough_;  // of a mesh
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace trevi {
 
@@ -28,6 +29,7 @@ ObstacleIndex::ObstacleIndex(const Box& box, Real h, const std::vector<std::uniq
     }
   }
   cells_ = standing_;
+  everywhere_ = always_;
   update();
 }
 
@@ -73,18 +75,24 @@ ObstacleIndex::Bits ObstacleIndex::in(const Box& box) const {
   return found;
 }
 
+// Most bodies go less than a cell in a substep.
 void ObstacleIndex::update() {
-  for (const Block& block : blocks_) for_each_cell(block, [&](std::size_t cell) { cells_[cell] = standing_[cell]; });
-  blocks_.clear();
-  everywhere_ = always_;
+  std::vector<Marked> now;
+  Bits everywhere = always_;
   for (const std::size_t k : moving_) {
-    if (!bodies_[k]->has_bounds(edge_)) {
-      everywhere_ |= bit_of(k);
-      continue;
+    if (bodies_[k]->has_bounds(edge_)) {
+      now.push_back({k, block_of(*bodies_[k])});
+    } else {
+      everywhere |= bit_of(k);
     }
-    blocks_.push_back(block_of(*bodies_[k]));
-    for_each_cell(blocks_.back(), [&](std::size_t cell) { cells_[cell] |= bit_of(k); });
   }
+  if (now == marked_ && everywhere == everywhere_) return;
+  ++version_;
+  for (const Marked& one : marked_) for_each_cell(one.block, [&](std::size_t cell) { cells_[cell] = standing_[cell]; });
+  marked_ = std::move(now);
+  everywhere_ = everywhere;
+  for (const Marked& one : marked_)
+    for_each_cell(one.block, [&](std::size_t cell) { cells_[cell] |= bit_of(one.body); });
 }
 
 }  // namespace trevi

@@ -22,6 +22,8 @@ class ObstacleIndex {
 
   /// Bodies that move are where they are now. Outside of loops that threads share.
   void update();
+  /// Another one when the bits are other ones.
+  std::uint64_t version() const { return version_; }
   /// Of the obstacles that reach p, or that a path from p of at most longest_path() along each axis may come near to.
   Bits at(const Vec3& p) const { return cells_[cell_of(p)] | everywhere_; }
   Real longest_path() const { return edge_; }
@@ -57,6 +59,7 @@ class ObstacleIndex {
   static constexpr std::size_t width = 64;
   struct Block {
     std::array<std::size_t, 3> low{}, high{};
+    bool operator==(const Block&) const = default;
   };
   Block block_of(const Box& box) const;
   static Bits bit_of(std::size_t k) { return Bits{1} << (k % width); }
@@ -80,7 +83,13 @@ class ObstacleIndex {
   Bits everywhere_ = 0, always_ = 0;    // always_: of those that stand
   std::vector<Bits> standing_, cells_;  // of those that stand, and of all
   std::vector<std::size_t> moving_;
-  std::vector<Block> blocks_;  // of those that move, as they are marked
+  struct Marked {
+    std::size_t body;
+    Block block;
+    bool operator==(const Marked&) const = default;
+  };
+  std::vector<Marked> marked_;  // those that move
+  std::uint64_t version_ = 0;
 };
 
 }  // namespace trevi

@@ -11,6 +11,9 @@ namespace trevi {
 
 namespace {
 
+// How far beside bodies that float paths are looked at which these may meet once they are settled, h.
+constexpr Real wider = 1.0 / 16;
+
 // The box at whose walls solids end. In two dimensions there are none along y, and to clamp a place to them would round
 // its other coordinates.
 Box box_of_solids(const Settings& settings, const Box& open) {
@@ -29,6 +32,7 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
       walls_(walls),
       law_(std::move(law)),
       ledger_(settings.obstacles.size() + settings.bodies.size() + 2, settings.fluid.kernel_radius),
+      wider_(wider * settings.fluid.kernel_radius),
       relaxation_(settings.density.method == Method::jacobi ? settings.density.relaxation.value() : 1),
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing) {
@@ -52,6 +56,7 @@ Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional
 }
 
 void Obstacles::move(Real begin, Real end) {
+  are_bent_known_ = false;
   const std::size_t driven = floating_ ? floating_->first() : bodies_.size();
   for (std::size_t k = 0; k < driven; ++k)
     if (bodies_[k]->moves()) bodies_[k]->move(begin, end);
@@ -71,54 +76,97 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
-// Where they are is told by some of them, of about each cell one. Of many bodies only those are asked that come near to
-// that; few are all asked, and what they leave open reaches further than a path.
-OpenSpace Obstacles::open_space(std::span<const Vec3> p, Extent extent) const {
-  constexpr std::size_t each = 8, few_bodies = 4;
-  constexpr Real far = 4;
+// Of many bodies only those are asked that come near to a piece of water; few are all asked, and what they leave open
+// reaches further than a path.
+bool Obstacles::are_few() const {
+  constexpr std::size_t few_bodies = 4;
+  return bodies_.size() <= few_bodies;
+}
+
+// Where they are is told by some of them, of about each cell one.
+Obstacles::Surroundings Obstacles::look_around(std::span<const Vec3> p) const {
+  constexpr std::size_t each = 8;
   const Box water = box_around(p, each);
-  const bool are_few = bodies_.size() <= few_bodies;
-  const Vec3 path = Vec3::Constant((are_few ? far : 1) * index_->longest_path());
+  return {water, are_few() ? index_->all() : index_->in(water)};
+}
+
+// In each substep a piece is asked for a dozen times.
+Obstacles::Surroundings Obstacles::around(std::span<const Vec3> p, LocalId first) const {
+  const auto count = static_cast<LocalId>(p.size());
+  const std::size_t piece = static_cast<std::size_t>(std::max(first, 0)) / at_once;
+  if (first < 0 || count > at_once || piece >= around_.size()) return look_around(p);
+  Known& known = around_[piece];
+  if (known.first != first || known.count != count || known.version != index_->version())
+    known = {first, count, index_->version(), look_around(p)};
+  return known.around;
+}
+
+OpenSpace Obstacles::open_space(const Surroundings& around, Extent extent) const {
+  return open_space(around, [&](std::size_t k) { return bodies_[k]->part(extent); });
+}
+
+// part_of(k) is what obstacle k closes, null where that is all.
+template <class PartOf>
+OpenSpace Obstacles::open_space(const Surroundings& around, const PartOf& part_of) const {
+  constexpr Real far = 4;
+  const Vec3 path = Vec3::Constant((are_few() ? far : 1) * index_->longest_path());
   OpenSpace space(walls_.box());
-  space.confine({water.min - path, water.max + path});
-  const ObstacleIndex::Bits bits = are_few ? index_->all() : index_->in(water);
-  const bool is_closed = index_->any(bits, [&](std::size_t k) {
-    const Box* const body = bodies_[k]->bounds(extent);
-    if (body != nullptr) space.close(*body);
-    return body == nullptr;
+  space.confine({around.water.min - path, around.water.max + path});
+  space.set_near(around.near);
+  const bool is_closed = index_->any(around.near, [&](std::size_t k) {
+    const ClosedPart* const part = part_of(k);
+    if (part != nullptr) space.close(*part);
+    return part == nullptr;
   });
-  return is_closed ? OpenSpace() : space;
+  if (is_closed) space = OpenSpace();
+  return space;
 }
 
 namespace {
 
-// The density that one obstacle contributes, and its gradient, in the world.
-struct Contribution : BoundaryDensity {
-  bool is_near = false;
-};
-Contribution contribution_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
-  if (!body.may_reach(p)) return {};
-  const Vec3 there = body.now().into_body(p);
-  if (body.is_out_of_reach(there)) return {};
-  const EquivalentPlane plane = body.map().at(there);
+// The density that one obstacle contributes, and its gradient, in the world; at a place in its frame that is not out of
+// reach.
+Obstacles::NearDensity contribution_at(const Body& body, const AnalyticWallDensity& law, const Vec3& there) {
+  const EquivalentPlane plane = body.map().at(there, law.reach());
   const auto [value, slope] = law.of_plane(plane.distance);
   return {{value, slope * (body.now().turn * plane.gradient)}, plane.is_near};
 }
 
+BoundaryDensity contribution_of(const Body& body, const AnalyticWallDensity& law, const Vec3& p) {
+  if (!body.may_reach(p)) return {};
+  const Vec3 there = body.now().into_body(p);
+  return body.is_out_of_reach(there) ? BoundaryDensity{} : contribution_at(body, law, there);
+}
+
 }  // namespace
 
-std::optional<BoundaryDensity> Obstacles::near_density(const Vec3& p) const {
-  if (!law_) return std::nullopt;
-  BoundaryDensity all;
-  bool is_near = false;
-  index_->for_each(index_->at(p), [&](std::size_t k) {
-    const Contribution one = contribution_of(*bodies_[k], *law_, p);
-    if (!one.is_near) return;  // it has none
-    all.density += one.density;
-    all.gradient += one.gradient;
-    is_near = true;
+// Obstacle by obstacle, all places of each at once.
+void Obstacles::find_near(const OpenSpace& open, std::span<const Vec3> p, std::span<NearDensity> found) const {
+  std::fill(found.begin(), found.end(), NearDensity{});
+  if (!law_ || p.empty()) return;
+  const bool are_there = std::all_of(p.begin(), p.end(), [&](const Vec3& one) { return open.box().contains(one); });
+  std::array<Vec3, at_once> there;
+  std::array<Real, at_once> distance;
+  std::array<std::size_t, at_once> which;
+  index_->for_each(are_there ? open.near() : index_->all(), [&](std::size_t k) {
+    const Body& body = *bodies_[k];
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < p.size(); ++n) {
+      if (!body.may_reach(p[n])) continue;
+      there[count] = body.now().into_body(p[n]);
+      which[count++] = n;
+    }
+    body.quick_distances({there.data(), count}, distance);
+    for (std::size_t n = 0; n < count; ++n) {
+      if (body.is_out_of_reach(distance[n])) continue;
+      const NearDensity one = contribution_at(body, *law_, there[n]);
+      if (!one.is_near) continue;  // it has none
+      NearDensity& all = found[which[n]];
+      all.density += one.density;
+      all.gradient += one.gradient;
+      all.is_near = true;
+    }
   });
-  return is_near ? std::optional(all) : std::nullopt;
 }
 
 BoundaryDensity Obstacles::together(const BoundaryDensity& box, const BoundaryDensity& all) {
@@ -205,28 +253,69 @@ bool Obstacles::is_near_floating(const Vec3& from, const Vec3& to) const {
 }
 
 // Twice, as what they meet depends a little on how fast they are.
-void Obstacles::settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const Vec3> v, Real dt) {
+void Obstacles::settle(MPI_Comm comm, Particles& particles, Real dt) {
   if (!floating_) return;
+  const std::vector<Vec3>&x = particles.position, &v = particles.velocity, &straight = particles.predicted;
+  if (around_.size() != x.size() / at_once + 1) number_particles(x.size());
   const bool recorded = std::exchange(recording_, false);
   sounding_ = true;
+  find_bent(particles, dt);
   for (int round = 0; round < 2; ++round) {
-    for_each_part({0, static_cast<LocalId>(p.size())}, at_once, [&](Range part) {
-      const auto begin = static_cast<std::size_t>(part.begin), end = static_cast<std::size_t>(part.end);
-      const OpenSpace open = open_space(p.subspan(begin, end - begin), Extent::path);
-      std::array<Vec3, at_once> straight;
-      std::array<LocalId, at_once> left;
-      const Straight way{p.subspan(begin, end - begin), v.subspan(begin, end - begin), dt};
-      const std::size_t count = go_straight(open, way, straight.data(), left.data());
-      for (std::size_t k = 0; k < count; ++k) {
-        const auto one = static_cast<std::size_t>(left[k]);
-        Vec3 start = way.p[one];
-        if (is_near_floating(start, straight[one])) predict(start, way.v[one], dt);
+    if (!are_bent_still_all()) find_bent(particles, dt);
+    for_each_part({0, static_cast<LocalId>(bent_.size())}, at_once, [&](Range part) {
+      for (LocalId k = part.begin; k < part.end; ++k) {
+        const auto i = static_cast<std::size_t>(bent_[static_cast<std::size_t>(k)]);
+        Vec3 start = x[i];
+        if (is_near_floating(start, straight[i])) predict(start, v[i], dt);
       }
     });
     if (!floating_->settle(comm)) break;
   }
+  are_bent_known_ = are_bent_still_all();
   sounding_ = false;
   recording_ = recorded;
+}
+
+// Those that would have to be looked at if bodies were a little elsewhere, too.
+void Obstacles::find_bent(Particles& particles, Real dt) {
+  note_ways();
+  const auto part_of = [&](std::size_t k) {
+    return floating_->holds(k) ? &ways_[k - floating_->first()].wide : bodies_[k]->part(Extent::path);
+  };
+  PerThread<std::vector<LocalId>> found;
+  for_each_part({0, particles.size()}, at_once, [&](Range part) {
+    const auto begin = static_cast<std::size_t>(part.begin), count = static_cast<std::size_t>(part.size());
+    const Straight way{{&particles.position[begin], count}, {&particles.velocity[begin], count}, dt};
+    const OpenSpace open = open_space(around(way.p, part.begin), part_of);
+    std::array<LocalId, at_once> left;
+    const std::size_t bent = go_straight(open, way, &particles.predicted[begin], left.data());
+    for (std::size_t k = 0; k < bent; ++k) found.mine().push_back(part.begin + left[k]);
+  });
+  bent_.clear();
+  found.for_each([&](const auto& some) { bent_.insert(bent_.end(), some.begin(), some.end()); });
+}
+
+void Obstacles::note_ways() {
+  ways_.clear();
+  for (std::size_t k = floating_->first(); k < bodies_.size(); ++k) {
+    const auto& [box, ball] = *bodies_[k]->part(Extent::path);
+    const Box wide{box.min.array() - wider_, box.max.array() + wider_};
+    ways_.push_back({bodies_[k]->reach(), {wide, {ball.center, ball.radius + wider_}}});
+  }
+}
+
+// Whether the bodies are where no other particles may meet them than when these were found.
+bool Obstacles::are_bent_still_all() const {
+  const auto holds = [](const Box& box, const Box& other) {
+    return box.contains(other.min) && box.contains(other.max);
+  };
+  for (std::size_t n = 0; n < ways_.size(); ++n) {
+    const auto& [box, ball] = *bodies_[floating_->first() + n]->part(Extent::path);
+    const auto& [reach, wide] = ways_[n];
+    if (!holds(reach, box) || !holds(wide.box, box)) return false;
+    if (!((ball.center - wide.ball.center).norm() + ball.radius <= wide.ball.radius)) return false;
+  }
+  return true;
 }
 
 bool Obstacles::is_body_touched(MPI_Comm comm) {

@@ -17,6 +17,7 @@
 #include "boundary/rigid_bodies/rigid_bodies.hpp"
 #include "boundary/wall_density.hpp"
 #include "boundary/walls.hpp"
+#include "trevi/particles.hpp"
 
 namespace trevi {
 
@@ -33,16 +34,23 @@ class Obstacles {
   RigidBodies* floating() { return floating_.get(); }
   const RigidBodies* floating() const { return floating_.get(); }
   /// How fast the bodies are among the particles that are about to bounce off them. Collective where there are any.
-  void settle(MPI_Comm comm, std::span<const Vec3> p, std::span<const Vec3> v, Real dt);
+  /// `predicted` are then the ends of straight paths, and bent() the particles whose paths may be others.
+  void settle(MPI_Comm comm, Particles& particles, Real dt);
+  /// Null where that is not known, as before settle() and without bodies.
+  const std::vector<LocalId>* bent() const { return are_bent_known_ ? &bent_ : nullptr; }
   /// The bodies are given what the ledger has so far in the substep, before the projection; and at its end all of it,
   /// which is then kept for total(). Collective.
   void give_to_bodies(MPI_Comm comm);
   void finish_bodies(MPI_Comm comm);
 
-  /// What no obstacle reaches into around these particles.
-  OpenSpace open_space(std::span<const Vec3> p, Extent extent) const;
-  /// As many as it is well asked for.
-  static constexpr LocalId at_once = 64;
+  /// What no obstacle reaches into around these particles, of which `first` is the number of the first one, if they
+  /// have numbers. Loops that threads share ask each time for as many of these that follow each other.
+  OpenSpace open_space(std::span<const Vec3> p, Extent extent, LocalId first = -1) const {
+    return open_space(around(p, first), extent);
+  }
+  static constexpr LocalId at_once = 128;
+  /// From now on so many particles have numbers, or others.
+  void number_particles(std::size_t count) { around_.assign(count / at_once + 1, {}); }
   /// Whether p is so near to an obstacle that it may contribute to its density.
   bool is_near(const Vec3& p) const {
     return law_ && index_->any(index_->at(p), [&](std::size_t k) { return bodies_[k]->is_near(p); });
@@ -54,9 +62,13 @@ class Obstacles {
   }
   /// Whether the water has given anything to a body that moves freely in this substep. Collective.
   bool is_body_touched(MPI_Comm comm);
-  /// The contribution of all obstacles at p, where one of them is so near that it may have any. Their solids do not
-  /// overlap, so their contributions add up.
-  std::optional<BoundaryDensity> near_density(const Vec3& p) const;
+  /// The contribution of all obstacles at a place, and whether one of them is so near that it may have any. Their
+  /// solids do not overlap, so their contributions add up.
+  struct NearDensity : BoundaryDensity {
+    bool is_near = false;
+  };
+  /// Of up to at_once places of the particles that `open` is the space of.
+  void find_near(const OpenSpace& open, std::span<const Vec3> p, std::span<NearDensity> found) const;
   /// That of the box and of all obstacles: they are independent of each other, as walls are in an edge of the box.
   static BoundaryDensity together(const BoundaryDensity& box, const BoundaryDensity& all);
   /// By how much that contribution grows for a particle at p that moves by `path`, m, in the substep.
@@ -141,7 +153,28 @@ class Obstacles {
   const Vec3& arm_center(std::size_t k) const {
     return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->pivot();
   }
+  // Where some particles are, about, and what comes near to that.
+  struct Surroundings {
+    Box water;
+    ObstacleIndex::Bits near;
+  };
+  // The same of those with numbers from `first` on, as they were when the index was that version. They may have moved:
+  // who is not there any more is outside of what is open.
+  struct Known {
+    LocalId first = -1, count = 0;
+    std::uint64_t version = 0;
+    Surroundings around;
+  };
+  Surroundings around(std::span<const Vec3> p, LocalId first) const;
+  Surroundings look_around(std::span<const Vec3> p) const;
+  OpenSpace open_space(const Surroundings& around, Extent extent) const;
+  template <class PartOf>
+  OpenSpace open_space(const Surroundings& around, const PartOf& part_of) const;
+  bool are_few() const;
   bool is_near_floating(const Vec3& from, const Vec3& to) const;
+  void find_bent(Particles& particles, Real dt);
+  void note_ways();
+  bool are_bent_still_all() const;
   // Those that a path may come near to.
   ObstacleIndex::Bits along(const Vec3& from, const Vec3& to) const {
     return ObstacleIndex::is_path_short(from, to, index_->longest_path()) ? index_->at(from) : index_->all();
@@ -150,7 +183,16 @@ class Obstacles {
 
   std::vector<std::unique_ptr<Body>> bodies_;
   std::optional<ObstacleIndex> index_;  // made when all bodies are there
+  mutable std::vector<Known> around_;   // of each piece of the particles, for whichever thread works on it
   std::unique_ptr<RigidBodies> floating_;
+  // Of settle(): the particles, and of each body that floats what it might reach and might meet when they were found.
+  struct Way {
+    Box reach;
+    ClosedPart wide;
+  };
+  std::vector<LocalId> bent_;
+  std::vector<Way> ways_;
+  bool are_bent_known_ = false;
   std::vector<TotalImpulse> finished_;  // of the substeps of the step, with bodies
   bool sounding_ = false;               // settle() asks what bounces
   Vec3 middle_of_box_;
@@ -160,6 +202,7 @@ class Obstacles {
   PerThread<std::vector<Segment>> segments_;  // of the leg that a thread follows
   std::optional<PressureGauges> gauges_;      // made when all bodies are there
   bool recording_ = true;
+  Real wider_;       // m
   Real relaxation_;  // of shifts by the density solver
   Real water_mass_;
 };

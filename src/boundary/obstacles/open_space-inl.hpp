@@ -48,6 +48,22 @@ HWY_INLINE auto is_inside(const Box& box, const WideVec3& p) {
                  within(p.z, box.min.z(), box.max.z()));
 }
 
+// The same of both ends of paths; a NaN may be where the other end is inside.
+HWY_INLINE auto are_inside(const Box& box, const WideVec3& from, const WideVec3& to) {
+  const Wide d;
+  const auto within = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real low, Real high) {
+    return hn::And(hn::Ge(hn::Min(a, b), hn::Set(d, low)), hn::Le(hn::Max(a, b), hn::Set(d, high)));
+  };
+  return hn::And(
+      hn::And(within(from.x, to.x, box.min.x(), box.max.x()), within(from.y, to.y, box.min.y(), box.max.y())),
+      within(from.z, to.z, box.min.z(), box.max.z()));
+}
+
+HWY_INLINE auto is_in(const Ball& ball, hn::Vec<Wide> off_x, hn::Vec<Wide> off_y, hn::Vec<Wide> off_z) {
+  const auto in_plane = hn::Add(hn::Mul(off_x, off_x), hn::Mul(off_y, off_y));
+  return hn::Le(hn::Add(in_plane, hn::Mul(off_z, off_z)), hn::Set(Wide(), ball.radius * ball.radius));
+}
+
 // Whether places are in what is closed. Most of the water is below that.
 HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
   const Wide d;
@@ -56,11 +72,16 @@ HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
   };
   auto met = hn::MaskFromVec(hn::Zero(d));
   if (hn::AllFalse(d, hn::Ge(p.z, hn::Set(d, open.lowest_closed())))) return met;
-  for (const Box& box : open.closed()) {
+  for (std::size_t k = 0; k < open.closed_parts(); ++k) {
+    const auto& [box, ball] = open.closed(k);
     const auto in_z = within(p.z, box.min.z(), box.max.z());
     if (hn::AllFalse(d, in_z)) continue;
-    met = hn::Or(met,
-                 hn::And(in_z, hn::And(within(p.x, box.min.x(), box.max.x()), within(p.y, box.min.y(), box.max.y()))));
+    const auto in_box =
+        hn::And(in_z, hn::And(within(p.x, box.min.x(), box.max.x()), within(p.y, box.min.y(), box.max.y())));
+    if (hn::AllFalse(d, in_box)) continue;
+    const auto off = [d](hn::Vec<Wide> v, Real middle) { return hn::Sub(v, hn::Set(d, middle)); };
+    const Vec3& middle = ball.center;
+    met = hn::Or(met, hn::And(in_box, is_in(ball, off(p.x, middle.x()), off(p.y, middle.y()), off(p.z, middle.z()))));
   }
   return met;
 }
@@ -73,11 +94,20 @@ HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& from, const Wid
   };
   auto met = hn::MaskFromVec(hn::Zero(d));
   if (hn::AllFalse(d, hn::Ge(hn::Max(from.z, to.z), hn::Set(d, open.lowest_closed())))) return met;
-  for (const Box& box : open.closed()) {
+  for (std::size_t k = 0; k < open.closed_parts(); ++k) {
+    const auto& [box, ball] = open.closed(k);
     const auto in_z = across(from.z, to.z, box.min.z(), box.max.z());
     if (hn::AllFalse(d, in_z)) continue;
-    met = hn::Or(met, hn::And(in_z, hn::And(across(from.x, to.x, box.min.x(), box.max.x()),
-                                            across(from.y, to.y, box.min.y(), box.max.y()))));
+    const auto in_box = hn::And(
+        in_z, hn::And(across(from.x, to.x, box.min.x(), box.max.x()), across(from.y, to.y, box.min.y(), box.max.y())));
+    if (hn::AllFalse(d, in_box)) continue;
+    const auto gap = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real middle) {
+      const auto at = hn::Set(d, middle);
+      return hn::Max(hn::Max(hn::Sub(at, hn::Max(a, b)), hn::Sub(hn::Min(a, b), at)), hn::Zero(d));
+    };
+    const Vec3& middle = ball.center;
+    met = hn::Or(met, hn::And(in_box, is_in(ball, gap(from.x, to.x, middle.x()), gap(from.y, to.y, middle.y()),
+                                            gap(from.z, to.z, middle.z()))));
   }
   return met;
 }

@@ -1,35 +1,56 @@
-// Where some particles have nothing to do with obstacles: a box around them less the boxes of the obstacles beside it.
-// Says too little rather than too much, so that whoever asks for the rest of the particles one by one finds what asking
-// for all would have found. Not collective, on this thread.
+// Where some particles have nothing to do with obstacles: a box around them less what the obstacles beside it may
+// reach, each in a box and in a ball. Says too little rather than too much, so that whoever asks for the rest of the
+// particles one by one finds what asking for all would have found. Not collective, on this thread.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 
 #include "trevi/box.hpp"
 
 namespace trevi {
 
+/// All of space by default.
+struct Ball {
+  Vec3 center = Vec3::Zero();
+  Real radius = INFINITY;
+};
+
+/// What is in a box and in a ball.
+struct ClosedPart {
+  Box box;
+  Ball ball;
+};
+
 class OpenSpace {
  public:
   OpenSpace() = default;  ///< no place at all
   explicit OpenSpace(const Box& box) : box_(box) {}
 
-  /// Takes away what is in `closed`. More of these than are kept apart are taken together.
-  void close(const Box& closed) {
-    if ((closed.max.array() < box_.min.array()).any() || (closed.min.array() > box_.max.array()).any()) return;
+  /// Takes away what is in `part`, which must stay where it is as long as this is asked. What is more than a few of
+  /// these are taken together.
+  void close(const ClosedPart& part) {
+    const Box& closed = part.box;
+    if (!box_.meets(closed)) return;
     lowest_ = std::min(lowest_, closed.min.z());
     if (count_ < closed_.size()) {
-      closed_[count_++] = closed;
-      return;
+      closed_[count_++] = &part;
+    } else if (!has_rest_) {
+      rest_.box = closed;
+      has_rest_ = true;
+    } else {
+      rest_.box = {rest_.box.min.cwiseMin(closed.min), rest_.box.max.cwiseMax(closed.max)};
     }
-    Box& last = closed_.back();
-    last = {last.min.cwiseMin(closed.min), last.max.cwiseMax(closed.max)};
   }
   /// Takes away what is outside of a box.
   void confine(const Box& box) { box_ = {box_.min.cwiseMax(box.min), box_.max.cwiseMin(box.max)}; }
+
+  /// Which obstacles come near to it, as an index of them has it; all where nobody has told.
+  void set_near(std::uint64_t near) { near_ = near; }
+  std::uint64_t near() const { return near_; }
 
   /// Whether a straight path is in it, by the box around that; false for a NaN.
   bool contains(const Vec3& from, const Vec3& to) const {
@@ -39,21 +60,30 @@ class OpenSpace {
   /// Whether the box around a path comes into what is taken away.
   bool closes(const Vec3& from, const Vec3& to) const {
     const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
-    return std::any_of(closed().begin(), closed().end(), [&](const Box& one) {
-      return (high.array() >= one.min.array()).all() && (low.array() <= one.max.array()).all();
-    });
+    for (std::size_t k = 0; k < closed_parts(); ++k) {
+      const auto& [box, ball] = closed(k);
+      if (!(high.array() >= box.min.array()).all() || !(low.array() <= box.max.array()).all()) continue;
+      const Vec3 gap = (ball.center - high).cwiseMax(low - ball.center).cwiseMax(0.0);
+      const Real in_plane = gap.x() * gap.x() + gap.y() * gap.y();
+      if (in_plane + gap.z() * gap.z() <= ball.radius * ball.radius) return true;
+    }
+    return false;
   }
 
-  /// Of a box and a few in it, for loops in vectors.
+  /// Of a box and a few parts of it, for loops in vectors.
   const Box& box() const { return box_; }
-  std::span<const Box> closed() const { return {closed_.data(), count_}; }
+  std::size_t closed_parts() const { return count_ + (has_rest_ ? 1 : 0); }
+  const ClosedPart& closed(std::size_t k) const { return k < count_ ? *closed_[k] : rest_; }
   Real lowest_closed() const { return lowest_; }  ///< height below which none of these is
 
  private:
   Box box_{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
-  std::array<Box, 8> closed_;
+  std::array<const ClosedPart*, 8> closed_;
   std::size_t count_ = 0;
+  ClosedPart rest_;
+  bool has_rest_ = false;
   Real lowest_ = INFINITY;
+  std::uint64_t near_ = ~std::uint64_t{0};
 };
 
 /// Around every so many of the positions, from the first on, and the last.

@@ -21,63 +21,77 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::FixedTag<double, 4>;
 using FourReals = hn::Vec<Four>;
 
-// What each of the four nodes along an axis weighs, and the derivatives: by node, then by axis.
-struct Weights {
-  std::array<std::array<Real, 4>, 4> value, slope;
-};
+// What each of the four nodes along an axis weighs, or the derivatives of that: by node, then by axis.
+using Weights = std::array<std::array<Real, 4>, 4>;
 
-HWY_INLINE void find_weights(const Vec3& at, Weights& weights) {
+HWY_INLINE FourReals by_axis(const Vec3& at) {
+  const std::array<Real, 4> of{at.x(), at.y(), at.z(), 0};
+  return hn::LoadU(Four(), of.data());
+}
+
+HWY_INLINE void find_weights(FourReals t, Weights& weights) {
   const Four d;
-  const std::array<Real, 4> by_axis{at.x(), at.y(), at.z(), 0};
-  const auto t = hn::LoadU(d, by_axis.data());
   const auto number = [&](Real x) { return hn::Set(d, x); };
-  const auto store = [&](FourReals v, std::array<Real, 4>& to) { hn::StoreU(v, d, to.data()); };
+  const auto store = [&](FourReals v, std::size_t n) { hn::StoreU(v, d, weights[n].data()); };
   const auto half = hn::Mul(number(0.5), t), thrice = hn::Mul(number(1.5), t), tt = hn::Mul(t, t);
-  store(hn::Mul(t, hn::Add(number(-0.5), hn::Mul(t, hn::Sub(number(1), half)))), weights.value[0]);
-  store(hn::Add(number(1), hn::Mul(tt, hn::Add(number(-2.5), thrice))), weights.value[1]);
-  store(hn::Mul(t, hn::Add(number(0.5), hn::Mul(t, hn::Sub(number(2), thrice)))), weights.value[2]);
-  store(hn::Mul(tt, hn::Add(number(-0.5), half)), weights.value[3]);
-  const auto large = hn::Mul(number(4.5), t);
-  store(hn::Add(number(-0.5), hn::Mul(t, hn::Sub(number(2), thrice))), weights.slope[0]);
-  store(hn::Mul(t, hn::Add(number(-5), large)), weights.slope[1]);
-  store(hn::Add(number(0.5), hn::Mul(t, hn::Sub(number(4), large))), weights.slope[2]);
-  store(hn::Mul(t, hn::Add(number(-1), thrice)), weights.slope[3]);
+  store(hn::Mul(t, hn::Add(number(-0.5), hn::Mul(t, hn::Sub(number(1), half)))), 0);
+  store(hn::Add(number(1), hn::Mul(tt, hn::Add(number(-2.5), thrice))), 1);
+  store(hn::Mul(t, hn::Add(number(0.5), hn::Mul(t, hn::Sub(number(2), thrice)))), 2);
+  store(hn::Mul(tt, hn::Add(number(-0.5), half)), 3);
+}
+
+HWY_INLINE void find_slopes(FourReals t, Weights& slopes) {
+  const Four d;
+  const auto number = [&](Real x) { return hn::Set(d, x); };
+  const auto store = [&](FourReals v, std::size_t n) { hn::StoreU(v, d, slopes[n].data()); };
+  const auto thrice = hn::Mul(number(1.5), t), large = hn::Mul(number(4.5), t);
+  store(hn::Add(number(-0.5), hn::Mul(t, hn::Sub(number(2), thrice))), 0);
+  store(hn::Mul(t, hn::Add(number(-5), large)), 1);
+  store(hn::Add(number(0.5), hn::Mul(t, hn::Sub(number(4), large))), 2);
+  store(hn::Mul(t, hn::Add(number(-1), thrice)), 3);
+}
+
+// Of the j-th rows of four planes along x.
+HWY_INLINE FourReals along_x(const SplineNodes& nodes, std::size_t j, const Weights& of) {
+  const Four d;
+  const Real* const row = nodes.first + j * nodes.row;
+  const auto a = hn::LoadU(d, row), b = hn::LoadU(d, row + nodes.plane);
+  const auto e = hn::LoadU(d, row + 2 * nodes.plane), f = hn::LoadU(d, row + 3 * nodes.plane);
+  const auto even = hn::InterleaveLower(d, a, b), odd = hn::InterleaveUpper(d, a, b);
+  const auto even_up = hn::InterleaveLower(d, e, f), odd_up = hn::InterleaveUpper(d, e, f);
+  const auto part = [&](std::size_t n, FourReals node) { return hn::Mul(hn::Set(d, of[n][0]), node); };
+  return hn::Add(
+      hn::Add(part(0, hn::ConcatLowerLower(d, even_up, even)), part(1, hn::ConcatLowerLower(d, odd_up, odd))),
+      hn::Add(part(2, hn::ConcatUpperUpper(d, even_up, even)), part(3, hn::ConcatUpperUpper(d, odd_up, odd))));
 }
 
 // A lane for each plane of nodes.
-SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& t) {
+SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& at, Real flat) {
   const Four d;
-  Weights weights;
+  const FourReals t = by_axis(at);
+  Weights weights, slopes;
   find_weights(t, weights);
-  const auto along_x = [&](const std::array<std::array<Real, 4>, 4>& of, const std::array<FourReals, 4>& node) {
-    const auto part = [&](std::size_t n) { return hn::Mul(hn::Set(d, of[n][0]), node[n]); };
-    return hn::Add(hn::Add(part(0), part(1)), hn::Add(part(2), part(3)));
-  };
-  auto value = hn::Zero(d), slope_x = value, slope_y = value;
+  std::array<FourReals, 4> line{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  auto value = hn::Zero(d);
   for (std::size_t j = 0; j < 4; ++j) {
-    const Real* const row = nodes.first + j * nodes.row;
-    const auto a = hn::LoadU(d, row), b = hn::LoadU(d, row + nodes.plane);
-    const auto e = hn::LoadU(d, row + 2 * nodes.plane), f = hn::LoadU(d, row + 3 * nodes.plane);
-    const auto even = hn::InterleaveLower(d, a, b), odd = hn::InterleaveUpper(d, a, b);
-    const auto even_up = hn::InterleaveLower(d, e, f), odd_up = hn::InterleaveUpper(d, e, f);
-    const std::array<FourReals, 4> node{hn::ConcatLowerLower(d, even_up, even), hn::ConcatLowerLower(d, odd_up, odd),
-                                        hn::ConcatUpperUpper(d, even_up, even), hn::ConcatUpperUpper(d, odd_up, odd)};
-    const auto line = along_x(weights.value, node), line_slope = along_x(weights.slope, node);
-    const auto weight = hn::Set(d, weights.value[j][1]);
-    value = hn::Add(value, hn::Mul(weight, line));
-    slope_x = hn::Add(slope_x, hn::Mul(weight, line_slope));
-    slope_y = hn::Add(slope_y, hn::Mul(hn::Set(d, weights.slope[j][1]), line));
+    line[j] = along_x(nodes, j, weights);
+    value = hn::Add(value, hn::Mul(hn::Set(d, weights[j][1]), line[j]));
   }
   std::array<Real, 4> of_plane, of_plane_x, of_plane_y;
   hn::StoreU(value, d, of_plane.data());
+  SplineValue sum{0, Vec3::Zero()};
+  for (std::size_t k = 0; k < 4; ++k) sum.value += weights[k][2] * of_plane[k];
+  if (sum.value >= flat) return sum;
+  find_slopes(t, slopes);
+  auto slope_x = hn::Zero(d), slope_y = slope_x;
+  for (std::size_t j = 0; j < 4; ++j) {
+    slope_x = hn::Add(slope_x, hn::Mul(hn::Set(d, weights[j][1]), along_x(nodes, j, slopes)));
+    slope_y = hn::Add(slope_y, hn::Mul(hn::Set(d, slopes[j][1]), line[j]));
+  }
   hn::StoreU(slope_x, d, of_plane_x.data());
   hn::StoreU(slope_y, d, of_plane_y.data());
-  SplineValue sum{0, Vec3::Zero()};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Real weight = weights.value[k][2];
-    sum.value += weight * of_plane[k];
-    sum.slope += Vec3(weight * of_plane_x[k], weight * of_plane_y[k], weights.slope[k][2] * of_plane[k]);
-  }
+  for (std::size_t k = 0; k < 4; ++k)
+    sum.slope += Vec3(weights[k][2] * of_plane_x[k], weights[k][2] * of_plane_y[k], slopes[k][2] * of_plane[k]);
   return sum;
 }
 
@@ -93,7 +107,7 @@ HWY_INLINE Spline spline_at(Real t) {
           {-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t), t * (-1 + 1.5 * t)}};
 }
 
-SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& t) {
+SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& t, Real flat) {
   const Spline sx = spline_at(t.x()), sy = spline_at(t.y()), sz = spline_at(t.z());
   SplineValue sum{0, Vec3::Zero()};
   for (std::size_t k = 0; k < 4; ++k) {
@@ -111,6 +125,7 @@ SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& t) {
     sum.value += sz.value[k] * plane;
     sum.slope += Vec3(sz.value[k] * plane_x, sz.value[k] * plane_y, sz.slope[k] * plane);
   }
+  if (sum.value >= flat) sum.slope.setZero();
   return sum;
 }
 
@@ -125,8 +140,8 @@ namespace trevi {
 
 HWY_EXPORT(interpolate_of);
 
-SplineValue interpolate(const SplineNodes& nodes, const Vec3& t) {
-  return HWY_DYNAMIC_DISPATCH(interpolate_of)(nodes, t);
+SplineValue interpolate(const SplineNodes& nodes, const Vec3& t, Real flat) {
+  return HWY_DYNAMIC_DISPATCH(interpolate_of)(nodes, t, flat);
 }
 
 }  // namespace trevi

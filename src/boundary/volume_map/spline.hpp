@@ -2,6 +2,7 @@
 // on every instruction set. Not collective.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "trevi/types.hpp"
@@ -20,7 +21,7 @@ struct SplineNodes {
   std::size_t row, plane;
 };
 
-/// At t from the second node to the third along each axis, 0 to 1.
-SplineValue interpolate(const SplineNodes& nodes, const Vec3& t);
+/// At t from the second node to the third along each axis, 0 to 1. Where the value is at least `flat` no slope is told.
+SplineValue interpolate(const SplineNodes& nodes, const Vec3& t, Real flat = INFINITY);
 
 }  // namespace trevi

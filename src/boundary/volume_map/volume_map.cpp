@@ -217,15 +217,15 @@ bool VolumeMap::is_near(const Vec3& p) const {
   return covers(place) ? nodes_at(place).kind != Kind::empty : vessel_;
 }
 
-EquivalentPlane VolumeMap::at(const Vec3& p) const {
+EquivalentPlane VolumeMap::at(const Vec3& p, Real flat) const {
   const BlockPlace place = block_of(p);
   if (!covers(place)) return {vessel_ ? -h_ : h_, Vec3::Zero(), vessel_};
   const Nodes& here = nodes_at(place);
   if (here.kind != Kind::cut) return {here.kind == Kind::full ? -h_ : h_, Vec3::Zero(), here.kind == Kind::full};
-  return interpolated(here, (p - corner_of(place, block * node_)) / node_);
+  return interpolated(here, (p - corner_of(place, block * node_)) / node_, flat);
 }
 
-EquivalentPlane VolumeMap::interpolated(const Nodes& here, const Vec3& in_nodes) const {
+EquivalentPlane VolumeMap::interpolated(const Nodes& here, const Vec3& in_nodes, Real flat) const {
   std::array<std::size_t, 3> cell;
   Vec3 t;
   for (Eigen::Index a = 0; a < 3; ++a) {
@@ -234,7 +234,8 @@ EquivalentPlane VolumeMap::interpolated(const Nodes& here, const Vec3& in_nodes)
     t[a] = in_nodes[a] - lower;
   }
   constexpr auto row = static_cast<std::size_t>(nodes), plane = row * row;
-  const auto [value, slope] = interpolate({&here.distance[cell[2] * plane + cell[1] * row + cell[0]], row, plane}, t);
+  const auto [value, slope] =
+      interpolate({&here.distance[cell[2] * plane + cell[1] * row + cell[0]], row, plane}, t, flat);
   return {value, slope / node_};
 }
 

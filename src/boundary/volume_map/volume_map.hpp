@@ -11,6 +11,7 @@
 // from the shape alone: the same bits on any ranks and threads. Not collective.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "boundary/geometry/lazy_blocks.hpp"
@@ -40,7 +41,8 @@ class VolumeMap {
 
   /// Whether the surface may be within h of p.
   bool is_near(const Vec3& p) const;
-  EquivalentPlane at(const Vec3& p) const;
+  /// From the distance `flat` on, m, no gradient is told.
+  EquivalentPlane at(const Vec3& p, Real flat = INFINITY) const;
   /// Bytes that the map of a shape takes before anyone has come near to it.
   static Real min_bytes(const Box& bounds, Real h);
   std::size_t bytes() const { return cells_.bytes() + nodes_.bytes(); }
@@ -82,7 +84,7 @@ class VolumeMap {
   Real plane_distance(Real fraction, const Vec3& node) const;
   BlockPlace block_of(const Vec3& p) const;
   bool covers(const BlockPlace& place) const;
-  EquivalentPlane interpolated(const Nodes& here, const Vec3& in_nodes) const;
+  EquivalentPlane interpolated(const Nodes& here, const Vec3& in_nodes, Real flat) const;
 
   const Shape& shape_;
   std::optional<Fixed> fixed_;

@@ -40,29 +40,49 @@ std::span<const Vec3> part_of(std::span<const Vec3> field, Range range) {
 
 }  // namespace
 
+constexpr auto all_of_them = [](std::size_t) { return true; };
+
 // visit(i, wall, what obstacles contribute) for the particles of the range, at most sums_chunk, that are near a wall,
-// or an obstacle.
+// or an obstacle, and of which wants(i) holds.
 template <class T>
-template <class Visit>
-void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const {
+template <class Wants, class Visit>
+void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Wants& wants,
+                                              const Visit& visit) const {
+  static_assert(sums_chunk <= Obstacles::at_once);
   if (!walls_) return;
   const Box& interior = walls_->interior();
   if (!obstacles_) {
     std::array<LocalId, sums_chunk> near;
     const std::size_t count = find_outside(OpenSpace(interior), part_of(p, range), near.data());
-    for (std::size_t k = 0; k < count; ++k) visit(static_cast<std::size_t>(range.begin + near[k]), Wall::box, {});
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto i = static_cast<std::size_t>(range.begin + near[k]);
+      if (wants(i)) visit(i, Wall::box, {});
+    }
     return;
   }
-  const OpenSpace open = obstacles_->open_space(part_of(p, range), Extent::density);
+  const OpenSpace open = obstacles_->open_space(part_of(p, range), Extent::density, range.begin);
   std::array<OutsideOf, sums_chunk> near;
   const std::size_t count = find_outside(open, interior, part_of(p, range), near.data());
+  std::array<std::size_t, sums_chunk> asked;
+  std::array<Vec3, sums_chunk> there;
+  std::array<Obstacles::NearDensity, sums_chunk> found;
+  std::size_t outside = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = static_cast<std::size_t>(range.begin + near[k].which);
-    const std::optional<BoundaryDensity> all = near[k].space ? obstacles_->near_density(p[i]) : std::nullopt;
-    if (all) {
-      visit(i, Wall::obstacle, *all);
+    if (!wants(i)) continue;
+    if (near[k].space) {
+      asked[outside] = i;
+      there[outside++] = p[i];
     } else if (!interior.contains(p[i])) {
       visit(i, Wall::box, {});
+    }
+  }
+  obstacles_->find_near(open, {there.data(), outside}, {found.data(), outside});
+  for (std::size_t k = 0; k < outside; ++k) {
+    if (found[k].is_near) {
+      visit(asked[k], Wall::obstacle, found[k]);
+    } else if (!interior.contains(there[k])) {
+      visit(asked[k], Wall::box, {});
     }
   }
 }
@@ -123,7 +143,7 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
   for_each_sum<T>(range, loop, [&](Range here, const T* sum) {
     for (auto i = static_cast<std::size_t>(here.begin); i < static_cast<std::size_t>(here.end); ++i, ++sum)
       rho[i] = density_factor_ * (1 + static_cast<Real>(*sum));
-    for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
+    for_each_near_wall(here, p, all_of_them, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
       rho[i] += model_.rest_density * together(walls_->at(p[i]), wall, obstacles).density;
     });
   });
@@ -145,7 +165,7 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
     std::array<T, sums_chunk> multiplier;
     find_multipliers<T>(law, {{sums, count}, squares}, &out.rho[first], multiplier.data());
     out.field.clear(here);
-    for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
+    for_each_near_wall(here, p, all_of_them, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
       const std::size_t k = i - first;
       const BoundaryDensity boundary_density = together(walls_->at(p[i]), wall, obstacles);
       out.rho[i] += model_.rest_density * boundary_density.density;
@@ -168,9 +188,9 @@ void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, 
   sum_deltas(loops_.delta, pairs, range, p, field);
   const Packed<T>* const records = pairs.records.data() + pairs.low_ghosts;
   for_each_part(range, sums_chunk, [&](Range here) {
-    for_each_near_wall(here, p, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
+    const auto has_multiplier = [&](std::size_t i) { return records[i].w != 0; };
+    for_each_near_wall(here, p, has_multiplier, [&](std::size_t i, Wall wall, const BoundaryDensity& obstacles) {
       const auto multiplier = static_cast<Real>(records[i].w);
-      if (multiplier == 0) return;
       const BoundaryDensity box = walls_->at(p[i]), all = together(box, wall, obstacles);
       const Vec3 path = velocity[i] * dt;
       const Real nearer = wall == Wall::obstacle ? obstacles_->growth(box, p[i], path) : all.gradient.dot(path);

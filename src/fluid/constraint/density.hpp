@@ -97,8 +97,8 @@ class DensityConstraint {
   using DeltaLoop = std::function<void(const Pairs<T>&, Range, Vec4<T>*)>;
   void sum_deltas(const DeltaLoop& delta_loop, const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                   WallsOrShifts<T>& field) const;
-  template <class Visit>
-  void for_each_near_wall(Range range, std::span<const Vec3> p, const Visit& visit) const;
+  template <class Wants, class Visit>
+  void for_each_near_wall(Range range, std::span<const Vec3> p, const Wants& wants, const Visit& visit) const;
   void record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
                         const WallsOrShifts<T>& field) const;
 

@@ -90,7 +90,7 @@ HWY_INLINE void store_records(const Encoding<T>& encoding, const WideVec3& p, Pa
 }
 
 // For most vectors all paths are in the open.
-template <class T>
+template <bool any_closed, class T>
 HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* p, Packed<T>* records) {
   const Wide d;
   const auto factor = hn::Set(d, shift.factor);
@@ -100,23 +100,32 @@ HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* 
   const WideVec3 to = {hn::Add(from.x, hn::Mul(factor, widened<T>(x))), hn::Add(from.y, hn::Mul(factor, widened<T>(y))),
                        hn::Add(from.z, hn::Mul(factor, widened<T>(z)))};
   const Box& box = shift.open.box();
-  if (!hn::AllTrue(d, is_inside(box, to)) || (!shift.from_inside && !hn::AllTrue(d, is_inside(box, from))))
+  if (shift.from_inside) {
+    if (!hn::AllTrue(d, is_inside(box, to))) return false;
+  } else if (!hn::AllTrue(d, are_inside(box, from, to))) {
     return false;
-  if (!hn::AllFalse(d, is_closed(shift.open, from, to))) return false;
+  }
+  if (any_closed && !hn::AllFalse(d, is_closed(shift.open, from, to))) return false;
   hn::StoreInterleaved3(to.x, to.y, to.z, d, p->data());
   store_records(shift.encoding, to, records);
   return true;
 }
 
-template <class T>
-std::size_t move_particles_of(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left) {
+template <bool any_closed, class T>
+HWY_INLINE std::size_t move_most(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left) {
   const std::size_t lanes = hn::Lanes(Wide()), count = moved.p.size();
   std::size_t stay = 0;
   for (std::size_t k = 0; k < count; k += lanes) {
-    if (k + lanes <= count && moved_inside(shift, delta + k, &moved.p[k], moved.records + k)) continue;
+    if (k + lanes <= count && moved_inside<any_closed>(shift, delta + k, &moved.p[k], moved.records + k)) continue;
     for (std::size_t i = k; i < std::min(k + lanes, count); ++i) left[stay++] = static_cast<LocalId>(i);
   }
   return stay;
+}
+
+template <class T>
+std::size_t move_particles_of(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left) {
+  return shift.open.closed_parts() > 0 ? move_most<true>(shift, delta, moved, left)
+                                       : move_most<false>(shift, delta, moved, left);
 }
 
 // Each against those that come 1, 2, ... after it. Twice the square, as the test itself may round otherwise.
