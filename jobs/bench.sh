@@ -132,7 +132,7 @@ import json, statistics, sys
 name = sys.argv[1]
 parts = {b["name"].split("/")[1]: b["ns_per_pair"] for b in json.load(open(f"out/bench/parts-{name}.json"))["benchmarks"]}
 run = json.load(open(f"out/bench/limit_{name}.json"))
-passes = 6  # density and delta, three times each; as many in each step, as nothing is left out
+passes = 4  # density and delta, twice each; as many in each step, as nothing is left out
 phase = {p["name"]: 1e3 * p["seconds"]["mean"] / run["steps"] for p in run["phases"]}
 pairs = 1e6 * (phase["Lambda"] + phase["Delta"]) / run["nanoseconds_per_pair"] / passes
 coarse = phase["CoarseGrid"]

@@ -57,7 +57,8 @@ void bind_water(py::module_& m) {
       .def_readwrite("constraint", &DensitySettings::constraint)
       .def_readwrite("precision", &DensitySettings::precision, "of the pair loops")
       .def_readwrite("crush_limit", &DensitySettings::crush_limit, "mean compression from which on water is crushed");
-  derived(density, "iterations", &DensitySettings::iterations, "of the density solve; None: 3 with the coarse grid, else 4");
+  derived(density, "iterations", &DensitySettings::iterations,
+          "of the density solve; None: 3 with the coarse grid, else 4");
   derived(density, "relaxation", &DensitySettings::relaxation, "under-relaxation; None: by the kernel");
   derived(density, "coarse_grid", &DensitySettings::coarse_grid, "the projection on the cell grid; None: chebyshev");
   derived(density, "max_shift", &DensitySettings::max_shift, "of a pair in an iteration, in units of h; 0: no cap");

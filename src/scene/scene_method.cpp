@@ -21,7 +21,8 @@ void read_density(Section& section, DensitySettings& density) {
       {"method", "how the density iteration is accelerated"}, density.method,
       {{"jacobi", Method::jacobi}, {"chebyshev", Method::chebyshev}, {"anderson", Method::anderson}});
   int iterations = 1;
-  if (section.integer({"iterations", "the number of density iterations, at most when tolerance is given"}, iterations, 1))
+  if (section.integer({"iterations", "the number of density iterations, at most when tolerance is given"}, iterations,
+                      1))
     density.iterations = iterations;
   section.check("iterations", iterations <= max_iterations,
                 fmt::format("must be at most {}; a step of more would hardly end", max_iterations));

@@ -111,7 +111,8 @@ inline const std::string every_table =
     "[[obstacle]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nheight = 0.2\n"
     "[[body]]\ntype = 'cylinder'\ncenter = [1, 0.5, 0.8]\nradius = 0.1\nheight = 0.2\ndensity = 500\n"
     "[[gauge]]\ntype = 'height'\ncenter = [1, 0.5, 0]\n[output.vtu]\n"
-    "every = 1\n[output.vtkhdf]\nevery = 1\n[[output.frames]]\nevery = 1\n[output.checkpoint]\n[output.series]\n[output.gauges]\n";
+    "every = 1\n[output.vtkhdf]\nevery = 1\n[[output.frames]]\nevery = "
+    "1\n[output.checkpoint]\n[output.series]\n[output.gauges]\n";
 
 /// Of what `density.preset = "report"` changes.
 inline const std::vector<std::string> defaults_of_the_report = {"density.method='jacobi'",

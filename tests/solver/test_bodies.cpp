@@ -383,20 +383,13 @@ TEST(BodyInput, IsRefusedWithItsPlace) {
                   {"bodies[0]", "the 9.57 kg that its end moves with"});
   expect_mentions(of_solver(sphere + "density = 1\n[[body]]\n" + sphere + "density = 2\n"), {"reaches into body"});
   expect_mentions(of_solver(sphere + "density = 1\n"), {"bodies[0]", "less than a particle of water"});
-}
-
-// Contacts would part them at once, and throw a light one: bodies of 300 kg/m³ went at 30 to 160 m/s.
-TEST(BodyInput, IsRefusedWhereItsFacesCrossAnotherSolidWithoutACorner) {
-  const auto refusal = [](const std::string& place, const std::string& obstacle) {
-    const std::string plank = "type = \"box\"\nsize = [0.6, 0.2, 0.2]\ndensity = 300\n";
-    return input_error_of([&] { BodyRun(world, pool + "[[body]]\n" + plank + "center = " + place + "\n" + obstacle); });
-  };
+  // Without a corner in the other: contacts would part them at once, and threw bodies at 30 to 160 m/s.
+  const std::string plank = "type = \"box\"\nsize = [0.6, 0.2, 0.2]\ndensity = 300\ncenter = [0.5, ";
   const std::string post = "[[obstacle]]\ntype = \"box\"\ncenter = [0.6, 0.6, 0.7]\nsize = [0.1, 0.1, 0.8]\n";
-  expect_mentions(refusal("[0.5, 0.6, 0.9]", post), {"bodies[0]", "reaches into obstacle 0"});
-  expect_mentions(refusal("[0.5, 0.48, 0.9]", post), {"bodies[0]", "reaches into obstacle 0"});
-  EXPECT_EQ(refusal("[0.5, 0.45, 0.9]", post), "no error") << "they touch";
   const std::string nut = "[[obstacle]]\ntype = \"sphere\"\ncenter = [0.65, 0.6, 0.9]\nradius = 0.05\n";
-  expect_mentions(refusal("[0.5, 0.6, 0.9]", nut), {"bodies[0]", "reaches into obstacle 0"});
+  for (const std::string& crossed : {"0.6, 0.9]\n" + post, "0.48, 0.9]\n" + post, "0.6, 0.9]\n" + nut})
+    expect_mentions(of_solver(plank + crossed), {"bodies[0]", "reaches into obstacle 0"});
+  EXPECT_NO_THROW(BodyRun(world, pool + "[[body]]\n" + plank + "0.45, 0.9]\n" + post)) << "they touch";
 }
 
 }  // namespace
