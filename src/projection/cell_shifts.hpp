@@ -12,15 +12,22 @@ struct Densities {
   Real rest;
 };
 
+/// Of each own row of cells, plane by plane, whether there may be a shift within three rows of it: the smooth part of
+/// shifts reaches over two.
+struct RowsNearShifts {
+  std::span<const char> marks;
+  LocalId rows;  // of a plane
+  bool has(LocalId k, LocalId r) const { return marks[static_cast<std::size_t>((k - 1) * rows + r)] != 0; }
+};
+
 /// What the sweeps have done: shifts of positions from x to p, where the grid acts (0 to 1), and the densities that
-/// they have seen last; of all owned particles. Of each own row of cells, plane by plane, whether there may be a shift
-/// within three rows of it: the smooth part of shifts reaches over two.
+/// they have seen last; of all owned particles.
 template <class T>
 struct Swept {
   Motion shifts;
   std::span<const T> act;
   Densities densities;
-  std::span<const char> near_shifts;
+  RowsNearShifts near;
 };
 
 /// Writes −act · (a + B y), m, of the particles of a cell, as the scalar 0; less of it, down to nothing, of those that

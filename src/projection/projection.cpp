@@ -16,6 +16,14 @@ ActiveRows::Least min_particles(const ProjectionGrid& grid, Real spacing, bool s
   return {number(projection::deep_fill), number(solids ? projection::deep_fill : projection::surface_fill)};
 }
 
+// Those of a row that are in its cells from `column` on stay where they are.
+template <class T>
+void leave_from(const CellOrder& order, LocalId k, LocalId r, LocalId column, std::span<Vec4<T>> out) {
+  const LocalId columns = order.grid().columns();
+  const LocalId first = order.start(k, r * columns + column), end = order.start(k, (r + 1) * columns);
+  std::fill_n(out.begin() + (first - order.low_ghosts()), end - first, Vec4<T>{});
+}
+
 }  // namespace
 
 Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles,
@@ -69,7 +77,7 @@ void Projection::displacements(const CellOrder& order, Real dt, const Motion& mo
       displace_cell(particles_to_grid_.frame(), motion, cell,
                     grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
     });
-    leave_flying<T>(order, k, r, out);
+    leave_from<T>(order, k, r, grid_.columns(k, r), out);  // those above are in flight
   });
   if (obstacles_ != nullptr) record_forces<T>(order, model_.gravity * dt * dt, out);
   particles_to_grid_.keep_fits();
@@ -111,32 +119,17 @@ void Projection::give_back() {
   surface_.give_back();
 }
 
-// Those of a row that are in its cells from `column` on stay where they are.
-template <class T>
-void leave(const CellOrder& order, LocalId k, LocalId r, LocalId column, std::span<Vec4<T>> out) {
-  const LocalId columns = order.grid().columns();
-  const LocalId first = order.start(k, r * columns + column), end = order.start(k, (r + 1) * columns);
-  std::fill_n(out.begin() + (first - order.low_ghosts()), end - first, Vec4<T>{});
-}
-
-// Particles above a row's cells are in flight.
-template <class T>
-void Projection::leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const {
-  leave<T>(order, k, r, grid_.columns(k, r), out);
-}
-
 template <class T>
 void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  const ShiftFilter::Input input{order, swept.shifts, swept.densities, swept.near_shifts};
-  shift_filter_.for_each_plane(halo, input, [&](Range planes) {
+  shift_filter_.for_each_plane(halo, {order, swept.shifts, swept.densities, swept.near}, [&](Range planes) {
     for_each_row_of_few<ShiftFilter::Smooth>(grid_, planes, [&](ShiftFilter::Smooth& smooth, LocalId k, LocalId r) {
-      if (!input.is_near(k, r)) return leave<T>(order, k, r, 0, out);
+      if (!swept.near.has(k, r)) return leave_from<T>(order, k, r, 0, out);
       shift_filter_.find_smooth(smooth, k, r);
       particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
         remove_smooth(particles_to_grid_.frame(), swept, cell, smooth.at(c), &out[cell.begin]);
       });
-      leave_flying<T>(order, k, r, out);
+      leave_from<T>(order, k, r, grid_.columns(k, r), out);  // those above are in flight
     });
   });
 }
@@ -146,9 +139,8 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
                                   std::span<Vec3> velocity) const {
   const ScopedEvent timed(event_);
   const ByAxis& per_length = particles_to_grid_.frame().per_length;
-  const ShiftFilter::Input input{order, swept.shifts, swept.densities, swept.near_shifts};
   for_each_row(own_rows(), [&](LocalId k, LocalId r) {
-    if (!input.is_near(k, r)) return;
+    if (!swept.near.has(k, r)) return;
     particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
       std::array<ByAxis, 3> slope = particles_to_grid_.fits().cell<AffineMap>(k, r, c).b;
       for (ByAxis& of_axis : slope) {

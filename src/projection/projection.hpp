@@ -65,8 +65,6 @@ class Projection {
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
   template <class T>
   void record_forces(const CellOrder& order, Real g_dt2, std::span<Vec4<T>> out) const;
-  template <class T>
-  void leave_flying(const CellOrder& order, LocalId k, LocalId r, std::span<Vec4<T>> out) const;
 
   Event event_{"CoarseGrid"};
   MPI_Comm comm_;

@@ -8,14 +8,9 @@ namespace trevi {
 
 template <class T>
 void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const {
-  std::array<Real, 4> sum{};  // in vectors, with the last number along
-  for (const Vec4<T>& one : moved) {
-    sum[0] += static_cast<Real>(one.x);
-    sum[1] += static_cast<Real>(one.y);
-    sum[2] += static_cast<Real>(one.z);
-    sum[3] += static_cast<Real>(one.w);
-  }
-  obstacles_.record_projection(obstacles_.rest_account(), Vec3(sum[0], sum[1], sum[2]), Vec3::Zero());
+  Vec3 sum = Vec3::Zero();
+  for (const Vec4<T>& one : moved) sum += vector_of(one);
+  obstacles_.record_projection(obstacles_.rest_account(), sum, Vec3::Zero());
   const ProjectionGrid& grid = surface_.grid();
   const bool beside_wall = grid.is_wall(0, k, r, 1) || grid.is_wall(0, k + 1, r, 1) || grid.is_wall(1, k, r, 1) ||
                            grid.is_wall(1, k, r + 1, 1);

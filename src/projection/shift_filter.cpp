@@ -42,7 +42,7 @@ void ShiftFilter::find_smooth(Smooth& smooth, LocalId k, LocalId r) const {
 void ShiftFilter::sum_row(const Input& input, LocalId k, LocalId r) {
   const ParticlesToGrid& water = surface_.water();
   sums_.clear(k, r);
-  if (!input.is_near(k, r)) return;
+  if (!input.near.has(k, r)) return;
   water.for_each_cell(input.order, k, r, [&](LocalId c, const CellParticles& cell) {
     const MotionSums motion = sum_motion(water.frame(), input.shifts, cell);
     Moments sums{{static_cast<Real>(cell.end - cell.begin), motion.y, motion.yy}, {motion.u, motion.uy}, 0};
@@ -53,7 +53,7 @@ void ShiftFilter::sum_row(const Input& input, LocalId k, LocalId r) {
 }
 
 void ShiftFilter::fit_row(TentMemory& memory, const Input& input, LocalId k, LocalId r) {
-  if (!input.is_near(k, r)) return fit_.clear(k, r);
+  if (!input.near.has(k, r)) return fit_.clear(k, r);
   const ProjectionGrid& grid = surface_.grid();
   const Range cells = surface_.water().filled(k, r);
   const std::size_t floor = grid.index(k, r, 0);

@@ -24,16 +24,12 @@ class ShiftFilter {
  public:
   explicit ShiftFilter(const FreeSurface& surface) : surface_(surface) {}
 
-  /// Shifts of the owned particles, their densities over that at rest, and the own rows of cells that shifts are near
-  /// to (Swept). Of the others nothing is found.
+  /// Shifts of the owned particles, their densities over that at rest, and the rows of which something is found.
   struct Input {
     const CellOrder& order;
     Motion shifts;
     Densities densities;
-    std::span<const char> near_shifts;
-    bool is_near(LocalId k, LocalId r) const {
-      return near_shifts[static_cast<std::size_t>((k - 1) * order.rows() + r)] != 0;
-    }
+    RowsNearShifts near;
   };
   /// Calls use(planes) for runs of own planes, one after the other, which are all of them: find_smooth() is then for
   /// their rows that are near shifts.

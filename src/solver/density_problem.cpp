@@ -154,7 +154,8 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   if (!near_.halo().has_neighbours() || inner.planes.size() == 0) {
     compute_delta();
     if (separate) separate_coincident();
-    return with_halo(Phase::move, [&](Range part) { move_swept(part); });
+    const std::vector<Range> moving = rows_to_move();
+    return with_halo(Phase::move, [&](Range part) { move_rows(part, moving); });
   }
   if (positions_only_) note_sweep();
   find_swept_rows();
@@ -164,20 +165,28 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
     if (separate) separate_coincident(inner, inside);
   };
   find(near_.boundary(beside), false);
-  for (const Range& part : near_.boundary()) move_swept(part);
+  const auto move = [&](const std::vector<Range>& parts) {
+    const std::vector<Range> moving = rows_to_move();
+    for (const Range& part : parts) move_rows(part, moving);
+  };
+  move(near_.boundary());
   near_.start_positions();
   find(near_.interior(beside), true);
   const ScopedEvent timed(phase_event_[static_cast<std::size_t>(Phase::move)]);
-  for (const Range& part : near_.interior()) move_swept(part);
+  move(near_.interior());
   finish_moves();
 }
 
 // What is in a solid is taken out of it, whether it is swept or not.
 template <class T>
-void DensityProblem<T>::move_swept(Range part) {
-  if (boundary_.obstacles() != nullptr) return collide_and_move(part);
-  for_each_piece(part, swept_.moved(), [&](Range piece, bool is_swept) {
-    if (is_swept) collide_and_move(piece);
+std::vector<Range> DensityProblem<T>::rows_to_move() const {
+  return boundary_.obstacles() != nullptr ? std::vector<Range>{near_.all()} : swept_.moved();
+}
+
+template <class T>
+void DensityProblem<T>::move_rows(Range part, const std::vector<Range>& moving) {
+  for_each_piece(part, moving, [&](Range piece, bool moves) {
+    if (moves) collide_and_move(piece);
   });
 }
 
@@ -265,11 +274,10 @@ void DensityProblem<T>::release_in_flight() {
 template <class T>
 void DensityProblem<T>::filter_shifts(Projection& projection) {
   const Borrowed<Real>& rho = looks_later_ && has_swept_ ? swept_rho_ : rho_;
-  const std::vector<char> near_shifts = swept_.near_shifts();
   const Swept<T> swept{{particles_->position, particles_->predicted},
                        {act_.data(), act_.size()},
                        {{rho.data(), rho.size()}, constraint_.model().rest_density},
-                       near_shifts};
+                       {swept_.find_near_shifts(), near_.order().rows()}};
   {
     const Loan records(near_.scratch(), std::as_writable_bytes(std::span(near_.records())));  // to be written anew
     projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());

@@ -117,7 +117,9 @@ class DensityProblem {
   void find_swept_rows();
   void find_delta(Range part);
   void finish_moves();
-  void move_swept(Range part);
+  // After find_delta() and separate_coincident(), which mark them.
+  std::vector<Range> rows_to_move() const;
+  void move_rows(Range part, const std::vector<Range>& moving);
   static constexpr LocalId moved_at_once = Obstacles::at_once;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const OpenSpace& open, Range few, Real relaxation);

@@ -96,7 +96,7 @@ bool SweptRows::is_beside(const std::vector<char>& marked, LocalId k, LocalId r)
   return false;
 }
 
-std::vector<char> SweptRows::near_shifts() const {
+std::span<const char> SweptRows::find_near_shifts() {
   constexpr LocalId reach = 3;
   const bool cut = order_->rows_are_cut();
   const auto shifts = [&](LocalId k, LocalId r) {
@@ -105,17 +105,17 @@ std::vector<char> SweptRows::near_shifts() const {
     const auto [begin, end] = order_->row(k, r);
     return end > begin;
   };
-  std::vector<char> near(static_cast<std::size_t>(planes_) * static_cast<std::size_t>(rows_), 0);
+  near_.assign(static_cast<std::size_t>(planes_) * static_cast<std::size_t>(rows_), 0);
   for_each_part(planes_ * rows_, [&](LocalId row) {
     const LocalId k = row / rows_ + 1, r = row % rows_;
     const Range planes{std::max(k - reach, 0), std::min(k + reach, planes_ + 1) + 1};
     const Range rows{cut ? std::max(r - reach, -1) : r - reach, (cut ? std::min(r + reach, rows_) : r + reach) + 1};
     for (LocalId i = planes.begin; i < planes.end; ++i) {
       for (LocalId j = rows.begin; j < rows.end; ++j)
-        if (shifts(i, j)) near[static_cast<std::size_t>(row)] = 1;
+        if (shifts(i, j)) near_[static_cast<std::size_t>(row)] = 1;
     }
   });
-  return near;
+  return near_;
 }
 
 std::vector<Range> SweptRows::beside(const std::vector<char>& marked, bool bridged) const {

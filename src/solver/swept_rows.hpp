@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "particles/cell_order.hpp"
@@ -36,8 +37,8 @@ class SweptRows {
   /// Owned particles of rows that have moved since move(), or are beside such ones.
   std::vector<Range> moved() const { return beside(moved_, true); }
   /// Of each own row, plane by plane, whether a row within three of it has moved since start(), or has particles of
-  /// other ranks.
-  std::vector<char> near_shifts() const;
+  /// other ranks; until the next call.
+  std::span<const char> find_near_shifts();
 
  private:
   std::size_t index(LocalId k, LocalId r) const;
@@ -52,6 +53,7 @@ class SweptRows {
   LocalId planes_ = 0, rows_ = 0;
   // By row, of planes and rows with those beside them.
   std::vector<char> held_, moved_, shifted_;
+  std::vector<char> near_;             // by own row
   std::vector<std::uint64_t> digest_;  // of where ghosts are
 };
 

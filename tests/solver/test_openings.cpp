@@ -46,11 +46,15 @@ TEST(Openings, ATankEmptiesThroughItsSideAsTorricelliSays) {
   EXPECT_NEAR(contraction("min = [0, 0.2]\nmax = [0.025, 0.4]\n", 0.2, 0.3), 0.611, 0.05) << "one layer thick";
 }
 
-// Cells that a drain keeps empty are air, though they are at a solid, deep in the water. With 2 to 16 iterations it
-// takes 0.53 to 0.67.
+// Cells that a drain keeps empty are air, though they are at a solid, deep in the water. At one place or another it
+// takes 0.54 to 0.65.
 TEST(Openings, ADrainOnAnObstacleTakesWater) {
   const std::string slab = "[[obstacle]]\ntype = \"box\"\ncenter = [1, -0.45]\nsize = [4, 1.1]\n";
-  EXPECT_NEAR(contraction("min = [0.9, 0.1]\nmax = [1.1, 0.15]\n" + slab, 0.2, 0.05), 0.611, 0.1);
+  Real mean = 0;
+  for (const char* place : {"min = [0.7, 0.1]\nmax = [0.9, 0.15]\n", "min = [0.9, 0.1]\nmax = [1.1, 0.15]\n",
+                            "min = [1.1, 0.1]\nmax = [1.3, 0.15]\n"})
+    mean += contraction(place + slab, 0.2, 0.05) / 3;
+  EXPECT_NEAR(mean, 0.611, 0.05);
 }
 
 TEST(Openings, SameBitsOnAnyRanks) {
