@@ -141,8 +141,8 @@ def traffic(basin, block, filters=0):
     held = basin.columns() if block.cut else min(wet + 1, high)  # of planes that are not cut what is in and beside water
     size += sum(zones(block.planes, block.rows)) * FIELDS * math.ceil(held / 8) * 8
     size += sum(rows) * 4 + rows.beside * 8 * cells
-    size += rows.of_rows() * (72 * basin.columns() + 25 * cells)
-    messages = sum(pieces) * (1 + EXCHANGES + filters + FIELD_EXCHANGES) + pieces.beside + 5 * pieces.of_rows()
+    size += rows.of_rows() * (72 * basin.columns() + 33 * cells)
+    messages = sum(pieces) * (1 + EXCHANGES + filters + FIELD_EXCHANGES) + pieces.beside + 6 * pieces.of_rows()
     planes, rows = block.planes, block.rows
     for level, coarser in enumerate(basin.levels()):
         first = level == 0 and block.cut

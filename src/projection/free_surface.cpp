@@ -17,11 +17,14 @@ void FreeSurface::borrow() {
   fill_.fill(0);
   height_ = scratch.borrow_briefly<Real>(grid().cells());
   height_.fill(1);
+  mass_ = scratch.borrow_briefly<Real>(grid().cells());
+  mass_.fill(1);
 }
 
 void FreeSurface::keep_wet() {
   fill_.give_back();
   height_.give_back();
+  mass_.give_back();
 }
 
 Real FreeSurface::distance(std::size_t a, std::size_t at) const {
@@ -50,6 +53,7 @@ void FreeSurface::classify(Halo& halo) {
   // Cells at solids look at those beside, and water that comes out of an opening at what is behind it.
   if (inflow || cuts() != nullptr) grid().complete(halo, fill_);
   classify_cells(halo);
+  find_masses(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
 }
 
@@ -111,6 +115,32 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
       excess += open(at) * off * (near_solid ? 1 : std::clamp(2 - std::abs(off) / torn, 0.0, 1.0));
     }
   }
+}
+
+void FreeSurface::find_masses(Halo& halo) {
+  for_each_row(grid().rows_of({0, grid().planes() + 2}), [&](LocalId k, LocalId r) {
+    for (LocalId c = 0; c < grid().columns(k, r); ++c) {
+      const std::size_t at = grid().index(k, r, c);
+      if (is_wet(at)) mass_[at] = mass_of({k, r, c});
+    }
+  });
+  grid().complete(halo, mass_);
+}
+
+// What stands on a floor, or on water that is not thin, has a level rather than a fill. What cells beside solids hold
+// is noisy, and where one holds next to nothing it is wet as those around it are.
+Real FreeSurface::mass_of(const Place& place) const {
+  const std::size_t at = grid().index(place.k, place.r, place.c);
+  if (cuts() != nullptr && cuts()->is_near(at)) return 1;
+  Real fill = fill_[at];
+  if (is_top(at)) {
+    if (place.c == 0) return 1;
+    fill += std::max(fill_[at + 1], 0.0);
+    if (is_wet(at - 1)) fill = std::max(fill, fill_[at - 1]);
+  }
+  if (fill < floor_fill) return 1;
+  const Real thin = std::clamp((thin_begins - fill) / (thin_begins - thin_full), 0.0, 1.0);
+  return 1 - thin * (1 - fill);
 }
 
 }  // namespace trevi

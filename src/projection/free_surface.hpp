@@ -71,6 +71,13 @@ class FreeSurface {
   /// Distance, in cells, between the points beside face (a, at) where phi is given: the middle of a wet cell, and that
   /// of the other, or where the surface is on the way to it (ghost-fluid method, Gibou et al. 2002).
   Real distance(std::size_t a, std::size_t at) const;
+  /// Mass of the water at face (a, at), beside which a cell is wet, over that in full cells: 1 but where it is thin
+  /// (projection::thin_begins).
+  Real mass(std::size_t a, std::size_t at) const {
+    const std::size_t below = at - grid().step(a);
+    if (is_wet(below) && is_wet(at)) return (mass_[below] + mass_[at]) / 2;
+    return mass_[is_wet(at) ? at : below];
+  }
 
  private:
   // In wet_; the last one only while cells are classified.
@@ -81,6 +88,8 @@ class FreeSurface {
   };
   void classify_cells(Halo& halo);
   void find_tops(LocalId k, LocalId r);
+  void find_masses(Halo& halo);
+  Real mass_of(const Place& place) const;
   void close_ceiling(LocalId k, LocalId r);
   bool is_full_enough(const Place& place, Real least) const;
   bool is_beside_water(const Place& place, std::size_t at) const;
@@ -113,7 +122,7 @@ class FreeSurface {
 
   Openings* openings_ = nullptr;
   Sources from_;
-  Borrowed<Real> fill_, height_;
+  Borrowed<Real> fill_, height_, mass_;
   Borrowed<char> wet_;
 };
 

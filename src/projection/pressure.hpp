@@ -9,9 +9,11 @@
 // surface above its middle; at its side, where the surface steps down by a cell, the levels of the two columns say it.
 // Faces count as far as they are open, under water or not: a linear pressure is exact below a surface that leans, and
 // water that moves as a whole has no divergence, whatever the fill of its cells, so that no pressure acts in flight.
-// Without gravity phi is 0 in the middle of the first dry cell. (Links over the mass of the particles at a face would
-// keep momentum to rounding, but the noise of eight particles a cell costs energy: a vortex without viscosity keeps
-// 0.92 of it after 1 s so, and 1.00 with even links.)
+// Without gravity phi is 0 in the middle of the first dry cell. Where cells are thinly filled, as at the sides of jets,
+// u is ∇phi over the mass that is there (Gerszewski & Bargteil, ACM Trans. Graph. 32, 2013): what a pressure takes from
+// one side of a face it gives to the other, momentum and energy. (Over the mass of the particles at every face the
+// noise of eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of it after 1 s so, and 1.00 with
+// even links.)
 //
 // Solved by V-cycles of a multigrid (multigrid.hpp) from the hydrostatic pressure of each column, which is the exact
 // solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
@@ -50,7 +52,8 @@ class Pressure {
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
     const Borrowed<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
-    return (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)] / surface.distance(a, at);
+    return (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)] /
+           (surface.distance(a, at) * surface.mass(a, at));
   }
 
   /// phi of a cell, m².
@@ -83,8 +86,8 @@ class Pressure {
   MPI_Comm comm_;
   bool closed_ = false;  // no water has a surface
   std::vector<Inflow> inflow_;
-  // Its links first hold the weight of each face: what is open of its area, as a fraction, over the distance between
-  // the points on its two sides where phi is given, in cells; 0 where nothing passes.
+  // Its links first hold the weight of each face: what is open of its area, as a fraction, over the mass of the water
+  // there and the distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
   Multigrid multigrid_;
 };
 

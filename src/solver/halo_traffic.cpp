@@ -51,8 +51,8 @@ class Sum {
                              (volumes + 2 * (moments + fit) + noise),
         messages_.all() * (water_.upright ? 7 : 5));
     add(rows.beside * number_bytes * ring, messages_.beside);
-    // Volumes that rows give one another, wetness, heights of the surface, links, the last pressure.
-    add(rows.of_rows() * (9 * number_bytes * columns_ + ring + 3 * number_bytes * ring), messages_.of_rows() * 5);
+    // Volumes that rows give one another, wetness, heights of the surface, masses, links, the last pressure.
+    add(rows.of_rows() * (9 * number_bytes * columns_ + ring + 4 * number_bytes * ring), messages_.of_rows() * 6);
   }
 
   void add_multigrid() {

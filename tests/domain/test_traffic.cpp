@@ -65,8 +65,8 @@ std::int64_t formula_of_parts(int ranks, int parts, std::int64_t record, int ite
   const std::int64_t records = (3 * (2 + iterations) + iterations) * particles * record / 4;
   constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1;
   const std::int64_t fields = 8 * (volumes + 2 * moments + 3 * fit + flow);
-  // The fill of ghost planes; beside rows volumes, wetness, heights of the surface, links across rows, the last phi.
-  const std::int64_t once = to_slabs * 8 * cells + beside_rows * (72 * coarse_columns + cells + 3 * 8 * cells);
+  // The fill of ghost planes; beside rows volumes, wetness, heights of the surface, masses, links across, the last phi.
+  const std::int64_t once = to_slabs * 8 * cells + beside_rows * (72 * coarse_columns + cells + 4 * 8 * cells);
   // The pivot, the first phi and that of each sweep; what holds phi at 0, links, and residuals.
   const std::int64_t multigrid = 8 * cells * ((2 + 4 * cycles) * around + (4 + cycles) * upper);
   return around * (4 * columns + records + 4 + eights * fields) + once + multigrid;

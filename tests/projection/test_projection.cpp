@@ -230,6 +230,36 @@ TEST(Projection, StillWaterIsHeldExactly) {
   }
 }
 
+// Water of which a cell holds three eighths less goes against full water in a box that it fills to the ceiling: what
+// the pressure takes from the one it gives to the other, but for what the sides in air have of it. As if all cells were
+// full a third of it came from nowhere.
+TEST(Pressure, KeepsTheMomentumOfThinWaterThatMeetsFullWater) {
+  const auto holds = [](const Vec3& p) {
+    const Eigen::Vector3i half = ((p - box.min) / s).array().floor().cast<int>();
+    const Eigen::Vector3i in_cell(half.x() % 2, half.y() % 2, half.z() % 2);
+    const bool left_out = in_cell == Eigen::Vector3i(0, 0, 0) || in_cell == Eigen::Vector3i(1, 1, 0) ||
+                          in_cell == Eigen::Vector3i(1, 0, 1);
+    return std::abs(p.x() - 1) < 0.8 && !(p.x() > 1 && left_out);
+  };
+  Water water([](const Vec3& p) { return Vec3(p.x() < 1 ? 0.01 : -0.01, 0, 0); }, {.top = box.max.z(), .holds = holds});
+  Stages at(water, s);
+  at.classify();
+  at.solve(0);
+  std::array<Real, 2> given{};  // to full water, to thin
+  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+    const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
+    if (cell.begin == cell.end) return;
+    const std::size_t low = at.grid.index(k, r, c);
+    const auto through = [&](std::size_t face) { return at.pressure.displacement(*at.surface, 0, face); };
+    given[at.middle(k, r, c).x() < 1 ? 0 : 1] +=
+        static_cast<Real>(cell.end - cell.begin) * (through(low) + through(low + at.grid.step(0))) / 2;
+  });
+  MPI_Allreduce(MPI_IN_PLACE, given.data(), 2, MPI_DOUBLE, MPI_SUM, world);
+  std::printf("given %.4f, %.4f m\n", given[0], given[1]);
+  EXPECT_LT(given[0], -1);
+  EXPECT_NEAR(given[1] / given[0], -1, 0.1);
+}
+
 // What the damping of a substep gives to all particles.
 struct Damped {
   std::array<Real, 6> impulse_and_torque{};

@@ -155,8 +155,8 @@ class Model(unittest.TestCase):
         slabs_beside, within, across = 2 * 1 * 4, 2 * 1 * 17, 4  # rows of planes, 2 slabs of 2 parts
         around, upper = slabs_beside + within + across, slabs_beside / 2 + within / 2 + across / 4
         size = around * (32 + 88 * 40 + 4 + 8 * 800 + 112 * 10) + upper * 56 * 10 + slabs_beside * 80
-        size += (within + across) * (72 * 8 + 25 * 10)
-        self.assertEqual(traffic(basin, Block(2, 2, 17, 4, 2, 2, True)), (size, 12 * (11 + 7 + 14) + 5 * 7 + 4 + 8 * 5))
+        size += (within + across) * (72 * 8 + 33 * 10)
+        self.assertEqual(traffic(basin, Block(2, 2, 17, 4, 2, 2, True)), (size, 12 * (11 + 7 + 14) + 5 * 7 + 4 + 8 * 6))
 
     def test_the_rule_for_ranks_is_that_of_the_program(self):
         rows = [line.split(",") for line in (ROOT / "tests/solver/ranks_by_model.csv").read_text().splitlines()[1:]]

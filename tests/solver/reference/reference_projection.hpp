@@ -164,10 +164,28 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
   }
 
+  // Water at rest has the mass of its level, whatever its top cell holds; thin water has that of its fill.
+  Real mass(const Cell& c) const {
+    Real fill = (*fill_)[c];
+    if (is_top(c)) {
+      if (c.z() == 0) return 1;
+      fill += std::max((*fill_)[c + unit(2)], 0.0);
+      if (wet(c - unit(2))) fill = std::max(fill, (*fill_)[c - unit(2)]);
+    }
+    if (fill >= 0.8 || fill < 0.2) return 1;
+    return fill <= 0.6 ? fill : fill + (fill - 0.6) / 0.2 * (1 - fill);
+  }
+  // Of face (a, c), in the mean of what is wet beside it.
+  Real mass_at(int a, const Cell& c) const {
+    const Cell below = c - unit(a);
+    if (!wet(c)) return mass(below);
+    return wet(below) ? (mass(c) + mass(below)) / 2 : mass(c);
+  }
+
   // ---- the pressure -----------------------------------------------------------------------------------------------
 
   bool is_open(int a, const Cell& c) const { return !is_wall(a, c) && (wet(c) || wet(c - unit(a))); }
-  Real weight(int a, const Cell& c) const { return is_open(a, c) ? 1 / distance(a, c) : 0; }
+  Real weight(int a, const Cell& c) const { return is_open(a, c) ? 1 / distance(a, c) / mass_at(a, c) : 0; }
 
   Real divergence(const Cell& c) const {
     Real sum = 0;
@@ -306,7 +324,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell below = face - unit(a);
     if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
-    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face);
+    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face);
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
