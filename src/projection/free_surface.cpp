@@ -27,11 +27,10 @@ void FreeSurface::keep_wet() {
   mass_.give_back();
 }
 
-Real FreeSurface::distance(std::size_t a, std::size_t at) const {
-  const std::size_t below = at - grid().step(a);
-  if (!upright() || is_wet(below) == is_wet(at)) return 1;
-  if (a == 2) return is_wet(below) ? above_middle(below) : 1;
-  return is_wet(at) ? part_in_water(at, below) : part_in_water(below, at);
+Real FreeSurface::distance(std::size_t a, std::size_t wet, std::size_t dry) const {
+  if (!upright()) return 1;
+  if (a == 2) return wet < dry ? above_middle(wet) : 1;
+  return part_in_water(wet, dry);
 }
 
 // Of the way from the middle of a wet cell to that of a dry one beside it, where the surface steps down by a cell

@@ -68,15 +68,15 @@ class FreeSurface {
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
-  /// Distance, in cells, between the points beside face (a, at) where phi is given: the middle of a wet cell, and that
-  /// of the other, or where the surface is on the way to it (ghost-fluid method, Gibou et al. 2002).
-  Real distance(std::size_t a, std::size_t at) const;
-  /// Mass of the water at face (a, at), beside which a cell is wet, over that in full cells: 1 but where it is thin
-  /// (projection::thin_begins).
-  Real mass(std::size_t a, std::size_t at) const {
+  /// What divides the difference of phi over face (a, at), beside which a cell is wet: the mass of the water there over
+  /// that in full cells, 1 but where it is thin (projection::thin_begins), times the distance, in cells, between the
+  /// points where phi is given: the middle of a wet cell, and that of the other, or where the surface is on the way to
+  /// it (ghost-fluid method, Gibou et al. 2002).
+  Real resistance(std::size_t a, std::size_t at) const {
     const std::size_t below = at - grid().step(a);
-    if (is_wet(below) && is_wet(at)) return (mass_[below] + mass_[at]) / 2;
-    return mass_[is_wet(at) ? at : below];
+    const bool low = is_wet(below), high = is_wet(at);
+    if (low && high) return (mass_[below] + mass_[at]) / 2;
+    return high ? mass_[at] * distance(a, at, below) : mass_[below] * distance(a, below, at);
   }
 
  private:
@@ -104,6 +104,7 @@ class FreeSurface {
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
   void exchange(Halo& halo, Borrowed<Real>& field) const;
+  Real distance(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real part_in_water(std::size_t wet, std::size_t dry) const;
   template <class Level>
   void level_cut_cells(Halo& halo, const Level& level);

@@ -65,7 +65,7 @@ void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
       weight[a][at] = 0;
       const Real open = surface.face(a, at);
       if (grid.is_wall(a, k, r, c) || (!low && !high) || open == 0) continue;
-      weight[a][at] = open / (surface.distance(a, at) * surface.mass(a, at));
+      weight[a][at] = open / surface.resistance(a, at);
     }
   }
 }

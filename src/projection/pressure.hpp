@@ -52,8 +52,7 @@ class Pressure {
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
     const Borrowed<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
-    return (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)] /
-           (surface.distance(a, at) * surface.mass(a, at));
+    return (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)] / surface.resistance(a, at);
   }
 
   /// phi of a cell, m².
