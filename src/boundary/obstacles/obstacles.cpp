@@ -25,10 +25,18 @@ Box box_of_solids(const Settings& settings, const Box& open) {
   return box;
 }
 
+// About an axis across one along which the box repeats no moment is that of the water.
+Eigen::Array<bool, 3, 1> axes_of_turns(const Settings& settings) {
+  const std::array<bool, 3>& repeats = settings.periodic;
+  const bool is_layer = settings.fluid.dimensions == 2;
+  return {!repeats[1] && !repeats[2] && !is_layer, !repeats[2] && !repeats[0], !repeats[0] && !repeats[1] && !is_layer};
+}
+
 }  // namespace
 
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
     : middle_of_box_((settings.domain.min + settings.domain.max) / 2),
+      turns_(axes_of_turns(settings)),
       walls_(walls),
       law_(std::move(law)),
       ledger_(settings.obstacles.size() + settings.bodies.size() + 2, settings.fluid.kernel_radius),
@@ -221,28 +229,74 @@ Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& momen
   return arm.norm() <= reach ? Vec3(middle + arm) : middle;
 }
 
+// What the rest is shared by: what each account gave of itself.
+struct Obstacles::Sharing {
+  TotalImpulse rest;
+  std::vector<TotalImpulse> own;
+  bool by_fixed = false;  // bodies that are light would be turned by a share: they have what nobody else takes
+};
+
+bool Obstacles::has_share(const Sharing& sharing, std::size_t account) const {
+  return !sharing.by_fixed || !floating_->holds(account);
+}
+
+// It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
+// each gave, and those that make the sum right and are the most likely ones go by its squares; along each axis for
+// itself, as walls that carry the weight of the water take nothing along the floor. Returns the moment that the shares
+// leave over.
+Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const {
+  Eigen::Array3d sum = Eigen::Array3d::Zero();
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (has_share(sharing, k)) sum += sharing.own[k].shift.array().square();
+  Vec3 couple = sharing.rest.moment;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!has_share(sharing, k)) continue;
+    const Vec3& own = sharing.own[k].shift;
+    Vec3 share = Vec3::Zero();
+    for (Eigen::Index a = 0; a < 3; ++a)
+      share[a] = sharing.rest.shift[a] * (sum[a] > 0 ? own[a] * own[a] / sum[a] : k == box_account() ? 1 : 0);
+    const Vec3 moment = own != Vec3::Zero() ? Vec3(arm_of(k, own, all[k].moment).cross(share)) : Vec3(Vec3::Zero());
+    all[k].shift += share;
+    all[k].moment += moment;
+    couple -= moment + reference_of(k).cross(share);
+  }
+  return couple;
+}
+
+// About each axis for itself, by the squares of what moments each gave, and of a part of what its force might have: a
+// basin at rest gives large forces and no moment, and its errors are not those of what is in it.
+void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const {
+  constexpr Real part_of_force = 0.1;
+  const Real half = (walls_.box().max - walls_.box().min).norm() / 2;
+  const auto own_of = [&](std::size_t k, Eigen::Index axis) -> Real {
+    if (floating_ && floating_->holds(k)) return 0;
+    const bool is_box = k == box_account();
+    const Vec3 &force = sharing.own[k].shift, middle = is_box ? middle_of_box_ : Vec3(Vec3::Zero());
+    const Real reach = is_box ? half : std::min(half, bodies_[k]->radius()), given = part_of_force * reach;
+    const Real moment = (sharing.own[k].moment - middle.cross(force))[axis];
+    return moment * moment + given * given * (force.squaredNorm() - force[axis] * force[axis]);
+  };
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (!turns_[axis]) continue;
+    Real sum = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) sum += own_of(k, axis);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Real part = sum > 0 ? own_of(k, axis) / sum : k == box_account() ? 1 : 0;
+      all[k].moment[axis] += part * couple[axis];
+    }
+  }
+}
+
 std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
   all[box_account()].moment += middle_of_box_.cross(all[box_account()].shift);
-  const TotalImpulse rest = all.back();
+  Sharing sharing{all.back(), {}};
   all.pop_back();
-  // It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
-  // each gave, and those that make the sum right and are the most likely ones go by its squares. A share would turn
-  // bodies that are light: they have of it only what nobody else takes.
-  Real sum = 0, of_fixed = 0;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    sum += all[k].shift.squaredNorm();
-    if (!floating_ || !floating_->holds(k)) of_fixed += all[k].shift.squaredNorm();
-  }
-  const bool by_fixed = floating_ && of_fixed > 0;
-  if (by_fixed) sum = of_fixed;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (by_fixed && floating_->holds(k)) continue;
-    const Real part = sum > 0 ? all[k].shift.squaredNorm() / sum : k == box_account() ? 1 : 0;
-    const Vec3 own = all[k].shift, share = part * rest.shift;
-    all[k].shift += share;
-    if (own != Vec3::Zero()) all[k].moment += arm_of(k, own, all[k].moment).cross(share);
-  }
+  sharing.own = all;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (floating_ && !floating_->holds(k) && !all[k].shift.isZero(0)) sharing.by_fixed = true;
+  const Vec3 couple = share_rest(sharing, all);
+  share_couple(sharing, couple, all);
   return all;
 }
 
@@ -350,9 +404,13 @@ void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {
 }
 
 void Obstacles::record_projection(std::size_t account, const Vec3& shift, const Vec3& p) {
-  const Vec3 center = account < bodies_.size() ? arm_center(account) : account == box_account() ? middle_of_box_ : p;
-  const Impulse push{shift, p - center};
+  const Impulse push{shift, p - (account < bodies_.size() ? arm_center(account) : middle_of_box_)};
   ledger_.add(account, {&push, 1});
+}
+
+void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
+  ledger_.add(account, TotalImpulse{part.shift, part.moment - reference_of(account).cross(part.shift)});
+  record_rest({-part.shift, -part.moment});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {
