@@ -32,19 +32,27 @@ void ImpulseLedger::clear() {
 }
 
 // Rounded in one instruction, which std::llround() is not; a scene with obstacles does this for all that is at a wall.
+void ImpulseLedger::count(const Vec3& shift, const Vec3& moment, std::int64_t* sums) const {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    sums[a] += std::llrint(countable(shift[axis] * per_shift_));
+    sums[a + 3] += std::llrint(countable(moment[axis] * per_moment_));
+  }
+}
+
 void ImpulseLedger::add(std::size_t account, std::span<const Impulse> impulses) {
   std::array<std::int64_t, numbers> sums{};
   for (const auto& [shift, arm] : impulses) {
     const Vec3 moment(arm.y() * shift.z() - arm.z() * shift.y(), arm.z() * shift.x() - arm.x() * shift.z(),
                       arm.x() * shift.y() - arm.y() * shift.x());
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
-      sums[a] += std::llrint(countable(shift[axis] * per_shift_));
-      sums[a + 3] += std::llrint(countable(moment[axis] * per_moment_));
-    }
+    count(shift, moment, sums.data());
   }
   std::int64_t* const all = sums_.mine().data() + numbers * account;
   for (std::size_t k = 0; k < numbers; ++k) all[k] += sums[k];
+}
+
+void ImpulseLedger::add(std::size_t account, const TotalImpulse& impulse) {
+  count(impulse.shift, impulse.moment, sums_.mine().data() + numbers * account);
 }
 
 std::vector<TotalImpulse> ImpulseLedger::total(MPI_Comm comm) {

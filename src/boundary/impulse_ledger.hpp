@@ -29,12 +29,14 @@ class ImpulseLedger {
  public:
   ImpulseLedger(std::size_t accounts, Real h);
   void add(std::size_t account, std::span<const Impulse> impulses);
+  void add(std::size_t account, const TotalImpulse& impulse);
   /// In the order of the accounts, since clear().
   std::vector<TotalImpulse> total(MPI_Comm comm);
   void clear();
 
  private:
   static constexpr std::size_t numbers = 6;  // of an account
+  void count(const Vec3& shift, const Vec3& moment, std::int64_t* sums) const;
 
   std::size_t columns_;
   Real unit_, arm_;              // m

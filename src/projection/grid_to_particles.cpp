@@ -201,8 +201,8 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
-                                                  LocalId r, LocalId c) const {
+CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
+                                                        LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   const bool above = follows(at);
@@ -217,7 +217,16 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, cons
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
-  if (!surface_.upright()) return by;
+  return by;
+}
+
+CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
+                                                  LocalId r, LocalId c) const {
+  CellDisplacement by = displacement_by_faces(pressure, k, r, c);
+  if (by.act == 0 || !surface_.upright()) return by;
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t at = grid.index(k, r, c);
+  const bool above = follows(at);
   const auto map = cell_of<AffineMap>(damping.row.data(), numbers::map, c);
   by.offset = map.a;
   by.slope = map.b;

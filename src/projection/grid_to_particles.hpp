@@ -50,6 +50,8 @@ class GridToParticles {
   /// How the particles of cell (k, r, c) are displaced.
   CellDisplacement displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
                                    LocalId c) const;
+  /// The same by the faces alone, without damping and the fade at the surface.
+  CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles are displaced.
   void give_back() { cut_fit_.give_back(); }
 

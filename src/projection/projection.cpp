@@ -4,7 +4,7 @@
 
 #include "projection/cell_shifts.hpp"
 #include "projection/probe_pressures.hpp"
-#include "projection/record_forces.hpp"
+#include "projection/record_beside.hpp"
 
 namespace trevi {
 
@@ -79,7 +79,7 @@ void Projection::displacements(const CellOrder& order, Real dt, const Motion& mo
     });
     leave_from<T>(order, k, r, grid_.columns(k, r), out);  // those above are in flight
   });
-  if (obstacles_ != nullptr) record_forces<T>(order, model_.gravity * dt * dt, out);
+  if (obstacles_ != nullptr) record_forces<T>(order, model_.gravity * dt * dt, motion, out);
   particles_to_grid_.keep_fits();
   grid_to_particles_.give_back();
   surface_.keep_wet();
@@ -87,14 +87,17 @@ void Projection::displacements(const CellOrder& order, Real dt, const Motion& mo
 }
 
 template <class T>
-void Projection::record_forces(const CellOrder& order, Real g_dt2, std::span<Vec4<T>> out) const {
+void Projection::record_forces(const CellOrder& order, Real g_dt2, const Motion& motion, std::span<Vec4<T>> out) const {
   const LocalId rows = grid_.rows();
   const RecordForces record(surface_, pressure_, *obstacles_, model_.spacing, g_dt2);
+  const RecordBeside beside({surface_, pressure_, grid_to_particles_, record, particles_to_grid_.frame()}, *obstacles_,
+                            model_.spacing, g_dt2);
   for_each_part(order.planes() * rows, [&](LocalId row) {
     const LocalId k = row / rows + 1, r = row % rows, columns = order.grid().columns();
     const auto begin = static_cast<std::size_t>(order.start(k, r * columns) - order.low_ghosts());
     const auto end = static_cast<std::size_t>(order.start(k, (r + 1) * columns) - order.low_ghosts());
-    record.of_row<T>(k, r, out.subspan(begin, end - begin));
+    record.of_row<T>(k, r, out.subspan(begin, end - begin), motion.x.subspan(begin, end - begin));
+    beside.of_row(k, r, order, motion);
   });
   record.of_gauges(box_);
 }

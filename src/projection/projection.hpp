@@ -64,7 +64,7 @@ class Projection {
   void solve(Halo& halo, const Pressure::Step& step);
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
   template <class T>
-  void record_forces(const CellOrder& order, Real g_dt2, std::span<Vec4<T>> out) const;
+  void record_forces(const CellOrder& order, Real g_dt2, const Motion& motion, std::span<Vec4<T>> out) const;
 
   Event event_{"CoarseGrid"};
   MPI_Comm comm_;

@@ -4,13 +4,19 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace trevi {
 
 template <class T>
-void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec4<T>& one : moved) sum += vector_of(one);
-  obstacles_.record_projection(obstacles_.rest_account(), sum, Vec3::Zero());
+void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, std::span<const Vec3> from) const {
+  TotalImpulse all;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const Vec3 by = vector_of(moved[i]);
+    all.shift += by;
+    all.moment += (from[i] - obstacles_.middle_of_box()).cross(by);
+  }
+  obstacles_.record_rest(all);
   const ProjectionGrid& grid = surface_.grid();
   const bool beside_wall = grid.is_wall(0, k, r, 1) || grid.is_wall(0, k + 1, r, 1) || grid.is_wall(1, k, r, 1) ||
                            grid.is_wall(1, k, r + 1, 1);
@@ -59,7 +65,7 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
     if (shifts[n].isZero()) continue;
     const Vec3 place = surface_.cuts()->middle(k, r, c + static_cast<LocalId>(n));
     obstacles_.record_projection(obstacles_.box_account(), shifts[n], place);
-    obstacles_.record_projection(obstacles_.rest_account(), -shifts[n], Vec3::Zero());
+    obstacles_.record_projection(obstacles_.rest_account(), -shifts[n], place);
   }
 }
 
@@ -68,6 +74,19 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
 Real RecordForces::fall_at(std::size_t top) const {
   if (surface_.cuts()->floats(top)) return g_dt2_;
   return std::clamp(-pressure_.phi_so_far(top) / (surface_.grid().size()[2] * surface_.above_middle(top)), 0.0, g_dt2_);
+}
+
+Real RecordForces::on_side(std::size_t at) const {
+  if (surface_.is_solid(at)) return 0;
+  if (surface_.is_wet(at)) {
+    const Real phi = pressure_.phi_so_far(at), height = surface_.height(at);
+    if (height >= 1) return phi;
+    const Real fall = fall_at(at) * surface_.grid().size()[2];
+    return height * (phi + fall * (surface_.above_middle(at) - height / 2));
+  }
+  if (!surface_.is_top(at - 1) || surface_.height(at - 1) <= 1) return 0;
+  const Real over = std::min(surface_.height(at - 1) - 1, 1.0);
+  return -fall_at(at - 1) * surface_.grid().size()[2] * over * over / 2;
 }
 
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
@@ -98,12 +117,14 @@ RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId 
 void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Pushes pushes = pushes_of_cell(k, r, c);
   const std::size_t nearest = surface_.cuts()->nearest(surface_.grid().index(k, r, c));
-  Vec3 sum = Vec3::Zero();
+  TotalImpulse sum;
   for (std::size_t n = 0; n < pushes.count; ++n) {
-    obstacles_.record_projection(nearest, pushes.all[n].shift, pushes.all[n].arm);
-    sum += pushes.all[n].shift;
+    const auto& [shift, place] = pushes.all[n];
+    obstacles_.record_projection(nearest, shift, place);
+    sum.shift -= shift;
+    sum.moment -= (place - obstacles_.middle_of_box()).cross(shift);
   }
-  if (!sum.isZero()) obstacles_.record_projection(obstacles_.rest_account(), -sum, Vec3::Zero());
+  if (!sum.shift.isZero(0) || !sum.moment.isZero(0)) obstacles_.record_rest(sum);
 }
 
 // In the cell before the face, half a cell off it.
@@ -137,7 +158,7 @@ Real RecordForces::phi_at(LocalId k, LocalId r, Real height) const {
   return weight > 0 ? std::min(sum / weight, 0.0) : 0;
 }
 
-template void RecordForces::of_row(LocalId, LocalId, std::span<const Vec4<float>>) const;
-template void RecordForces::of_row(LocalId, LocalId, std::span<const Vec4<double>>) const;
+template void RecordForces::of_row(LocalId, LocalId, std::span<const Vec4<float>>, std::span<const Vec3>) const;
+template void RecordForces::of_row(LocalId, LocalId, std::span<const Vec4<double>>, std::span<const Vec3>) const;
 
 }  // namespace trevi

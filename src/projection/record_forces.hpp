@@ -16,13 +16,15 @@ class RecordForces {
       : surface_(surface), pressure_(pressure), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
 
   /// Obstacles and box have what the pressure of the cells does to their surface; what it leaves of all that moves the
-  /// particles of the row, which are `moved`, is the rest (Obstacles::total()).
+  /// particles of the row, which are `moved` where they come `from`, is the rest (Obstacles::total()).
   template <class T>
-  void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved) const;
+  void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, std::span<const Vec3> from) const;
   void of_gauges(const Box& box) const;
   /// What the pressure of a cell that a solid cuts gives to the water (CutCells::pushes()), for all of its particles.
   using Pushes = CutCells::Pushes;
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
+  /// The pressure on an upright side of a cell as far as the water stands there, in the mean over all of the side, m².
+  Real on_side(std::size_t at) const;
 
  private:
   Pushes shifts_of_cell(LocalId k, LocalId r, LocalId c) const;

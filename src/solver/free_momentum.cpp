@@ -161,13 +161,17 @@ void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing
       const auto [range, piece] = runs[n];
       const Undoing& of = all[piece];
       const Vec3 from = origin(piece), off = of.off * h_;
+      const Vec3 middle = obstacles_ != nullptr ? obstacles_->middle_of_box() : from;
+      TotalImpulse undone;
       for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
         const Vec3 arm = (particles.predicted[i] - from) / h_ - of.centre;
-        particles.velocity[i] -= (of.drift + of.turn.cross(arm)) * to_velocity;
+        const Vec3 by = of.drift + of.turn.cross(arm);
+        particles.velocity[i] -= by * to_velocity;
+        undone.moment -= (particles.predicted[i] - middle).cross(by * h_);
         particles.predicted[i] -= off;
       }
-      if (obstacles_ == nullptr) continue;
-      obstacles_->record_projection(obstacles_->rest_account(), -range.size() * h_ * of.drift, Vec3::Zero());
+      undone.shift = -range.size() * h_ * of.drift;
+      if (obstacles_ != nullptr) obstacles_->record_rest(undone);
     }
   });
 }

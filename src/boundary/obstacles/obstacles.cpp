@@ -25,10 +25,18 @@ Box box_of_solids(const Settings& settings, const Box& open) {
   return box;
 }
 
+// About an axis across one along which the box repeats no moment is that of the water.
+Eigen::Array<bool, 3, 1> axes_of_turns(const Settings& settings) {
+  const std::array<bool, 3>& repeats = settings.periodic;
+  const bool is_layer = settings.fluid.dimensions == 2;
+  return {!repeats[1] && !repeats[2] && !is_layer, !repeats[2] && !repeats[0], !repeats[0] && !repeats[1] && !is_layer};
+}
+
 }  // namespace
 
 Obstacles::Obstacles(const Settings& settings, const Walls& walls, std::optional<AnalyticWallDensity> law)
     : middle_of_box_((settings.domain.min + settings.domain.max) / 2),
+      turns_(axes_of_turns(settings)),
       walls_(walls),
       law_(std::move(law)),
       ledger_(settings.obstacles.size() + settings.bodies.size() + 2, settings.fluid.kernel_radius),
@@ -198,54 +206,6 @@ void Obstacles::record_gradient(const BoundaryDensity& box, const Vec3& p, Real 
   if (box.density != 0) record(box_account(), factor * (1 - solid) * box.gradient, p);
 }
 
-void Obstacles::begin_step() {
-  ledger_.clear();
-  gauges_->clear();
-  finished_.clear();
-}
-
-std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
-  if (!floating_) return recorded(comm);
-  finished_.resize(bodies_.size() + 1);
-  return finished_;
-}
-
-// From the point of moments to the line on which an impulse acts, where it is nearest to the middle of the solid; that
-// of a couple is far from all water, and then it is the middle.
-Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const {
-  const bool is_box = account == box_account();
-  const Box& box = walls_.box();
-  const Vec3 middle = is_box ? Vec3((box.min + box.max) / 2) : Vec3(Vec3::Zero());
-  const Real half = (box.max - box.min).norm() / 2, reach = is_box ? half : std::min(half, bodies_[account]->radius());
-  const Vec3 arm = shift.cross(moment - middle.cross(shift)) / shift.squaredNorm();
-  return arm.norm() <= reach ? Vec3(middle + arm) : middle;
-}
-
-std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
-  std::vector<TotalImpulse> all = ledger_.total(comm);
-  all[box_account()].moment += middle_of_box_.cross(all[box_account()].shift);
-  const TotalImpulse rest = all.back();
-  all.pop_back();
-  // It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
-  // each gave, and those that make the sum right and are the most likely ones go by its squares. A share would turn
-  // bodies that are light: they have of it only what nobody else takes.
-  Real sum = 0, of_fixed = 0;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    sum += all[k].shift.squaredNorm();
-    if (!floating_ || !floating_->holds(k)) of_fixed += all[k].shift.squaredNorm();
-  }
-  const bool by_fixed = floating_ && of_fixed > 0;
-  if (by_fixed) sum = of_fixed;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (by_fixed && floating_->holds(k)) continue;
-    const Real part = sum > 0 ? all[k].shift.squaredNorm() / sum : k == box_account() ? 1 : 0;
-    const Vec3 own = all[k].shift, share = part * rest.shift;
-    all[k].shift += share;
-    if (own != Vec3::Zero()) all[k].moment += arm_of(k, own, all[k].moment).cross(share);
-  }
-  return all;
-}
-
 bool Obstacles::is_near_floating(const Vec3& from, const Vec3& to) const {
   const std::size_t first = floating_->first();
   return index_->any(along(from, to),
@@ -350,9 +310,13 @@ void Obstacles::record(std::size_t account, const Vec3& shift, const Vec3& p) {
 }
 
 void Obstacles::record_projection(std::size_t account, const Vec3& shift, const Vec3& p) {
-  const Vec3 center = account < bodies_.size() ? arm_center(account) : account == box_account() ? middle_of_box_ : p;
-  const Impulse push{shift, p - center};
+  const Impulse push{shift, p - (account < bodies_.size() ? arm_center(account) : middle_of_box_)};
   ledger_.add(account, {&push, 1});
+}
+
+void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
+  ledger_.add(account, TotalImpulse{part.shift, part.moment - reference_of(account).cross(part.shift)});
+  record_rest({-part.shift, -part.moment});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {

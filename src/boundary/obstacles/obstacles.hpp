@@ -116,13 +116,18 @@ class Obstacles {
   ImpulseLedger& ledger() { return ledger_; }
   std::size_t box_account() const { return bodies_.size(); }
   /// What moves the water beside the pressure on surfaces: its transfer between particles and cells does not balance to
-  /// the last digit.
+  /// the last digit. Its moments are about the middle of the box, too.
   std::size_t rest_account() const { return bodies_.size() + 1; }
+  const Vec3& middle_of_box() const { return middle_of_box_; }
+  void record_rest(const TotalImpulse& rest) { ledger_.add(rest_account(), rest); }
+  /// A part of the rest, with its moment about the middle of the box, that an obstacle gave.
+  void take_from_rest(std::size_t account, const TotalImpulse& part);
   /// Forgets what was recorded before.
   void begin_step();
   /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The rest is shared
-  /// among them by the squares of what each gave, along the line on which that acts, so that the sum is that of the
-  /// water. Moments are about the pivots, those of the box about the origin. Collective.
+  /// among them by the squares of what each gave, along the line on which that acts, and so is the couple that is over
+  /// then, so that the sums are those of the water. Moments are about the pivots, those of the box about the origin.
+  /// Collective.
   std::vector<TotalImpulse> total(MPI_Comm comm);
   /// The pressure on walls and obstacles, cleared with the ledger.
   PressureGauges& gauges() { return *gauges_; }
@@ -150,6 +155,14 @@ class Obstacles {
   // Of the ledger, with the rest shared.
   std::vector<TotalImpulse> recorded(MPI_Comm comm);
   Vec3 arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const;
+  struct Sharing;
+  bool has_share(const Sharing& sharing, std::size_t account) const;
+  Vec3 share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const;
+  void share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const;
+  // From the middle of the box to what the moments of an account are about.
+  Vec3 reference_of(std::size_t account) const {
+    return account == box_account() ? Vec3(-middle_of_box_) : Vec3(arm_center(account) - middle_of_box_);
+  }
   const Vec3& arm_center(std::size_t k) const {
     return floating_ && floating_->holds(k) ? floating_->center(k) : bodies_[k]->pivot();
   }
@@ -180,6 +193,7 @@ class Obstacles {
     return ObstacleIndex::is_path_short(from, to, index_->longest_path()) ? index_->at(from) : index_->all();
   }
   Vec3 among(Vec3& p, const Vec3& v, Real dt);
+  void record_bounce(std::size_t account, const Vec3& shift, const Vec3& p, const Vec3& start);
 
   std::vector<std::unique_ptr<Body>> bodies_;
   std::optional<ObstacleIndex> index_;  // made when all bodies are there
@@ -196,6 +210,7 @@ class Obstacles {
   std::vector<TotalImpulse> finished_;  // of the substeps of the step, with bodies
   bool sounding_ = false;               // settle() asks what bounces
   Vec3 middle_of_box_;
+  Eigen::Array<bool, 3, 1> turns_;  // axes about which all of the water has one angular momentum
   Walls walls_;
   std::optional<AnalyticWallDensity> law_;
   ImpulseLedger ledger_;

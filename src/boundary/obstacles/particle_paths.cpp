@@ -1,4 +1,5 @@
 // The paths of particles among obstacles: Obstacles::predict() and Obstacles::collide().
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "boundary/obstacles/obstacles.hpp"
@@ -120,8 +121,15 @@ Vec3 Obstacles::predict(Vec3& p, const Vec3& v, Real dt) {
   if (met) return among(p, v, dt);
   if (!bounces) return straight;
   const Vec3 end = walls_.predict(p, v, dt);
-  record(box_account(), end - straight, end);
+  record_bounce(box_account(), end - straight, end, p);
   return end;
+}
+
+// The shift is where it is met, as a ball is not turned by it, and the velocity that comes of it begins with the path:
+// what that has of angular momentum beside the shift's moment is a part of the rest.
+void Obstacles::record_bounce(std::size_t account, const Vec3& shift, const Vec3& p, const Vec3& start) {
+  record(account, shift, p);
+  if (recording_) record_rest({Vec3::Zero(), (start - p).cross(shift)});
 }
 
 Obstacles::Leg Obstacles::leg_from(const Vec3& p, bool before) {
@@ -160,14 +168,14 @@ Vec3 Obstacles::among(Vec3& p, const Vec3& v, Real dt) {
         floating_->meet(contact.body, leg.met_at, body.now().turn * leg.met_normal, arriving, 1 + body.restitution());
     }
     leg.aim(target);
-    record(account, target - last, leg.here());
+    record_bounce(account, target - last, leg.here(), p);
   }
   // Stays where it met something last, and goes with an obstacle.
   const std::size_t met = leg.last_met;
   const bool by_walls = met == nobody;
   const Vec3 stop =
       walls_.clamp(by_walls ? leg.here() : bodies_[met]->now().into_world(leg.segments[met].from.in_body));
-  record(by_walls ? box_account() : met, stop - target, stop);
+  record_bounce(by_walls ? box_account() : met, stop - target, stop, p);
   return stop;
 }
 

@@ -1,0 +1,103 @@
+// What obstacles and box have given to the water, as the ledger says, with the rest shared among them.
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "boundary/obstacles/obstacles.hpp"
+
+namespace trevi {
+
+void Obstacles::begin_step() {
+  ledger_.clear();
+  gauges_->clear();
+  finished_.clear();
+}
+
+std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
+  if (!floating_) return recorded(comm);
+  finished_.resize(bodies_.size() + 1);
+  return finished_;
+}
+
+// From the point of moments to the line on which an impulse acts, where it is nearest to the middle of the solid; that
+// of a couple is far from all water, and then it is the middle.
+Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const {
+  const bool is_box = account == box_account();
+  const Box& box = walls_.box();
+  const Vec3 middle = is_box ? Vec3((box.min + box.max) / 2) : Vec3(Vec3::Zero());
+  const Real half = (box.max - box.min).norm() / 2, reach = is_box ? half : std::min(half, bodies_[account]->radius());
+  const Vec3 arm = shift.cross(moment - middle.cross(shift)) / shift.squaredNorm();
+  return arm.norm() <= reach ? Vec3(middle + arm) : middle;
+}
+
+// What the rest is shared by: what each account gave of itself.
+struct Obstacles::Sharing {
+  TotalImpulse rest;
+  std::vector<TotalImpulse> own;
+  bool by_fixed = false;  // bodies that are light would be turned by a share: they have what nobody else takes
+};
+
+bool Obstacles::has_share(const Sharing& sharing, std::size_t account) const {
+  return !sharing.by_fixed || !floating_->holds(account);
+}
+
+// It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
+// each gave, and those that make the sum right and are the most likely ones go by its squares; along each axis for
+// itself, as walls that carry the weight of the water take nothing along the floor. Returns the moment that the shares
+// leave over.
+Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const {
+  Eigen::Array3d sum = Eigen::Array3d::Zero();
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (has_share(sharing, k)) sum += sharing.own[k].shift.array().square();
+  Vec3 couple = sharing.rest.moment;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!has_share(sharing, k)) continue;
+    const Vec3& own = sharing.own[k].shift;
+    Vec3 share = Vec3::Zero();
+    for (Eigen::Index a = 0; a < 3; ++a)
+      share[a] = sharing.rest.shift[a] * (sum[a] > 0 ? own[a] * own[a] / sum[a] : k == box_account() ? 1 : 0);
+    const Vec3 moment = own != Vec3::Zero() ? Vec3(arm_of(k, own, all[k].moment).cross(share)) : Vec3(Vec3::Zero());
+    all[k].shift += share;
+    all[k].moment += moment;
+    couple -= moment + reference_of(k).cross(share);
+  }
+  return couple;
+}
+
+// About each axis for itself, by the squares of what moments each gave, and of a part of what its force might have: a
+// basin at rest gives large forces and no moment, and its errors are not those of what is in it.
+void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const {
+  constexpr Real part_of_force = 0.1;
+  const Real half = (walls_.box().max - walls_.box().min).norm() / 2;
+  const auto own_of = [&](std::size_t k, Eigen::Index axis) -> Real {
+    if (floating_ && floating_->holds(k)) return 0;
+    const bool is_box = k == box_account();
+    const Vec3 &force = sharing.own[k].shift, middle = is_box ? middle_of_box_ : Vec3(Vec3::Zero());
+    const Real reach = is_box ? half : std::min(half, bodies_[k]->radius()), given = part_of_force * reach;
+    const Real moment = (sharing.own[k].moment - middle.cross(force))[axis];
+    return moment * moment + given * given * (force.squaredNorm() - force[axis] * force[axis]);
+  };
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (!turns_[axis]) continue;
+    Real sum = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) sum += own_of(k, axis);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Real part = sum > 0 ? own_of(k, axis) / sum : k == box_account() ? 1 : 0;
+      all[k].moment[axis] += part * couple[axis];
+    }
+  }
+}
+
+std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
+  std::vector<TotalImpulse> all = ledger_.total(comm);
+  all[box_account()].moment += middle_of_box_.cross(all[box_account()].shift);
+  Sharing sharing{all.back(), {}};
+  all.pop_back();
+  sharing.own = all;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (floating_ && !floating_->holds(k) && !all[k].shift.isZero(0)) sharing.by_fixed = true;
+  const Vec3 couple = share_rest(sharing, all);
+  share_couple(sharing, couple, all);
+  return all;
+}
+
+}  // namespace trevi

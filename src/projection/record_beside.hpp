@@ -1,0 +1,48 @@
+// Part of the last stage of the projection, beside record_forces: what closed faces give to the particles of a cell
+// that a solid cuts beyond the pressure of the cell, as they take them along with the solid and stop what goes into it.
+// It is the solid's, while the rest of what the transfer leaves over is nobody's. Not collective; on any thread for
+// rows.
+#pragma once
+
+#include "projection/grid_to_particles.hpp"
+#include "projection/record_forces.hpp"
+
+namespace trevi {
+
+class RecordBeside {
+ public:
+  struct Sources {
+    const FreeSurface& surface;
+    const Pressure& pressure;
+    const GridToParticles& transfer;
+    const RecordForces& forces;
+    const CellFrame& frame;
+  };
+  /// `spacing`, m; g dt², m.
+  RecordBeside(const Sources& sources, Obstacles& obstacles, Real spacing, Real g_dt2)
+      : from_(sources), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
+
+  /// Of a row of cells; not beside bodies that float, which a share of the rest would turn.
+  void of_row(LocalId k, LocalId r, const CellOrder& order, const Motion& motion) const;
+
+ private:
+  void of_cell(LocalId k, LocalId r, LocalId c, const Motion& motion, const CellParticles& cell) const;
+  // About the middle of the box.
+  TotalImpulse at(const Vec3& shift, const Vec3& place) const;
+  TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
+                            bool across) const;
+  TotalImpulse of_pressure(LocalId k, LocalId r, LocalId c, bool across) const;
+  struct Face {
+    std::size_t a;
+    bool upper;
+  };
+  Vec3 middle_of(const Face& face, LocalId k, LocalId r, LocalId c) const;
+  bool is_at_solid(std::size_t at) const;
+  Real beyond_own(const Face& face, LocalId k, LocalId r, LocalId c) const;
+
+  Sources from_;
+  Obstacles& obstacles_;
+  Real spacing_, g_dt2_;
+};
+
+}  // namespace trevi
