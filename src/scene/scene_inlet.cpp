@@ -94,10 +94,10 @@ void read_in_wall(Section& section, InletSettings& inlet) {
 
 // In the mean over the opening, at the start, and checked at as many times of the run.
 void read_mean_speed(Section& section, InletSettings& inlet, const Scene& scene) {
-  constexpr Real highest = 1e4, most_times = 1000;
+  constexpr Real highest = 1e4, max_times = 1000;
   try {
     inlet.speed = mean_speed(inlet, scene.fluid.spacing, 0);
-    const Real parts = std::clamp(static_cast<Real>(scene.steps()), 1.0, most_times);
+    const Real parts = std::clamp(static_cast<Real>(scene.steps()), 1.0, max_times);
     for (Real part = 0; part < parts; ++part) {
       const Real time = scene.end * part / parts;
       if (part > 0 && (time < inlet.start || time >= inlet.stop)) continue;
@@ -113,7 +113,7 @@ void read_mean_speed(Section& section, InletSettings& inlet, const Scene& scene)
 }
 
 // What is wrong at a time in between only the run finds.
-void tell_place(const Section& section, InletSettings& inlet) {
+void name_place_of_profile(const Section& section, InletSettings& inlet) {
   const auto prefix = section.told("profile", "");
   inlet.profile->speed = [prefix, speed = inlet.profile->speed](Real z, Real t) {
     try {
@@ -182,7 +182,7 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   read_times(section, inlet);
   read_in_wall(section, inlet);
   if (lattice && inlet.profile) read_mean_speed(section, inlet, scene);
-  if (inlet.profile) tell_place(section, inlet);
+  if (inlet.profile) name_place_of_profile(section, inlet);
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
   if (lattice && known.box && section.fine("center") && section.fine("direction")) {
     check_place(section, scene, inlet);
