@@ -352,7 +352,7 @@ class Profile(ProgramTest):
         for ranks in (1, 2):
             result = self.run_trevi(ranks, "scene.toml", "--steps", "4", "--output", f"on {ranks}", folder=self.folder)
             self.assertEqual(result.returncode, 2, result.stderr)
-            self.assertEqual(result.stderr.count("scene.toml:14: [[inlet]] profile: "), 1, result.stderr)
+            self.assertEqual(result.stderr.count("scene.toml:15: [[inlet]] profile: "), 1, result.stderr)
 
 
 if __name__ == "__main__":
