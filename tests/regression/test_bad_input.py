@@ -300,7 +300,7 @@ class BadInput(ProgramTest):
         self.assert_all_refused([(name, text, ["scene.toml"], ["scene.toml:16: [[obstacle]] motion: way.csv:", *words],
                                   lambda folder, data=data: (folder / "way.csv").write_bytes(data))
                                  for name, data, words in (
-            *((name, b"0,0.5,0.5,0.3\n" + line, ["2: not four numbers"]) for name, line in (("nan", b"1,0.5,nan,0.3\n"), ("time", b"nan,0,0,0\n"))),
+            *((name, b"0,0.5,0.5,0.3\n" + line, ["2: not four numbers"]) for name, line in (("nan", b"1,nan,0,0\n"), ("time", b"nan,0,0,0\n"))),
             ("letters of another kind", b"\xe9\xff\n0,0.5,0.5,0.3\n", ["1: not four numbers"]),
             ("backwards", b"\xef\xbb\xbf1,0.5,0.5,0.3\n0,0.5,0.5,0.3\n", ["2: not later than the line before"]),
             ("far", b"0,0.5,0.5,0.3\n0.01,1e300,0.5,0.3\n", ["2: further from the line before than 10000 m/s"]),
@@ -337,8 +337,8 @@ class BadInput(ProgramTest):
         drain = "\n".join(GOOD) + "\n[gravity]\n[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n"
         bad = [("an expression", opening.replace("+ z", "+ q"), ["[[inlet]] profile: ", "give an expression of z, t"]),
                ("no number", opening.replace("+ z", "/ t"), ["[[inlet]] profile: ", "is not a finite number at z = 0.25 m, t = 0"]),
-               ("no number at its top", opening.replace("0.5 + z", "z < 0.3 ? 1 : 0/0"), ["[[inlet]] profile: ", "is not a finite number at z = 0."]),
-               *((f"{value} later", opening.replace("0.5 + z", f"t < 0.005 ? 1 : {value}"), ["scene.toml:22: [[inlet]] profile: ", what])
+               ("at its top", opening.replace("0.5 + z", "z < 0.3 ? 1 : 0/0"), ["[[inlet]] profile: ", "is not a finite number at z = 0."]),
+               *((f"{what[:6]} later", opening.replace("0.5 + z", f"t < 0.005 ? 1 : {value}"), ["scene.toml:22: [[inlet]] profile: ", what])
                  for value, what in (("0/0", "is not a finite number at z = 0.1 m, t = 0.01 s"), ("1e5", "over the opening at 0.01 s"))),
                ("too fast", opening.replace("+ z", "+ 1e9"), ["[[inlet]] profile: ", "check the units"]),
                ("a speed, too", opening + "speed = 1\n", ["[[inlet]] profile: speed is given, too"]),
