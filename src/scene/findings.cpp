@@ -33,6 +33,15 @@ bool names(std::string_view assignment, std::string_view path) {
   return key == path;
 }
 
+constexpr std::string_view override_mark = "--set ";
+constexpr auto sorted_last = std::numeric_limits<toml::source_index>::max();  // where overrides are sorted
+
+toml::source_index line_of(const Place& place) { return std::max<toml::source_index>(1, place.where.begin.line); }
+
+std::string told_of_override(const std::string& assignment, const std::string& message) {
+  return fmt::format("--set {}: {}", printable(assignment, longest_message), message);
+}
+
 }  // namespace
 
 std::string printable(std::string_view text, std::size_t longest) {
@@ -63,20 +72,24 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
   return best;
 }
 
-void Findings::add(const Place& place, const std::string& message) {
-  constexpr std::string_view override_mark = "--set ";
-  if (place.where.path && place.where.path->starts_with(override_mark) && *place.where.path != file_) {
+bool Findings::is_override(const Place& place) const {
+  return place.where.path && place.where.path->starts_with(override_mark) && *place.where.path != file_;
+}
+
+std::string Findings::told(const Place& place, const std::string& message) const {
+  if (is_override(place)) {
     const std::string assignment = place.where.path->substr(override_mark.size());
-    add_override(assignment, names(assignment, place.path) ? message : place.label + ": " + message);
-    return;
+    return told_of_override(assignment, names(assignment, place.path) ? message : place.label + ": " + message);
   }
-  const auto line = std::max<toml::source_index>(1, place.where.begin.line);
-  problems_.emplace_back(line, fmt::format("{}:{}: {}: {}", file_, line, place.label, message));
+  return fmt::format("{}:{}: {}: {}", file_, line_of(place), place.label, message);
+}
+
+void Findings::add(const Place& place, const std::string& message) {
+  problems_.emplace_back(is_override(place) ? sorted_last : line_of(place), told(place, message));
 }
 
 void Findings::add_override(const std::string& assignment, const std::string& message) {
-  problems_.emplace_back(std::numeric_limits<toml::source_index>::max(),
-                         fmt::format("--set {}: {}", printable(assignment, longest_message), message));
+  problems_.emplace_back(sorted_last, told_of_override(assignment, message));
 }
 
 void Findings::describe(const std::string& line) {

@@ -30,6 +30,8 @@ class Findings {
  public:
   explicit Findings(std::string file) : file_(std::move(file)) {}
   void add(const Place& place, const std::string& message);
+  /// A problem as add() would tell it.
+  std::string told(const Place& place, const std::string& message) const;
   /// A problem of an override that has no place in the document.
   void add_override(const std::string& assignment, const std::string& message);
   void describe(const std::string& line);
@@ -39,6 +41,7 @@ class Findings {
 
  private:
   friend class Section;
+  bool is_override(const Place& place) const;
   bool pairs_ = false;  ///< whether vectors may leave y out
   std::string file_;
   std::vector<std::pair<toml::source_index, std::string>> problems_;  ///< line for sorting, message

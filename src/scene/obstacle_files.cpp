@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <sstream>
 
 #include "base/hash.hpp"
@@ -33,15 +34,22 @@ void broadcast(MPI_Comm comm, std::vector<T>& rows) {
   throw InputError(fmt::format("{}:{}: {}; write time,x,y,z in s and m, times increasing", path, line, what));
 }
 
-// Lines "time,x,y,z"; empty ones, and those that begin with # or a letter, say nothing.
+// Whether a line begins with a word that is no number, as the names of columns do.
+bool begins_with_word(const std::string& line) {
+  if (std::isalpha(static_cast<unsigned char>(line[0])) == 0) return false;
+  char* end = nullptr;
+  std::strtod(line.c_str(), &end);  // "nan", "inf"
+  return end == line.c_str() || std::isalpha(static_cast<unsigned char>(*end)) != 0;
+}
+
+// Lines "time,x,y,z"; empty ones, and those that begin with # or a word, say nothing.
 std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
   std::istringstream lines(read_file_everywhere(comm, path));
   std::vector<ObstacleKnot> knots;
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' ||
-        std::isalpha(static_cast<unsigned char>(line[0])) != 0)
-      continue;
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // the byte order mark of some editors
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#' || begins_with_word(line)) continue;
     ObstacleKnot knot;
     int end = 0;
     if (std::sscanf(line.c_str(), " %lf , %lf , %lf , %lf %n", &knot.time, &knot.center[0], &knot.center[1],

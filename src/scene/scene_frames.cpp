@@ -55,7 +55,8 @@ void check_cells(Section& frames, const FrameSetSettings& set) {
 
 void read_name(Section& frames, const Scene& scene, FrameSetSettings& set) {
   if (frames.text({"name", "the end of the folder's name, frames_NAME; default its number in the scene"}, set.name)) {
-    frames.check("name", is_folder_name(set.name), "must be letters, digits, - and _ only, as it names a folder");
+    frames.check("name", is_folder_name(set.name),
+                 "must be letters, digits, - and _ only, at most 200, as it names a folder");
   }
   if (!frames.given("name")) set.name = std::to_string(scene.output.frames.size());
   const std::string folder = folder_of(set, scene.output.frames.size());

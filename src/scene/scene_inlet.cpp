@@ -92,18 +92,36 @@ void read_in_wall(Section& section, InletSettings& inlet) {
   }
 }
 
-// All heights of the opening count, at the start.
-void read_mean_speed(Section& section, InletSettings& inlet, Real spacing) {
-  constexpr Real highest = 1e4;
+// In the mean over the opening, at the start, and checked at as many times of the run.
+void read_mean_speed(Section& section, InletSettings& inlet, const Scene& scene) {
+  constexpr Real highest = 1e4, max_times = 1000;
   try {
-    inlet.speed = mean_speed(inlet, spacing);
-    section.check("profile", inlet.speed <= highest,
-                  fmt::format("is {:.4g} m/s in the mean over the opening, and at most "
-                              "{:g} can be; check the units",
-                              inlet.speed, highest));
+    inlet.speed = mean_speed(inlet, scene.fluid.spacing, 0);
+    const Real parts = std::clamp(static_cast<Real>(scene.steps()), 1.0, max_times);
+    for (Real part = 0; part < parts; ++part) {
+      const Real time = scene.end * part / parts;
+      if (part > 0 && (time < inlet.start || time >= inlet.stop)) continue;
+      const Real speed = mean_speed(inlet, scene.fluid.spacing, time);
+      section.check("profile", speed <= highest,
+                    fmt::format("is {:.4g} m/s in the mean over the opening at {:.4g} s, and at most "
+                                "{:g} can be; check the units",
+                                speed, time, highest));
+    }
   } catch (const InputError& error) {
     section.check("profile", false, error.what());
   }
+}
+
+// What is wrong at a time in between only the run finds.
+void name_place_of_profile(const Section& section, InletSettings& inlet) {
+  const auto prefix = section.told("profile", "");
+  inlet.profile->speed = [prefix, speed = inlet.profile->speed](Real z, Real t) {
+    try {
+      return speed(z, t);
+    } catch (const InputError& error) {
+      throw InputError(prefix + error.what());
+    }
+  };
 }
 
 void check_place(Section& section, const Scene& scene, const InletSettings& inlet) {
@@ -163,7 +181,8 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   read_jet(section, scene, inlet);
   read_times(section, inlet);
   read_in_wall(section, inlet);
-  if (lattice && inlet.profile) read_mean_speed(section, inlet, scene.fluid.spacing);
+  if (lattice && inlet.profile) read_mean_speed(section, inlet, scene);
+  if (inlet.profile) name_place_of_profile(section, inlet);
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
   if (lattice && known.box && section.fine("center") && section.fine("direction")) {
     check_place(section, scene, inlet);

@@ -73,6 +73,10 @@ class Section {
 
   /// A rule between keys: reported once, and only when the key was good so far.
   bool check(const char* key, bool holds, const std::string& message);
+  /// Such a message, for what only the run finds.
+  std::string told(const char* key, const std::string& message) const {
+    return findings_->told(place_of(key), message);
+  }
 
   bool present() const { return table_ != nullptr; }
   bool given(const char* key) const { return table_ && table_->contains(key); }

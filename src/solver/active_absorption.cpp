@@ -36,8 +36,8 @@ ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> s
     const Real seen = sine_cosine_of_turns(way / (2 * std::numbers::pi)).sine / way;
     const Real room = std::min(maker.position - low, settings.domain.max[axis] - maker.position) - reach;
     const Real smoothed = 1 / std::sqrt(1 + way * way);  // what smoothing leaves of a wave
-    paddles_.push_back({n, maker, PaddleMotion(maker),
-                        omega / (biesel_transfer(maker.kind, k * maker.depth) * seen * smoothed), lag, seen,
+    const Real transfer = biesel_transfer(maker.kind, k * maker.depth);
+    paddles_.push_back({n, maker, PaddleMotion(maker), omega / (transfer * seen * smoothed), lag, seen, k * transfer,
                         (settings.domain.max - settings.domain.min)[1 - axis], std::max(0.0, room)});
   }
   state_.resize(3 * paddles_.size(), 0);
@@ -80,7 +80,8 @@ void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const Ste
     // Of a time constant, what a substep leaves.
     const auto kept = [&](Real seconds) { return elementary::exp(-info.dt / seconds); };
     const Real level = level_before(comm, paddle, own + before, particles);
-    const Real back = level - paddle.seen * paddle.motion.level(std::max(0.0, info.time - paddle.lag));
+    const Real waves = paddle.seen * paddle.motion.level(std::max(0.0, info.time - paddle.lag));
+    const Real back = level - waves - paddle.slope * own * own;
     smooth = back + (smooth - back) * kept(paddle.lag);
     mean = smooth + (mean - smooth) * kept(mean_periods * paddle.maker.period);
     const Real offset = (before - info.dt * paddle.gain * (smooth - mean)) * kept(return_periods * paddle.maker.period);

@@ -1,11 +1,13 @@
-// Paddles that absorb what comes back to them while they make waves. In each substep the mean level of the water in a
-// strip before the paddle is measured; what it has above the level of the paddle's own waves is a wave that comes back,
-// which the paddle takes in by going with it: v = −eta omega/(H/S), the speed at which it would make such a wave, or
-// sqrt(g/d) in shallow water (Schäffer & Klopman 2000). The middle of the strip sees a wave earlier than the paddle, by
-// the way at its celerity, and its own waves later by as much, so what comes back is smoothed over that time. The slow
-// mean of the level is no wave; it is left out, and the offset from the stroke of its own waves returns to 0 slowly, so
-// that the paddle does not drift. The level is a sum of integers, so that no number of ranks or threads is seen in it;
-// offset, smoothed level and slow mean are state, which a checkpoint has. Collective: move().
+// Paddles that absorb what comes back to them while they make waves. In each substep the mean level of the water in
+// a strip before the paddle is measured; what it has above the level of the paddle's own waves is a wave that comes
+// back, which the paddle takes in by going with it: v = −eta omega/(H/S), the speed at which it would make such a
+// wave, or sqrt(g/d) in shallow water (Schäffer & Klopman 2000). The middle of the strip sees a wave earlier than
+// the paddle, by the way at its celerity, and its own waves later by as much, so what comes back is smoothed over
+// that time. It goes with the face, forward where its own waves rise towards it: what it sees of their slope, S a
+// k/4 in the mean, is no wave that comes back. The slow mean of the level is no wave; it is left out, and the offset
+// from the stroke of its own waves returns to 0 slowly, so that the paddle does not drift. The level is a sum of
+// integers, so that no number of ranks or threads is seen in it; offset, smoothed level and slow mean are state,
+// which a checkpoint has. Collective: move().
 #pragma once
 
 #include <vector>
@@ -39,6 +41,7 @@ class ActiveAbsorption {
     PaddleMotion motion;
     Real gain;       // 1/s, of the speed over the level
     Real lag, seen;  // s, between the strip and the paddle; of the height of a wave, what the mean over the strip has
+    Real slope;      // 1/m, of its own waves at the face over its way: k H/S; the strip goes up and down it
     Real wide;       // m, of the tank across
     Real farthest;   // m, that it may go by absorbing, to either side
   };

@@ -46,7 +46,7 @@ void check_frame_set(const Settings& all, std::size_t k) {
   check_schedule(set.schedule, name);
   check_fields(all, fields_of(set), possible_fields(set.what), name);
   demand(set.name.empty() || is_folder_name(set.name),
-         fmt::format("output.{}.name must be letters, digits, - and _ only", name));
+         fmt::format("output.{}.name must be letters, digits, - and _ only, at most 200", name));
   for (std::size_t other = 0; other < k; ++other)
     demand(folder_of(set, k) != folder_of(sets[other], other),
            fmt::format("output.{}.name is that of another one", name));

@@ -32,15 +32,17 @@ namespace trevi {
 
 namespace {
 
+// Zones come before gravity: they damp what moves, and would make water weigh less if they had its fall of this
+// substep.
 std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
                                                     std::vector<std::unique_ptr<Forcing>> more) {
   std::vector<std::unique_ptr<Forcing>> forcings;
+  for (const DampingSettings& zone : settings.dampings) forcings.push_back(std::make_unique<Damping>(zone));
   if (settings.gravity) forcings.push_back(std::make_unique<Gravity>(*settings.gravity));
   if (settings.walls.floor_friction > 0) {
     forcings.push_back(std::make_unique<FloorFriction>(settings.walls.floor_friction, settings.domain.min.z(),
                                                        settings.fluid.kernel_radius));
   }
-  for (const DampingSettings& zone : settings.dampings) forcings.push_back(std::make_unique<Damping>(zone));
   std::move(more.begin(), more.end(), std::back_inserter(forcings));
   return forcings;
 }

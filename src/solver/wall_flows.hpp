@@ -46,7 +46,7 @@ std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<
 std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,
                                           const Settings& settings);
 /// Of the rows of an inlet with a profile at time 0, m/s.
-Real mean_speed(const InletSettings& inlet, Real spacing);
+Real mean_speed(const InletSettings& inlet, Real spacing, Real time);
 
 class WallFlows {
  public:

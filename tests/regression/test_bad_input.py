@@ -35,6 +35,7 @@ BAD_LINES = {
     "one dimension": (2, "dimensions = 1\nmin = [0, 0, 0]", ["scene.toml:2:", "dimensions", "at least 2"]),
     "four dimensions": (2, "dimensions = 4\nmin = [0, 0, 0]", ["scene.toml:2:", "dimensions", "must be 2 or 3"]),
     "a pair in space": (3, "max = [2, 1]", ["scene.toml:3:", "max", "3 finite numbers"]),
+    "a long name": (14, f"[[output.frames]]\nname = '{'a' * 300}'", ["scene.toml:15:", "[[output.frames]] name", "at most 200"]),
     "no digit before the point": (12, "dt = .01", ["scene.toml:12: ", "digits on both sides of a point; write 0.01"]),
     "no digit behind it": (3, "max = [2, 1., 1]  # m", ["scene.toml:3: ", "write 1.0\n"]),
     "nor before an exponent": (12, "dt = -1.e-2", ["scene.toml:12: ", "write -1.0e-2"]),
@@ -160,8 +161,7 @@ class BadInput(ProgramTest):
 
     def test_a_preview_replaces_previews_only(self):
         text = "\n".join(GOOD) + "\n[[fountain]]\ncenter = [0.5, 0.5]\n"
-        self.assert_all_refused([("scene", text, ["scene.toml", "--preview", "scene.toml"],
-                                  ["--preview scene.toml", "is no preview"])])
+        self.assert_all_refused([("scene", text, ["scene.toml", "--preview", "scene.toml"], ["--preview scene.toml", "is no preview"])])
         (self.folder / "scene.toml").write_text(text)
         for _ in range(2):
             self.run_well(1, "scene.toml", "--preview", "curves.csv")
@@ -183,9 +183,9 @@ class BadInput(ProgramTest):
                                  for name, arguments, words, prepare in (
             ("a file", ["--output", "o"], ["o: cannot be the folder", "is a file", "--output"], file("o")),
             ("a file for frames", [], ["out/scene/vtu: cannot be the folder"], file("out/scene/vtu")),
+            ("below a file", ["--output", "o/p"], ["o/p: cannot be the folder", "Not a directory", "--output"], file("o")),
             ("too long", ["--output", "o" * 300], ["File name too long", "--output"], None),
-            ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"],
-             file("out/scene/vtu/particles_000000.pvtu")),
+            ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"], file("out/scene/vtu/particles_000000.pvtu")),
         )])
 
     def test_more_memory_than_there_is(self):
@@ -231,8 +231,7 @@ class BadInput(ProgramTest):
             if part == "SOUND" and "MUSIC" in WITHOUT:
                 continue
             more, arguments, words = cases[part]
-            self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments],
-                                      [f"-DTREVI_WITH_{part}=ON", *words],
+            self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments], [f"-DTREVI_WITH_{part}=ON", *words],
                                       lambda folder: [(folder / f"song.{end}").touch() for end in ("mid", "wav")])])
 
     @unittest.skipIf("VTK" in WITHOUT, "this build reads no meshes")
@@ -301,9 +300,9 @@ class BadInput(ProgramTest):
         self.assert_all_refused([(name, text, ["scene.toml"], ["scene.toml:16: [[obstacle]] motion: way.csv:", *words],
                                   lambda folder, data=data: (folder / "way.csv").write_bytes(data))
                                  for name, data, words in (
-            ("nan", b"0,0.5,0.5,0.3\n1,0.5,nan,0.3\n", ["2: not four numbers"]),
+            *((name, b"0,0.5,0.5,0.3\n" + line, ["2: not four numbers"]) for name, line in (("nan", b"1,nan,0,0\n"), ("time", b"nan,0,0,0\n"))),
             ("letters of another kind", b"\xe9\xff\n0,0.5,0.5,0.3\n", ["1: not four numbers"]),
-            ("backwards", b"1,0.5,0.5,0.3\n0,0.5,0.5,0.3\n", ["2: not later than the line before"]),
+            ("backwards", b"\xef\xbb\xbf1,0.5,0.5,0.3\n0,0.5,0.5,0.3\n", ["2: not later than the line before"]),
             ("far", b"0,0.5,0.5,0.3\n0.01,1e300,0.5,0.3\n", ["2: further from the line before than 10000 m/s"]),
             ("alone", b"0,0.5,0.5,0.3\n", ["fewer than two times and places"]))], rank_counts=(2,))
 
@@ -338,8 +337,9 @@ class BadInput(ProgramTest):
         drain = "\n".join(GOOD) + "\n[gravity]\n[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n"
         bad = [("an expression", opening.replace("+ z", "+ q"), ["[[inlet]] profile: ", "give an expression of z, t"]),
                ("no number", opening.replace("+ z", "/ t"), ["[[inlet]] profile: ", "is not a finite number at z = 0.25 m, t = 0"]),
-               ("no number at its top", opening.replace("0.5 + z", "z < 0.3 ? 1 : 0/0"),
-                ["[[inlet]] profile: ", "is not a finite number at z = 0."]),
+               ("at its top", opening.replace("0.5 + z", "z < 0.3 ? 1 : 0/0"), ["[[inlet]] profile: ", "is not a finite number at z = 0."]),
+               *((f"{what[:6]} later", opening.replace("0.5 + z", f"t < 0.005 ? 1 : {value}"), ["scene.toml:22: [[inlet]] profile: ", what])
+                 for value, what in (("0/0", "is not a finite number at z = 0.1 m, t = 0.01 s"), ("1e5", "over the opening at 0.01 s"))),
                ("too fast", opening.replace("+ z", "+ 1e9"), ["[[inlet]] profile: ", "check the units"]),
                ("a speed, too", opening + "speed = 1\n", ["[[inlet]] profile: speed is given, too"]),
                ("askew", opening.replace("[1, 0, 0]", "[1, 0.1, 0]"), ["[[inlet]] direction: must lead straight out"]),

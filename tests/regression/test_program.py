@@ -342,6 +342,18 @@ class Profile(ProgramTest):
         for name in ("Vorticity", "Xsph", "Fountain"):
             self.assertNotIn(name, result.stdout)
 
+    def test_a_profile_that_only_the_run_finds_bad(self):
+        """It is no number in one substep of two thousand, between the times that are looked at before."""
+        scene = ("[domain]\nmin = [0, 0, 0]\nmax = [2, 1, 1]\n[fluid]\nspacing = 0.1\n[time]\ndt = 0.01\nend = 20\n[gravity]\n"
+                 "[[inlet]]\ntype = 'rectangle'\n"
+                 "center = [0.05, 0.5, 0.25]\nsize = [0.4, 0.4]\ndirection = [1, 0, 0]\n"
+                 "profile = 'abs(t - 0.01) < 1e-9 ? 0/0 : 0.1'\n")
+        (self.folder / "scene.toml").write_text(scene)
+        for ranks in (1, 2):
+            result = self.run_trevi(ranks, "scene.toml", "--steps", "4", "--output", f"on {ranks}", folder=self.folder)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertEqual(result.stderr.count("scene.toml:15: [[inlet]] profile: "), 1, result.stderr)
+
 
 if __name__ == "__main__":
     main()

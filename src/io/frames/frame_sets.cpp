@@ -32,7 +32,8 @@ CoarseCells coarse_cells(const Settings& settings, const FrameSetSettings& set) 
 }
 
 bool is_folder_name(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+  constexpr std::size_t longest = 200;  // of the 255 that file systems take, with what is set before and behind it
+  return !name.empty() && name.size() <= longest && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
   });
 }
