@@ -116,14 +116,18 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
   }
 }
 
+// What solids leave of a cell is known of own cells only.
 void FreeSurface::find_masses(Halo& halo) {
-  for_each_row(grid().rows_of({0, grid().planes() + 2}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid().columns(k, r); ++c) {
-      const std::size_t at = grid().index(k, r, c);
-      if (is_wet(at)) mass_[at] = mass_of({k, r, c});
-    }
-  });
-  grid().complete(halo, mass_);
+  const LocalId planes = grid().planes();
+  for_each_row(grid().rows_of(cuts() == nullptr ? Range{0, planes + 2} : Range{1, planes + 1}),
+               [&](LocalId k, LocalId r) {
+                 for (LocalId c = 0; c < grid().columns(k, r); ++c) {
+                   const std::size_t at = grid().index(k, r, c);
+                   if (is_wet(at)) mass_[at] = mass_of({k, r, c});
+                 }
+               });
+  if (cuts() == nullptr) return grid().complete(halo, mass_);
+  exchange(halo, mass_);
 }
 
 // What stands on a floor, or on water that is not thin, has a level rather than a fill. What cells beside solids hold
