@@ -116,7 +116,7 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
   }
 }
 
-// What solids leave of a cell is known of own cells only.
+// What fills a cell beside a solid (CutCells::capacity()) is known of own cells only.
 void FreeSurface::find_masses(Halo& halo) {
   const LocalId planes = grid().planes();
   for_each_row(grid().rows_of(cuts() == nullptr ? Range{0, planes + 2} : Range{1, planes + 1}),
@@ -134,7 +134,7 @@ void FreeSurface::find_masses(Halo& halo) {
 // is noisy, and where one holds next to nothing it is wet as those around it are.
 Real FreeSurface::mass_of(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
-  if (cuts() != nullptr && cuts()->is_near(at)) return 1;
+  if (cuts() != nullptr && (cuts()->is_near(at) || is_at_solid(at))) return 1;
   Real fill = fill_[at];
   if (is_top(at)) {
     if (place.c == 0) return 1;

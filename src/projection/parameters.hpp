@@ -78,11 +78,11 @@ constexpr Real small_cell_at_driven = 0.5;
 // ---------------------------------------------------------------------------------------------------------
 
 /// Fill of a cell below which its water is thin, and from which on down it weighs as much as it fills: the pressure
-/// between such cells moves less water, and moves it further. As if all were full, the sides of a jet that meets a
-/// pool, a third full, were stopped as much as what gave full cells three times what they had lost: at 5 m/s,
-/// falling 1.4 m, it gained 5, 123, 298 J of 2.3 kJ at 1/60, 1/240, 1/480 s, and gains 0, 6, 2 J so (s = 0.05 m). With
-/// 0.95 and 0.8 0, 2, 1 J, but a plane jet on a plate keeps 0.93 of the speed of its head for 0.96 (s = 0.025 m, 1/240
-/// s), and with the fill itself high waves gain 5 to 10 % of their energy.
+/// between such cells moves less water, and moves it further. If all weighed as full ones, the sides of a jet that
+/// meets a pool, a third full, would give it three times what they lose: at 5 m/s, falling 1.4 m, it gains 5, 123, 298
+/// J of 2.3 kJ at 1/60, 1/240, 1/480 s so, and 0, 6, 2 J with these values (s = 0.05 m). With 0.95 and 0.8 in their
+/// place 0, 2, 1 J, but a plane jet on a plate keeps 0.93 of the speed of its head for 0.96 (s = 0.025 m, 1/240 s), and
+/// where every cell weighs what it fills high waves gain 5 to 10 % of their energy.
 constexpr Real thin_begins = 0.8, thin_full = 0.6;
 /// V-cycles from the hydrostatic start. Two give the same waves, pools and columns as a converged solution, three the
 /// same compression of a falling cube.

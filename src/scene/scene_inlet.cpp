@@ -92,16 +92,16 @@ void read_in_wall(Section& section, InletSettings& inlet) {
   }
 }
 
-// In the mean over the opening, at the start, and checked at as many times of the run.
-void read_mean_speed(Section& section, InletSettings& inlet, const Scene& scene) {
+// In the mean over the opening, at the start; checked at the times of all steps, or at a thousand where there are more.
+void read_mean_speed(Section& section, InletSettings& inlet, Real rows, const Scene& scene) {
   constexpr Real highest = 1e4, max_times = 1000;
   try {
-    inlet.speed = mean_speed(inlet, scene.fluid.spacing, 0);
     const Real parts = std::clamp(static_cast<Real>(scene.steps()), 1.0, max_times);
     for (Real part = 0; part < parts; ++part) {
       const Real time = scene.end * part / parts;
       if (part > 0 && (time < inlet.start || time >= inlet.stop)) continue;
-      const Real speed = mean_speed(inlet, scene.fluid.spacing, time);
+      const Real speed = mean_speed(inlet, rows, scene.fluid.spacing, time);
+      if (part == 0) inlet.speed = speed;
       section.check("profile", speed <= highest,
                     fmt::format("is {:.4g} m/s in the mean over the opening at {:.4g} s, and at most "
                                 "{:g} can be; check the units",
@@ -181,7 +181,7 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   read_jet(section, scene, inlet);
   read_times(section, inlet);
   read_in_wall(section, inlet);
-  if (lattice && inlet.profile) read_mean_speed(section, inlet, scene);
+  if (lattice && inlet.profile) read_mean_speed(section, inlet, static_cast<Real>(lattice->rows()), scene);
   if (inlet.profile) name_place_of_profile(section, inlet);
   section.flag({"recycle", "whether it gives back what drains take, and nothing else"}, inlet.recycle);
   if (lattice && known.box && section.fine("center") && section.fine("direction")) {

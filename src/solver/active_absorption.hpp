@@ -3,8 +3,8 @@
 // back, which the paddle takes in by going with it: v = −eta omega/(H/S), the speed at which it would make such a
 // wave, or sqrt(g/d) in shallow water (Schäffer & Klopman 2000). The middle of the strip sees a wave earlier than
 // the paddle, by the way at its celerity, and its own waves later by as much, so what comes back is smoothed over
-// that time. It goes with the face, forward where its own waves rise towards it: what it sees of their slope, S a
-// k/4 in the mean, is no wave that comes back. The slow mean of the level is no wave; it is left out, and the offset
+// that time. It goes with the face, forward where its own waves rise towards it: what it sees of their slope, k H S/8
+// in the mean, is no wave that comes back. The slow mean of the level is no wave; it is left out, and the offset
 // from the stroke of its own waves returns to 0 slowly, so that the paddle does not drift. The level is a sum of
 // integers, so that no number of ranks or threads is seen in it; offset, smoothed level and slow mean are state,
 // which a checkpoint has. Collective: move().

@@ -133,7 +133,8 @@ void resolve_flow(Settings& all) {
   for (DrainSettings& drain : all.drains) normalise(drain.axis);
   for (InletSettings& inlet : all.inlets) {
     normalise(inlet.direction);
-    if (inlet.profile) inlet.speed = mean_speed(inlet, spacing, 0);
+    if (inlet.profile)
+      inlet.speed = mean_speed(inlet, static_cast<Real>(InletLattice(inlet, spacing).rows()), spacing, 0);
     if (inlet.flow) inlet.speed = speed_of_flow(*inlet.flow, InletLattice(inlet, spacing), spacing);
   }
 }

@@ -161,13 +161,13 @@ void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing
       const auto [range, piece] = runs[n];
       const Undoing& of = all[piece];
       const Vec3 from = origin(piece), off = of.off * h_;
-      const Vec3 middle = obstacles_ != nullptr ? obstacles_->middle_of_box() : from;
       TotalImpulse undone;
       for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
         const Vec3 arm = (particles.predicted[i] - from) / h_ - of.centre;
         const Vec3 by = of.drift + of.turn.cross(arm);
         particles.velocity[i] -= by * to_velocity;
-        undone.moment -= (particles.predicted[i] - middle).cross(by * h_);
+        if (obstacles_ != nullptr)
+          undone.moment -= (particles.predicted[i] - obstacles_->middle_of_box()).cross(by * h_);
         particles.predicted[i] -= off;
       }
       undone.shift = -range.size() * h_ * of.drift;

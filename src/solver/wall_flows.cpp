@@ -125,9 +125,7 @@ std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<
   return std::nullopt;
 }
 
-Real mean_speed(const InletSettings& inlet, Real spacing, Real time) {
-  const InletLattice lattice(inlet, spacing);
-  const auto rows = static_cast<Real>(lattice.rows());
+Real mean_speed(const InletSettings& inlet, Real rows, Real spacing, Real time) {
   Real mean = 0;
   for (Real row = 0; row < rows; ++row)
     mean += std::max(0.0, inlet.profile->speed(inlet.center.z() + (row - (rows - 1) / 2) * spacing, time)) / rows;

@@ -45,8 +45,8 @@ std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<
 /// water. It is good by itself, the others need not be.
 std::optional<WallRefusal> why_not_beside(const DrainSettings& drain, std::span<const DrainSettings> others,
                                           const Settings& settings);
-/// Of the rows of an inlet with a profile at time 0, m/s.
-Real mean_speed(const InletSettings& inlet, Real spacing, Real time);
+/// Of an inlet with a profile, which has that many rows, at a time, m/s.
+Real mean_speed(const InletSettings& inlet, Real rows, Real spacing, Real time);
 
 class WallFlows {
  public:

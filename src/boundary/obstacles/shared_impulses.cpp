@@ -42,20 +42,27 @@ bool Obstacles::has_share(const Sharing& sharing, std::size_t account) const {
 
 // It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
 // each gave, and those that make the sum right and are the most likely ones go by its squares; along each axis for
-// itself, as walls that carry the weight of the water take nothing along the floor. Returns the moment that the shares
-// leave over.
+// itself, as walls that carry the weight of the water take nothing along the floor, but along all where nobody gave
+// anything along that one. The box has it where nobody gave anything. Returns the moment that the shares leave over.
 Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const {
   Eigen::Array3d sum = Eigen::Array3d::Zero();
   for (std::size_t k = 0; k < all.size(); ++k)
     if (has_share(sharing, k)) sum += sharing.own[k].shift.array().square();
+  const auto part_of = [&, all_axes = sum.sum()](std::size_t k, Eigen::Index a) -> Real {
+    const Vec3& own = sharing.own[k].shift;
+    if (sum[a] > 0) return own[a] * own[a] / sum[a];
+    return all_axes > 0 ? own.squaredNorm() / all_axes : k == box_account() ? 1 : 0;
+  };
   Vec3 couple = sharing.rest.moment;
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (!has_share(sharing, k)) continue;
     const Vec3& own = sharing.own[k].shift;
     Vec3 share = Vec3::Zero();
-    for (Eigen::Index a = 0; a < 3; ++a)
-      share[a] = sharing.rest.shift[a] * (sum[a] > 0 ? own[a] * own[a] / sum[a] : k == box_account() ? 1 : 0);
-    const Vec3 moment = own != Vec3::Zero() ? Vec3(arm_of(k, own, all[k].moment).cross(share)) : Vec3(Vec3::Zero());
+    for (Eigen::Index a = 0; a < 3; ++a) share[a] = sharing.rest.shift[a] * part_of(k, a);
+    const Vec3 arm = !own.isZero(0)       ? arm_of(k, own, all[k].moment)
+                     : k == box_account() ? middle_of_box_
+                                          : Vec3::Zero();
+    const Vec3 moment = arm.cross(share);
     all[k].shift += share;
     all[k].moment += moment;
     couple -= moment + reference_of(k).cross(share);
@@ -64,7 +71,8 @@ Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& al
 }
 
 // About each axis for itself, by the squares of what moments each gave, and of a part of what its force might have: a
-// basin at rest gives large forces and no moment, and its errors are not those of what is in it.
+// basin at rest gives large forces and no moment, and its errors are not those of what is in it. It is nobody's where
+// only bodies that float gave anything.
 void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const {
   constexpr Real part_of_force = 0.1;
   const Real half = (walls_.box().max - walls_.box().min).norm() / 2;
@@ -80,10 +88,8 @@ void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::ve
     if (!turns_[axis]) continue;
     Real sum = 0;
     for (std::size_t k = 0; k < all.size(); ++k) sum += own_of(k, axis);
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      const Real part = sum > 0 ? own_of(k, axis) / sum : k == box_account() ? 1 : 0;
-      all[k].moment[axis] += part * couple[axis];
-    }
+    if (sum == 0) continue;
+    for (std::size_t k = 0; k < all.size(); ++k) all[k].moment[axis] += own_of(k, axis) / sum * couple[axis];
   }
 }
 

@@ -81,10 +81,8 @@ void check(const std::string& directory, const std::optional<std::string>& resta
 void make(const std::string& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
-  if (!error && ::access(directory.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
-  if (error)
-    throw InputError(directory + ": cannot be the folder for the output (" + error.message() +
-                     "); choose another --output");
+  if (error) throw_file_error(directory, "make this folder", error.value());
+  if (::access(directory.c_str(), W_OK | X_OK) != 0) throw_file_error(directory, "write into this folder", errno);
 }
 
 }  // namespace
