@@ -17,6 +17,12 @@ namespace trevi {
 struct TotalImpulse {
   Vec3 shift = Vec3::Zero();   ///< m
   Vec3 moment = Vec3::Zero();  ///< m², about the reference point of the account
+
+  TotalImpulse& operator+=(const TotalImpulse& other) {
+    shift += other.shift;
+    moment += other.moment;
+    return *this;
+  }
 };
 
 /// What an obstacle or the box gives to a particle.

@@ -37,6 +37,11 @@ class CutCells {
   bool is_near(std::size_t at) const { return cells_[at].open < 1 || cells_[at].capacity != 1; }
   /// That frame for particles of cell (k, r, c): they stay on their own side of a sheet.
   CellFrame beside_solids(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
+  /// Whether a solid closes a part of the cell or of one of its faces.
+  bool closes_any(const ProjectionGrid& grid, std::size_t at) const {
+    const auto closes = [&](std::size_t a) { return face(a, at) < 1 || face(a, at + grid.step(a)) < 1; };
+    return open(at) < 1 || closes(0) || closes(1) || closes(2);
+  }
   /// Fraction of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
   /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.

@@ -131,7 +131,7 @@ void FreeSurface::find_masses(Halo& halo) {
 }
 
 // What stands on a floor, or on water that is not thin, has a level rather than a fill. What cells beside solids hold
-// is noisy, and where one holds next to nothing it is wet as those around it are.
+// is noisy, and some are wet as those around them are, whatever they hold.
 Real FreeSurface::mass_of(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
   if (cuts() != nullptr && (cuts()->is_near(at) || is_at_solid(at))) return 1;
@@ -141,7 +141,6 @@ Real FreeSurface::mass_of(const Place& place) const {
     fill += std::max(fill_[at + 1], 0.0);
     if (is_wet(at - 1)) fill = std::max(fill, fill_[at - 1]);
   }
-  if (fill < floor_fill) return 1;
   const Real thin = std::clamp((thin_begins - fill) / (thin_begins - thin_full), 0.0, 1.0);
   return 1 - thin * (1 - fill);
 }

@@ -129,11 +129,9 @@ bool FreeSurface::joins(const Place& place) const {
 }
 
 bool FreeSurface::is_at_solid(std::size_t at) const {
-  const auto is_closed = [&](std::size_t a) {
-    const std::size_t step = grid().step(a);
-    return cuts()->face(a, at) < 1 || cuts()->face(a, at + step) < 1 || open(at - step) < 1 || open(at + step) < 1;
-  };
-  return open(at) < 1 || is_closed(0) || is_closed(1) || is_closed(2);
+  const auto is_beside = [&](std::size_t step) { return open(at - step) < 1 || open(at + step) < 1; };
+  return cuts()->closes_any(grid(), at) || is_beside(grid().step(0)) || is_beside(grid().step(1)) ||
+         is_beside(grid().step(2));
 }
 
 // A cell at a solid among water that is deeper than it: no air is there, whatever the cell holds. Water stands above

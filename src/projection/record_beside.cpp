@@ -1,24 +1,10 @@
 #include "projection/record_beside.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "projection/parameters.hpp"
 
 namespace trevi {
-
-namespace {
-
-void add(TotalImpulse& sum, const TotalImpulse& one) {
-  sum.shift += one.shift;
-  sum.moment += one.moment;
-}
-
-}  // namespace
-
-TotalImpulse RecordBeside::at(const Vec3& shift, const Vec3& place) const {
-  return {shift, (place - obstacles_.middle_of_box()).cross(shift)};
-}
 
 // By the faces, less their weight: as displace_cell() does without damping, which goes from water to water.
 TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
@@ -34,7 +20,7 @@ TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion
       shift[axis] += by.low[a] + by.rise[a] * (here - 2 * std::clamp(half, -max_half, max_half));
     }
     if (across) shift.z() = 0;
-    add(sum, at(shift, motion.x[i]));
+    sum += obstacles_.about_middle(shift, motion.x[i]);
   }
   return sum;
 }
@@ -67,14 +53,6 @@ Real RecordBeside::beyond_own(const Face& face, LocalId k, LocalId r, LocalId c)
   return (from_.pressure.phi(beyond) - from_.pressure.phi(here) - (upper ? g_dt2_ : -g_dt2_) * grid.size()[2]) / 2;
 }
 
-bool RecordBeside::is_at_solid(std::size_t at) const {
-  const CutCells& cuts = *from_.surface.cuts();
-  Real open = cuts.open(at);
-  for (std::size_t a = 0; a < 3; ++a)
-    open = std::min({open, cuts.face(a, at), cuts.face(a, at + from_.surface.grid().step(a))});
-  return open < 1;
-}
-
 // Where the surface is in the cell, or below it, across alone.
 TotalImpulse RecordBeside::of_pressure(LocalId k, LocalId r, LocalId c, bool across) const {
   const ProjectionGrid& grid = from_.surface.grid();
@@ -88,8 +66,8 @@ TotalImpulse RecordBeside::of_pressure(LocalId k, LocalId r, LocalId c, bool acr
       if (open == 0) continue;
       const Face face{a, upper};
       const Real push = beyond_own(face, k, r, c) * open * particles / grid.size()[static_cast<Eigen::Index>(a)];
-      add(sum,
-          at((upper ? push : -push) * Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a))), middle_of(face, k, r, c)));
+      const Vec3 normal = Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a)));
+      sum += obstacles_.about_middle((upper ? push : -push) * normal, middle_of(face, k, r, c));
     }
   }
   return sum;
@@ -112,14 +90,13 @@ void RecordBeside::of_row(LocalId k, LocalId r, const CellOrder& order, const Mo
 void RecordBeside::of_cell(LocalId k, LocalId r, LocalId c, const Motion& motion, const CellParticles& cell) const {
   const FreeSurface& surface = from_.surface;
   const std::size_t here = surface.grid().index(k, r, c);
-  if (!is_at_solid(here) || surface.cuts()->floats(here)) return;
+  if (!surface.cuts()->closes_any(surface.grid(), here) || surface.cuts()->floats(here)) return;
   const CellDisplacement by = from_.transfer.displacement_by_faces(from_.pressure, k, r, c);
   if (by.act == 0) return;
   const bool across = !surface.is_wet(here) || surface.is_top(here);
   TotalImpulse given = of_particles(by, motion, cell, across);
   const TotalImpulse pressed = of_pressure(k, r, c, across);
-  given.shift -= pressed.shift;
-  given.moment -= pressed.moment;
+  given += {-pressed.shift, -pressed.moment};
   obstacles_.take_from_rest(surface.cuts()->nearest(here), given);
 }
 

@@ -27,8 +27,7 @@ class RecordBeside {
 
  private:
   void of_cell(LocalId k, LocalId r, LocalId c, const Motion& motion, const CellParticles& cell) const;
-  // About the middle of the box.
-  TotalImpulse at(const Vec3& shift, const Vec3& place) const;
+  // Both about the middle of the box.
   TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                             bool across) const;
   TotalImpulse of_pressure(LocalId k, LocalId r, LocalId c, bool across) const;
@@ -37,7 +36,6 @@ class RecordBeside {
     bool upper;
   };
   Vec3 middle_of(const Face& face, LocalId k, LocalId r, LocalId c) const;
-  bool is_at_solid(std::size_t at) const;
   Real beyond_own(const Face& face, LocalId k, LocalId r, LocalId c) const;
 
   Sources from_;

@@ -4,18 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 namespace trevi {
 
 template <class T>
 void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, std::span<const Vec3> from) const {
   TotalImpulse all;
-  for (std::size_t i = 0; i < moved.size(); ++i) {
-    const Vec3 by = vector_of(moved[i]);
-    all.shift += by;
-    all.moment += (from[i] - obstacles_.middle_of_box()).cross(by);
-  }
+  for (std::size_t i = 0; i < moved.size(); ++i) all += obstacles_.about_middle(vector_of(moved[i]), from[i]);
   obstacles_.record_rest(all);
   const ProjectionGrid& grid = surface_.grid();
   const bool beside_wall = grid.is_wall(0, k, r, 1) || grid.is_wall(0, k + 1, r, 1) || grid.is_wall(1, k, r, 1) ||
@@ -121,8 +115,7 @@ void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   for (std::size_t n = 0; n < pushes.count; ++n) {
     const auto& [shift, place] = pushes.all[n];
     obstacles_.record_projection(nearest, shift, place);
-    sum.shift -= shift;
-    sum.moment -= (place - obstacles_.middle_of_box()).cross(shift);
+    sum += obstacles_.about_middle(-shift, place);
   }
   if (!sum.shift.isZero(0) || !sum.moment.isZero(0)) obstacles_.record_rest(sum);
 }

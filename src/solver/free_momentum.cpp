@@ -166,8 +166,7 @@ void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing
         const Vec3 arm = (particles.predicted[i] - from) / h_ - of.centre;
         const Vec3 by = of.drift + of.turn.cross(arm);
         particles.velocity[i] -= by * to_velocity;
-        if (obstacles_ != nullptr)
-          undone.moment -= (particles.predicted[i] - obstacles_->middle_of_box()).cross(by * h_);
+        if (obstacles_ != nullptr) undone.moment -= obstacles_->about_middle(by * h_, particles.predicted[i]).moment;
         particles.predicted[i] -= off;
       }
       undone.shift = -range.size() * h_ * of.drift;

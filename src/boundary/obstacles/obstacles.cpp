@@ -314,6 +314,10 @@ void Obstacles::record_projection(std::size_t account, const Vec3& shift, const 
   ledger_.add(account, {&push, 1});
 }
 
+TotalImpulse Obstacles::about_middle(const Vec3& shift, const Vec3& place) const {
+  return {shift, (place - middle_of_box_).cross(shift)};
+}
+
 void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
   ledger_.add(account, TotalImpulse{part.shift, part.moment - reference_of(account).cross(part.shift)});
   record_rest({-part.shift, -part.moment});

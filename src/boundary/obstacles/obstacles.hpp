@@ -118,9 +118,10 @@ class Obstacles {
   /// What moves the water beside the pressure on surfaces: its transfer between particles and cells does not balance to
   /// the last digit. Its moments are about the middle of the box, too.
   std::size_t rest_account() const { return bodies_.size() + 1; }
-  const Vec3& middle_of_box() const { return middle_of_box_; }
+  /// A shift at a place, with its moment about that middle.
+  TotalImpulse about_middle(const Vec3& shift, const Vec3& place) const;
   void record_rest(const TotalImpulse& rest) { ledger_.add(rest_account(), rest); }
-  /// A part of the rest, with its moment about the middle of the box, that an obstacle gave.
+  /// A part of the rest, with its moment about the middle of the box, that an obstacle gave; not the box.
   void take_from_rest(std::size_t account, const TotalImpulse& part);
   /// Forgets what was recorded before.
   void begin_step();
@@ -154,6 +155,9 @@ class Obstacles {
   Leg leg_from(const Vec3& p, bool before);
   // Of the ledger, with the rest shared.
   std::vector<TotalImpulse> recorded(MPI_Comm comm);
+  // Where a solid lies, from what its moments are about, and how far it reaches from there, within the box.
+  struct Whereabouts;
+  Whereabouts whereabouts(std::size_t account) const;
   Vec3 arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const;
   struct Sharing;
   bool has_share(const Sharing& sharing, std::size_t account) const;

@@ -18,13 +18,21 @@ std::vector<TotalImpulse> Obstacles::total(MPI_Comm comm) {
   return finished_;
 }
 
+struct Obstacles::Whereabouts {
+  Vec3 middle;
+  Real reach;
+};
+
+Obstacles::Whereabouts Obstacles::whereabouts(std::size_t account) const {
+  const Real half = (walls_.box().max - walls_.box().min).norm() / 2;
+  if (account == box_account()) return {middle_of_box_, half};
+  return {Vec3::Zero(), std::min(half, bodies_[account]->radius())};
+}
+
 // From the point of moments to the line on which an impulse acts, where it is nearest to the middle of the solid; that
 // of a couple is far from all water, and then it is the middle.
 Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const {
-  const bool is_box = account == box_account();
-  const Box& box = walls_.box();
-  const Vec3 middle = is_box ? Vec3((box.min + box.max) / 2) : Vec3(Vec3::Zero());
-  const Real half = (box.max - box.min).norm() / 2, reach = is_box ? half : std::min(half, bodies_[account]->radius());
+  const auto [middle, reach] = whereabouts(account);
   const Vec3 arm = shift.cross(moment - middle.cross(shift)) / shift.squaredNorm();
   return arm.norm() <= reach ? Vec3(middle + arm) : middle;
 }
@@ -59,9 +67,7 @@ Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& al
     const Vec3& own = sharing.own[k].shift;
     Vec3 share = Vec3::Zero();
     for (Eigen::Index a = 0; a < 3; ++a) share[a] = sharing.rest.shift[a] * part_of(k, a);
-    const Vec3 arm = !own.isZero(0)       ? arm_of(k, own, all[k].moment)
-                     : k == box_account() ? middle_of_box_
-                                          : Vec3::Zero();
+    const Vec3 arm = own.isZero(0) ? whereabouts(k).middle : arm_of(k, own, all[k].moment);
     const Vec3 moment = arm.cross(share);
     all[k].shift += share;
     all[k].moment += moment;
@@ -75,12 +81,11 @@ Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& al
 // only bodies that float gave anything.
 void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const {
   constexpr Real part_of_force = 0.1;
-  const Real half = (walls_.box().max - walls_.box().min).norm() / 2;
   const auto own_of = [&](std::size_t k, Eigen::Index axis) -> Real {
     if (floating_ && floating_->holds(k)) return 0;
-    const bool is_box = k == box_account();
-    const Vec3 &force = sharing.own[k].shift, middle = is_box ? middle_of_box_ : Vec3(Vec3::Zero());
-    const Real reach = is_box ? half : std::min(half, bodies_[k]->radius()), given = part_of_force * reach;
+    const Vec3& force = sharing.own[k].shift;
+    const auto [middle, reach] = whereabouts(k);
+    const Real given = part_of_force * reach;
     const Real moment = (sharing.own[k].moment - middle.cross(force))[axis];
     return moment * moment + given * given * (force.squaredNorm() - force[axis] * force[axis]);
   };

@@ -172,7 +172,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
       fill += std::max((*fill_)[c + unit(2)], 0.0);
       if (wet(c - unit(2))) fill = std::max(fill, (*fill_)[c - unit(2)]);
     }
-    if (fill >= 0.8 || fill < 0.2) return 1;
+    if (fill >= 0.8) return 1;
     return fill <= 0.6 ? fill : fill + (fill - 0.6) / 0.2 * (1 - fill);
   }
   // Of face (a, c), in the mean of what is wet beside it.
