@@ -38,6 +38,8 @@ class Forcing {
   /// Called once before each step; `dt` is that of the whole step. Collective.
   virtual void prepare(const StepInfo&) {}
   virtual void apply(Particles& particles, const StepInfo& info) = 0;
+  /// For how long from the start of the substep on it alone decides how a particle at p moves, and gravity does not, s.
+  virtual Real holds_for(GlobalId /*id*/, const Vec3& /*p*/, const StepInfo&) const { return 0; }
   /// Highest speed it may give a particle within the times, m/s; for the choice of substeps.
   virtual Real fastest(const TimeSpan&) const { return 0; }
   /// State of a fountain at a time; no value for a forcing that is not a fountain.

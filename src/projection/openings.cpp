@@ -146,7 +146,9 @@ void Openings::measure(const ProjectionGrid& grid) {
   } else {
     for (const std::size_t at : marked_) drained_[at] = 0;
     for (const Face& face : faces_) through_[face.a][face.at] = 0;
+    for (const auto& [a, face] : come_through_) through_[a][face] = 0;
   }
+  come_through_.clear();
   marked_.clear();
   faces_.clear();
   for (const Drained& drained : drained_cells_) {
@@ -185,21 +187,21 @@ void Openings::measure_source(const ProjectionGrid& grid, const Source& source) 
           share *= overlap(cell[a], cell[a] + 1, low[a], high[a]);
           ahead += source.direction[static_cast<Eigen::Index>(grid.axis(a))] * (cell[a] + 0.5 - place[a]);
         }
-        if (share > 0) add_gain(grid, source.direction, cell, {share, ahead});
+        if (share > 0) add_gain(grid, source, cell, {share, ahead});
       }
     }
   }
 }
 
 // `cell` of the box, with its share and how far ahead of the opening its middle is, in cells.
-void Openings::add_gain(const ProjectionGrid& grid, const Vec3& direction, const Cell& cell,
+void Openings::add_gain(const ProjectionGrid& grid, const Source& source, const Cell& cell,
                         const std::pair<Real, Real>& share_ahead) {
   constexpr Real whole = -0.25;  // a cell as far behind the opening as that is water behind it
   const auto [share, ahead] = share_ahead;
   const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]);
   if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows() || cell[2] >= grid.columns()) return;
   const std::size_t at = grid.index(k, r, cell[2]);
-  const auto along = [&](std::size_t a) { return direction[static_cast<Eigen::Index>(grid.axis(a))]; };
+  const auto along = [&](std::size_t a) { return source.direction[static_cast<Eigen::Index>(grid.axis(a))]; };
   std::size_t main = 0;
   for (std::size_t a = 1; a < 3; ++a) main = std::abs(along(a)) > std::abs(along(main)) ? a : main;
   const bool up = along(main) > 0, wall = cell[main] == (up ? 0 : grid.count(main) - 1);
@@ -210,7 +212,9 @@ void Openings::add_gain(const ProjectionGrid& grid, const Vec3& direction, const
   if (known != gains_.rend()) {
     known->share += share;
   } else {
-    gains_.push_back({k, r, cell[2], at, behind, wall && behind != at, share});
+    const Real path = source.volume / (spacing_ * spacing_) / grid.size()[static_cast<Eigen::Index>(main)];
+    gains_.push_back({k, r, cell[2], at, behind, wall && behind != at, share, main, up ? at : at + grid.step(main),
+                      path * along(main)});
   }
 }
 
@@ -252,7 +256,7 @@ void Openings::measure_face(const ProjectionGrid& grid, const WallOpening& wall,
 }
 
 std::size_t Openings::bytes() const {
-  return drained_.capacity() + closed_.capacity() + (through_[0].capacity() + through_[1].capacity()) * sizeof(Real) +
+  return drained_.capacity() + closed_.capacity() + 3 * through_[0].capacity() * sizeof(Real) +
          faces_.capacity() * sizeof(Face) + drained_cells_.capacity() * sizeof(Drained);
 }
 

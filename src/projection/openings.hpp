@@ -57,7 +57,7 @@ class Openings {
   /// Whether face (a, at) is the side of a hole under water.
   bool closes(std::size_t a, std::size_t at) const { return (closed_[at] & (1U << a)) != 0; }
   /// Displacement of what goes through face (a, at) of a wall, m.
-  Real displacement(std::size_t a, std::size_t at) const { return a < 2 ? through_[a][at] : 0; }
+  Real displacement(std::size_t a, std::size_t at) const { return through_[a][at]; }
 
   /// A face of a wall and the cell before it.
   struct Face {
@@ -74,10 +74,17 @@ class Openings {
     std::size_t cell, behind;
     bool wall_behind;
     Real share;
+    std::size_t a, face;  ///< between the two
+    Real path;            ///< of the water in the substep along +a, in cells
   };
   /// On all ranks alike.
   bool has_sources() const { return !sources_.empty(); }
   const std::vector<Gain>& gains() const { return gains_; }
+  /// From here on in this substep that water comes as if through the face behind it.
+  void come_through(const ProjectionGrid& grid, const Gain& gain) {
+    through_[gain.a][gain.face] = gain.path * grid.size()[static_cast<Eigen::Index>(gain.a)];
+    come_through_.emplace_back(gain.a, gain.face);
+  }
 
   /// Adds what pressed water takes to make room, m² of phi times the volume of a particle: of the own cells.
   void add_work(Real work, Real dt) {
@@ -107,7 +114,7 @@ class Openings {
   void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
   void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
   void measure_source(const ProjectionGrid& grid, const Source& source);
-  void add_gain(const ProjectionGrid& grid, const Vec3& direction, const Cell& cell,
+  void add_gain(const ProjectionGrid& grid, const Source& source, const Cell& cell,
                 const std::pair<Real, Real>& share_ahead);
 
   std::vector<Drain> drains_;
@@ -117,7 +124,8 @@ class Openings {
   std::vector<std::size_t> marked_, closed_at_;  // of drained_ and closed_
   std::vector<char> drained_;
   std::vector<unsigned char> closed_;  // a bit for each direction
-  std::array<std::vector<Real>, 2> through_;
+  std::array<std::vector<Real>, 3> through_;
+  std::vector<std::pair<std::size_t, std::size_t>> come_through_;
   std::vector<Face> faces_;
   std::vector<Source> sources_;
   Real spacing_ = 0;

@@ -137,8 +137,8 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
 }
 
 // Water that comes out of an inlet under water needs room, in cells with water behind the opening, or a wall and water
-// down to the floor. Beside air they need no more than what moves on leaves. Where no water has a surface there is none
-// to be made.
+// down to the floor. Beside air they need no more than what moves on leaves: out of a wall in the air it moves on as if
+// the wall let it through, which would hold it back. Where no water has a surface there is none to be made.
 void Pressure::find_inflow(const FreeSurface& surface) {
   inflow_.clear();
   if (closed_) return;
@@ -146,11 +146,12 @@ void Pressure::find_inflow(const FreeSurface& surface) {
   for (const Openings::Gain& gain : surface.openings()->gains()) {
     if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell)) continue;
     const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
-    if (wall ? !stands_on_floor(surface, gain) : !is_full(gain.behind)) continue;
-    Real share = gain.share;
-    if (may_swell(surface, gain.k, gain.r, gain.c))
-      share = std::clamp(divergence(surface, gain.cell, is_anything_moved(surface)), 0.0, share);
-    inflow_.push_back({gain.cell, share});
+    if (!wall && !is_full(gain.behind)) continue;
+    const bool swells = may_swell(surface, gain.k, gain.r, gain.c);
+    const bool in_air = wall && !surface.is_cut(gain.cell) && (swells || !stands_on_floor(surface, gain));
+    Real share = in_air ? std::abs(gain.path) : gain.share;
+    if (in_air || swells) share = std::clamp(divergence(surface, gain.cell, is_anything_moved(surface)), 0.0, share);
+    inflow_.push_back({gain.cell, share, in_air ? &gain : nullptr});
     multigrid_.finest().rhs[gain.cell] -= share;
   }
 }

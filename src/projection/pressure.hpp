@@ -61,6 +61,7 @@ class Pressure {
   struct Inflow {
     std::size_t cell;
     Real share;
+    const Openings::Gain* out_of_wall;  ///< in the air; else null
   };
   const std::vector<Inflow>& inflow() const { return inflow_; }
   /// What finish() would make of it, where water has a surface.

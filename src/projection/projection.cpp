@@ -62,8 +62,10 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
   solve(halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
   if (openings_ != nullptr) {
     const Real particles = grid_.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
-    for (const Pressure::Inflow& one : pressure_.inflow())
+    for (const Pressure::Inflow& one : pressure_.inflow()) {
       openings_->add_work(-particles * pressure_.phi(one.cell) * one.share, dt);
+      if (one.out_of_wall != nullptr) openings_->come_through(grid_, *one.out_of_wall);
+    }
   }
   if (probes_ != nullptr) probe_pressures(surface_, pressure_, g_dt2, *probes_);
 }

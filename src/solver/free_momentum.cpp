@@ -72,10 +72,9 @@ Vec3 FreeMomentum<T>::origin(std::size_t piece) const {
 
 // Sums of a run of cells, which no rank and no thread shares, then those of runs in an order that is not seen.
 template <class T>
-template <bool all, class Velocity>
-typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>& problem,
+template <bool all, class Place, class Velocity>
+typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>& problem, const Place& place,
                                                          const Velocity& velocity) const {
-  const std::vector<Vec3>& predicted = problem.particles().predicted;
   const std::span<const WaterPieces::Run> runs = pieces_.runs();
   const bool has_bodies = obstacles_ != nullptr && obstacles_->floating() != nullptr;
   PerThread<Words> found;
@@ -90,14 +89,14 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
       Vec3 at = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
       Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
       for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
-        const Vec3 p = (predicted[i] - from) / h_, way = velocity(i) * (problem.dt() / h_);
+        const Vec3 there = place(i), p = (there - from) / h_, way = velocity(i) * (problem.dt() / h_);
         at += p;
         path += way;
         spin += p.cross(way);
         if constexpr (all) {
           spread += p * p.transpose();
-          to[1] += is_free(predicted[i]) ? 0 : 1;
-          to[2] += has_bodies && obstacles_->is_near(predicted[i]) ? 1 : 0;
+          to[1] += is_free(there) ? 0 : 1;
+          to[2] += has_bodies && obstacles_->is_near(there) ? 1 : 0;
         }
       }
       to[0] += range.size();
@@ -182,12 +181,14 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
       comm_, problem.order(), [&](std::size_t i) { return !is_free(particles.predicted[i]); },
       [&](WaterPieces::Labels& labels) { problem.exchange(labels); });
   if (!any) return solver_->solve(problem);
-  // A free path does not change p × v.
-  Words before = sums_of<false>(problem, [&, dt = problem.dt()](std::size_t i) {
-    return Vec3((particles.predicted[i] - particles.position[i]) / dt);
-  });
+  for (const WaterPieces::Run& run : pieces_.runs()) problem.let_fly(run.particles);
+  Words before = sums_of<false>(
+      problem, [&](std::size_t i) { return problem.end_of_flight(i); },
+      [&, dt = problem.dt()](std::size_t i) { return Vec3((particles.predicted[i] - particles.position[i]) / dt); });
   const SolveResult result = solver_->solve(problem);
-  Words after = sums_of<true>(problem, [&](std::size_t i) { return particles.velocity[i]; });
+  Words after = sums_of<true>(
+      problem, [&](std::size_t i) { return particles.predicted[i]; },
+      [&](std::size_t i) { return particles.velocity[i]; });
   add_other_ranks(before, after);
   // A body that moves freely has what the transfer leaves over, once it is touched.
   const bool is_body_touched = obstacles_ != nullptr && obstacles_->is_body_touched(comm_);

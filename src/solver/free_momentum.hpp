@@ -3,8 +3,8 @@
 // there, and sweeps shift positions without velocity: both are right in the mean, but not to rounding; and in flight
 // the pressure at the upper side of water that is pressed together is higher than at the lower one. What the substep
 // has changed of the two momenta is undone by a translation and a rotation of the velocities of the piece, where the
-// box repeats along an axis by a translation alone; and its centre goes back to where free flight takes it.
-// Collective.
+// box repeats along an axis by a translation alone; and its centre goes back to where free flight takes it
+// (free_flight.hpp). Collective.
 #pragma once
 
 #include "base/orderless_sum.hpp"
@@ -45,8 +45,8 @@ class FreeMomentum : public DensitySolver<T> {
   };
 
   // Of motion alone, or of all.
-  template <bool all, class Velocity>
-  Words sums_of(const DensityProblem<T>& problem, const Velocity& velocity) const;
+  template <bool all, class Place, class Velocity>
+  Words sums_of(const DensityProblem<T>& problem, const Place& place, const Velocity& velocity) const;
   void add_other_ranks(Words& before, Words& after) const;
   Undoing undoing(const Sums& before, const Sums& after, bool is_body_touched) const;
   void undo(DensityProblem<T>& problem, const std::vector<Undoing>& all) const;

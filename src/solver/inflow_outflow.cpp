@@ -18,6 +18,9 @@ class Nozzle : public Forcing {
   explicit Nozzle(std::shared_ptr<Inlet> inlet) : inlet_(std::move(inlet)) {}
   void prepare(const StepInfo& step) override { inlet_->prepare(step); }
   void apply(Particles& particles, const StepInfo& info) override { inlet_->apply(particles, info); }
+  Real holds_for(GlobalId id, const Vec3& p, const StepInfo& info) const override {
+    return inlet_->holds_for(id, p, info);
+  }
   Real fastest(const TimeSpan& times) const override { return inlet_->fastest(times); }
   std::optional<FountainState> state(Real time) const override { return inlet_->state(time); }
 
@@ -272,7 +275,8 @@ InflowOutflow::Made InflowOutflow::make(const Layers& layers, Water& water, Step
     const Vec3 fallen = parts_.gravity * flown;
     for (auto place = begin; place != end; ++place) {
       if (*place != open) continue;
-      const Vec3 position = lattice.position(place - begin, ahead);
+      const Vec3 straight = lattice.position(place - begin, ahead), lower = straight + flown / 2 * fallen;
+      const Vec3& position = covers(straight, lower) ? straight : lower;
       if (water.slabs.owner(water.grid, position) == rank_of(comm_))
         add(water, position, layers.inlet.velocity(layers.speed, state_.next_id, water.info) + fallen);
       count(change, state_.next_id++, 1);

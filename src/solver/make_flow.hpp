@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "fluid/forcings/fountain.hpp"
 #include "solver/inflow_outflow.hpp"
 #include "trevi/error.hpp"
-#include "trevi/forcing.hpp"
 #include "trevi/settings.hpp"
 
 namespace trevi {
 
 /// What pumps and drains are made of; nothing has begun yet.
 struct FlowParts {
-  std::vector<std::unique_ptr<Forcing>> fountains;   ///< in the order of the settings
+  std::vector<std::unique_ptr<Fountain>> fountains;  ///< in the order of the settings
   std::shared_ptr<InflowOutflow> inlets_and_drains;  ///< null without any
 };
 

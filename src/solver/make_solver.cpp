@@ -187,7 +187,11 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   std::move(extras.observers.begin(), extras.observers.end(), std::back_inserter(parts.observers));
   parts.flow = std::move(given.flow.inlets_and_drains);
   make_fluid(settings, parts);
-  std::vector<std::unique_ptr<Forcing>> more = std::move(given.flow.fountains);
+  std::vector<std::unique_ptr<Forcing>> more;
+  for (std::unique_ptr<Fountain>& fountain : given.flow.fountains) {
+    if (shifts_positions_only(settings.density, parts.gravity)) fountain->let_fall(parts.gravity);
+    more.push_back(std::move(fountain));
+  }
   std::move(extras.forcings.begin(), extras.forcings.end(), std::back_inserter(more));
   if (parts.flow) {
     parts.flow->begin(*parts.comm, *parts.boundary, parts.particles);

@@ -22,7 +22,7 @@ PbfSolver<T>::PbfSolver(SolverParts<T> parts)
     : parts_(std::move(parts)),
       guard_(*parts_.comm, parts_.particles, std::move(parts_.requests)),
       near_(*parts_.comm, *parts_.grid, parts_.box.min, parts_.constraint->model().h, parts_.scratch),
-      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary),
+      problem_(*parts_.comm, near_, *parts_.constraint, *parts_.boundary, parts_.gravity),
       reporter_({*parts_.comm, parts_.clock, parts_.particles, near_, problem_, parts_.forcings, flow(),
                  parts_.first_cell, parts_.crush_limit, parts_.probes.get(), parts_.absorption.get()},
                 std::move(parts_.observers), *parts_.diagnostics,
@@ -99,7 +99,7 @@ void PbfSolver<T>::substep(const StepInfo& info) {
   parts_.boundary->give_to_bodies(*parts_.comm);
   migrate_particles(&Particles::predicted);  //     ownership follows p*
   arrange_particles(Velocities::discard);    //     order and ghosts, unchanged until 22
-  problem_.start(parts_.particles, info.dt);
+  problem_.start(parts_.particles, info.dt, held(info));
   parts_.density_solver->begin(problem_);
   find_neighbours();  //  5 to 7: lists, unchanged until 22, of p* as predicted
   problem_.prepare();
@@ -157,9 +157,10 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
   const auto& forcings = parts_.forcings;
   for (std::size_t k = 0; k < parts_.first_own_forcing; ++k) apply_forcing(*forcings[k], info);
   if (parts_.first_own_forcing == forcings.size()) return;
-  reporter_.measure_supply([&] {
+  const auto apply = [&] {
     for (std::size_t k = parts_.first_own_forcing; k < forcings.size(); ++k) apply_forcing(*forcings[k], info);
-  });
+  };
+  reporter_.measure_supply(apply, info.dt / 2);  // what holds water on its way does so against gravity all the time
   const Particles& particles = parts_.particles;
   const LocalId lost = first_index(
       {0, particles.size()}, [&](std::size_t i) { return !parts_.boundary->walls().inside(particles.position[i]); });
@@ -168,6 +169,19 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
     parts_.particles.predicted[i] = particles.position[i];
     guard_.note_particle(particles, i, info.step + 1);
   }
+}
+
+// By a pump, or a forcing of the caller, for so many seconds of the substep.
+template <class T>
+std::function<Real(std::size_t)> PbfSolver<T>::held(const StepInfo& info) const {
+  if (parts_.first_own_forcing == parts_.forcings.size()) return {};
+  return [this, info](std::size_t i) {
+    const Particles& particles = parts_.particles;
+    Real longest = 0;
+    for (std::size_t k = parts_.first_own_forcing; k < parts_.forcings.size(); ++k)
+      longest = std::max(longest, parts_.forcings[k]->holds_for(particles.id[i], particles.position[i], info));
+    return longest;
+  };
 }
 
 template <class T>

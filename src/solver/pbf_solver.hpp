@@ -4,6 +4,7 @@
 // two need in turns lies in the same memory (base/scratch.hpp).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -101,6 +102,7 @@ class PbfSolver : public Solver {
   // The lines of Algorithm 1, in their order.
   void apply_forcings(const StepInfo& info);
   void apply_forcing(Forcing& forcing, const StepInfo& info);
+  std::function<Real(std::size_t)> held(const StepInfo& info) const;
   void predict_positions(Real dt);
   void migrate_particles(std::vector<Vec3> Particles::*position);
   void arrange_particles(Velocities velocities);

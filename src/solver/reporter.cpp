@@ -236,9 +236,9 @@ bool Reporter<T>::watches_energy() const {
 }
 
 template <class T>
-void Reporter<T>::measure_supply(const std::function<void()>& work) {
+void Reporter<T>::measure_supply(const std::function<void()>& work, Real ago) {
   if (!watches_energy()) return work();
-  supplied_.measure(state_.particles, work);
+  supplied_.measure(state_.particles, work, ago);
   is_supplied_ = true;
 }
 

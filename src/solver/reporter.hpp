@@ -51,7 +51,8 @@ class Reporter {
   /// Of a restart; each observer goes on with what it wants of them.
   void set_force_sums(const ForceSums& sums);
   /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
-  void measure_supply(const std::function<void()>& work);
+  /// `ago`: see SuppliedEnergy::measure().
+  void measure_supply(const std::function<void()>& work, Real ago = 0);
   /// The work of this rank's water that comes in, against the pressure there, in SuppliedEnergy::unit.
   void note_work_of_inflow(std::int64_t units) {
     if (watches_energy()) supplied_.add_measured(units);

@@ -14,14 +14,15 @@ constexpr Real highest = 1e12;  // m²/s², of speeds that no run survives
 }  // namespace
 
 // Sums may wrap around: their differences are right all the same.
-std::int64_t SuppliedEnergy::units(const Particles& particles) const {
+std::int64_t SuppliedEnergy::units(const Particles& particles, const Vec3& more) const {
   PerThread<std::uint64_t> sums;
   constexpr LocalId part_size = 2048;
   for_each_part({0, particles.size()}, part_size, [&](Range part) {
     std::uint64_t sum = 0;
     for (LocalId i = part.begin; i < part.end; ++i) {
       const auto n = static_cast<std::size_t>(i);
-      const Real energy = particles.velocity[n].squaredNorm() / 2 - gravity_.dot(particles.position[n] - corner_);
+      const Real energy =
+          (particles.velocity[n] - more).squaredNorm() / 2 - gravity_.dot(particles.position[n] - corner_);
       if (std::abs(energy) < highest) sum += static_cast<std::uint64_t>(std::llround(energy / unit));
     }
     sums.mine() += sum;
@@ -31,10 +32,11 @@ std::int64_t SuppliedEnergy::units(const Particles& particles) const {
   return static_cast<std::int64_t>(all);
 }
 
-void SuppliedEnergy::measure(const Particles& particles, const std::function<void()>& work) {
-  const std::int64_t before = units(particles);
+void SuppliedEnergy::measure(const Particles& particles, const std::function<void()>& work, Real ago) {
+  const Vec3 more = ago * gravity_;
+  const std::int64_t before = units(particles, more);
   work();
-  measured_ += units(particles) - before;
+  measured_ += units(particles, more) - before;
 }
 
 void SuppliedEnergy::end_step() {

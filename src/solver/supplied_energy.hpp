@@ -20,8 +20,9 @@ class SuppliedEnergy {
   SuppliedEnergy(MPI_Comm comm, Real mass, const Vec3& gravity, const Vec3& corner, Real before)
       : comm_(comm), mass_(mass), gravity_(gravity), corner_(corner), joules_(before) {}
 
-  /// Counts by how much `work` changes the kinetic and potential energy of this rank's particles.
-  void measure(const Particles& particles, const std::function<void()>& work);
+  /// Counts by how much `work` changes the kinetic and potential energy of this rank's particles, by their velocities
+  /// so many seconds ago, when gravity had given less.
+  void measure(const Particles& particles, const std::function<void()>& work, Real ago = 0);
   /// What this rank's water was given beside, in units of a particle.
   void add_measured(std::int64_t units) { measured_ += units; }
   static constexpr Real unit = Openings::work_unit;  ///< of the energy of a kilogram, m²/s²
@@ -33,7 +34,7 @@ class SuppliedEnergy {
   Real joules() const { return joules_; }
 
  private:
-  std::int64_t units(const Particles& particles) const;
+  std::int64_t units(const Particles& particles, const Vec3& more) const;
 
   MPI_Comm comm_;
   Real mass_;

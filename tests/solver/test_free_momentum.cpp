@@ -45,7 +45,7 @@ struct Block {
     near.rebuild(particles, slabs);
   }
   void solve() {
-    DensityProblem<double> problem(world, near, constraint, *boundary);
+    DensityProblem<double> problem(world, near, constraint, *boundary, Vec3::Zero());
     problem.start(particles, dt);
     FreeMomentum<double> solver({world, grid, box, constraint.model(), h / 2, Vec3::Zero()},
                                 std::make_unique<Disturbing>());

@@ -37,7 +37,7 @@ void check_target(const std::string& path) {
 
 void write_preview(const Session& session, const Scene& scene, const PreviewOptions& options) {
   if (scene.fountains.empty()) throw InputError(scene.path + ": no [[fountain]] to preview; add one");
-  const std::vector<std::unique_ptr<Forcing>> forcings = make_scene_flow(session.comm(), scene).fountains;
+  const std::vector<std::unique_ptr<Fountain>> forcings = make_scene_flow(session.comm(), scene).fountains;
   std::string text = "time";
   for (std::size_t k = 0; k < scene.fountains.size(); ++k) text += fmt::format(",note_{0},speed_{0}", k);
   for (Clock clock{0, scene.dt, 1}; clock.step <= options.last_step; ++clock.step) {

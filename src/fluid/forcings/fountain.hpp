@@ -33,11 +33,17 @@ class ConstantPump : public Pump {
   Real speed_;
 };
 
-/// A pump that works from its start to before its stop.
+/// A pump that works from its start to before its stop, and sets the velocity of what it reaches. What leaves it within
+/// a substep falls for the rest of it, so that a jet has one path, whatever dt is.
 class PumpedForcing : public Forcing {
  public:
-  /// `index` distinguishes the random numbers of different pumps.
-  PumpedForcing(const PumpSettings& settings, std::unique_ptr<Pump> pump, std::uint64_t seed, int index);
+  /// `index` distinguishes the random numbers of different pumps; `event` is its name in the log.
+  PumpedForcing(const PumpSettings& settings, std::unique_ptr<Pump> pump, std::uint64_t seed, int index,
+                const char* event);
+  /// Without that, nothing falls.
+  void let_fall(const Vec3& gravity) { gravity_ = gravity; }
+  void apply(Particles& particles, const StepInfo& info) override;
+  Real holds_for(GlobalId id, const Vec3& p, const StepInfo& info) const override;
   void prepare(const StepInfo& step) override { pump_->prepare(step); }
   Real fastest(const TimeSpan& times) const override;
   std::optional<FountainState> state(Real time) const override { return pumped(time).value_or(FountainState{}); }
@@ -48,12 +54,17 @@ class PumpedForcing : public Forcing {
   /// Of a particle that is pumped at this speed without jitter.
   Vec3 jet(Real speed, GlobalId id, const StepInfo& info) const;
   const PumpSettings& pump() const { return settings_; }
+  virtual bool reaches(const Vec3& p) const = 0;
+  /// The time, s, after which it does so no more for a particle that is there and has that velocity.
+  virtual Real leaves_after(const Vec3& p, const Vec3& velocity) const = 0;
 
  private:
+  Event event_;
   PumpSettings settings_;
   std::unique_ptr<Pump> pump_;
   std::uint64_t seed_;
   int index_;
+  Vec3 gravity_ = Vec3::Zero();
 };
 
 /// Sets the velocity of the particles inside an upright cylinder on the floor: v = direction (speed + jitter u), in
@@ -62,12 +73,11 @@ class Fountain : public PumpedForcing {
  public:
   /// `floor` is the height of the floor, m.
   Fountain(const FountainSettings& settings, std::unique_ptr<Pump> pump, Real floor, std::uint64_t seed, int index);
-  void apply(Particles& particles, const StepInfo& info) override;
 
  private:
-  bool contains(const Vec3& p) const;
+  bool reaches(const Vec3& p) const override;
+  Real leaves_after(const Vec3& p, const Vec3& velocity) const override;
 
-  Event event_;
   FountainSettings settings_;
   Real floor_;
 };

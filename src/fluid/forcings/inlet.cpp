@@ -92,25 +92,19 @@ Real speed_of_flow(Real flow, const InletLattice& lattice, Real spacing) {
 }
 
 Inlet::Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spacing, std::uint64_t seed, int index)
-    : PumpedForcing(settings, std::move(pump), seed, index),
-      event_("Inlet"),
+    : PumpedForcing(settings, std::move(pump), seed, index, "Inlet"),
       lattice_(settings, spacing),
       recycles_(settings.recycle),
       spacing_(spacing),
       direction_(settings.direction) {}
 
-void Inlet::apply(Particles& particles, const StepInfo& info) {
-  const ScopedEvent timed(event_);
-  const std::optional<FountainState> now = pumped(info.time);
-  if (!now) return;
-  for_each_index({0, particles.size()}, [&](std::size_t i) {
-    const Vec3& p = particles.position[i];
-    if (!lattice_.in_nozzle(p) || (covers_ && covers_(p, p + spacing_ * direction_))) return;
-    const Vec3 out = jet(now->speed, particles.id[i], info);
-    const Real speed = out.dot(direction_), rest = spacing_ - lattice_.seen(p).ahead;
-    const Real falls = speed * info.dt > rest ? info.dt - rest / speed : 0;
-    particles.velocity[i] = out + falls * gravity_;
-  });
+bool Inlet::reaches(const Vec3& p) const {
+  return lattice_.in_nozzle(p) && !(covers_ && covers_(p, p + spacing_ * direction_));
+}
+
+Real Inlet::leaves_after(const Vec3& p, const Vec3& velocity) const {
+  const Real speed = velocity.dot(direction_);
+  return speed > 0 ? (spacing_ - lattice_.seen(p).ahead) / speed : INFINITY;
 }
 
 // The part of a substep in which the pump may work, so that the amount does not depend on how time is cut.

@@ -58,16 +58,14 @@ class InletLattice {
 Real speed_of_flow(Real flow, const InletLattice& lattice, Real spacing);
 
 /// Sets the velocity of the particles within one spacing ahead of its opening as a fountain does, so that water in the
-/// way does not hold up the next layer at once. What leaves that nozzle within a substep falls for the rest of it: all
-/// layers of a jet have the same path, however many of them a substep makes. Water that has a solid or a wall less than
-/// a spacing ahead of it is left alone.
+/// way does not hold up the next layer at once: all layers of a jet have the same path, however many of them a substep
+/// makes. Water that has a solid or a wall less than a spacing ahead of it is left alone.
 class Inlet : public PumpedForcing {
  public:
   Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spacing, std::uint64_t seed, int index);
-  void apply(Particles& particles, const StepInfo& info) override;
   /// `covers`: whether something solid is between two places, or at one of them.
   void place_in(const Vec3& gravity, std::function<bool(const Vec3&, const Vec3&)> covers) {
-    gravity_ = gravity;
+    let_fall(gravity);
     covers_ = std::move(covers);
   }
 
@@ -81,11 +79,11 @@ class Inlet : public PumpedForcing {
 
  private:
   TimeSpan working(const StepInfo& info) const;
+  bool reaches(const Vec3& p) const override;
+  Real leaves_after(const Vec3& p, const Vec3& velocity) const override;
 
-  Event event_;
   InletLattice lattice_;
   bool recycles_;
-  Vec3 gravity_ = Vec3::Zero();
   std::function<bool(const Vec3&, const Vec3&)> covers_;
   Real spacing_;
   Vec3 direction_;

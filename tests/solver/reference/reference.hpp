@@ -132,25 +132,38 @@ class Reference {
     for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] = (p_[i] - cloud_.position[i]) / dt_;
   }
 
-  /// Moves p* by the projection; how far it acts on each particle.
-  std::vector<Real> project() {
-    std::vector<Real> act;
+  /// Moves p* by the projection.
+  std::vector<ReferenceProjection::Displacement> project() {
     const auto found = projection_.displacements(cloud_.position, p_, dt_);
-    for (std::size_t i = 0; i < size(); ++i) {
-      p_[i] = shifted(p_[i], found[i].u);
-      act.push_back(found[i].act);
+    for (std::size_t i = 0; i < size(); ++i) p_[i] = shifted(p_[i], found[i].u);
+    return found;
+  }
+
+  /// From a path by the new velocity to one by the mean of both, where gravity is all that acts.
+  Vec3 lift() const { return -s_.gravity.value_or(Vec3::Zero()) * dt_ * dt_ / 2; }
+  /// Whether something may carry what is at p: a wall that gravity presses it to.
+  bool may_rest(const Vec3& p) const {
+    const Vec3 g = s_.gravity.value_or(Vec3::Zero());
+    for (int a = 0; a < 3; ++a) {
+      const Real gap = g[a] < 0 ? p[a] - s_.domain.min[a] : s_.domain.max[a] - p[a];
+      if (g[a] != 0 && !is_open(a) && gap < h()) return true;
     }
-    return act;
+    return false;
+  }
+  /// How much of the lift a particle gets: less by the square of what it was displaced over half of what gravity does.
+  Real flies(const Vec3& displacement, const Vec3& p) const {
+    if (is_weightless() || may_rest(p)) return 0;
+    return std::max(0.0, 1 - std::pow(displacement.norm() / lift().norm(), 2));
   }
 
   /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. The
   /// multipliers of these sweeps become velocity, too, where the projection does not act: at the final positions, and
   /// without the tensile term; a wall stops what comes nearer to it, and does no more. A shifted particle takes on the
-  /// velocity of where it goes.
+  /// velocity of where it goes. What flies is lifted to the path by both velocities.
   void project_and_shift() {
     set_velocities();  // as if nothing acted
     const Vectors free_velocity = cloud_.velocity, free_place = p_;
-    const std::vector<Real> act = project();
+    const std::vector<ReferenceProjection::Displacement> projected = project();
     const std::vector<std::vector<std::size_t>> pieces = projection_.pieces();
     set_velocities();
     const Vectors start = p_;
@@ -159,7 +172,7 @@ class Reference {
     for (int k = 0; k < std::max(1, s_.density.iterations - 1); ++k) {
       iterate(k);
       for (std::size_t i = 0; i < size(); ++i) {
-        in_flight[i] += (1 - act[i]) * step_[i];
+        in_flight[i] += (1 - projected[i].act) * step_[i];
         compression[i] = rho_[i] / s_.fluid.rest_density - 1;  // that the last sweep saw
       }
     }
@@ -170,15 +183,23 @@ class Reference {
       for (const std::size_t j : near_[i])
         cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
     }
+    std::vector<char> in_piece(size(), 0);  // that touches nothing
+    for (const std::vector<std::size_t>& piece : pieces) {
+      if (!momentum(piece, free_place, free_velocity).is_free) continue;
+      for (const std::size_t i : piece) in_piece[i] = 1;
+    }
     const Vectors smooth = projection_.smooth_shifts(start, p_, compression);
     Vectors shifts(size());
     for (std::size_t i = 0; i < size(); ++i) {
-      p_[i] = shifted(p_[i], -smooth[i]);
+      const Real lifted = in_piece[i] ? 1 : in_flight[i] == 0 ? flies(projected[i].u, free_place[i]) : 0;
+      p_[i] = shifted(p_[i], lifted * lift() - smooth[i]);
       shifts[i] = p_[i] - start[i];
     }
     const Vectors carried = projection_.carried(shifts);
     for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] += carried[i] / dt_;
-    for (const std::vector<std::size_t>& piece : pieces) restore(piece, momentum(piece, free_place, free_velocity));
+    Vectors free_end(size());
+    for (std::size_t i = 0; i < size(); ++i) free_end[i] = free_place[i] + lift();
+    for (const std::vector<std::size_t>& piece : pieces) restore(piece, momentum(piece, free_end, free_velocity));
   }
 
   /// Of the particles of a piece of water, each of unit mass.
