@@ -1,6 +1,7 @@
 #include "solver/density_problem.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -50,7 +51,7 @@ DensityProblem<T>::DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const D
 template <class T>
 void DensityProblem<T>::start(Particles& particles, Real dt, std::function<Real(std::size_t)> held) {
   particles_ = &particles;
-  held_ = std::move(held);
+  free_flight_.start(dt, std::move(held));
   dt_ = dt;
   positions_only_ = is_projected_ = false;
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->number_particles(particles.id.size());
@@ -69,22 +70,24 @@ void DensityProblem<T>::prepare() {
   if (!is_projected_) return field_.borrow(scratch, particles);
   act_ = scratch.borrow<T>(particles);
   in_flight_ = scratch.borrow<T>(particles);
-  for_each_index(near_.all(), [&, shifts = field_.shifts()](std::size_t i) {
-    act_[i] = shifts[i].w;
-    in_flight_[i] = 0;
+  std::atomic<bool> may_fly = false;
+  for_each_part(near_.all(), sums_chunk, [&, shifts = field_.shifts()](Range part) {
+    bool may = false;  // without a branch
+    for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
+      act_[i] = shifts[i].w;
+      in_flight_[i] = 0;
+      may |= free_flight_.may_fly(shifts[i]);
+    }
+    if (may) may_fly.store(true, std::memory_order_relaxed);
   });
-  if (!free_flight_.has_gravity()) return;
-  flies_ = scratch.borrow<T>(particles);
-  for_each_index(near_.all(), [&](std::size_t i) {
-    const Real share = free_flight_.share(field_.shift(i), particles_->predicted[i], dt_);
-    flies_[i] = share > 0 ? static_cast<T>(share * left_to_fly(i)) : 0;
-  });
+  if (may_fly) free_flight_.find(near_.all(), field_.shifts(), particles_->predicted, scratch);
 }
 
 template <class T>
 void DensityProblem<T>::give_back() {
   for (Borrowed<Real>* array : {&rho_, &swept_rho_}) array->give_back();
-  for (Borrowed<T>* array : {&multiplier_, &act_, &in_flight_, &flies_}) array->give_back();
+  for (Borrowed<T>* array : {&multiplier_, &act_, &in_flight_}) array->give_back();
+  free_flight_.give_back();
   field_.give_back();
 }
 
@@ -262,36 +265,8 @@ void DensityProblem<T>::note_sweep() {
 }
 
 template <class T>
-void DensityProblem<T>::let_fly(Range part) {
-  if (!free_flight_.has_gravity()) return;
-  for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i)
-    flies_[i] = static_cast<T>(2 + left_to_fly(i));
-}
-
-template <class T>
-Vec3 DensityProblem<T>::end_of_flight(std::size_t i) const {
-  if (!free_flight_.has_gravity()) return particles_->predicted[i];
-  return particles_->predicted[i] + lifted(i) * free_flight_.lift(dt_);
-}
-
-template <class T>
-void DensityProblem<T>::lift_flying() {
-  if (!free_flight_.has_gravity()) return;
-  const Vec3 lift = free_flight_.lift(dt_);
-  for_each_index(near_.all(), [&](std::size_t i) {
-    if (flies_[i] > 0) field_.add_to_shift(i, lifted(i) * lift);
-  });
-  flies_.give_back();
-}
-
-// Water that is pressed by what it meets is carried, but for what is let fly.
-template <class T>
 void DensityProblem<T>::release_in_flight() {
-  if (free_flight_.has_gravity()) {
-    for_each_index(near_.all(), [&](std::size_t i) {
-      if (in_flight_[i] != 0 && flies_[i] < 2) flies_[i] = 0;
-    });
-  }
+  free_flight_.land(near_.all(), {in_flight_.data(), in_flight_.size()});
   with_halo(Phase::lambda, [&](Range part) {
     if (part.size() == 0) return;
     for_each_index(part, [in_flight = in_flight_.data(), record = &near_.record(0)](std::size_t i) {
@@ -322,7 +297,8 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
     const Loan records(near_.scratch(), std::as_writable_bytes(std::span(near_.records())));  // to be written anew
     projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
   }
-  lift_flying();
+  free_flight_.lift(near_.all(), field_);
+  free_flight_.give_back();
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
   projection.give_back();

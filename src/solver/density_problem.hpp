@@ -74,11 +74,10 @@ class DensityProblem {
   void set_velocities(bool looks_later);
   /// Gives the water in flight the velocity that the sweeps have found for its pairs, and at walls.
   void release_in_flight();
-  /// These particles are of a piece of water that touches nothing: all fly that nothing holds, whatever presses them.
-  /// After prepare().
-  void let_fly(Range part);
-  /// Where particle i of such a piece ends if gravity alone acts on it; before set_velocities().
-  Vec3 end_of_flight(std::size_t i) const;
+  /// These particles are of a piece of water that touches nothing (free_flight.hpp). After prepare().
+  void let_fly(Range part) { free_flight_.let_fly(near_.all(), part, near_.scratch()); }
+  /// Where particle i of such a piece ends if gravity alone acts on it. Between let_fly() and set_velocities().
+  Vec3 end_of_flight(std::size_t i) const { return particles_->predicted[i] + free_flight_.lift_of(i); }
   /// Takes off the shifts since set_velocities() what moves the water as a whole, and lifts what flies to its path.
   void filter_shifts(Projection& projection);
   /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
@@ -112,7 +111,6 @@ class DensityProblem {
   std::size_t gauges() const { return boundary_.obstacles()->gauges().count(); }
   const DensityModel& model() const { return constraint_.model(); }
   const Walls& walls() const { return boundary_.walls(); }
-  const FreeFlight& free_flight() const { return free_flight_; }
   Particles& particles() { return *particles_; }
   const Particles& particles() const { return *particles_; }
   std::span<const Real> density() const { return {rho_.data(), rho_.size()}; }
@@ -137,14 +135,6 @@ class DensityProblem {
   // Of the cells inside of a window of the own ones, or outside of it.
   void separate_coincident(const CellWindow& window, bool inside);
   void note_sweep();
-  void lift_flying();
-  // Of a particle in the substep, from 0 to 1: nothing lifts what is held.
-  Real left_to_fly(std::size_t i) const {
-    const Real held = held_ ? held_(i) / dt_ : 0;
-    return 1 - held * held;
-  }
-  // Of the lift.
-  Real lifted(std::size_t i) const { return flies_[i] >= 2 ? flies_[i] - 2 : flies_[i]; }
   void count_pass(const Event& event, Range part, double flops_per_pair);
 
   MPI_Comm comm_;
@@ -159,9 +149,7 @@ class DensityProblem {
   bool positions_only_ = false, is_projected_ = false;
   Borrowed<T> act_;        // how far the grid acts on each particle
   Borrowed<T> in_flight_;  // m², of all sweeps, times 1 − act_
-  FreeFlight free_flight_;
-  std::function<Real(std::size_t)> held_;
-  Borrowed<T> flies_;  // how far each particle does, from 0 to 1, and 2 more of what is let fly; none without gravity
+  FreeFlight<T> free_flight_;
   SweptRows swept_;
   std::vector<Range> swept_rows_, moved_rows_;  // owned particles: of the present sweep, and of those that have moved
   bool looks_later_ = false, has_swept_ = false;
