@@ -153,6 +153,10 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   const AffineMap fit = water.fit(at).weight > 0 ? water.fit(at) : AffineMap{};
   Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // of the solid's surface, out of it; and how it moves
   Real flux = 0, divergence = 0;
+  const Openings* openings = surface_.openings();
+  const auto moved = [&](std::size_t a, std::size_t face) {
+    return cuts.moved(a, face) + (openings != nullptr ? openings->displacement(a, face) : 0);
+  };
   for (std::size_t a = 0; a < 3; ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const std::size_t above = at + grid.step(a), b = grid.axis(a);
@@ -165,7 +169,7 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
     area[i] = cuts.face(a, above) - cuts.face(a, at);
     const Real closed_low = 1 - cuts.face(a, at), closed_high = 1 - cuts.face(a, above);
     if (closed_low + closed_high > 0)
-      solid[i] = (closed_low * cuts.moved(a, at) + closed_high * cuts.moved(a, above)) / (closed_low + closed_high);
+      solid[i] = (closed_low * moved(a, at) + closed_high * moved(a, above)) / (closed_low + closed_high);
   }
   const Real size = area.norm();
   if (size < min_wall) return std::nullopt;

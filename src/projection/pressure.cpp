@@ -148,8 +148,8 @@ void Pressure::find_inflow(const FreeSurface& surface) {
     const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
     if (!wall && !is_full(gain.behind)) continue;
     const bool swells = may_swell(surface, gain.k, gain.r, gain.c);
-    const bool in_air = wall && !surface.is_cut(gain.cell) && (swells || !stands_on_floor(surface, gain));
-    Real share = in_air ? std::abs(gain.path) : gain.share;
+    const bool in_air = wall && (swells || !stands_on_floor(surface, gain));
+    Real share = in_air && !surface.is_cut(gain.cell) ? std::abs(gain.path) : gain.share;
     if (in_air || swells) share = std::clamp(divergence(surface, gain.cell, is_anything_moved(surface)), 0.0, share);
     inflow_.push_back({gain.cell, share, in_air ? &gain : nullptr});
     multigrid_.finest().rhs[gain.cell] -= share;
