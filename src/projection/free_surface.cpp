@@ -130,14 +130,15 @@ void FreeSurface::find_masses(Halo& halo) {
   exchange(halo, mass_);
 }
 
-// What stands on a floor, or on water that is not thin, has a level rather than a fill. What cells beside solids hold
-// is noisy, and some are wet as those around them are, whatever they hold.
+// What stands on water that is not thin has a level rather than a fill. What cells beside solids hold is noisy, and
+// some are wet as those around them are, whatever they hold. Full water that comes to a wall is stopped by the few that
+// are ahead of it, as if they were as many.
 Real FreeSurface::mass_of(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
+  if (grid().is_at_wall(place.k, place.r, place.c)) return 1;
   if (cuts() != nullptr && (cuts()->is_near(at) || is_at_solid(at))) return 1;
   Real fill = fill_[at];
   if (is_top(at)) {
-    if (place.c == 0) return 1;
     fill += std::max(fill_[at + 1], 0.0);
     if (is_wet(at - 1)) fill = std::max(fill, fill_[at - 1]);
   }

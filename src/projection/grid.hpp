@@ -120,6 +120,15 @@ class ProjectionGrid {
     const LocalId row = first_row() + r;
     return !repeats_[a] && (a == 1 ? row == 0 || row == count_[1] : c == 0 || c == count_[2]);
   }
+  /// Whether a face of the cell, a ghost perhaps, is in a wall that water may move along.
+  bool is_at_wall(LocalId k, LocalId r, LocalId c) const {
+    const std::array<LocalId, 3> cell{first_plane() - 1 + k, first_row() + r, c};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (repeats_[a] || (a == 1 && is_layer())) continue;
+      if (cell[a] == 0 || cell[a] + 1 == count_[a]) return true;
+    }
+    return false;
+  }
   /// Whether the box is periodic along planes, rows and columns.
   const Repeats& repeats() const { return repeats_; }
   /// Whether it is that of two dimensions, a single row of cells in each plane, which nothing moves across.

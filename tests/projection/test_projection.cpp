@@ -230,10 +230,11 @@ TEST(Projection, StillWaterIsHeldExactly) {
   }
 }
 
-// Water of which a cell holds three eighths less goes against full water in a box that it fills to the ceiling: what
-// the pressure takes from the one it gives to the other, but for what the sides in air have of it. As if all cells were
-// full a third of it came from nowhere.
+// Water of which a cell holds three eighths less goes against full water in a wide box that it fills to the ceiling:
+// what the pressure takes from the one it gives to the other, but for what the sides in air have of it and the cells at
+// walls, which weigh as full ones. As if all cells were full a third of it came from nowhere.
 TEST(Pressure, KeepsTheMomentumOfThinWaterThatMeetsFullWater) {
+  const Box wide{box.min, box.min + Vec3(2.4, 4, 4)};
   const auto holds = [](const Vec3& p) {
     const Eigen::Vector3i half = ((p - box.min) / s).array().floor().cast<int>();
     const Eigen::Vector3i in_cell(half.x() % 2, half.y() % 2, half.z() % 2);
@@ -241,7 +242,8 @@ TEST(Pressure, KeepsTheMomentumOfThinWaterThatMeetsFullWater) {
                           in_cell == Eigen::Vector3i(1, 0, 1);
     return std::abs(p.x() - 1) < 0.8 && !(p.x() > 1 && left_out);
   };
-  Water water([](const Vec3& p) { return Vec3(p.x() < 1 ? 0.01 : -0.01, 0, 0); }, {.top = box.max.z(), .holds = holds});
+  Water water([](const Vec3& p) { return Vec3(p.x() < 1 ? 0.01 : -0.01, 0, 0); },
+              {.top = wide.max.z(), .box = wide, .holds = holds});
   Stages at(water, s);
   at.classify();
   at.solve(0);

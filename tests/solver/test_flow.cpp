@@ -287,7 +287,7 @@ TEST(SuppliedEnergy, OfAnInletUnderWaterIsWhatItLifts) {
     const Real rise = seen->energy.back() - seen->energy.front(), work = seen->supplied.back();
     EXPECT_NEAR(rise, lifted, 0.05 * lifted);
     const Real asked = lifted_by(0.16 * speed * seconds);
-    EXPECT_NEAR(work, asked, 0.05 * asked) << "room is made before the layer comes";
+    EXPECT_NEAR(work, asked, 0.06 * asked) << "room is made before the layer comes";
     for (std::size_t k = 0; k < seen->energy.size(); ++k)
       EXPECT_LT(seen->energy[k] - seen->energy[0], seen->supplied[k] + 0.01 * lifted) << k;
     const Real pressed = std::accumulate(seen->compression.begin(), seen->compression.end(), Real{0});
