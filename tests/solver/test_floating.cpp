@@ -25,6 +25,19 @@ TEST(Floating, ABallThatDriftsDoesNotTurn) {
   EXPECT_LT(run.bodies()[0].angular_velocity.norm(), 0.02);
 }
 
+// At the lower end of the box along the slab axis, beside an obstacle: what the cells before the first plane are of is
+// not asked for. It was read from before the array of cells, and ended runs with a segmentation fault.
+TEST(Floating, AtTheFirstWallBesideAnObstacle) {
+  const std::string box =
+      tank_with_gravity({.max = "3.2, 3.2, 1.84", .water = {{"0, 0, 0", "3.2, 3.2, 0.9"}}, .spacing = "0.08"});
+  BodyRun run(world, box +
+                         "[[obstacle]]\ntype = \"box\"\ncenter = [0.3, 0.5, 0.3]\nsize = [0.5, 0.4, 0.5]\n"
+                         "[[body]]\ntype = \"box\"\ncenter = [0.16, 0.9, 0.5]\nsize = [0.3, 0.3, 0.4]\n"
+                         "density = 700\n");
+  run.steps(12);
+  EXPECT_NEAR(run.bodies()[0].position.x(), 0.16, 0.04);
+}
+
 // By Archimedes: a box of the density rho floats rho/rho0 of its height deep, in water that it has lifted.
 TEST(Floating, FloatAsDeepAsTheyAreHeavy) {
   for (const Real part : {0.25, 0.5, 0.75}) {
