@@ -73,7 +73,6 @@ TotalImpulse RecordBeside::of_pressure(LocalId k, LocalId r, LocalId c, bool acr
   return sum;
 }
 
-// Cells without particles, too: the pressure on the solid in them moves nobody.
 void RecordBeside::of_row(LocalId k, LocalId r, const CellOrder& order, const Motion& motion) const {
   const ProjectionGrid& grid = from_.surface.grid();
   const Range cut = from_.surface.cuts()->cut_columns(k, r);
@@ -87,14 +86,16 @@ void RecordBeside::of_row(LocalId k, LocalId r, const CellOrder& order, const Mo
   }
 }
 
+// Cells without particles, too: the pressure on the solid in them moves nobody.
 void RecordBeside::of_cell(LocalId k, LocalId r, LocalId c, const Motion& motion, const CellParticles& cell) const {
   const FreeSurface& surface = from_.surface;
   const std::size_t here = surface.grid().index(k, r, c);
   if (!surface.cuts()->closes_any(surface.grid(), here) || surface.cuts()->floats(here)) return;
-  const CellDisplacement by = from_.transfer.displacement_by_faces(from_.pressure, k, r, c);
-  if (by.act == 0) return;
-  const bool across = !surface.is_wet(here) || surface.is_top(here);
-  TotalImpulse given = of_particles(by, motion, cell, across);
+  if (!from_.transfer.displaces(here)) return;
+  const bool across = surface.upright() && (!surface.is_wet(here) || surface.is_top(here));
+  TotalImpulse given;
+  if (cell.begin < cell.end)
+    given = of_particles(from_.transfer.displacement_by_faces(from_.pressure, k, r, c), motion, cell, across);
   const TotalImpulse pressed = of_pressure(k, r, c, across);
   given += {-pressed.shift, -pressed.moment};
   obstacles_.take_from_rest(surface.cuts()->nearest(here), given);
