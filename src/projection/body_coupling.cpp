@@ -4,20 +4,26 @@
 
 namespace trevi {
 
+void BodyCoupling::add_cell(LocalId k, LocalId r, LocalId c, const Water& water) {
+  const RigidBodies& bodies = *obstacles_.floating();
+  const std::size_t nearest = cuts_.nearest(water.surface.grid().index(k, r, c));
+  if (!bodies.holds(nearest)) return;
+  RecordForces::Pushes pushes = water.forces.pushes_of_cell(k, r, c);
+  for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].arm -= bodies.center(nearest);
+  pushes_.add(nearest - bodies.first(), {pushes.all.data(), pushes.count});
+  const TotalImpulse given = water.beside.of_cell(k, r, c, water.order, water.motion);
+  if (!given.shift.isZero(0) || !given.moment.isZero(0))
+    pushes_.add(nearest - bodies.first(), obstacles_.about_account(nearest, given));
+}
+
 // The rows of each thread, in integers: no order is seen.
-std::vector<Six> BodyCoupling::pressed(const FreeSurface& surface, const RecordForces& record) {
-  const ProjectionGrid& grid = surface.grid();
+std::vector<Six> BodyCoupling::pressed(const Water& water) {
+  const ProjectionGrid& grid = water.surface.grid();
   const RigidBodies& bodies = *obstacles_.floating();
   pushes_.clear();
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
     const Range cut = cuts_.cut_columns(k, r);
-    for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns(k, r)); ++c) {
-      const std::size_t nearest = cuts_.nearest(grid.index(k, r, c));
-      if (!bodies.holds(nearest)) continue;
-      RecordForces::Pushes pushes = record.pushes_of_cell(k, r, c);
-      for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].arm -= bodies.center(nearest);
-      pushes_.add(nearest - bodies.first(), {pushes.all.data(), pushes.count});
-    }
+    for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns(k, r)); ++c) add_cell(k, r, c, water);
   });
   const std::vector<TotalImpulse> all = pushes_.total(comm_);
   std::vector<Six> impulses;
@@ -25,11 +31,12 @@ std::vector<Six> BodyCoupling::pressed(const FreeSurface& surface, const RecordF
   return impulses;
 }
 
-void BodyCoupling::solve(Pressure& pressure, const FreeSurface& surface, Halo& halo, const Pressure::Step& step,
-                         const RecordForces& record) {
+void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Pressure::Step& step, const Water& water) {
   RigidBodies& bodies = *obstacles_.floating();
+  const FreeSurface& surface = water.surface;
   pressure.begin(surface, halo, step);
-  std::vector<Six> pressure_on = pressed(surface, record);
+  pressure.show(surface, halo);
+  std::vector<Six> pressure_on = pressed(water);
   for (int iteration = 0; iteration < projection::max_coupling_iterations; ++iteration) {
     if (iteration >= projection::min_coupling_iterations &&
         bodies.is_settled(pressure_on, projection::coupling_tolerance))
@@ -37,7 +44,8 @@ void BodyCoupling::solve(Pressure& pressure, const FreeSurface& surface, Halo& h
     bodies.respond(pressure_on);
     cuts_.move_faces([&](std::size_t a, std::size_t at, Real change) { pressure.move_face(surface, a, at, change); });
     pressure.improve(halo, projection::cycles_per_answer);
-    pressure_on = pressed(surface, record);
+    pressure.show(surface, halo);
+    pressure_on = pressed(water);
   }
   bodies.hear(pressure_on);
   pressure.finish(surface, halo);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "projection/pressure.hpp"
-#include "projection/record_forces.hpp"
+#include "projection/record_beside.hpp"
 
 namespace trevi {
 
@@ -16,12 +16,21 @@ class BodyCoupling {
   BodyCoupling(MPI_Comm comm, CutCells& cuts, Obstacles& obstacles, Real h)
       : comm_(comm), cuts_(cuts), obstacles_(obstacles), pushes_(obstacles.floating()->count(), h) {}
 
-  /// Pressure and bodies; `record` knows the pressure on cells.
-  void solve(Pressure& pressure, const FreeSurface& surface, Halo& halo, const Pressure::Step& step,
-             const RecordForces& record);
+  /// What moves the bodies: `forces` knows the pressure on cells, `beside` what else their closed faces give to the
+  /// particles in `order`.
+  struct Water {
+    const FreeSurface& surface;
+    const RecordForces& forces;
+    const RecordBeside& beside;
+    const CellOrder& order;
+    const Motion& motion;
+  };
+  /// Pressure and bodies.
+  void solve(Pressure& pressure, Halo& halo, const Pressure::Step& step, const Water& water);
 
  private:
-  std::vector<Six> pressed(const FreeSurface& surface, const RecordForces& record);
+  std::vector<Six> pressed(const Water& water);
+  void add_cell(LocalId k, LocalId r, LocalId c, const Water& water);
 
   MPI_Comm comm_;
   CutCells& cuts_;

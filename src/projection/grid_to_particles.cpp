@@ -212,7 +212,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
   const bool above = follows(at);
   CellDisplacement by;
   by.act = surface_.is_wet(at) || above ? 1 : 0;
-  if (by.act == 0 && surface_.upright()) return by;
+  if (!displaces(at)) return by;
   Faces faces;
   for (std::size_t a = 0; a < 3; ++a) faces[a] = faces_of(pressure, a, k, r, above && a < 2 ? c - 1 : c);
   const std::size_t cell = above ? at - 1 : at;

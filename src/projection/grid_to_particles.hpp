@@ -50,6 +50,9 @@ class GridToParticles {
   /// How the particles of cell (k, r, c) are displaced.
   CellDisplacement displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
                                    LocalId c) const;
+  /// Whether particles of a cell are displaced: without gravity those of dry cells are, by what of their faces is
+  /// known.
+  bool displaces(std::size_t at) const { return !surface_.upright() || surface_.is_wet(at) || follows(at); }
   /// The same by the faces alone, without damping and the fade at the surface.
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles are displaced.

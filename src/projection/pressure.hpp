@@ -42,6 +42,8 @@ class Pressure {
   /// solve() in parts: the equation and its first cycles; more cycles; and what of the pressure is left.
   void begin(const FreeSurface& surface, Halo& halo, const Step& step);
   void improve(Halo& halo, int more) { multigrid_.improve(halo, more); }
+  /// What displacement() needs before finish().
+  void show(const FreeSurface& surface, Halo& halo) { surface.grid().complete(halo, multigrid_.finest().phi); }
   void finish(const FreeSurface& surface, Halo& halo);
   /// Gives back the memory of the pressure.
   void give_back() { multigrid_.give_back(); }
@@ -50,9 +52,9 @@ class Pressure {
 
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
-    const Borrowed<Real>& phi = multigrid_.finest().phi;
     const std::size_t below = at - surface.grid().step(a);
-    return (phi[at] - phi[below]) / surface.grid().size()[static_cast<Eigen::Index>(a)] / surface.resistance(a, at);
+    return (phi_so_far(at) - phi_so_far(below)) / surface.grid().size()[static_cast<Eigen::Index>(a)] /
+           surface.resistance(a, at);
   }
 
   /// phi of a cell, m².

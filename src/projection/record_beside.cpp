@@ -50,7 +50,8 @@ Real RecordBeside::beyond_own(const Face& face, LocalId k, LocalId r, LocalId c)
   const std::size_t here = grid.index(k, r, c), at = here + (upper ? grid.step(a) : 0);
   const std::size_t beyond = upper ? at : here - grid.step(a);
   if (a < 2) return (from_.forces.on_side(beyond) - from_.forces.on_side(here)) / 2;
-  return (from_.pressure.phi(beyond) - from_.pressure.phi(here) - (upper ? g_dt2_ : -g_dt2_) * grid.size()[2]) / 2;
+  const Real beside = from_.pressure.phi_so_far(beyond) - from_.pressure.phi_so_far(here);
+  return (beside - (upper ? g_dt2_ : -g_dt2_) * grid.size()[2]) / 2;
 }
 
 // Where the surface is in the cell, or below it, across alone.
@@ -73,31 +74,47 @@ TotalImpulse RecordBeside::of_pressure(LocalId k, LocalId r, LocalId c, bool acr
   return sum;
 }
 
-// Cells without particles, too: the pressure on the solid in them moves nobody.
 void RecordBeside::of_row(LocalId k, LocalId r, const CellOrder& order, const Motion& motion) const {
-  const ProjectionGrid& grid = from_.surface.grid();
-  const Range cut = from_.surface.cuts()->cut_columns(k, r);
-  const LocalId row = r * order.grid().columns(), ghosts = order.low_ghosts();
-  CellParticles cell{0, 0, grid.place_of(k, r, 0)};
+  const CutCells& cuts = *from_.surface.cuts();
+  const Range cut = cuts.cut_columns(k, r);
   for (LocalId c = cut.begin; c < cut.end; ++c) {
-    cell.begin = static_cast<std::size_t>(order.start(k, row + c) - ghosts);
-    cell.end = static_cast<std::size_t>(order.start(k, row + c + 1) - ghosts);
-    grid.set_column(cell.place, c);
-    of_cell(k, r, c, motion, cell);
+    const std::size_t here = from_.surface.grid().index(k, r, c);
+    const TotalImpulse given = of_cell(k, r, c, order, motion);
+    if (!given.shift.isZero(0) || !given.moment.isZero(0)) obstacles_.take_from_rest(cuts.nearest(here), given);
   }
 }
 
-void RecordBeside::of_cell(LocalId k, LocalId r, LocalId c, const Motion& motion, const CellParticles& cell) const {
+// Whether water stands above the body that cuts the cell, more than a cell deep.
+bool RecordBeside::is_under_water(LocalId k, LocalId r, LocalId c) const {
   const FreeSurface& surface = from_.surface;
-  const std::size_t here = surface.grid().index(k, r, c);
-  if (!surface.cuts()->closes_any(surface.grid(), here) || surface.cuts()->floats(here)) return;
-  const CellDisplacement by = from_.transfer.displacement_by_faces(from_.pressure, k, r, c);
-  if (by.act == 0) return;
-  const bool across = !surface.is_wet(here) || surface.is_top(here);
-  TotalImpulse given = of_particles(by, motion, cell, across);
+  if (!surface.upright()) return true;
+  const std::size_t floor = surface.grid().index(k, r, 0);
+  for (LocalId n = c + 1; n < surface.grid().columns(k, r); ++n) {
+    const std::size_t at = floor + static_cast<std::size_t>(n);
+    if (!surface.is_solid(at) && !surface.is_cut(at)) return surface.is_wet(at) && !surface.is_top(at);
+  }
+  return false;
+}
+
+// Cells without particles, too: the pressure on the solid in them moves nobody. Of bodies that float only what is under
+// water: one that heaves at the surface would swing ever higher by it.
+TotalImpulse RecordBeside::of_cell(LocalId k, LocalId r, LocalId c, const CellOrder& order,
+                                   const Motion& motion) const {
+  const FreeSurface& surface = from_.surface;
+  const ProjectionGrid& grid = surface.grid();
+  const std::size_t here = grid.index(k, r, c);
+  if (!surface.cuts()->closes_any(grid, here) || !from_.transfer.displaces(here)) return {};
+  if (surface.cuts()->floats(here) && !is_under_water(k, r, c)) return {};
+  const LocalId row = r * order.grid().columns(), ghosts = order.low_ghosts();
+  const CellParticles cell{static_cast<std::size_t>(order.start(k, row + c) - ghosts),
+                           static_cast<std::size_t>(order.start(k, row + c + 1) - ghosts), grid.place_of(k, r, c)};
+  const bool across = surface.upright() && (!surface.is_wet(here) || surface.is_top(here));
+  TotalImpulse given;
+  if (cell.begin < cell.end)
+    given = of_particles(from_.transfer.displacement_by_faces(from_.pressure, k, r, c), motion, cell, across);
   const TotalImpulse pressed = of_pressure(k, r, c, across);
   given += {-pressed.shift, -pressed.moment};
-  obstacles_.take_from_rest(surface.cuts()->nearest(here), given);
+  return given;
 }
 
 }  // namespace trevi

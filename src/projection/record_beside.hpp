@@ -22,11 +22,12 @@ class RecordBeside {
   RecordBeside(const Sources& sources, Obstacles& obstacles, Real spacing, Real g_dt2)
       : from_(sources), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
 
-  /// Of a row of cells; not beside bodies that float, which a share of the rest would turn.
+  /// Of a row of cells.
   void of_row(LocalId k, LocalId r, const CellOrder& order, const Motion& motion) const;
+  /// Of a cell, about the middle of the box; the pressure need not be the last one.
+  TotalImpulse of_cell(LocalId k, LocalId r, LocalId c, const CellOrder& order, const Motion& motion) const;
 
  private:
-  void of_cell(LocalId k, LocalId r, LocalId c, const Motion& motion, const CellParticles& cell) const;
   // Both about the middle of the box.
   TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                             bool across) const;
@@ -35,6 +36,7 @@ class RecordBeside {
     std::size_t a;
     bool upper;
   };
+  bool is_under_water(LocalId k, LocalId r, LocalId c) const;
   Vec3 middle_of(const Face& face, LocalId k, LocalId r, LocalId c) const;
   Real beyond_own(const Face& face, LocalId k, LocalId r, LocalId c) const;
 

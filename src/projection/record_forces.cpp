@@ -21,25 +21,13 @@ void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, 
   for (LocalId c = cut.begin; c < cut.end; ++c) of_cell(k, r, c);
 }
 
-// In a top cell the water stands up to its surface, and above that of the cell in the dry one over it, by which a layer
-// on the floor pressed a wall with 0.4 of its weight's share and three layers with 0.89. As far as the pressure there
-// is that of water at rest: water that falls has none.
-RecordForces::Sides RecordForces::on_sides(std::size_t at) const {
-  const Real phi = pressure_.phi(at);
-  if (!surface_.is_top(at)) return {phi, 0};
-  const Real height = surface_.height(at), inside = std::min(height, 1.0), over = std::min(height - inside, 1.0);
-  const Real middle = surface_.above_middle(at);
-  const Real fall = std::clamp(-phi / middle, 0.0, g_dt2_ * surface_.grid().size()[2]);
-  return {phi - fall * (inside * (height - inside / 2) - middle), -fall * over * over / 2};
-}
-
 // The pressure of a cell, and of the water over it, on the walls of the box that it touches, at the middles of both.
 void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
-  const Sides sides = on_sides(at);
+  const Real over_top = surface_.is_top(at) ? on_side(at + 1) : 0;
   std::array<Vec3, 2> shifts{Vec3::Zero(), Vec3::Zero()};
   for (std::size_t a = 0; a < 3; ++a) {
     if (a == 1 && grid.is_layer()) continue;  // nothing presses along y
@@ -47,7 +35,7 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
     const std::array<LocalId, 3> above{k + (a == 0 ? 1 : 0), r + (a == 1 ? 1 : 0), c + (a == 2 ? 1 : 0)};
     const auto b = static_cast<Eigen::Index>(grid.axis(a));
     const CutCells& solids = *surface_.cuts();
-    const Real phi = a < 2 ? sides.here : pressure_.phi(at), over = a < 2 ? sides.over : 0;
+    const Real phi = a < 2 ? on_side(at) : pressure_.phi(at), over = a < 2 ? over_top : 0;
     const auto push = [&](std::size_t face, Real sign) {
       shifts[0][b] += sign * (phi + sign * half) * solids.face(a, face) * particles / size;
       if (over != 0) shifts[1][b] += sign * over * solids.face(a, face + 1) * particles / size;
@@ -70,6 +58,8 @@ Real RecordForces::fall_at(std::size_t top) const {
   return std::clamp(-pressure_.phi_so_far(top) / (surface_.grid().size()[2] * surface_.above_middle(top)), 0.0, g_dt2_);
 }
 
+// In a top cell the water stands up to its surface, and above that of the cell in the dry one over it. As far as the
+// pressure there is that of water at rest: water that falls has none.
 Real RecordForces::on_side(std::size_t at) const {
   if (surface_.is_solid(at)) return 0;
   if (surface_.is_wet(at)) {

@@ -28,11 +28,6 @@ class RecordForces {
 
  private:
   Pushes shifts_of_cell(LocalId k, LocalId r, LocalId c) const;
-  // The mean pressure on the upright sides of a cell, and on those of the cell over it where that is dry, m².
-  struct Sides {
-    Real here, over;
-  };
-  Sides on_sides(std::size_t at) const;
   void of_cell(LocalId k, LocalId r, LocalId c) const;
   Real fall_at(std::size_t top) const;
   void of_walls(LocalId k, LocalId r, LocalId c) const;

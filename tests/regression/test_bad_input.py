@@ -5,18 +5,12 @@ is printed once, nothing is written, and no rank is left waiting."""
 import os
 import subprocess
 import unittest
-from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy
 
-from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, ProgramTest, main
-
-# The good scene, by line: each case replaces one line, so the number of the bad line is known.
-GOOD = ["[domain]", "min = [0, 0, 0]", "max = [2, 1, 1]", "[fluid]", "spacing = 0.1", "kernel_radius = 0.2",
-        "[[particles]]", "type = 'block'", "min = [0, 0, 0]", "max = [1, 1, 0.5]", "[time]", "dt = 0.01", "end = 0.02",
-        "[output.series]", "every_steps = 1"]
+from bad_scenes import GOOD, RefusedTest, scene_of_file, scene_with
+from program import MPI_SETTINGS, TIME_LIMIT, WITHOUT, main
 
 # name -> (line, its replacement, where and what the message must say)
 BAD_LINES = {
@@ -35,54 +29,15 @@ BAD_LINES = {
     "one dimension": (2, "dimensions = 1\nmin = [0, 0, 0]", ["scene.toml:2:", "dimensions", "at least 2"]),
     "four dimensions": (2, "dimensions = 4\nmin = [0, 0, 0]", ["scene.toml:2:", "dimensions", "must be 2 or 3"]),
     "a pair in space": (3, "max = [2, 1]", ["scene.toml:3:", "max", "3 finite numbers"]),
-    "a long name": (14, f"[[output.frames]]\nname = '{'a' * 300}'", ["scene.toml:15:", "[[output.frames]] name", "at most 200"]),
+    "a long name": (14, f"[[output.frames]]\nname = '{'a' * 300}'",
+                    ["scene.toml:15:", "[[output.frames]] name", "at most 200"]),
     "no digit before the point": (12, "dt = .01", ["scene.toml:12: ", "digits on both sides of a point; write 0.01"]),
     "no digit behind it": (3, "max = [2, 1., 1]  # m", ["scene.toml:3: ", "write 1.0\n"]),
     "nor before an exponent": (12, "dt = -1.e-2", ["scene.toml:12: ", "write -1.0e-2"]),
 }
 
 
-def scene_with(line, text):
-    return "\n".join([*GOOD[:line - 1], text, *GOOD[line:]]) + "\n"
-
-
-def scene_of_file():
-    return "\n".join([*GOOD[:7], "type = 'file'", "path = 'cloud.h5'", *GOOD[10:]]) + "\n"
-
-
-class BadInput(ProgramTest):
-    tried = Counter()  # ranks -> cases
-
-    @classmethod
-    def tearDownClass(cls):
-        print("bad scenes, files and commands:", ", ".join(f"{cls.tried[n]} on {n} ranks" for n in sorted(cls.tried)))
-
-    def refuse(self, name, text, arguments, words, ranks, prepare=None):
-        """Runs the program on one bad case in a folder of its own and returns what it did wrong, if anything."""
-        folder = self.folder / f"{name} on {ranks}"
-        folder.mkdir()
-        (folder / "scene.toml").write_text(text)
-        if prepare:
-            prepare(folder)
-        before = self.contents(folder)
-        result = self.run_trevi(ranks, *arguments, folder=folder)
-        wrong = [f"'{word}' is not in the message" for word in words if word not in result.stderr]
-        if result.returncode != 2:
-            wrong.append(f"exit code {result.returncode}")
-        if result.stderr.count(words[0]) > 1:
-            wrong.append("printed more than once")
-        if self.contents(folder) != before:
-            wrong.append("something was written")
-        return f"{folder.name}: {', '.join(wrong)}\n{result.stderr}" if wrong else None
-
-    def assert_all_refused(self, cases, rank_counts=(1, 2)):
-        """Several at a time, as most of a refusal is mpirun's waiting."""
-        with ThreadPoolExecutor(4) as pool:
-            runs = [pool.submit(self.refuse, *case[:4], ranks, *case[4:]) for case in cases for ranks in rank_counts]
-        self.tried.update({ranks: len(cases) for ranks in rank_counts})
-        failures = [run.result() for run in runs if run.result()]
-        self.assertFalse(failures, "\n".join(failures))
-
+class BadInput(RefusedTest):
     def test_good_scene_runs(self):
         (self.folder / "scene.toml").write_text("\n".join(GOOD))
         self.run_well(2, "scene.toml")
@@ -161,7 +116,8 @@ class BadInput(ProgramTest):
 
     def test_a_preview_replaces_previews_only(self):
         text = "\n".join(GOOD) + "\n[[fountain]]\ncenter = [0.5, 0.5]\n"
-        self.assert_all_refused([("scene", text, ["scene.toml", "--preview", "scene.toml"], ["--preview scene.toml", "is no preview"])])
+        self.assert_all_refused([("scene", text, ["scene.toml", "--preview", "scene.toml"],
+                                  ["--preview scene.toml", "is no preview"])])
         (self.folder / "scene.toml").write_text(text)
         for _ in range(2):
             self.run_well(1, "scene.toml", "--preview", "curves.csv")
@@ -184,7 +140,8 @@ class BadInput(ProgramTest):
             ("a file", ["--output", "o"], ["o: cannot be the folder", "is a file", "--output"], file("o")),
             ("a file for frames", [], ["out/scene/vtu: cannot be the folder"], file("out/scene/vtu")),
             ("too long", ["--output", "o" * 300], ["File name too long", "--output"], None),
-            ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"], file("out/scene/vtu/particles_000000.pvtu")),
+            ("frames of another run", [], ["another run (vtu/particles_000000.pvtu)"],
+             file("out/scene/vtu/particles_000000.pvtu")),
         )])
 
     def test_more_memory_than_there_is(self):
@@ -194,7 +151,8 @@ class BadInput(ProgramTest):
                                  cwd=self.folder, env={**os.environ, **MPI_SETTINGS}, capture_output=True, text=True,
                                  timeout=TIME_LIMIT, check=False)
         self.assertEqual(limited.returncode, 2, limited.stderr)
-        self.assertRegex(limited.stderr, r"scene.toml: 500000000 particles on this machine need 40.0 GB, and .* are free")
+        self.assertRegex(limited.stderr,
+                         r"scene.toml: 500000000 particles on this machine need 40.0 GB, and .* are free")
         self.assertFalse((self.folder / "out").exists())
 
     def test_more_ranks_than_planes(self):
@@ -203,7 +161,8 @@ class BadInput(ProgramTest):
                                                                    "6 ranks", 'ranks = "auto"'])], rank_counts=(6,))
 
     def test_ranks_that_cannot_be(self):
-        cases = {"a word": ("'car'", [3, "two whole numbers", '"auto"']), "three": ("[1, 1, 1]", [3, "two whole numbers"]),
+        cases = {"a word": ("'car'", [3, "two whole numbers", '"auto"']),
+                 "three": ("[1, 1, 1]", [3, "two whole numbers"]),
                  "parts of ranks": ("[0.5, 4]", [3, "two whole numbers"]), "none": ("[0, 2]", [3, "two whole numbers"]),
                  "too few": ("[1, 1]", [3, "are 1 ranks, and this run has 2", "set domain.ranks"]),
                  "too many": ("[2, 2]", [3, "are 4 ranks, and this run has 2", "start it on 4"])}
@@ -230,7 +189,8 @@ class BadInput(ProgramTest):
             if part == "SOUND" and "MUSIC" in WITHOUT:
                 continue
             more, arguments, words = cases[part]
-            self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments], [f"-DTREVI_WITH_{part}=ON", *words],
+            self.assert_all_refused([(part, "\n".join(GOOD) + more, ["scene.toml", *arguments],
+                                      [f"-DTREVI_WITH_{part}=ON", *words],
                                       lambda folder: [(folder / f"song.{end}").touch() for end in ("mid", "wav")])])
 
     @unittest.skipIf("VTK" in WITHOUT, "this build reads no meshes")
@@ -251,7 +211,8 @@ class BadInput(ProgramTest):
             return bytes(80) + numpy.array([count], "<u4").tobytes() + numbers.tobytes()
 
         def ply(count, corner, points=corners):
-            head = (f"ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n"
+            head = (f"ply\nformat ascii 1.0\nelement vertex {count}\n"
+                    "property float x\nproperty float y\nproperty float z\n"
                     "element face 12\nproperty list uchar int vertex_indices\nend_header\n")
             return "".join([head, *(f"{x} {y} {z}\n" for x, y, z in points), f"3 0 1 {corner}\n",
                             *(f"3 {a} {b} {c}\n" for a, b, c in faces[1:])]).encode()
@@ -284,7 +245,8 @@ class BadInput(ProgramTest):
         (self.folder / "circle.ply").symlink_to("circle.ply")
         with (self.folder / "endless.stl").open("wb") as file:
             file.truncate(2**43)
-        for name, words in (("circle.ply", "no such file"), ("endless.stl", "triangles of so large a file need 35184.4 GB")):
+        for name, words in (("circle.ply", "no such file"),
+                            ("endless.stl", "triangles of so large a file need 35184.4 GB")):
             (self.folder / "scene.toml").write_text(text.format(name))
             refused = self.run_trevi(2, "scene.toml")
             self.assertEqual(refused.returncode, 2, refused.stderr)
@@ -299,13 +261,15 @@ class BadInput(ProgramTest):
         self.assert_all_refused([(name, text, ["scene.toml"], ["scene.toml:16: [[obstacle]] motion: way.csv:", *words],
                                   lambda folder, data=data: (folder / "way.csv").write_bytes(data))
                                  for name, data, words in (
-            *((name, b"0,0.5,0.5,0.3\n" + line, ["2: not four numbers"]) for name, line in (("nan", b"1,nan,0,0\n"), ("time", b"nan,0,0,0\n"))),
+            *((name, b"0,0.5,0.5,0.3\n" + line, ["2: not four numbers"])
+              for name, line in (("nan", b"1,nan,0,0\n"), ("time", b"nan,0,0,0\n"))),
             ("letters of another kind", b"\xe9\xff\n0,0.5,0.5,0.3\n", ["1: not four numbers"]),
             ("backwards", b"\xef\xbb\xbf1,0.5,0.5,0.3\n0,0.5,0.5,0.3\n", ["2: not later than the line before"]),
             ("far", b"0,0.5,0.5,0.3\n0.01,1e300,0.5,0.3\n", ["2: further from the line before than 10000 m/s"]),
             ("alone", b"0,0.5,0.5,0.3\n", ["fewer than two times and places"]))], rank_counts=(2,))
 
-        rod = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'cylinder'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.1\nheight = 0.2\n"
+        rod = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'cylinder'\ncenter = [0.5, 0.5, 0.3]\n"
+               "radius = 0.1\nheight = 0.2\n")
         self.assert_all_refused([(f"axis {axis}", f"{rod}axis = [0, {axis}, {axis}]\n", ["scene.toml"],
                                   ["scene.toml:21: [[obstacle]] axis: must not be zero"])
                                  for axis in ("0", "1.7e308")], rank_counts=(1,))
@@ -323,44 +287,20 @@ class BadInput(ProgramTest):
              ["scene.toml:16: [[obstacle]]: it is 2e+05 m long", "make it smaller"]),
             ("larger", ball.replace("\nradius = 0.2", "\nradius = 1e300"), ["scene.toml"],
              ["scene.toml:16: [[obstacle]]: it is 2e+300 m long", "make it smaller"])], rank_counts=(1, 2))
-        inlet = "[[inlet]]\ncenter = [0.65, 0.5, 0.3]\nradius = 0.15\nspeed = 1\n"
-        self.assert_all_refused([*((at, text + inlet, ["scene.toml"], [f"scene.toml:{at} at (", "move it out of there"]) for at, text in (
-                ("20: [[inlet]] center: the opening is in obstacle 0", ball),
-                ("21: [[inlet]] center: the opening is in body 0", ball.replace("obstacle", "body") + "mass = 20\n"))),
-            ("anderson", ball + "[density]\nmethod = 'anderson'\n", ["scene.toml"],
-             ["scene.toml:21: [density] method: ", "no regard to obstacles"])], rank_counts=(1, 2))
-
-    def test_openings_in_walls(self):
-        opening = ("\n".join(GOOD) + "\n[gravity]\n[[inlet]]\ntype = 'rectangle'\ncenter = [0.05, 0.5, 0.25]\nsize = [0.4, 0.4]\n"
-                   "direction = [1, 0, 0]\nprofile = '0.5 + z'\n")
-        drain = "\n".join(GOOD) + "\n[gravity]\n[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n"
-        bad = [("an expression", opening.replace("+ z", "+ q"), ["[[inlet]] profile: ", "give an expression of z, t"]),
-               ("no number", opening.replace("+ z", "/ t"), ["[[inlet]] profile: ", "is not a finite number at z = 0.25 m, t = 0"]),
-               ("at its top", opening.replace("0.5 + z", "z < 0.3 ? 1 : 0/0"), ["[[inlet]] profile: ", "is not a finite number at z = 0."]),
-               *((f"{what[:6]} later", opening.replace("0.5 + z", f"t < 0.005 ? 1 : {value}"), ["scene.toml:22: [[inlet]] profile: ", what])
-                 for value, what in (("0/0", "is not a finite number at z = 0.1 m, t = 0.01 s"), ("1e5", "over the opening at 0.01 s"))),
-               ("too fast", opening.replace("+ z", "+ 1e9"), ["[[inlet]] profile: ", "check the units"]),
-               ("a speed, too", opening + "speed = 1\n", ["[[inlet]] profile: speed is given, too"]),
-               ("askew", opening.replace("[1, 0, 0]", "[1, 0.1, 0]"), ["[[inlet]] direction: must lead straight out"]),
-               ("away from the wall", opening.replace("0.05, 0.5", "0.5, 0.5"), ["[[inlet]] center: must be half a spacing"]),
-               ("a level above", opening + "level = 0.9\n", ["[[inlet]] level: must be in the opening"]),
-               ("without gravity", opening.replace("[gravity]", ""), ["inlet: with a profile or a level it needs the projection"]),
-               ("both", drain + "flow = 1\n", ["[[drain]] flow: level is given, too"]),
-               ("no wall", drain.replace("[2, 1, 0.9]", "[1.9, 1, 0.9]"), ["[[drain]] level: needs a box that lies on one"]),
-               ("short", drain.replace("[1.1,", "[1.9,"), ["[[drain]] level: needs a box that reaches 0.8 m"]),
-               ("a level outside", drain.replace("= 0.5", "= 0.95"), ["[[drain]] level: must be in the box"])]
-        self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad], rank_counts=(1, 2))
 
     def test_what_bodies_and_files_of_obstacles_show(self):
-        ball = (good := "\n".join([*GOOD, "[gravity]\n"])) + "[[body]]\ntype = 'sphere'\ncenter = [1.5, 0.5, 0.5]\nradius = 0.2\n"
+        good = "\n".join([*GOOD, "[gravity]\n"])
+        ball = good + "[[body]]\ntype = 'sphere'\ncenter = [1.5, 0.5, 0.5]\nradius = 0.2\n"
         line = ball + "density = 500\nmooring = {{anchor = [1.5, 0.5, {}], stiffness = 10{}}}\n"
         drain = good + "[[drain]]\nmin = [1.1, 0, 0]\nmax = [2, 1, 0.9]\nlevel = 0.5\n[[obstacle]]\ntype = 'box'\n"
         bad = [("heavy", ball + "mass = 1e300\n", ["scene.toml:17: [[body]]: ", "check the units of mass"]),
                ("far", line.format("1e200", ""), ["scene.toml:17: [[body]]: ", "whose anchor is inf m away"]),
                ("long", line.format("0.5", ", length = 1e300"), ["scene.toml:17: [[body]]: ", "a length of 1e+300 m"]),
-               ("in", drain + "center = [1.6, 0.5, 0.1]\nsize = [1, 1, 1]\n", [":17: [[drain]] level: obstacle 0 is in its"])]
+               ("in", drain + "center = [1.6, 0.5, 0.1]\nsize = [1, 1, 1]\n",
+                [":17: [[drain]] level: obstacle 0 is in its"])]
         for k, ranks in ((0, 3), (2, 5)):
-            self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad[k:k + 2]], (ranks,))
+            self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad[k:k + 2]],
+                                    (ranks,))
 
     def test_gauges_once_obstacles_are_known(self):
         text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = {}\n[[gauge]]\n{}"
@@ -391,7 +331,8 @@ class BadInput(ProgramTest):
             ("missing", ["scene.toml:7: [[particles]] path: cloud.h5"], None),
         )])
         if "MUSIC" not in WITHOUT:
-            self.assert_all_refused([("music", "\n".join(GOOD) + "\n[[fountain]]\ncenter = [1, 0.5]\nmusic = 'gone.txt'\n",
+            self.assert_all_refused([("music", "\n".join(GOOD)
+                                      + "\n[[fountain]]\ncenter = [1, 0.5]\nmusic = 'gone.txt'\n",
                                       ["scene.toml"], ["scene.toml:16: [[fountain]] music: gone.txt: cannot be read"])])
 
 

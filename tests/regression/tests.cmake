@@ -8,7 +8,7 @@ add_test(NAME setup COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_setup.py
 set_tests_properties(layering layering_self_test plot_series scaling setup spack PROPERTIES TIMEOUT 300 LABELS script)
 
 # The whole program, as a user runs it.
-set(program_tests golden program threads inputs jets bad_input stability documents pages trevi_run)
+set(program_tests golden program threads inputs jets bad_flow bad_input stability documents pages trevi_run)
 if(TREVI_WITH_VTK)
   list(APPEND program_tests pictures)
 endif()
@@ -110,4 +110,4 @@ if(TREVI_FUZZ)
 endif()
 # The longest start first, also where ctest has not seen them run.
 set_tests_properties(golden PROPERTIES COST 500)
-set_tests_properties(survival_Restart bad_files bad_input survival_Kill inputs faults PROPERTIES COST 100)
+set_tests_properties(survival_Restart bad_files bad_flow bad_input survival_Kill inputs faults PROPERTIES COST 100)

@@ -318,9 +318,15 @@ TotalImpulse Obstacles::about_middle(const Vec3& shift, const Vec3& place) const
   return {shift, (place - middle_of_box_).cross(shift)};
 }
 
+TotalImpulse Obstacles::about_account(std::size_t account, const TotalImpulse& part) const {
+  if (floating_ && floating_->holds(account)) return {part.shift, Vec3::Zero()};
+  return {part.shift, part.moment - reference_of(account).cross(part.shift)};
+}
+
 void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
-  ledger_.add(account, TotalImpulse{part.shift, part.moment - reference_of(account).cross(part.shift)});
-  record_rest({-part.shift, -part.moment});
+  ledger_.add(account, about_account(account, part));
+  const bool floats = floating_ && floating_->holds(account);
+  record_rest({-part.shift, floats ? Vec3(-reference_of(account).cross(part.shift)) : Vec3(-part.moment)});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {

@@ -120,6 +120,9 @@ class Obstacles {
   std::size_t rest_account() const { return bodies_.size() + 1; }
   /// A shift at a place, with its moment about that middle.
   TotalImpulse about_middle(const Vec3& shift, const Vec3& place) const;
+  /// What is about that middle, about the point of an obstacle's moments; a body that floats has no couple of it, by
+  /// which one that is light would turn.
+  TotalImpulse about_account(std::size_t account, const TotalImpulse& part) const;
   void record_rest(const TotalImpulse& rest) { ledger_.add(rest_account(), rest); }
   /// A part of the rest, with its moment about the middle of the box, that an obstacle gave; not the box.
   void take_from_rest(std::size_t account, const TotalImpulse& part);
