@@ -63,41 +63,101 @@ HWY_INLINE V3 load_path(const Motion& shifts, std::size_t i) {
   return {hn::Sub(p[0], x[0]), hn::Sub(p[1], x[1]), hn::Sub(p[2], x[2])};
 }
 
-// Σ act Δ and Σ act.
-template <class T>
-HWY_INLINE std::array<Real, 4> sum_shifts(const Motion& shifts, const CellParticles& cell, std::span<const T> act) {
-  alignas(64) Real lanes[4][virtual_lanes];
+// Sums over the particles of a cell: of(i) has the terms of those from i on, 0 beyond the last.
+template <std::size_t count, class Of>
+HWY_INLINE std::array<Real, count> sum_cell(const CellParticles& cell, const Of& of) {
+  alignas(64) Real lanes[count][virtual_lanes];
   const auto add_eight = [&]<bool first>(std::size_t i) {
     for (std::size_t lane = 0; lane < virtual_lanes; lane += hn::Lanes(Wide())) {
-      const V3 path = load_path(shifts, i + lane);
-      const V weight = load_scalars(act, i + lane, cell.end);
-      for (std::size_t a = 0; a < 3; ++a) add_to_lanes<first>(&lanes[a][lane], hn::Mul(weight, path[a]));
-      add_to_lanes<first>(&lanes[3][lane], weight);
+      const std::array<V, count> terms = of(i + lane);
+      for (std::size_t q = 0; q < count; ++q) add_to_lanes<first>(&lanes[q][lane], terms[q]);
     }
   };
   add_eight.template operator()<true>(cell.begin);
   for (std::size_t i = cell.begin + virtual_lanes; i < cell.end; i += virtual_lanes)
     add_eight.template operator()<false>(i);
-  std::array<Real, 4> sums;
-  fold_all<4>(lanes, sums.data());
+  std::array<Real, count> sums;
+  fold_all<count>(lanes, sums.data());
   return sums;
 }
+
+// B y
+HWY_INLINE V3 along(const std::array<ByAxis, 3>& slope, const V3& y) {
+  V3 u = zeros();
+  for (std::size_t a = 0; a < 3; ++a) {
+    u[a] = hn::Mul(set(slope[a][0]), y[0]);
+    for (std::size_t b = 1; b < 3; ++b) u[a] = hn::MulAdd(set(slope[a][b]), y[b], u[a]);
+  }
+  return u;
+}
+
+HWY_INLINE V3 less(const V3& u, const Real* mean) {
+  return {hn::Sub(u[0], set(mean[0])), hn::Sub(u[1], set(mean[1])), hn::Sub(u[2], set(mean[2]))};
+}
+
+HWY_INLINE V dot(const V3& u, const V3& w) {
+  return hn::MulAdd(u[0], w[0], hn::MulAdd(u[1], w[1], hn::Mul(u[2], w[2])));
+}
+
+// The particles of a cell that take on velocities.
+template <class T>
+struct Carry {
+  const Motion& shifts;
+  const CellParticles& cell;
+  const std::array<ByAxis, 3>& slope;
+  std::span<const T> act;
+  std::span<const Vec3> velocity;
+  std::array<Real, 9> mean;  // of shifts, positions and velocities
+
+  V weight(std::size_t i) const { return load_scalars(act, i, cell.end); }
+  V3 carried(std::size_t i) const { return along(slope, less(load_path(shifts, i), &mean[0])); }
+  V3 affine(std::size_t i) const { return along(slope, less(load(shifts.x, i), &mean[3])); }
+  V3 noise(std::size_t i, const V3& affine) const {
+    const V3 v = less(load(velocity, i), &mean[6]);
+    return {hn::Sub(v[0], affine[0]), hn::Sub(v[1], affine[1]), hn::Sub(v[2], affine[2])};
+  }
+  // Whether there is any weight.
+  bool find_means() {
+    const auto sums = sum_cell<10>(cell, [&](std::size_t i) {
+      const V w = weight(i);
+      const V3 path = load_path(shifts, i), x = load(shifts.x, i), v = load(velocity, i);
+      std::array<V, 10> terms;
+      for (std::size_t a = 0; a < 3; ++a) {
+        terms[a] = hn::Mul(w, path[a]);
+        terms[3 + a] = hn::Mul(w, x[a]);
+        terms[6 + a] = hn::Mul(w, v[a]);
+      }
+      terms[9] = w;
+      return terms;
+    });
+    if (sums[9] == 0) return false;
+    for (std::size_t q = 0; q < 9; ++q) mean[q] = sums[q] / sums[9];
+    return true;
+  }
+  // What the noise would gain, as a share of it and of the affine motion.
+  Real gain() const {
+    const auto sums = sum_cell<2>(cell, [&](std::size_t i) {
+      const V w = weight(i);
+      const V3 smooth = affine(i), rest = noise(i, smooth);
+      return std::array<V, 2>{hn::Mul(w, dot(rest, carried(i))),
+                              hn::Mul(w, hn::Add(dot(rest, rest), dot(smooth, smooth)))};
+    });
+    return sums[1] > 0 ? sums[0] / sums[1] : 0;
+  }
+};
 
 template <class T>
 HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
                               std::span<const T> act, std::span<Vec3> velocity) {
   const Wide d;
-  const std::array<Real, 4> sums = sum_shifts(shifts, cell, act);
-  if (sums[3] == 0) return;
+  Carry<T> carry{shifts, cell, slope, act, velocity, {}};
+  if (!carry.find_means()) return;
+  const V gain = set(carry.gain());
   for (std::size_t i = cell.begin; i < cell.end; i += hn::Lanes(d)) {
-    V3 off = load_path(shifts, i), v = load(std::span<const Vec3>(velocity), i);
-    const V weight = load_scalars(act, i, cell.end);
-    for (std::size_t a = 0; a < 3; ++a) off[a] = hn::Sub(off[a], set(sums[a] / sums[3]));
-    for (std::size_t a = 0; a < 3; ++a) {
-      V carried = hn::Mul(set(slope[a][0]), off[0]);
-      for (std::size_t b = 1; b < 3; ++b) carried = hn::MulAdd(set(slope[a][b]), off[b], carried);
-      v[a] = hn::MulAdd(weight, carried, v[a]);
-    }
+    const V3 carried = carry.carried(i), noise = carry.noise(i, carry.affine(i));
+    const V weight = carry.weight(i);
+    V3 v = load(std::span<const Vec3>(velocity), i);
+    for (std::size_t a = 0; a < 3; ++a) v[a] = hn::MulAdd(weight, hn::NegMulAdd(gain, noise[a], carried[a]), v[a]);
     if (i + hn::Lanes(d) <= cell.end) {
       hn::StoreInterleaved3(v[0], v[1], v[2], d, velocity[i].data());
     } else {

@@ -7,7 +7,8 @@
 //
 // A shifted particle takes on the velocity of where it goes (Lind et al., J. Comput. Phys. 231, 2012, eq. 28): v += B Δ
 // with the slope B of the water's motion there (Projection::carry_velocities). Without that, shear and vortices
-// diffuse.
+// diffuse. Shifts oppose the noise by which particles meet, and B Δ makes that grow along the axis on which the flow
+// closes in; what of B Δ goes along the noise of a cell is left out, the more the more noise there is.
 //
 // Sums and fits are of few planes at a time: as soon as the smooth part of a plane is known, sums of the planes before
 // make room for those of the planes after. Collective: for_each_plane().

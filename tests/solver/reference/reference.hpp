@@ -189,13 +189,14 @@ class Reference {
       for (const std::size_t i : piece) in_piece[i] = 1;
     }
     const Vectors smooth = projection_.smooth_shifts(start, p_, compression);
-    Vectors shifts(size());
+    Vectors shifts(size()), motion(size());
     for (std::size_t i = 0; i < size(); ++i) {
       const Real lifted = in_piece[i] ? 1 : in_flight[i] == 0 ? flies(projected[i].u, free_place[i]) : 0;
       p_[i] = shifted(p_[i], lifted * lift() - smooth[i]);
       shifts[i] = p_[i] - start[i];
+      motion[i] = cloud_.velocity[i] * dt_;
     }
-    const Vectors carried = projection_.carried(shifts);
+    const Vectors carried = projection_.carried(start, shifts, motion);
     for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] += carried[i] / dt_;
     Vectors free_end(size());
     for (std::size_t i = 0; i < size(); ++i) free_end[i] = free_place[i] + lift();

@@ -90,19 +90,31 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return all;
   }
 
-  /// What the water's motion differs by along shifts, m: of each less the mean of its cell, as far as the grid acts.
-  std::vector<Vec3> carried(const std::vector<Vec3>& shifts) const {
+  /// What the water's motion differs by along shifts from `start`, m: of each less the mean of its cell, as far as the
+  /// grid acts, and less along the noise of the cell, by which the motion differs from the affine one.
+  std::vector<Vec3> carried(const std::vector<Vec3>& start, const std::vector<Vec3>& shifts,
+                            const std::vector<Vec3>& motion) const {
     std::vector<Vec3> result(shifts.size(), Vec3::Zero());
     for_each_cell([&](const Cell& c) {
-      Vec3 mean = Vec3::Zero();
+      Vec3 at = Vec3::Zero(), shift = Vec3::Zero(), mean = Vec3::Zero();
       Real all = 0;
       for (const std::size_t i : (*members_)[c]) {
-        mean += result_[i].act * shifts[i];
+        at += result_[i].act * start[i];
+        shift += result_[i].act * shifts[i];
+        mean += result_[i].act * motion[i];
         all += result_[i].act;
       }
       if (all == 0) return;
-      for (const std::size_t i : (*members_)[c])
-        result[i] = result_[i].act * ((*fit_)[c].b * (shifts[i] - mean / all).cwiseQuotient(size_));
+      const auto along = [&](const Vec3& y) -> Vec3 { return (*fit_)[c].b * y.cwiseQuotient(size_); };
+      const auto noise = [&](std::size_t i) -> Vec3 { return motion[i] - mean / all - along(start[i] - at / all); };
+      Real work = 0, energy = 0;
+      for (const std::size_t i : (*members_)[c]) {
+        result[i] = along(shifts[i] - shift / all);
+        work += result_[i].act * noise(i).dot(result[i]);
+        energy += result_[i].act * (noise(i).squaredNorm() + along(start[i] - at / all).squaredNorm());
+      }
+      const Real gain = energy > 0 ? work / energy : 0;
+      for (const std::size_t i : (*members_)[c]) result[i] = result_[i].act * (result[i] - gain * noise(i));
     });
     return result;
   }
