@@ -176,7 +176,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
   }
 
-  // Water at rest has the mass of its level, whatever its top cell holds; thin water has that of its fill, but at walls.
+  // Water at rest has the mass of its level, whatever its top cell holds; thin water has that of its fill, but at
+  // walls.
   Real mass(const Cell& c) const {
     for (int a = 0; a < 3; ++a)
       if ((is_wall(a, c) || is_wall(a, c + unit(a))) && !(a == 1 && dimensions_ == 2)) return 1;
