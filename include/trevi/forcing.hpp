@@ -39,6 +39,7 @@ class Forcing {
   virtual void prepare(const StepInfo&) {}
   virtual void apply(Particles& particles, const StepInfo& info) = 0;
   /// For how long from the start of the substep on it alone decides how a particle at p moves, and gravity does not, s.
+  /// Asked for by several threads; does not throw.
   virtual Real holds_for(GlobalId /*id*/, const Vec3& /*p*/, const StepInfo&) const { return 0; }
   /// Highest speed it may give a particle within the times, m/s; for the choice of substeps.
   virtual Real fastest(const TimeSpan&) const { return 0; }

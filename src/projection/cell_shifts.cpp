@@ -111,7 +111,9 @@ struct Carry {
 
   V weight(std::size_t i) const { return load_scalars(act, i, cell.end); }
   V3 carried(std::size_t i) const { return along(slope, less(load_path(shifts, i), &mean[0])); }
-  V3 affine(std::size_t i) const { return along(slope, less(load(shifts.x, i), &mean[3])); }
+  // From the first particle: exact along periodic axes, wherever the box begins.
+  V3 place(std::size_t i) const { return less(load(shifts.x, i), shifts.x[cell.begin].data()); }
+  V3 affine(std::size_t i) const { return along(slope, less(place(i), &mean[3])); }
   V3 noise(std::size_t i, const V3& affine) const {
     const V3 v = less(load(velocity, i), &mean[6]);
     return {hn::Sub(v[0], affine[0]), hn::Sub(v[1], affine[1]), hn::Sub(v[2], affine[2])};
@@ -120,7 +122,7 @@ struct Carry {
   bool find_means() {
     const auto sums = sum_cell<10>(cell, [&](std::size_t i) {
       const V w = weight(i);
-      const V3 path = load_path(shifts, i), x = load(shifts.x, i), v = load(velocity, i);
+      const V3 path = load_path(shifts, i), x = place(i), v = load(velocity, i);
       std::array<V, 10> terms;
       for (std::size_t a = 0; a < 3; ++a) {
         terms[a] = hn::Mul(w, path[a]);

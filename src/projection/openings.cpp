@@ -209,12 +209,13 @@ void Openings::add_gain(const ProjectionGrid& grid, const Source& source, const 
   const std::size_t behind = ahead < whole ? at : before;
   const auto same = [&](const Gain& gain) { return gain.cell == at && gain.behind == behind; };
   const auto known = std::find_if(gains_.rbegin(), gains_.rend(), same);
+  const Real path = source.volume / (spacing_ * spacing_) / grid.size()[static_cast<Eigen::Index>(main)] * along(main);
   if (known != gains_.rend()) {
     known->share += share;
+    if (std::abs(path) > std::abs(known->path)) known->path = path;
   } else {
-    const Real path = source.volume / (spacing_ * spacing_) / grid.size()[static_cast<Eigen::Index>(main)];
-    gains_.push_back({k, r, cell[2], at, behind, wall && behind != at, share, main, up ? at : at + grid.step(main),
-                      path * along(main)});
+    gains_.push_back(
+        {k, r, cell[2], at, behind, wall && behind != at, share, main, up ? at : at + grid.step(main), path});
   }
 }
 

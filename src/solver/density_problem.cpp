@@ -70,7 +70,7 @@ void DensityProblem<T>::prepare() {
   if (!is_projected_) return field_.borrow(scratch, particles);
   act_ = scratch.borrow<T>(particles);
   in_flight_ = scratch.borrow<T>(particles);
-  std::atomic<bool> may_fly = false;
+  std::atomic<bool> flies = false;
   for_each_part(near_.all(), sums_chunk, [&, shifts = field_.shifts()](Range part) {
     bool may = false;  // without a branch
     for (auto i = static_cast<std::size_t>(part.begin); i < static_cast<std::size_t>(part.end); ++i) {
@@ -78,9 +78,9 @@ void DensityProblem<T>::prepare() {
       in_flight_[i] = 0;
       may |= free_flight_.may_fly(shifts[i]);
     }
-    if (may) may_fly.store(true, std::memory_order_relaxed);
+    if (may) flies.store(true, std::memory_order_relaxed);
   });
-  if (may_fly) free_flight_.find(near_.all(), field_.shifts(), particles_->predicted, scratch);
+  if (flies && may_fly_) free_flight_.find(near_.all(), field_.shifts(), particles_->predicted, scratch);
 }
 
 template <class T>
@@ -232,13 +232,14 @@ void DensityProblem<T>::move_in(const OpenSpace& open, Range few, Real relaxatio
 }
 
 template <class T>
-void DensityProblem<T>::project(Projection& projection) {
+void DensityProblem<T>::project(Projection& projection, bool for_velocities) {
   const Motion motion{particles_->position, particles_->predicted};
   const Loan velocities(near_.scratch(), std::as_writable_bytes(std::span(particles_->velocity)));
   projection.find(near_.order(), near_.halo(), dt_, motion);
   field_.borrow(near_.scratch(), particles_->id.size());
   projection.displacements<T>(near_.order(), dt_, motion, field_.shifts());
   is_projected_ = true;
+  may_fly_ = for_velocities;
 }
 
 template <class T>
@@ -297,10 +298,10 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
     const Loan records(near_.scratch(), std::as_writable_bytes(std::span(near_.records())));  // to be written anew
     projection.filter_shifts<T>(near_.order(), near_.halo(), swept, field_.shifts());
   }
-  free_flight_.lift(near_.all(), field_);
-  free_flight_.give_back();
   with_halo(Phase::move, [&](Range part) { collide_and_move(part); });
   projection.carry_velocities<T>(near_.order(), swept, dt_, particles_->velocity);
+  free_flight_.lift(near_.all(), particles_->predicted);
+  free_flight_.give_back();
   projection.give_back();
   act_.give_back();
   swept_rho_.give_back();

@@ -67,18 +67,19 @@ class DensityProblem {
   /// positions travel meanwhile. Collective.
   void compute_delta_and_move(bool separate);
   /// Sets delta from the projection instead: displacements that keep the volume over long distances. Velocities lose
-  /// their values, as sorting does it.
-  void project(Projection& projection);
+  /// their values, as sorting does it. `for_velocities`: whether set_velocities() follows.
+  void project(Projection& projection, bool for_velocities);
   /// Velocities from the motion up to now; positions shift alone from here on. `looks_later`: whether densities are
   /// computed once more when the sweeps are done, as a tolerance asks for.
   void set_velocities(bool looks_later);
   /// Gives the water in flight the velocity that the sweeps have found for its pairs, and at walls.
   void release_in_flight();
-  /// These particles are of a piece of water that touches nothing (free_flight.hpp). After prepare().
-  void let_fly(Range part) { free_flight_.let_fly(near_.all(), part, near_.scratch()); }
+  /// These particles are of pieces of water that touch nothing (free_flight.hpp). After prepare().
+  void let_fly(std::span<const Range> parts) { free_flight_.let_fly(near_.all(), parts, near_.scratch()); }
   /// Where particle i of such a piece ends if gravity alone acts on it. Between let_fly() and set_velocities().
   Vec3 end_of_flight(std::size_t i) const { return particles_->predicted[i] + free_flight_.lift_of(i); }
-  /// Takes off the shifts since set_velocities() what moves the water as a whole, and lifts what flies to its path.
+  /// Takes off the shifts since set_velocities() what moves the water as a whole, and lifts what flies to its path:
+  /// places p* alone, neither records nor ghosts.
   void filter_shifts(Projection& projection);
   /// Adds small, opposite shifts to delta for coincident particles: their kernel gradient is zero and would never part
   /// them.
@@ -146,7 +147,7 @@ class DensityProblem {
   Borrowed<Real> rho_;
   WallsOrShifts<T> field_;  // walls between lambda and delta, then shifts
   Borrowed<T> multiplier_;  // m², as in the records
-  bool positions_only_ = false, is_projected_ = false;
+  bool positions_only_ = false, is_projected_ = false, may_fly_ = false;
   Borrowed<T> act_;        // how far the grid acts on each particle
   Borrowed<T> in_flight_;  // m², of all sweeps, times 1 − act_
   FreeFlight<T> free_flight_;

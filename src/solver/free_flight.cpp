@@ -32,11 +32,17 @@ void FreeFlight<T>::find(Range all, std::span<const Vec4<T>> displacements, std:
 }
 
 template <class T>
-void FreeFlight<T>::let_fly(Range all, Range some, Scratch& scratch) {
-  if (gravity_.isZero(0)) return;
+void FreeFlight<T>::let_fly(Range all, std::span<const Range> some, Scratch& scratch) {
+  if (gravity_.isZero(0) || some.empty()) return;
   borrow(all, scratch);
-  for (auto i = static_cast<std::size_t>(some.begin); i < static_cast<std::size_t>(some.end); ++i)
-    flies_[i] = let + static_cast<T>(left_by_pumps(i));
+  constexpr LocalId part_size = 16;
+  for_each_part({0, static_cast<LocalId>(some.size())}, part_size, [&](Range part) {
+    for (LocalId n = part.begin; n < part.end; ++n) {
+      const Range& range = some[static_cast<std::size_t>(n)];
+      for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i)
+        flies_[i] = let + static_cast<T>(left_by_pumps(i));
+    }
+  });
 }
 
 template <class T>
@@ -48,11 +54,11 @@ void FreeFlight<T>::land(Range all, std::span<const T> multipliers) {
 }
 
 template <class T>
-void FreeFlight<T>::lift(Range all, WallsOrShifts<T>& field) const {
+void FreeFlight<T>::lift(Range all, std::span<Vec3> p) const {
   if (flies_.empty()) return;
   const Vec3 in_full = lift_in_full();
   for_each_index(all, [&](std::size_t i) {
-    if (flies_[i] > 0) field.add_to_shift(i, share(i) * in_full);
+    if (flies_[i] > 0) p[i] = boundary_.collide(p[i], share(i) * in_full);
   });
 }
 

@@ -9,8 +9,9 @@
 #include <functional>
 #include <span>
 
+#include "base/scratch.hpp"
 #include "boundary/boundary.hpp"
-#include "fluid/constraint/walls_or_shifts.hpp"
+#include "particles/packed.hpp"
 
 namespace trevi {
 
@@ -18,7 +19,7 @@ template <class T>
 class FreeFlight {
  public:
   /// `gravity` in m/s², h in m.
-  FreeFlight(const Vec3& gravity, Real h, const Boundary& boundary) : gravity_(gravity), h_(h), boundary_(boundary) {}
+  FreeFlight(const Vec3& gravity, Real h, Boundary& boundary) : gravity_(gravity), h_(h), boundary_(boundary) {}
 
   /// Starts a substep of dt, s. `held`: for how long not gravity but something else decides how a particle moves, s;
   /// may be empty.
@@ -31,12 +32,12 @@ class FreeFlight {
   bool may_fly(const Vec4<T>& d) const { return d.x * d.x + d.y * d.y + d.z * d.z < most_; }
   /// Finds which particles of all fly, by these displacements, to places p*. Needed only where one may.
   void find(Range all, std::span<const Vec4<T>> displacements, std::span<const Vec3> p, Scratch& scratch);
-  /// Some of them are of a piece of water that touches nothing: all fly that nothing holds, whatever presses them.
-  void let_fly(Range all, Range some, Scratch& scratch);
+  /// Some of them are of pieces of water that touch nothing: all fly that nothing holds, whatever presses them.
+  void let_fly(Range all, std::span<const Range> some, Scratch& scratch);
   /// Water that is pressed by what it meets, with multipliers, does not fly, but for what is let fly.
   void land(Range all, std::span<const T> multipliers);
-  /// Adds its lift to the shift of each.
-  void lift(Range all, WallsOrShifts<T>& field) const;
+  /// Lifts the places p* of all as far as walls allow.
+  void lift(Range all, std::span<Vec3> p) const;
   /// What it is lifted by at the end, m.
   Vec3 lift_of(std::size_t i) const { return flies_.empty() ? Vec3(Vec3::Zero()) : Vec3(share(i) * lift_in_full()); }
   void give_back() { flies_.give_back(); }
@@ -56,7 +57,7 @@ class FreeFlight {
 
   Vec3 gravity_;
   Real h_;
-  const Boundary& boundary_;
+  Boundary& boundary_;
   Real dt_ = 0;
   T most_ = 0;  // square of half of what gravity displaces, m²
   std::function<Real(std::size_t)> held_;

@@ -181,7 +181,12 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
       comm_, problem.order(), [&](std::size_t i) { return !is_free(particles.predicted[i]); },
       [&](WaterPieces::Labels& labels) { problem.exchange(labels); });
   if (!any) return solver_->solve(problem);
-  for (const WaterPieces::Run& run : pieces_.runs()) problem.let_fly(run.particles);
+  // Water aboard a body is such a piece, too, but rests on it.
+  if (obstacles_ == nullptr || obstacles_->floating() == nullptr) {
+    std::vector<Range> parts;
+    for (const WaterPieces::Run& run : pieces_.runs()) parts.push_back(run.particles);
+    problem.let_fly(parts);
+  }
   Words before = sums_of<false>(
       problem, [&](std::size_t i) { return problem.end_of_flight(i); },
       [&, dt = problem.dt()](std::size_t i) { return Vec3((particles.predicted[i] - particles.position[i]) / dt); });

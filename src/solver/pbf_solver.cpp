@@ -171,16 +171,16 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
   }
 }
 
-// By a pump, or a forcing of the caller, for so many seconds of the substep.
+// By a pump, or a forcing of the caller, for so many seconds of the substep: of several the last one's velocity counts.
 template <class T>
 std::function<Real(std::size_t)> PbfSolver<T>::held(const StepInfo& info) const {
   if (parts_.first_own_forcing == parts_.forcings.size()) return {};
   return [this, info](std::size_t i) {
     const Particles& particles = parts_.particles;
-    Real longest = 0;
-    for (std::size_t k = parts_.first_own_forcing; k < parts_.forcings.size(); ++k)
-      longest = std::max(longest, parts_.forcings[k]->holds_for(particles.id[i], particles.position[i], info));
-    return longest;
+    Real held = 0;
+    for (std::size_t k = parts_.forcings.size(); held == 0 && k > parts_.first_own_forcing; --k)
+      held = parts_.forcings[k - 1]->holds_for(particles.id[i], particles.position[i], info);
+    return held;
   };
 }
 

@@ -105,6 +105,7 @@ class Reference {
   void substep(const StepInfo& info) {
     apply_forces(info);
     p_.resize(size());
+    lifted_.assign(size(), 0);
     for (std::size_t i = 0; i < size(); ++i) {
       p_[i] = fly(cloud_.position[i], cloud_.velocity[i], dt_);
       wrap(i);
@@ -124,6 +125,7 @@ class Reference {
     }
     if (s_.vorticity) confine_vorticity();
     if (s_.viscosity) smooth();
+    for (std::size_t i = 0; i < size(); ++i) p_[i] = shifted(p_[i], lifted_[i] * lift());
     cloud_.position = p_;
     for (std::size_t i = 0; i < size(); ++i) wrap(i);
   }
@@ -152,8 +154,7 @@ class Reference {
   }
   /// How much of the lift a particle gets: less by the square of what it was displaced over half of what gravity does.
   Real flies(const Vec3& displacement, const Vec3& p) const {
-    if (is_weightless() || may_rest(p)) return 0;
-    return std::max(0.0, 1 - std::pow(displacement.norm() / lift().norm(), 2));
+    return may_rest(p) ? 0 : std::max(0.0, 1 - std::pow(displacement.norm() / lift().norm(), 2));
   }
 
   /// Velocities from the projection; the sweeps after it shift positions, and the smooth part of that is taken off. The
@@ -183,24 +184,19 @@ class Reference {
       for (const std::size_t j : near_[i])
         cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
     }
-    std::vector<char> in_piece(size(), 0);  // that touches nothing
-    for (const std::vector<std::size_t>& piece : pieces) {
-      if (!momentum(piece, free_place, free_velocity).is_free) continue;
-      for (const std::size_t i : piece) in_piece[i] = 1;
-    }
+    for (const std::vector<std::size_t>& piece : pieces)
+      for (const std::size_t i : piece) lifted_[i] = momentum(piece, free_place, free_velocity).is_free ? 1 : 0;
     const Vectors smooth = projection_.smooth_shifts(start, p_, compression);
     Vectors shifts(size()), motion(size());
     for (std::size_t i = 0; i < size(); ++i) {
-      const Real lifted = in_piece[i] ? 1 : in_flight[i] == 0 ? flies(projected[i].u, free_place[i]) : 0;
-      p_[i] = shifted(p_[i], lifted * lift() - smooth[i]);
+      if (lifted_[i] == 0 && in_flight[i] == 0) lifted_[i] = flies(projected[i].u, free_place[i]);
+      p_[i] = shifted(p_[i], -smooth[i]);
       shifts[i] = p_[i] - start[i];
       motion[i] = cloud_.velocity[i] * dt_;
     }
     const Vectors carried = projection_.carried(start, shifts, motion);
     for (std::size_t i = 0; i < size(); ++i) cloud_.velocity[i] += carried[i] / dt_;
-    Vectors free_end(size());
-    for (std::size_t i = 0; i < size(); ++i) free_end[i] = free_place[i] + lift();
-    for (const std::vector<std::size_t>& piece : pieces) restore(piece, momentum(piece, free_end, free_velocity));
+    for (const std::vector<std::size_t>& piece : pieces) restore(piece, momentum(piece, free_place, free_velocity));
   }
 
   /// Of the particles of a piece of water, each of unit mass.
@@ -396,7 +392,7 @@ class Reference {
   std::int64_t steps_ = 0;
   Vectors p_;
   std::vector<std::vector<std::size_t>> near_;
-  std::vector<Real> rho_, step_;
+  std::vector<Real> rho_, step_, lifted_;
 };
 
 }  // namespace trevi::test
