@@ -51,11 +51,10 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
   // A little off the face, on the side of the body, or off what else is solid there, on whose surface the body may lie.
   constexpr Real off = 0.01;
-  // What is below the ghost planes and rows nobody knows, nor is asked for these faces.
-  const bool knows_below = a == 2 || cell[a] > (a == 0 ? 0 : -1);
+  const bool has_below = ProjectionGrid::has_below(a, cell[0], cell[1]);
   Real side = 0;
   for (const Real below : {1, -1}) {
-    if (below > 0 && !knows_below) continue;
+    if (below > 0 && !has_below) continue;
     if (cells_[below > 0 ? at - stride : at].open > 0) continue;
     const Vec3 middle = place(corner + half - below / 2 * along);
     side = floating.holds(nearest_at(middle, near).body) ? -below * off : below * off;

@@ -151,7 +151,7 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
   std::array<std::array<bool, 2>, 3> closed;
   bool any = false;
   for (std::size_t a = 0; a < 3; ++a) {
-    const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0);
+    const bool has_below = ProjectionGrid::has_below(a, k, r);
     const bool has_above = (a != 0 || k <= grid.planes()) && (a != 1 || r < grid.rows());
     closed[a] = {has_below && cells[at].face[a] == 0, has_above && cells[at + grid.step(a)].face[a] == 0};
     any = any || closed[a][0] || closed[a][1];

@@ -174,8 +174,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
       for (std::size_t a = 0; a < 3; ++a) {
-        const bool has_below = (a != 0 || k > 0) && (a != 1 || r >= 0);
-        const bool low_closed = has_below && cells[at - grid.step(a)].open == 0;
+        const bool low_closed = ProjectionGrid::has_below(a, k, r) && cells[at - grid.step(a)].open == 0;
         if (low_closed || cells[at].open == 0) cells[at].face[a] = 0;
       }
       note_cut(cells[at]);

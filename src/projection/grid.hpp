@@ -120,6 +120,9 @@ class ProjectionGrid {
     const LocalId row = first_row() + r;
     return !repeats_[a] && (a == 1 ? row == 0 || row == count_[1] : c == 0 || c == count_[2]);
   }
+  /// Whether the cell below cell (k, r, c) in direction a has an index: those below the ghost planes and rows have
+  /// none.
+  static bool has_below(std::size_t a, LocalId k, LocalId r) { return (a != 0 || k > 0) && (a != 1 || r >= 0); }
   /// Whether a face of the cell, a ghost perhaps, is in a wall that water may move along.
   bool is_at_wall(LocalId k, LocalId r, LocalId c) const {
     const std::array<LocalId, 3> cell{first_plane() - 1 + k, first_row() + r, c};

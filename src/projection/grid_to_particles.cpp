@@ -106,13 +106,17 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
   if (cells.begin < cells.end) add_maps(rows_around(grid, cut_fit_, {k, r, cells}, of_cut), damping.row.data());
 }
 
+// By the solid that closes it, and by water that comes through.
+Real GridToParticles::moved(std::size_t a, std::size_t face) const {
+  const CutCells* cuts = surface_.cuts();
+  const Openings* openings = surface_.openings();
+  return (cuts != nullptr ? cuts->moved(a, face) : 0) + (openings != nullptr ? openings->displacement(a, face) : 0);
+}
+
 // What takes the particles of a cell along with a wall, or with a solid. They move towards it as the linear mean at its
 // face does.
 Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_t at) const {
-  const CutCells* cuts = surface_.cuts();
-  const Openings* openings = surface_.openings();
-  const Real wall =
-      (cuts != nullptr ? cuts->moved(a, face) : 0) + (openings != nullptr ? openings->displacement(a, face) : 0);
+  const Real wall = moved(a, face);
   const ParticlesToGrid::Means held = surface_.water().means(at);
   if (held.n == 0) return wall - surface_.water().displacement(a, face);
   return bounded(wall - surface_.water().displacement(a, face), wall - held.u[surface_.grid().axis(a)] / held.n);
@@ -153,10 +157,6 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   const AffineMap fit = water.fit(at).weight > 0 ? water.fit(at) : AffineMap{};
   Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // of the solid's surface, out of it; and how it moves
   Real flux = 0, divergence = 0;
-  const Openings* openings = surface_.openings();
-  const auto moved = [&](std::size_t a, std::size_t face) {
-    return cuts.moved(a, face) + (openings != nullptr ? openings->displacement(a, face) : 0);
-  };
   for (std::size_t a = 0; a < 3; ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const std::size_t above = at + grid.step(a), b = grid.axis(a);

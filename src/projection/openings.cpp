@@ -146,9 +146,8 @@ void Openings::measure(const ProjectionGrid& grid) {
   } else {
     for (const std::size_t at : marked_) drained_[at] = 0;
     for (const Face& face : faces_) through_[face.a][face.at] = 0;
-    for (const auto& [a, face] : come_through_) through_[a][face] = 0;
+    for (const Gain& gain : gains_) through_[gain.a][gain.face] = 0;
   }
-  come_through_.clear();
   marked_.clear();
   faces_.clear();
   for (const Drained& drained : drained_cells_) {

@@ -83,7 +83,6 @@ class Openings {
   /// From here on in this substep that water comes as if through the face behind it.
   void come_through(const ProjectionGrid& grid, const Gain& gain) {
     through_[gain.a][gain.face] = gain.path * grid.size()[static_cast<Eigen::Index>(gain.a)];
-    come_through_.emplace_back(gain.a, gain.face);
   }
 
   /// Adds what pressed water takes to make room, m² of phi times the volume of a particle: of the own cells.
@@ -125,7 +124,6 @@ class Openings {
   std::vector<char> drained_;
   std::vector<unsigned char> closed_;  // a bit for each direction
   std::array<std::vector<Real>, 3> through_;
-  std::vector<std::pair<std::size_t, std::size_t>> come_through_;
   std::vector<Face> faces_;
   std::vector<Source> sources_;
   Real spacing_ = 0;

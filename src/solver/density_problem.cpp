@@ -80,7 +80,7 @@ void DensityProblem<T>::prepare() {
     }
     if (may) flies.store(true, std::memory_order_relaxed);
   });
-  if (flies && may_fly_) free_flight_.find(near_.all(), field_.shifts(), particles_->predicted, scratch);
+  if (flies) free_flight_.find(near_.all(), field_.shifts(), particles_->predicted, scratch);
 }
 
 template <class T>
@@ -232,14 +232,13 @@ void DensityProblem<T>::move_in(const OpenSpace& open, Range few, Real relaxatio
 }
 
 template <class T>
-void DensityProblem<T>::project(Projection& projection, bool for_velocities) {
+void DensityProblem<T>::project(Projection& projection) {
   const Motion motion{particles_->position, particles_->predicted};
   const Loan velocities(near_.scratch(), std::as_writable_bytes(std::span(particles_->velocity)));
   projection.find(near_.order(), near_.halo(), dt_, motion);
   field_.borrow(near_.scratch(), particles_->id.size());
   projection.displacements<T>(near_.order(), dt_, motion, field_.shifts());
   is_projected_ = true;
-  may_fly_ = for_velocities;
 }
 
 template <class T>

@@ -38,7 +38,7 @@ struct Compression {
 template <class T>
 class DensityProblem {
  public:
-  /// `gravity` in m/s².
+  /// `gravity` in m/s², under which water flies; 0 where velocities are not the projection's.
   DensityProblem(MPI_Comm comm, Neighbourhood<T>& near, const DensityConstraint<T>& constraint, Boundary& boundary,
                  const Vec3& gravity);
 
@@ -67,8 +67,8 @@ class DensityProblem {
   /// positions travel meanwhile. Collective.
   void compute_delta_and_move(bool separate);
   /// Sets delta from the projection instead: displacements that keep the volume over long distances. Velocities lose
-  /// their values, as sorting does it. `for_velocities`: whether set_velocities() follows.
-  void project(Projection& projection, bool for_velocities);
+  /// their values, as sorting does it.
+  void project(Projection& projection);
   /// Velocities from the motion up to now; positions shift alone from here on. `looks_later`: whether densities are
   /// computed once more when the sweeps are done, as a tolerance asks for.
   void set_velocities(bool looks_later);
@@ -147,7 +147,7 @@ class DensityProblem {
   Borrowed<Real> rho_;
   WallsOrShifts<T> field_;  // walls between lambda and delta, then shifts
   Borrowed<T> multiplier_;  // m², as in the records
-  bool positions_only_ = false, is_projected_ = false, may_fly_ = false;
+  bool positions_only_ = false, is_projected_ = false;
   Borrowed<T> act_;        // how far the grid acts on each particle
   Borrowed<T> in_flight_;  // m², of all sweeps, times 1 − act_
   FreeFlight<T> free_flight_;

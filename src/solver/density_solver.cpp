@@ -106,7 +106,7 @@ class ProjectionFirst : public DensitySolver<T> {
   }
 
   void begin(DensityProblem<T>& problem) override {
-    problem.project(projection_, false);
+    problem.project(projection_);
     projection_.give_back();
   }
   SolveResult solve(DensityProblem<T>& problem) override {
@@ -131,7 +131,7 @@ class Projected : public DensitySolver<T> {
     projection_.open_to(context.openings);
   }
 
-  void begin(DensityProblem<T>& problem) override { problem.project(projection_, true); }
+  void begin(DensityProblem<T>& problem) override { problem.project(projection_); }
   SolveResult solve(DensityProblem<T>& problem) override {
     problem.with_halo(Phase::move, [&](Range part) { problem.collide_and_move(part); });
     problem.set_velocities(has_tolerance_);

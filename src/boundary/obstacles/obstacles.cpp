@@ -324,9 +324,9 @@ TotalImpulse Obstacles::about_account(std::size_t account, const TotalImpulse& p
 }
 
 void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
-  ledger_.add(account, about_account(account, part));
-  const bool floats = floating_ && floating_->holds(account);
-  record_rest({-part.shift, floats ? Vec3(-reference_of(account).cross(part.shift)) : Vec3(-part.moment)});
+  const TotalImpulse own = about_account(account, part);
+  ledger_.add(account, own);
+  record_rest({-part.shift, -own.moment - reference_of(account).cross(part.shift)});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {
