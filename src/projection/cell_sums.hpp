@@ -39,7 +39,7 @@ struct CellParticles {
 };
 
 /// Sums over the particles of a cell. y: where the motion of a particle is seen, midway of its path, in cells from the
-/// corner of the cell; u: its displacement p − x, m. f, where pressure acts on it, is the beginning of the path.
+/// corner of the cell; u: its displacement p − x, m.
 struct MotionSums {
   ByAxis y;                  ///< Σ y
   std::array<Real, 6> yy;    ///< Σ y yᵀ: xx, yy, zz, xy, xz, yz
@@ -57,8 +57,9 @@ CellSums sum_cell(const CellFrame& frame, const Motion& motion, const CellPartic
 /// The same without the volumes.
 MotionSums sum_motion(const CellFrame& frame, const Motion& motion, const CellParticles& cell);
 
-/// How particles of a cell are displaced: by low + f · rise, m, in each direction for itself (lowest-order Raviart and
-/// Thomas), and by offset + slope y − own u, m (the damping of noise). It fades out at the surface: at `surface`, in
+/// How particles of a cell are displaced: by low + y · rise, m, in each direction for itself (lowest-order Raviart and
+/// Thomas), and by offset + slope y − own u, m (pulling back and the damping of noise). It fades out at the surface: at
+/// `surface`, in
 /// cells along z, it is `at_surface`, and `fade` less per cell above that. `act` is 1 where the grid acts, else 0.
 struct CellDisplacement {
   ByAxis low{}, rise{}, offset{};

@@ -205,6 +205,23 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
+// phi is found where the motion is seen, and acts where the path begins, x: of phi(y(x)) the gradient is (I + Bᵀ/2) times
+// that at y, with the slope B of the motion (README.md). But for the part that holds the weight of the water: volumes
+// are those at x already.
+void GridToParticles::pull_back(std::size_t cell, CellDisplacement& by) const {
+  if (!surface_.is_wet(cell)) return;
+  const AffineMap fit = surface_.water().fit(cell);
+  if (fit.weight == 0) return;
+  const Real held = std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      const Real back = fit.b[b][a] * surface_.grid().per_length()[a] / 2;
+      by.offset[a] += back * (b == 2 ? by.low[b] - held : by.low[b]);
+      by.slope[a][b] += back * by.rise[b];
+    }
+  }
+}
+
 CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
                                                         LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -221,6 +238,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
+  pull_back(cell, by);
   return by;
 }
 
@@ -232,8 +250,10 @@ CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, cons
   const std::size_t at = grid.index(k, r, c);
   const bool above = follows(at);
   const auto map = cell_of<AffineMap>(damping.row.data(), numbers::map, c);
-  by.offset = map.a;
-  by.slope = map.b;
+  for (std::size_t a = 0; a < 3; ++a) {
+    by.offset[a] += map.a[a];
+    for (std::size_t b = 0; b < 3; ++b) by.slope[a][b] += map.b[a][b];
+  }
   by.own = map.weight;
   if (above || surface_.is_top(at)) {
     by.surface = above ? c - 1 + surface_.height(at - 1) : c + surface_.height(at);

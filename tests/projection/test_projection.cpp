@@ -297,6 +297,11 @@ Damped damped(const Field& motion) {
     const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
     if (cell.begin == cell.end) return;
     CellDisplacement by = at.back->displacement_of(at.pressure, damping, k, r, c);
+    const CellDisplacement pressed = at.back->displacement_by_faces(at.pressure, k, r, c);
+    for (std::size_t a = 0; a < 3; ++a) {
+      by.offset[a] -= pressed.offset[a];
+      for (std::size_t b = 0; b < 3; ++b) by.slope[a][b] -= pressed.slope[a][b];
+    }
     by.low = by.rise = {};
     by.fade = 0;
     by.at_surface = 1;

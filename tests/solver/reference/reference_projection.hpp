@@ -22,7 +22,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     gather(x, p);
     find_water();
     const Real time = dt * std::sqrt(gravity_ / h_);
-    solve(gravity_ * dt * dt, std::min(1.0, time / 6));
+    g_dt2_ = gravity_ * dt * dt;
+    solve(g_dt2_, std::min(1.0, time / 6));
     const std::vector<Vec3> damping = dampings(time);
     result_.clear();
     for (std::size_t i = 0; i < particles_.size(); ++i) result_.push_back(displacement(particles_[i], damping[i]));
@@ -341,11 +342,19 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face);
   }
 
+  /// What is added to a gradient where the motion is seen for that where the path begins, m: by the transpose of half of
+  /// the motion's slope there; not of what holds the weight in the middle of the cell.
+  Vec3 pulled_back(const Vec3& u, Real in_middle, const Cell& c) const {
+    if (!wet(c) || (*fit_)[c].weight == 0) return Vec3::Zero();
+    const Vec3 held(0, 0, std::clamp(in_middle, 0.0, g_dt2_));
+    return ((*fit_)[c].b.transpose() * (u - held)).cwiseQuotient(2 * size_);
+  }
+
   Displacement displacement(const Particle& i, const Vec3& damping) const {
     const Cell& c = i.cell;
     const bool acts = wet(c) || follows(c);
     if (i.in_flight || (upright() && !acts)) return {Vec3::Zero(), 0};
-    Vec3 u;
+    Vec3 u, middle;
     for (int a = 0; a < 3; ++a) {
       const Cell cell = follows(c) && a < 2 ? Cell(c - unit(2)) : c;
       std::optional<Real> low = through(a, cell, cell), high = through(a, cell + unit(a), cell);
@@ -353,9 +362,10 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         low = low ? low : high;
         high = high ? high : low;
       }
-      u[a] = low.value_or(0) + i.f[a] * (high.value_or(0) - low.value_or(0));
+      u[a] = low.value_or(0) + i.y[a] * (high.value_or(0) - low.value_or(0));
+      middle[a] = (low.value_or(0) + high.value_or(0)) / 2;
     }
-    u += damping;
+    u += pulled_back(u, middle.z(), follows(c) ? Cell(c - unit(2)) : c) + damping;
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
@@ -364,6 +374,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   }
 
   Real gravity_ = 0;     // m/s²
+  Real g_dt2_ = 0;       // m, of the step
   bool closed_ = false;  // no water has a surface
   std::optional<CellArray<Real>> fill_, height_, phi_;
   std::optional<CellArray<char>> wet_;
