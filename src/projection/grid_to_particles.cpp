@@ -7,6 +7,16 @@ namespace trevi {
 
 using namespace projection;
 
+void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, CellDisplacement& by) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      const Real back = motion.b[b][a] * per_length[a] / 2;
+      by.offset[a] += back * (b == 2 ? by.low[b] - held : by.low[b]);
+      by.slope[a][b] += back * by.rise[b];
+    }
+  }
+}
+
 namespace {
 
 AffineMap times(AffineMap map, Real factor) {
@@ -205,23 +215,6 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-// phi is found where the motion is seen, and acts where the path begins, x: of phi(y(x)) the gradient is (I + Bᵀ/2) times
-// that at y, with the slope B of the motion (README.md). But for the part that holds the weight of the water: volumes
-// are those at x already.
-void GridToParticles::pull_back(std::size_t cell, CellDisplacement& by) const {
-  if (!surface_.is_wet(cell)) return;
-  const AffineMap fit = surface_.water().fit(cell);
-  if (fit.weight == 0) return;
-  const Real held = std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2);
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) {
-      const Real back = fit.b[b][a] * surface_.grid().per_length()[a] / 2;
-      by.offset[a] += back * (b == 2 ? by.low[b] - held : by.low[b]);
-      by.slope[a][b] += back * by.rise[b];
-    }
-  }
-}
-
 CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
                                                         LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -238,7 +231,9 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
-  pull_back(cell, by);
+  const AffineMap motion = surface_.water().fit(cell);
+  if (surface_.is_wet(cell) && motion.weight > 0)
+    pull_back(motion, grid.per_length(), std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2), by);
   return by;
 }
 

@@ -356,5 +356,40 @@ TEST(GridToParticles, ALinearDisplacementIsExact) {
   EXPECT_GT(sum_over_ranks(world, GlobalId{particles}), 500);
 }
 
+// Water that turns about an axis, and moves on with it: each particle is drawn to where the axis is when its path
+// begins, however fast the water moves on, so without a torque. What the middle of a cell bears stays as it is.
+TEST(GridToParticles, WaterThatTurnsIsDrawnToItsAxis) {
+  Eigen::Matrix3d turning;
+  turning << 0, -0.03, 0.01, 0.03, 0, -0.02, -0.01, 0.02, 0;
+  const Vec3 axis = box.max / 2, held(0, 0, 2e-3);
+  for (const Vec3& moving : {Vec3(0, 0, 0), Vec3(0.03, -0.02, 0.015)}) {
+    Water water([&](const Vec3& y) { return Vec3(moving + turning * (y - axis)); }, {.jitter = 0.2});
+    Stages at(water, s);
+    at.gather();
+    Real wrong = 0;
+    int particles = 0;
+    at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+      const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
+      if (cell.begin == cell.end) return;
+      CellDisplacement by{};
+      const Vec3 low = at.middle(k, r, c) - at.grid.size() / 2;
+      for (const int a : {0, 1, 2}) {
+        by.low[static_cast<std::size_t>(a)] = held[a] - 1e-3 * (low - axis)[a];
+        by.rise[static_cast<std::size_t>(a)] = -1e-3 * at.grid.size()[a];
+      }
+      by.at_surface = 1;
+      pull_back(at.transfer.fit(at.grid.index(k, r, c)), at.grid.per_length(), held.z(), by);
+      std::vector<Vec4<double>> out(cell.end - cell.begin);
+      displace_cell(at.transfer.frame(), water.motion(), cell, by, out.data());
+      for (std::size_t i = cell.begin; i < cell.end; ++i, ++particles) {
+        const Vec3 exact = held - 1e-3 * (water.particles.position[i] - (axis - moving / 2));
+        wrong = std::max(wrong, (vector_of(out[i - cell.begin]) - exact).norm());
+      }
+    });
+    EXPECT_LT(largest(wrong), 1e-9);
+    EXPECT_GT(sum_over_ranks(world, GlobalId{particles}), 500);
+  }
+}
+
 }  // namespace
 }  // namespace trevi::test
