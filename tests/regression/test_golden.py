@@ -254,7 +254,7 @@ class Golden(ProgramTest):
             return [*itertools.product(sets, shapes[-1:]), *itertools.product(sets[:1], cut[-1:])]
         own = [*shapes, *cut]
         if has_rows and not NAMED_SHAPES:
-            own = own[(number + number // 2) % 2::2]
+            own = own[("double" in name) != ("chebyshev" in name)::2]
         rest = shapes[number % 4::4] or shapes[-1:]
         return [*itertools.product(sets[:1], own), *itertools.product(sets[1:], rest)]
 
