@@ -5,6 +5,7 @@ where), one row of a CSV file for each: group, name, parameters, figures, target
 flight            blocks thrown through the air: the same velocity for all to 1e-3 m/s, momentum to 1e-9
 ball              turning in free fall: angular momentum to 1e-4 after one turn
 meeting           blocks that meet in the air, above a pool: momentum to 1e-9
+drop              that is stretched without gravity: energy to 1 %, its length to 1 %
 jet               level, 4 m/s: as wide after 2.4 m as at the start, to 15 %
 plate             a plane jet on a plate: 0.95 of the speed of its total head, its force to 3 %
 rotation          in an upright cylinder: 0.98 of the angular momentum after one turn, the paraboloid to 5 %; closed and
@@ -31,6 +32,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 import counted_water
+import known_drop
 import known_motion as known
 import known_plate
 from known_motion import Motion, of_water, run_motion
@@ -257,6 +259,14 @@ def counts(cube_rates=(60, 240), dam_rates=(150, 480), long_rates=(60, 240)):
                    {"spacing": 0.1, "steps_per_second": rate}, large=True)
 
 
+def drops(runs=((0.05, 100), (0.05, 400), (0.025, 200))):
+    """runs: spacings, m, and steps per second."""
+    marks = Mark("energy", 0.99, 1.01), Mark("long_axis", 0.99, 1.01)
+    for spacing, rate in runs:
+        yield Case("drop", f"radius {1 / spacing:g} spacings, {at(rate)}", known_drop.drop(rate, spacing), marks,
+                   {"spacing": spacing, "steps_per_second": rate, "radius": 1.0})
+
+
 def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
     """runs: spacings and radii, m."""
     for spacing, radius in runs:
@@ -267,8 +277,8 @@ def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
 
 
 def all_cases():
-    return [*flights(), *balls(), *meetings(), *jets(), *plates(), *rotations(), *tanks(), *shears(), *vortices(), *waves(), *rests(),
-            *leaning(), *counts(), *spheres(), *long_rotations()]
+    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *rotations(), *tanks(), *shears(), *vortices(),
+            *waves(), *rests(), *leaning(), *counts(), *spheres(), *long_rotations()]
 
 
 def chosen(cases, only, large):
