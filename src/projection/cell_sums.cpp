@@ -117,7 +117,8 @@ HWY_INLINE Vec4s displacements(const Particles8& particles, const CellParticles&
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
   Vec4s out{zeros(), hn::Mul(faded, set(by.act))};
   for (std::size_t a = 0; a < 3; ++a) {
-    const V u = hn::MulAdd(particles.y[a], set(by.rise[a]), set(by.low[a]));
+    const V place = hn::NegMulAdd(set(by.back), particles.half[a], particles.y[a]);
+    const V u = hn::MulAdd(place, set(by.rise[a]), set(by.low[a]));
     V more = hn::NegMulAdd(set(by.own), particles.path[a], set(by.offset[a]));
     for (std::size_t b = 0; b < 3; ++b) more = hn::MulAdd(particles.y[b], set(by.slope[a][b]), more);
     out.u[a] = hn::Mul(hn::Add(u, more), faded);

@@ -57,14 +57,14 @@ CellSums sum_cell(const CellFrame& frame, const Motion& motion, const CellPartic
 /// The same without the volumes.
 MotionSums sum_motion(const CellFrame& frame, const Motion& motion, const CellParticles& cell);
 
-/// How particles of a cell are displaced: by low + y · rise, m, in each direction for itself (lowest-order Raviart and
-/// Thomas), and by offset + slope y − own u, m (pulling back and the damping of noise). It fades out at the surface: at
-/// `surface`, in
-/// cells along z, it is `at_surface`, and `fade` less per cell above that. `act` is 1 where the grid acts, else 0.
+/// How particles of a cell are displaced: by low + f · rise, m, in each direction for itself (lowest-order Raviart and
+/// Thomas), with f the place on the path that is `back` of its half before y, and by offset + slope y − own u, m
+/// (pulling back and the damping of noise). It fades out at the surface: at `surface`, in cells along z, it is
+/// `at_surface`, and `fade` less per cell above that. `act` is 1 where the grid acts, else 0.
 struct CellDisplacement {
   ByAxis low{}, rise{}, offset{};
   std::array<ByAxis, 3> slope{};
-  Real own = 0;
+  Real back = 1, own = 0;
   Real surface = 0, at_surface = 1, fade = 0;
   Real act = 0;
 };

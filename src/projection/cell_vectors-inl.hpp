@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 struct Particles8 {
   V3 path;     // p − x, m
   V3 surface;  // surface position, in cells from the corner of the cell
-  V3 y;        // MotionSums
+  V3 y, half;  // MotionSums; half of the path, in cells
 };
 
 HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
@@ -41,7 +41,7 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
 HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
   constexpr Real max_half = projection::max_half_path, most = projection::max_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
-  Particles8 particles{zeros(), zeros(), zeros()};
+  Particles8 particles{zeros(), zeros(), zeros(), zeros()};
   V longest = set(most);
   for (std::size_t a = 0; a < 3; ++a)
     longest = hn::Max(longest, hn::Abs(hn::Mul(hn::Sub(p[a], x[a]), set(frame.per_length[a]))));
@@ -50,8 +50,8 @@ HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const C
     const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
     const V here = hn::Sub(in_cells, set(cell.place.corner[a]));
     particles.path[a] = hn::Sub(p[a], x[a]);
-    const V half = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -max_half, max_half);
-    particles.y[a] = hn::Sub(here, half);
+    particles.half[a] = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -max_half, max_half);
+    particles.y[a] = hn::Sub(here, particles.half[a]);
     particles.surface[a] = hn::NegMulAdd(hn::Mul(particles.path[a], set(frame.per_length[a])), back, here);
   }
   return particles;

@@ -7,10 +7,11 @@ namespace trevi {
 
 using namespace projection;
 
-void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, CellDisplacement& by) {
+void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, Real share, CellDisplacement& by) {
+  by.back = 1 - share;
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = 0; b < 3; ++b) {
-      const Real back = motion.b[b][a] * per_length[a] / 2;
+      const Real back = share * motion.b[b][a] * per_length[a] / 2;
       by.offset[a] += back * (b == 2 ? by.low[b] - held : by.low[b]);
       by.slope[a][b] += back * by.rise[b];
     }
@@ -215,6 +216,21 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
+// Without gravity all of it; else as far as it is more than what bears weight.
+void GridToParticles::pull_back(std::size_t cell, CellDisplacement& by) const {
+  if (!surface_.is_wet(cell)) return;
+  const AffineMap motion = surface_.water().fit(cell);
+  if (motion.weight == 0) return;
+  const ByAxis& per_length = surface_.grid().per_length();
+  if (!surface_.upright()) return trevi::pull_back(motion, per_length, 0, 1, by);
+  Real square = 0;
+  for (std::size_t a = 0; a < 3; ++a) square += std::pow(by.low[a] + by.rise[a] / 2, 2);
+  const Real times_weight = std::sqrt(square) / step_.g_dt2;
+  const Real share = std::clamp((times_weight - pulled_begins) / (pulled_full - pulled_begins), 0.0, 1.0);
+  const Real held = std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2);
+  if (share > 0) trevi::pull_back(motion, per_length, held, share, by);
+}
+
 CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
                                                         LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -231,9 +247,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
-  const AffineMap motion = surface_.water().fit(cell);
-  if (surface_.is_wet(cell) && motion.weight > 0)
-    pull_back(motion, grid.per_length(), std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2), by);
+  pull_back(cell, by);
   return by;
 }
 

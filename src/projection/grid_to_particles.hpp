@@ -28,9 +28,10 @@
 namespace trevi {
 
 /// phi is found where the motion is seen, y, and acts where paths begin, x: of phi(y(x)) the gradient is (I + Bᵀ/2)
-/// times that at y, with the slope B of the motion, whose y is in cells (README.md). `by` has that at y, of which the
-/// upward part `held`, m, bears the weight of water: volumes are those at x already.
-void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, CellDisplacement& by);
+/// times that at y, with the slope B of the motion, whose y is in cells (README.md). `by` takes a share of that, and
+/// the rest at x as if it were found there, as what bears weight is: volumes are those at x. `held`, m: its upward
+/// part.
+void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, Real share, CellDisplacement& by);
 
 class GridToParticles {
  public:
@@ -79,6 +80,7 @@ class GridToParticles {
   };
   std::optional<SolidSurface> solid_surface(std::size_t at, const Faces& faces) const;
   void slip(std::size_t at, Faces& faces) const;
+  void pull_back(std::size_t cell, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;

@@ -13,16 +13,17 @@ TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion
   TotalImpulse sum;
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
     Vec3 shift(0, 0, -g_dt2_);
-    ByAxis y{};
+    ByAxis y{}, f{};
     for (std::size_t a = 0; a < 3; ++a) {
       const auto axis = static_cast<Eigen::Index>(a);
       const Real here = (motion.p[i][axis] - cell.place.origin[a]) * from_.frame.per_length[a] - cell.place.corner[a];
       const Real half = (motion.p[i][axis] - motion.x[i][axis]) * (0.5 * from_.frame.per_length[a]);
       y[a] = here - std::clamp(half, -max_half, max_half);
+      f[a] = y[a] - by.back * std::clamp(half, -max_half, max_half);
     }
     for (std::size_t a = 0; a < 3; ++a) {
       Real& along = shift[static_cast<Eigen::Index>(a)];
-      along += by.low[a] + by.rise[a] * y[a] + by.offset[a];
+      along += by.low[a] + by.rise[a] * f[a] + by.offset[a];
       for (std::size_t b = 0; b < 3; ++b) along += by.slope[a][b] * y[b];
     }
     if (across) shift.z() = 0;

@@ -378,7 +378,7 @@ TEST(GridToParticles, WaterThatTurnsIsDrawnToItsAxis) {
         by.rise[static_cast<std::size_t>(a)] = -1e-3 * at.grid.size()[a];
       }
       by.at_surface = 1;
-      pull_back(at.transfer.fit(at.grid.index(k, r, c)), at.grid.per_length(), held.z(), by);
+      pull_back(at.transfer.fit(at.grid.index(k, r, c)), at.grid.per_length(), held.z(), 1, by);
       std::vector<Vec4<double>> out(cell.end - cell.begin);
       displace_cell(at.transfer.frame(), water.motion(), cell, by, out.data());
       for (std::size_t i = cell.begin; i < cell.end; ++i, ++particles) {

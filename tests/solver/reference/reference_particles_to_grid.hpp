@@ -31,7 +31,7 @@ class ReferenceParticlesToGrid {
   struct Particle {
     Vec3 way;      // from x to p, m
     Vec3 surface;  // where it counts as volume, in cells
-    Vec3 y;        // midway of its path, where its motion is seen, from the cell's corner
+    Vec3 y, f;     // midway of its path, where its motion is seen; and at its beginning; from the cell's corner
     Cell cell;     // of p
     bool in_flight = false;
   };
@@ -93,6 +93,7 @@ class ReferenceParticlesToGrid {
       const Vec3 way = one.way.cwiseQuotient(size_);
       one.surface = place - way * std::min(1.0, 0.25 / std::max(way.cwiseAbs().maxCoeff(), 1e-300));
       one.y = y - one.cell.cast<Real>();
+      one.f = one.y + (y - place);
       particles_.push_back(one);
     }
   }

@@ -344,19 +344,26 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face);
   }
 
-  /// What is added to a gradient where the motion is seen for that where the path begins, m: by the transpose of half
-  /// of the motion's slope there; not of what holds the weight in the middle of the cell.
-  Vec3 pulled_back(const Vec3& u, Real in_middle, const Cell& c) const {
-    if (!wet(c) || (*fit_)[c].weight == 0) return Vec3::Zero();
-    const Vec3 held(0, 0, std::clamp(in_middle, 0.0, g_dt2_));
-    return ((*fit_)[c].b.transpose() * (u - held)).cwiseQuotient(2 * size_);
+  /// Displacements as found where the motion is seen, where the path begins, and in the middle of the cell, m.
+  struct Found {
+    Vec3 seen, begin, middle;
+  };
+  /// At the beginning of the path, by the water in cell c: what is beyond one and a half of the weight, and from two
+  /// and a half on all, goes by the gradient there, which is that where it is seen and the transpose of half of the
+  /// motion's slope times that; but for what holds the weight.
+  Vec3 at_begin(const Found& found, const Cell& c) const {
+    if (!wet(c) || (*fit_)[c].weight == 0) return found.begin;
+    const Real share = upright() ? std::clamp(found.middle.norm() / g_dt2_ - 1.5, 0.0, 1.0) : 1;
+    const Vec3 held(0, 0, std::clamp(found.middle.z(), 0.0, g_dt2_));
+    const Vec3 more = ((*fit_)[c].b.transpose() * (found.seen - held)).cwiseQuotient(2 * size_);
+    return share * (found.seen + more) + (1 - share) * found.begin;
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
     const Cell& c = i.cell;
     const bool acts = wet(c) || follows(c);
     if (i.in_flight || (upright() && !acts)) return {Vec3::Zero(), 0};
-    Vec3 u, middle;
+    Found found;
     for (int a = 0; a < 3; ++a) {
       const Cell cell = follows(c) && a < 2 ? Cell(c - unit(2)) : c;
       std::optional<Real> low = through(a, cell, cell), high = through(a, cell + unit(a), cell);
@@ -364,10 +371,12 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         low = low ? low : high;
         high = high ? high : low;
       }
-      u[a] = low.value_or(0) + i.y[a] * (high.value_or(0) - low.value_or(0));
-      middle[a] = (low.value_or(0) + high.value_or(0)) / 2;
+      const Real first = low.value_or(0), rise = high.value_or(0) - first;
+      found.seen[a] = first + i.y[a] * rise;
+      found.begin[a] = first + i.f[a] * rise;
+      found.middle[a] = first + rise / 2;
     }
-    u += pulled_back(u, middle.z(), follows(c) ? Cell(c - unit(2)) : c) + damping;
+    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + damping;
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
