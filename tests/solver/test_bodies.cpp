@@ -351,19 +351,6 @@ TEST(Contacts, FrictionHoldsABoxOnASlope) {
   }
 }
 
-// A wall that a body begins in, along an axis on which it is not free, is none to it. It was pushed out of it, and
-// turned at 160 rad/s; a wall that it comes to stops it.
-TEST(Contacts, ABodyTurnsInTheWallThatItBeginsIn) {
-  const std::string keys =
-      "[[body]]\ntype = \"box\"\nsize = [0.4, 0.4, 0.4]\ndensity = 500\nfree = [\"yaw\"]\n"
-      "rotate = [0, 0, 20]\nangular_velocity = [0, 0, 1]\n";
-  for (const auto& [place, angular_velocity] : {std::pair{"1.95", 1.0}, std::pair{"1.73", 0.0}}) {
-    BodyRun run(world, dry + "[walls]\nrestitution = 0\n" + keys + fmt::format("center = [{}, 1.2, 1.2]\n", place));
-    run.steps(60);
-    EXPECT_NEAR(run.bodies()[0].angular_velocity.z(), angular_velocity, 1e-6) << place;
-  }
-}
-
 // It was found in the run, when the body was no number.
 TEST(BodyInput, IsRefusedWhereItsMooringWouldThrowItOutOfAllNumbers) {
   const std::string text = pool + light_ball + "mooring = { anchor = [1e200, 0, 0], stiffness = 1, length = 1 }\n";
