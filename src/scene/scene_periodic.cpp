@@ -57,6 +57,9 @@ void check_periodic(Section& domain, const Scene& scene) {
   domain.check("periodic", !scene.periodic[2] || gravity.z() == 0,
                "z cannot be periodic where gravity goes along it: the water would fall for ever; leave z out, or set "
                "[gravity] acceleration along x or y");
+  domain.check("periodic", !scene.periodic[2] || scene.walls.floor_friction == 0,
+               "there is no floor where z is periodic, and walls.floor_friction brakes the water on one; leave one of "
+               "them out");
 }
 
 void check_no_images(const Scene& scene) {

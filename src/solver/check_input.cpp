@@ -59,6 +59,7 @@ void check_periodic(const Settings& all) {
            "a periodic axis must be a whole number of kernel_radius long, three at least");
   }
   demand(!all.periodic[2] || gravity.z() == 0, "z cannot be periodic with gravity along it");
+  demand(!all.periodic[2] || all.walls.floor_friction == 0, "z cannot be periodic with walls.floor_friction");
   for (const ObstacleSettings& obstacle : all.obstacles) {
     const std::string wrong = why_not_periodic(obstacle, all);
     demand(wrong.empty(), ("an obstacle " + wrong).c_str());

@@ -262,6 +262,7 @@ TEST(Periodic, SettingsThatCannotBeAreRefused) {
   EXPECT_NE(told([](Settings& s) { s.domain.max.x() += 0.1; }).find("whole number"), std::string::npos);
   EXPECT_NE(told([](Settings& s) { s.domain.max.z() = 0.75; }).find("three at least"), std::string::npos);
   EXPECT_NE(told([](Settings& s) { s.gravity = Vec3(0, 0, -1); }).find("z cannot be periodic"), std::string::npos);
+  EXPECT_NE(told([](Settings& s) { s.walls.floor_friction = 0.1; }).find("floor_friction"), std::string::npos);
   ObstacleSettings ball;
   ball.center = Vec3(1.375, -0.375, 0.75);
   ball.radius = 0.1;

@@ -40,6 +40,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{3, "max = [2, 1, 1]\nperiodic = ['x', 'w']", "4: [domain] periodic", "unknown axis \"w\""},
         BadScene{3, "max = [2.1, 1, 1]\nperiodic = ['x']", "4: [domain] periodic", "make it 2 or 2.2 m"},
         BadScene{3, "max = [2, 1, 1]\nperiodic = 'x'", "4: [domain] periodic", "list of texts"},
+        BadScene{3, "max = [2, 1, 1]\nperiodic = ['z']\n[walls]\nfloor_friction = 0.1", "4: [domain] periodic",
+                 "there is no floor"},
         BadScene{3, "max = [2, 1, 1]\nslab_axis = 'z'", "4: [domain] slab_axis", "\"x\" or \"y\", got \"z\""},
         BadScene{3, "max = [2, 1, 1]\nmiddle = 1", "4: [domain] middle", "unknown key; known here: dimensions"},
         BadScene{3, "max = [2, 1, 1]\nslabaxis = 'x'", "4: [domain] slabaxis", "did you mean slab_axis?"}));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "body_run.hpp"
 #include "support/output_fixture.hpp"
@@ -83,6 +84,20 @@ TEST(Rolling, ABallComesToRestInTheCornerOfABasin) {
   const BodyState end = run.bodies()[0];
   EXPECT_LT((end.position - Vec3(2.8, 2.8, 0.7)).norm(), 1e-3) << end.position.transpose();
   EXPECT_LT(end.velocity.norm(), 1e-3);
+}
+
+// A wall that a body begins in, along an axis on which it is not free, is none to it: it was pushed out of it, and
+// turned at 160 rad/s. A wall that it comes to stops it.
+TEST(Rolling, ABodyTurnsInTheWallThatItBeginsIn) {
+  for (const auto& [place, angular_velocity] : {std::pair{"3.95", 1.0}, std::pair{"3.73", 0.0}}) {
+    BodyRun run(world, dry_box("0.0166666666666666667") +
+                           fmt::format("[walls]\nrestitution = 0\n[[body]]\ntype = \"box\"\nsize = [0.4, 0.4, 0.4]\n"
+                                       "density = 500\nfree = [\"yaw\"]\nrotate = [0, 0, 20]\n"
+                                       "angular_velocity = [0, 0, 1]\ncenter = [{}, 2, 2]\n",
+                                       place));
+    run.steps(20);
+    EXPECT_NEAR(run.bodies()[0].angular_velocity.z(), angular_velocity, 1e-6) << place;
+  }
 }
 
 }  // namespace

@@ -75,7 +75,29 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
     middles_.emplace_back();
     for (const Vec3& p : points_.back()) middles_.back().push_back(round_.back().middle_of(p));
     keep_one_of_each(middles_.back(), 1e-6 * size);
+    note_walls_reached_through(one);
   }
+}
+
+namespace {
+
+Real gap_to(const Box& box, int axis, int side, const Vec3& p) {
+  return side < 0 ? p[axis] - box.min[axis] : box.max[axis] - p[axis];
+}
+
+}  // namespace
+
+// A body that begins beyond a wall, along an axis on which it is not free, has its bearing there: pushed out of the
+// wall it would turn by what cannot be put right.
+void Contacts::note_walls_reached_through(const BodySettings& body) {
+  const Pose start = BodyMotion(body).at(0);
+  constexpr Real rounding = 1e-9;  // spacings
+  auto& goes_through = goes_through_.emplace_back();
+  for (int a = 0; a < 3; ++a)
+    for (const int side : {-1, 1})
+      goes_through[static_cast<std::size_t>(a)][side < 0 ? 0 : 1] =
+          std::any_of(points_.back().begin(), points_.back().end(),
+                      [&](const Vec3& p) { return gap_to(box_, a, side, start.into_world(p)) < -rounding * spacing_; });
 }
 
 void Contacts::find(const std::vector<RigidBody>& bodies, Real dt) {
@@ -113,7 +135,8 @@ void Contacts::find_walls(const std::vector<RigidBody>& bodies, std::size_t k) {
   const Pose& pose = poses_[first_ + k];
   for (int a = 0; a < 3; ++a) {
     for (const int side : {-1, 1}) {
-      const auto gap_of = [&](const Vec3& p) { return side < 0 ? p[a] - box_.min[a] : box_.max[a] - p[a]; };
+      const auto gap_of = [&](const Vec3& p) { return gap_to(box_, a, side, p); };
+      if (goes_through_[k][static_cast<std::size_t>(a)][side < 0 ? 0 : 1]) continue;
       if (gap_of(pose.center) - radius > margin) continue;
       const Vec3 normal = -side * Vec3::Unit(a);
       std::vector<Near> near = near_points(k, true, margin, gap_of, [&](const Vec3&) { return normal; });

@@ -57,6 +57,7 @@ class Contacts {
     Vec3 nearest(const Vec3& p, const Vec3& normal) const;
   };
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  void note_walls_reached_through(const BodySettings& body);
   void find_walls(const std::vector<RigidBody>& bodies, std::size_t k);
   void find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid);
   template <class Gap, class Normal>
@@ -79,8 +80,9 @@ class Contacts {
   std::vector<std::vector<Vec3>> points_;  // of each body, in its frame; the next two as well
   std::vector<std::vector<Vec3>> middles_;
   std::vector<Round> round_;
-  std::vector<bool> is_convex_, is_ball_;  // of all solids; balls that are bodies
-  std::vector<Pose> poses_, ends_;         // of all solids in the substep
+  std::vector<std::array<std::array<bool, 2>, 3>> goes_through_;  // of each body, the walls that are none to it
+  std::vector<bool> is_convex_, is_ball_;                         // of all solids; balls that are bodies
+  std::vector<Pose> poses_, ends_;                                // of all solids in the substep
   std::vector<Contact> contacts_;
   Real driven_work_ = 0;
 };

@@ -60,7 +60,7 @@ struct VectorTerms {
   // The sums of x, y and z times `per_unit`, and that of w.
   template <class D>
   void write(D d, std::size_t first, std::size_t count, const Kept<D>& kept, T per_unit) const {
-    Vec4<T> sums[batch];
+    alignas(64) Vec4<T> sums[batch];  // as wide as the vectors that are stored there
     if constexpr (sizeof(T) == 4) {
       const Finished<T> all = sum_of_blocks(d, kept.xy);
       alignas(16) const T scale[4] = {per_unit, per_unit, per_unit, 1};
