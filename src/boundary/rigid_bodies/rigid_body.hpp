@@ -63,6 +63,8 @@ class RigidBody {
   Six velocities(const Six& momentum, const Rotation& turn) const;
   Real part_that_counts(const Six& step, const Six& found, const Six& known, const Mass6& wide) const;
   Six mooring_force() const;
+  Six mean_twist() const;
+  void take_momentum();
   Real mooring_energy() const;
   struct Line;
   Line line() const;
@@ -79,6 +81,7 @@ class RigidBody {
 
   Real dt_ = 0;
   Six twist_{}, momentum_{};
+  Six pull_{};  // of the mooring, at the start of the substep
   Mass6 inertia_{};
   std::array<Real, 4> end_orientation_{1, 0, 0, 0};
   bool is_wet_ = false;  // there is pressure
