@@ -1,9 +1,9 @@
 // One rigid body: its mass, its state, and its motion in a substep, which the water is asked for (rigid_bodies.hpp).
 // The state holds momenta, so that what no torque acts on keeps its angular momentum to rounding; the orientation
 // follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In
-// the air the path is the parabola itself; in the water gravity acts as it does on particles, at the start of a
-// substep, as the two would otherwise not balance. Arithmetic alone: the same bits on any rank and processor. Not
-// collective.
+// the air the path is the parabola itself, with a mooring that of two half kicks (velocity Verlet); in the water
+// gravity acts as it does on particles, at the start of a substep, as the two would otherwise not balance. Arithmetic
+// alone: the same bits on any rank and processor. Not collective.
 #pragma once
 
 #include "boundary/geometry/mass_properties.hpp"
