@@ -50,6 +50,16 @@ Real GridToParticles::rate(Real rest2) const {
   return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
 }
 
+// Whether the surface is at the cell or one of the next above it. Solid cells are wet unless it is beneath them.
+bool GridToParticles::is_near_surface(std::size_t floor, LocalId c) const {
+  const LocalId end = std::min(c + cut_noise_cells, surface_.grid().columns());
+  for (LocalId above = c; above < end; ++above) {
+    const std::size_t at = floor + static_cast<std::size_t>(above);
+    if (!surface_.is_wet(at) || surface_.is_top(at)) return true;
+  }
+  return false;
+}
+
 void GridToParticles::prepare(Halo& halo, const Step& step) {
   step_ = step;
   if (!surface_.upright()) return;
@@ -95,7 +105,7 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   const Range cut = surface_.cuts()->cut_columns(k, r);
   for (LocalId c = std::max(cells.begin, cut.begin); c < std::min(cells.end, cut.end); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
-    if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at))
+    if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at) && is_near_surface(floor, c))
       cut_fit_.set(
           k, r, c,
           times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));

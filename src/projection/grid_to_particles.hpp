@@ -84,6 +84,7 @@ class GridToParticles {
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;
+  bool is_near_surface(std::size_t floor, LocalId c) const;
   void find_noise(TentMemory& memory, LocalId k, LocalId r);
   void fit_noise(TentMemory& memory, LocalId k, LocalId r);
 

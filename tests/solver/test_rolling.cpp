@@ -74,6 +74,44 @@ TEST(Rolling, ABallThatSlidesEndsWithFiveSeventhsOfItsSpeed) {
   EXPECT_NEAR(run.bodies()[0].velocity.x(), 1, 1e-9);
 }
 
+// Second order in the step. It was ahead by half a step, 4 % of the swing at 1/60 s.
+TEST(Rolling, ABallOnASpringIsWhereItShouldBe) {
+  for (const std::string dt : {"0.0166666666666666667", "0.00416666666666666667"}) {
+    BodyRun run(world, dry_box(dt) +
+                           "[[body]]\ntype = \"sphere\"\ncenter = [2.1, 2, 2]\nradius = 0.2\nmass = 16\n"
+                           "mooring = { anchor = [1, 2, 2], stiffness = 400, length = 1 }\n");
+    const Real step = 5 * run.scene.dt;  // of the phase
+    for (int k = 1; k * step < 6; ++k) {
+      run.steps(1);
+      EXPECT_NEAR(run.bodies()[0].position.x(), 2 + 0.1 * std::cos(k * step), 0.1 * 6 * step * step / 20) << dt << k;
+      EXPECT_NEAR(run.bodies()[0].velocity.x(), -0.5 * std::sin(k * step), 0.5 * 6 * step * step / 20) << dt << k;
+    }
+  }
+}
+
+// A box that turns and falls on a spring from a corner keeps its energy to the square of the step.
+TEST(Rolling, ABoxOnASpringKeepsItsEnergy) {
+  Real worst[2] = {};
+  for (int half = 0; half < 2; ++half) {
+    BodyRun run(world, dry_box(half == 0 ? "0.01" : "0.005") +
+                           "[gravity]\n[[body]]\ntype = \"box\"\ncenter = [2, 2, 2]\nsize = [0.8, 0.5, 0.3]\n"
+                           "mass = 60\nangular_velocity = [0.3, 0.5, 1]\n"
+                           "mooring = { anchor = [2.2, 2.1, 3.5], point = [2.3, 2.1, 2.1], stiffness = 3000 }\n");
+    const auto energy = [&] {
+      RigidBody body(run.scene.bodies[0], *make_shape(run.scene.bodies[0]), *run.scene.gravity, 1000);
+      body.set_state(run.bodies()[0]);
+      return body.energy();
+    };
+    const Real start = energy();
+    for (int k = 0; k < 50 * (half + 1); ++k) {
+      run.steps(1);
+      worst[half] = std::max(worst[half], std::abs(energy() - start));
+    }
+  }
+  EXPECT_LT(worst[0], 1.0);
+  EXPECT_LT(worst[1], 0.3 * worst[0]);
+}
+
 // In a vessel a ball touches more than one place.
 TEST(Rolling, ABallComesToRestInTheCornerOfABasin) {
   BodyRun run(world, dry_box("0.01") +

@@ -177,7 +177,8 @@ void RigidBody::begin(Real dt) {
   is_wet_ = state_.last_force != Six{};
   added_ = turned(state_.added_mass, rotation_of(state_.orientation));
   momentum_ = six_of(state_.momentum + dt * mass_ * gravity_, state_.angular_momentum);
-  if (mooring_) momentum_ = plus(momentum_, mooring_force(), dt);
+  pull_ = mooring_ ? mooring_force() : Six{};
+  if (mooring_) momentum_ = plus(momentum_, pull_, dt);
   const Six expected = plus(momentum_, state_.last_force, dt);
   // The twist is that of the orientation midway, which it leads to itself.
   constexpr int rounds = 6;
@@ -242,10 +243,25 @@ void RigidBody::hear(const Six& pressure) {
   answer_ = pressure;
 }
 
-void RigidBody::finish(bool touched) {
+// In the air: by the momentum midway between the kicks of gravity and the mooring (velocity Verlet).
+Six RigidBody::mean_twist() const {
+  const Six outside = plus(six_of(mass_ * gravity_, Vec3::Zero()), pull_);
+  return solved(inertia_, plus(momentum_, outside, -dt_ / 2), free_);
+}
+
+void RigidBody::take_momentum() {
   for (std::size_t i = 0; i < 6; ++i)
     if (!free_[i]) momentum_[i] = 0;
+  state_.momentum = along_of(momentum_);
+  state_.angular_momentum = about_of(momentum_);
+  const Six now = velocities(momentum_, rotation_of(state_.orientation));
+  state_.velocity = along_of(now);
+  state_.angular_velocity = about_of(now);
+}
+
+void RigidBody::finish(bool touched) {
   const Vec3 fall = touched || mooring_ ? Vec3(Vec3::Zero()) : Vec3(gravity_ * (dt_ * dt_ / 2));
+  if (!touched && mooring_) set_twist(mean_twist());
   for (int a = 0; a < 3; ++a)
     state_.position[a] +=
         dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
@@ -258,11 +274,11 @@ void RigidBody::finish(bool touched) {
   }
   state_.last_twist = twist_;
   state_.orientation = end_orientation_;
-  state_.momentum = along_of(momentum_);
-  state_.angular_momentum = about_of(momentum_);
-  const Six now = velocities(momentum_, rotation_of(state_.orientation));
-  state_.velocity = along_of(now);
-  state_.angular_velocity = about_of(now);
+  take_momentum();
+  if (!touched && mooring_) {
+    momentum_ = plus(momentum_, plus(mooring_force(), pull_, -1), dt_ / 2);
+    take_momentum();
+  }
   if (answers_ > 0) {
     for (std::size_t i = 0; i < 6; ++i) state_.last_force[i] = answer_[i] / dt_;
   } else {

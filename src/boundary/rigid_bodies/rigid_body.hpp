@@ -1,9 +1,9 @@
 // One rigid body: its mass, its state, and its motion in a substep, which the water is asked for (rigid_bodies.hpp).
 // The state holds momenta, so that what no torque acts on keeps its angular momentum to rounding; the orientation
 // follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In
-// the air the path is the parabola itself; in the water gravity acts as it does on particles, at the start of a
-// substep, as the two would otherwise not balance. Arithmetic alone: the same bits on any rank and processor. Not
-// collective.
+// the air the path is the parabola itself, with a mooring that of two half kicks (velocity Verlet); in the water
+// gravity acts as it does on particles, at the start of a substep, as the two would otherwise not balance. Arithmetic
+// alone: the same bits on any rank and processor. Not collective.
 #pragma once
 
 #include "boundary/geometry/mass_properties.hpp"
@@ -63,6 +63,8 @@ class RigidBody {
   Six velocities(const Six& momentum, const Rotation& turn) const;
   Real part_that_counts(const Six& step, const Six& found, const Six& known, const Mass6& wide) const;
   Six mooring_force() const;
+  Six mean_twist() const;
+  void take_momentum();
   Real mooring_energy() const;
   struct Line;
   Line line() const;
@@ -79,6 +81,7 @@ class RigidBody {
 
   Real dt_ = 0;
   Six twist_{}, momentum_{};
+  Six pull_{};  // of the mooring, at the start of the substep
   Mass6 inertia_{};
   std::array<Real, 4> end_orientation_{1, 0, 0, 0};
   bool is_wet_ = false;  // there is pressure
