@@ -31,7 +31,9 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
       solver_(std::move(solver)) {
   for (std::size_t a = 0; a < 3; ++a) {
     const int axis = grid_.axis(a);
-    const bool repeats = grid_.is_periodic(a), has_walls = !repeats && !(axis == 1 && grid_.is_layer());
+    const bool repeats = grid_.is_periodic(a), is_still = axis == 1 && grid_.is_layer();
+    const bool has_walls = !repeats && !is_still;
+    if (is_still) still_ = 1U << static_cast<unsigned>(axis);
     const Real reach = !has_walls ? -INFINITY : wall_reach * h_;
     interior_.min[axis] += reach;
     interior_.max[axis] -= reach;
@@ -39,17 +41,21 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
   }
 }
 
+// A solid may push along any axis.
 template <class T>
-bool FreeMomentum<T>::is_free(const Vec3& p) const {
-  const bool inside = (p.array() > interior_.min.array()).all() && (p.array() < interior_.max.array()).all();
-  return inside && (obstacles_ == nullptr || !obstacles_->is_near_fixed(p));
+WaterPieces::Axes FreeMomentum<T>::touched(const Vec3& p) const {
+  if (obstacles_ != nullptr && obstacles_->is_near_fixed(p)) return WaterPieces::all_axes;
+  unsigned axes = still_;
+  for (int a = 0; a < 3; ++a)
+    if (p[a] <= interior_.min[a] || p[a] >= interior_.max[a]) axes |= 1U << static_cast<unsigned>(a);
+  return static_cast<WaterPieces::Axes>(axes);
 }
 
 template <class T>
 FreeMomentum<T>::Sums::Sums(const std::int64_t* numbers)
-    : count(static_cast<Real>(numbers[0])),
-      near_fixed(static_cast<Real>(numbers[1])),
-      near_floating(static_cast<Real>(numbers[2])) {
+    : count(static_cast<Real>(numbers[0])), near_floating(static_cast<Real>(numbers[4])) {
+  for (unsigned a = 0; a < 3; ++a)
+    if (numbers[1 + a] > 0) touched |= static_cast<WaterPieces::Axes>(1U << a);
   const std::int64_t* next = numbers + counts;
   const auto read = [&] {
     const Real sum = OrderlessSum::value(next);
@@ -95,8 +101,9 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
         spin += p.cross(way);
         if constexpr (all) {
           spread += p * p.transpose();
-          to[1] += is_free(there) ? 0 : 1;
-          to[2] += has_bodies && obstacles_->is_near(there) ? 1 : 0;
+          const WaterPieces::Axes axes = touched(there);
+          for (unsigned a = 0; a < 3; ++a) to[1 + a] += axes >> a & 1U;
+          to[4] += has_bodies && obstacles_->is_near(there) ? 1 : 0;
         }
       }
       to[0] += range.size();
@@ -120,12 +127,13 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
 
 template <class T>
 typename FreeMomentum<T>::Undoing FreeMomentum<T>::undoing(const Sums& before, const Sums& after,
-                                                           bool is_body_touched) const {
+                                                           WaterPieces::Axes touched) const {
   Undoing undoing;
-  if (after.near_fixed > 0 || (is_body_touched && after.near_floating > 0)) return undoing;
-  undoing.drift = (after.path - before.path) / after.count;
+  for (unsigned a = 0; a < 3; ++a) {
+    if ((touched >> a & 1U) == 0) undoing.drift[a] = (after.path[a] - before.path[a]) / after.count;
+  }
   undoing.centre = after.p / after.count;
-  if (!turns_) return undoing;
+  if (!turns_ || touched != still_) return undoing;
   undoing.off = (after.p - before.p) / after.count;
   const Eigen::Matrix3d spread = after.pp - after.count * undoing.centre * undoing.centre.transpose();
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
@@ -174,19 +182,24 @@ void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing
   });
 }
 
+// What touches nothing. Water aboard a body does not, either, but rests on it.
+template <class T>
+void FreeMomentum<T>::let_fly(DensityProblem<T>& problem) const {
+  if (obstacles_ != nullptr && obstacles_->floating() != nullptr) return;
+  std::vector<Range> parts;
+  for (const WaterPieces::Run& run : pieces_.runs())
+    if (pieces_.touched(run.piece) == still_) parts.push_back(run.particles);
+  problem.let_fly(parts);
+}
+
 template <class T>
 SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   Particles& particles = problem.particles();
   const bool any = pieces_.find(
-      comm_, problem.order(), [&](std::size_t i) { return !is_free(particles.predicted[i]); },
+      comm_, problem.order(), [&](std::size_t i) { return touched(particles.predicted[i]); },
       [&](WaterPieces::Labels& labels) { problem.exchange(labels); });
   if (!any) return solver_->solve(problem);
-  // Water aboard a body is such a piece, too, but rests on it.
-  if (obstacles_ == nullptr || obstacles_->floating() == nullptr) {
-    std::vector<Range> parts;
-    for (const WaterPieces::Run& run : pieces_.runs()) parts.push_back(run.particles);
-    problem.let_fly(parts);
-  }
+  let_fly(problem);
   Words before = sums_of<false>(
       problem, [&](std::size_t i) { return problem.end_of_flight(i); },
       [&, dt = problem.dt()](std::size_t i) { return Vec3((particles.predicted[i] - particles.position[i]) / dt); });
@@ -198,8 +211,12 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   // A body that moves freely has what the transfer leaves over, once it is touched.
   const bool is_body_touched = obstacles_ != nullptr && obstacles_->is_body_touched(comm_);
   std::vector<Undoing> all;
-  for (std::size_t at = 0; at < before.size(); at += words)
-    all.push_back(undoing(Sums(before.data() + at), Sums(after.data() + at), is_body_touched));
+  for (std::size_t piece = 0; piece < pieces_.count(); ++piece) {
+    const Sums first(before.data() + words * piece), last(after.data() + words * piece);
+    const bool by_body = is_body_touched && last.near_floating > 0;
+    const WaterPieces::Axes touched = by_body ? WaterPieces::all_axes : pieces_.touched(piece) | last.touched;
+    all.push_back(undoing(first, last, touched));
+  }
   undo(problem, all);
   return result;
 }

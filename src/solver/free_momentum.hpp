@@ -1,10 +1,11 @@
-// Keeps the linear and angular momentum of each piece of water that touches nothing (water_pieces.hpp), beside what
-// gravity gives. The projection hands its pressure to the particles of a face as if they were as many as full water has
-// there, and sweeps shift positions without velocity: both are right in the mean, but not to rounding; and in flight
-// the pressure at the upper side of water that is pressed together is higher than at the lower one. What the substep
-// has changed of the two momenta is undone by a translation and a rotation of the velocities of the piece, where the
-// box repeats along an axis by a translation alone; and its centre goes back to where free flight takes it
-// (free_flight.hpp). Collective.
+// Keeps the momentum of each piece of water along axes along which nothing can push it (water_pieces.hpp), and the
+// angular one of what touches nothing, beside what gravity gives. The projection hands its pressure to the particles of
+// a face as if they were as many as full water has there, and sweeps shift positions without velocity: both are right
+// in the mean, but not to rounding; and in flight the pressure at the upper side of water that is pressed together is
+// higher than at the lower one. What the substep has changed of the two momenta is undone by a translation and a
+// rotation of the velocities of the piece, where the box repeats along an axis by a translation alone; and the centre
+// of what touches nothing goes back to where free flight takes it (free_flight.hpp). Water on a smooth floor keeps its
+// momentum along it as far as no wall that stands across is near, nor a solid. Collective.
 #pragma once
 
 #include "base/orderless_sum.hpp"
@@ -26,12 +27,14 @@ class FreeMomentum : public DensitySolver<T> {
   std::size_t bytes() const override { return solver_->bytes(); }
 
  private:
-  // Of a piece, lengths in units of h: particles, those near a wall or a fixed solid and those near a body that moves
-  // freely; Σ p, Σ v dt, Σ p × v dt, and Σ p pᵀ in units of (16 h)², p being measured from its first cell.
-  static constexpr std::size_t counts = 3, sums = 15, words = counts + OrderlessSum::words * sums;
+  // Of a piece, lengths in units of h: particles, those near what may push along each axis, a wall or a fixed solid,
+  // and those near a body that moves freely; Σ p, Σ v dt, Σ p × v dt, and Σ p pᵀ in units of (16 h)², p being measured
+  // from its first cell.
+  static constexpr std::size_t counts = 5, sums = 15, words = counts + OrderlessSum::words * sums;
   using Words = std::vector<std::int64_t>;  // those of each piece
   struct Sums {
-    Real count = 0, near_fixed = 0, near_floating = 0;
+    Real count = 0, near_floating = 0;
+    WaterPieces::Axes touched = 0;
     Vec3 p = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
     Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
 
@@ -48,16 +51,18 @@ class FreeMomentum : public DensitySolver<T> {
   template <bool all, class Place, class Velocity>
   Words sums_of(const DensityProblem<T>& problem, const Place& place, const Velocity& velocity) const;
   void add_other_ranks(Words& before, Words& after) const;
-  Undoing undoing(const Sums& before, const Sums& after, bool is_body_touched) const;
+  Undoing undoing(const Sums& before, const Sums& after, WaterPieces::Axes touched) const;
+  void let_fly(DensityProblem<T>& problem) const;
   void undo(DensityProblem<T>& problem, const std::vector<Undoing>& all) const;
   Vec3 origin(std::size_t piece) const;
-  bool is_free(const Vec3& p) const;
+  WaterPieces::Axes touched(const Vec3& p) const;
 
   MPI_Comm comm_;
   CellGrid grid_;
-  Box box_, interior_;  // m; where no wall acts
-  Real h_;              // m
-  bool turns_ = true;   // whether there is an angular momentum to keep
+  Box box_, interior_;           // m; where no wall acts
+  Real h_;                       // m
+  bool turns_ = true;            // whether there is an angular momentum to keep
+  WaterPieces::Axes still_ = 0;  // along which nothing moves
   Obstacles* obstacles_;
   WaterPieces pieces_;
   std::unique_ptr<DensitySolver<T>> solver_;

@@ -103,18 +103,18 @@ void WaterPieces::join_own(const CellOrder& order) {
   }
 }
 
-// Labels of the roots. Whether some own piece touches nothing.
-bool WaterPieces::find_touching(const CellOrder& order, const std::function<bool(std::size_t)>& touches) {
-  std::vector<char> touched(own_.size(), 0);
+// Labels of the roots. Whether some own piece is not touched along all axes.
+bool WaterPieces::find_touching(const CellOrder& order, const std::function<Axes(std::size_t)>& touches) {
+  of_roots_.assign(own_.size(), 0);
   std::vector<std::size_t> roots(own_.size());
   for (std::size_t run = 0; run < own_.size(); ++run) roots[run] = root(run);
   constexpr LocalId part_size = 8;
   for_each_part({0, static_cast<LocalId>(own_.size())}, part_size, [&](Range part) {
     for (auto run = static_cast<std::size_t>(part.begin); run < static_cast<std::size_t>(part.end); ++run) {
-      std::atomic_ref<char> mark(touched[roots[run]]);
+      std::atomic_ref<Axes> mark(of_roots_[roots[run]]);
       const Range particles = own_[run]->particles;
-      for (LocalId i = particles.begin; i < particles.end && mark.load(std::memory_order_relaxed) == 0; ++i)
-        if (touches(static_cast<std::size_t>(i - order.low_ghosts()))) mark.store(1, std::memory_order_relaxed);
+      for (LocalId i = particles.begin; i < particles.end && mark.load(std::memory_order_relaxed) != all_axes; ++i)
+        mark.fetch_or(touches(static_cast<std::size_t>(i - order.low_ghosts())), std::memory_order_relaxed);
     }
   });
   labels_.assign(own_.size(), touching);
@@ -123,7 +123,7 @@ bool WaterPieces::find_touching(const CellOrder& order, const std::function<bool
   for (LocalId k = 1; k <= order.planes(); ++k) {
     for (LocalId r = 0; r < order.rows(); ++r) {
       for (const CellRun& one : row(order, k, r)) {
-        if (roots[run] == run && touched[run] == 0) {
+        if (roots[run] == run && of_roots_[run] != all_axes) {
           any = true;
           const std::int64_t plane = order.window().planes.begin + k - 1, across = order.window().rows.begin + r;
           labels_[run] = (plane * order.grid().rows() + across) * order.grid().columns() + one.columns.begin;
@@ -135,12 +135,13 @@ bool WaterPieces::find_touching(const CellOrder& order, const std::function<bool
   return any;
 }
 
-// What hangs together across cuts, as this rank sees it, each once.
+// What hangs together across cuts, as this rank sees it, each once: an own label, that beyond, and along which axes the
+// own one is touched here. Each label is an own one of the rank that it is of.
 WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& labels) {
-  std::vector<Joint> found;
+  std::vector<std::array<std::int64_t, 3>> found;
   const auto join = [&](const CellRun& own, const CellRun& ghost) {
     const std::int64_t a = label(own.number), b = labels[static_cast<std::size_t>(ghost.particles.begin)];
-    if (a != b) found.emplace_back(std::minmax(a, b));
+    if (a != b) found.push_back({a, b, of_roots_[root(own.number)]});
   };
   const bool wraps = order.grid().is_periodic(1) && !order.rows_are_cut();
   for (LocalId k = 1; k <= order.planes(); ++k) {
@@ -155,31 +156,43 @@ WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& la
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  Labels pairs;
-  for (const auto& [a, b] : found) pairs.insert(pairs.end(), {a, b});
-  return pairs;
+  Labels joints;
+  for (const auto& joint : found) joints.insert(joints.end(), joint.begin(), joint.end());
+  return joints;
 }
 
-// Pairs of labels, one after the other.
-void WaterPieces::join_ranks(MPI_Comm comm, const Labels& joints) {
-  const Labels pairs = gather_over_ranks(comm, joints);
-  Labels all = pairs;
+void WaterPieces::join_ranks(MPI_Comm comm, const Labels& own_joints) {
+  const Labels joints = gather_over_ranks(comm, own_joints);
+  Labels all;
+  for (std::size_t k = 0; k < joints.size(); k += 3) all.insert(all.end(), {joints[k], joints[k + 1]});
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   const auto place = [&](std::int64_t one) { return std::lower_bound(all.begin(), all.end(), one) - all.begin(); };
   std::vector<std::ptrdiff_t> parent(all.size());
   std::iota(parent.begin(), parent.end(), std::ptrdiff_t{0});
-  for (std::size_t k = 0; k < pairs.size(); k += 2) join_in(parent, place(pairs[k]), place(pairs[k + 1]));
+  for (std::size_t k = 0; k < joints.size(); k += 3) join_in(parent, place(joints[k]), place(joints[k + 1]));
+  std::vector<Axes> touched(all.size(), 0);  // of roots
+  const auto of_root = [&](std::ptrdiff_t k) -> Axes& { return touched[static_cast<std::size_t>(root_in(parent, k))]; };
+  for (std::size_t k = 0; k < joints.size(); k += 3) of_root(place(joints[k])) |= static_cast<Axes>(joints[k + 2]);
   joined_.clear();
-  for (std::size_t k = 0; k < all.size(); ++k)
-    joined_.emplace_back(all[k], all[static_cast<std::size_t>(root_in(parent, static_cast<std::ptrdiff_t>(k)))]);
+  of_joined_.clear();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto at = static_cast<std::ptrdiff_t>(k);
+    of_joined_.push_back(of_root(at));
+    joined_.emplace_back(all[k],
+                         of_joined_.back() == all_axes ? touching : all[static_cast<std::size_t>(root_in(parent, at))]);
+  }
 }
 
 void WaterPieces::find_in_flight(const CellOrder& order) {
   in_flight_.clear();
+  touched_.clear();
   Labels least;  // of pieces on several ranks
-  for (const auto& [one, first] : joined_) {
-    if (one == first && one != touching) least.push_back(one);
+  for (std::size_t k = 0; k < joined_.size(); ++k) {
+    const auto& [one, first] = joined_[k];
+    if (one != first || one == touching) continue;
+    least.push_back(one);
+    touched_.push_back(of_joined_[k]);
   }
   shared_ = least.size();
   std::vector<std::size_t> piece(own_.size());  // of local roots
@@ -197,6 +210,7 @@ void WaterPieces::find_in_flight(const CellOrder& order) {
     } else if (first == run) {
       piece[first] = least.size();
       least.push_back(name);
+      touched_.push_back(of_roots_[run]);
     }
     const Range& particles = own_[run]->particles;
     in_flight_.push_back({{particles.begin - order.low_ghosts(), particles.end - order.low_ghosts()}, piece[first]});
@@ -208,7 +222,7 @@ void WaterPieces::find_in_flight(const CellOrder& order) {
                             static_cast<LocalId>(cell % columns)});
 }
 
-bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::function<bool(std::size_t)>& touches,
+bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::function<Axes(std::size_t)>& touches,
                        const std::function<void(Labels&)>& exchange) {
   find_runs(order, false);
   join_own(order);
@@ -216,6 +230,7 @@ bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::functio
   if (max_over_ranks(comm, any ? 1.0 : 0.0) == 0) {
     in_flight_.clear();
     first_cells_.clear();
+    touched_.clear();
     shared_ = 0;
     return false;
   }

@@ -1,7 +1,8 @@
-// The connected pieces of the water in a substep that touch nothing: drops, jets in the air, blocks that are thrown.
-// Particles of cells that share a face, an edge or a corner hang together. Nothing acts farther between particles:
-// pairs are of adjacent cells, and the projection has no pressure where there are no particles. Which pieces there are
-// does not depend on the ranks.
+// The connected pieces of the water in a substep that nothing can push along some axis: drops, jets in the air, blocks
+// that are thrown, along all of them; what lies on a level floor, or in a box that repeats, along others. Particles of
+// cells that share a face, an edge or a corner hang together. Nothing acts farther between particles: pairs are of
+// adjacent cells, and the projection has no pressure where there are no particles. Which pieces there are does not
+// depend on the ranks.
 #pragma once
 
 #include <array>
@@ -27,11 +28,15 @@ class WaterPieces {
   using Cell = std::array<LocalId, 3>;
   using Labels = std::vector<std::int64_t>;
 
-  /// Finds the pieces of which no particle touches something. `touches` is asked of owned particles, on any thread;
+  /// Along which axes something may push, a bit for each.
+  using Axes = unsigned char;
+  static constexpr Axes all_axes = 7;
+
+  /// Finds the pieces that are not touched along all axes. `touches` is asked of owned particles, on any thread;
   /// `exchange` brings numbers of all particles, ghosts included, from those that own them, and is called, as ranks
-  /// gather what hangs together across cuts, where water of some rank touches nothing there. Whether there are such
-  /// pieces on any rank. Collective.
-  bool find(MPI_Comm comm, const CellOrder& order, const std::function<bool(std::size_t)>& touches,
+  /// gather what hangs together across cuts, where some rank has such water. Whether there are such pieces on any rank.
+  /// Collective.
+  bool find(MPI_Comm comm, const CellOrder& order, const std::function<Axes(std::size_t)>& touches,
             const std::function<void(Labels&)>& exchange);
 
   /// Of this rank.
@@ -42,6 +47,8 @@ class WaterPieces {
   std::size_t shared() const { return shared_; }
   /// Of the cells of a piece in the box the first in their order.
   Cell first_cell(std::size_t piece) const { return first_cells_[piece]; }
+  /// Along which axes a piece is touched.
+  Axes touched(std::size_t piece) const { return touched_[piece]; }
 
  private:
   struct CellRun {
@@ -57,7 +64,7 @@ class WaterPieces {
   void join_own(const CellOrder& order);
   void join_rows(const CellOrder& order, const std::vector<CellRun>& a, const std::vector<CellRun>& b,
                  const std::function<void(const CellRun&, const CellRun&)>& join) const;
-  bool find_touching(const CellOrder& order, const std::function<bool(std::size_t)>& touches);
+  bool find_touching(const CellOrder& order, const std::function<Axes(std::size_t)>& touches);
   Labels joints(const CellOrder& order, const Labels& labels);
   void join_ranks(MPI_Comm comm, const Labels& joints);
   void find_in_flight(const CellOrder& order);
@@ -67,10 +74,13 @@ class WaterPieces {
   std::vector<std::vector<CellRun>> rows_;  // of own planes and rows, and those of ghosts around them
   std::vector<CellRun*> own_;               // runs of the own rows, in their order
   std::vector<std::size_t> parent_;         // of each own run; of a piece here the first run is the root
-  Labels labels_;                           // of roots: the first cell in the box, -1 where it touches something
-  std::vector<Joint> joined_;  // labels of pieces on several ranks, sorted, and the least of the same piece
+  Labels labels_;                // of roots: the first cell in the box, -1 where it is touched along all axes
+  std::vector<Axes> of_roots_;   // along which axes they are touched here
+  std::vector<Joint> joined_;    // labels of pieces on several ranks, sorted, and the least of the same piece
+  std::vector<Axes> of_joined_;  // along which axes all of that piece is touched
   std::vector<Run> in_flight_;
   std::vector<Cell> first_cells_;  // of each piece
+  std::vector<Axes> touched_;
   std::size_t shared_ = 0;
 };
 

@@ -57,7 +57,8 @@ void expect_pieces(const Cloud& all, const CellGrid& grid, int parts) {
   near.rebuild(particles, slabs);
   WaterPieces pieces;
   const bool any = pieces.find(
-      world, near.order(), [&](std::size_t i) { return touches(particles.predicted[i]); },
+      world, near.order(),
+      [&](std::size_t i) { return touches(particles.predicted[i]) ? WaterPieces::all_axes : WaterPieces::Axes{0}; },
       [&](WaterPieces::Labels& labels) { near.exchange(labels); });
   EXPECT_EQ(any, !sizes.empty());
   std::map<GlobalId, std::optional<Cell>> found;

@@ -185,7 +185,7 @@ class Reference {
         cloud_.velocity[i] += mass_ / s_.fluid.rest_density * (in_flight[i] + in_flight[j]) * pull(between(i, j)) / dt_;
     }
     for (const std::vector<std::size_t>& piece : pieces)
-      for (const std::size_t i : piece) lifted_[i] = momentum(piece, free_place, free_velocity).is_free ? 1 : 0;
+      for (const std::size_t i : piece) lifted_[i] = momentum(piece, free_place, free_velocity).is_free() ? 1 : 0;
     const Vectors smooth = projection_.smooth_shifts(start, p_, compression);
     Vectors shifts(size()), motion(size());
     for (std::size_t i = 0; i < size(); ++i) {
@@ -203,7 +203,8 @@ class Reference {
   struct Momentum {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // about the origin
     Vec3 centre = Vec3::Zero();
-    bool is_free = true;  // nothing is near a wall
+    std::array<bool, 3> touched{};  // whether a wall across the axis is near
+    bool is_free() const { return !touched[0] && !touched[1] && !touched[2]; }
   };
   Momentum momentum(const std::vector<std::size_t>& piece, const Vectors& place, const Vectors& velocity) const {
     Momentum sum;
@@ -213,25 +214,26 @@ class Reference {
       sum.centre += place[i] / static_cast<Real>(piece.size());
       for (int a = 0; a < 3; ++a) {
         const Real gap = std::min(place[i][a] - s_.domain.min[a], s_.domain.max[a] - place[i][a]);
-        if (!is_open(a) && gap <= 1.25 * h()) sum.is_free = false;
+        if (!is_open(a) && gap <= 1.25 * h()) sum.touched[static_cast<std::size_t>(a)] = true;
       }
     }
     return sum;
   }
-  /// Gives a piece that touches nothing back the momenta that it had, by a translation and a rotation about its centre,
-  /// which goes where free flight takes it; where the box repeats along any axis there are no rotation and no centre.
+  /// Gives a piece back the momentum that it had along axes across which no wall is near, by a translation; and if none
+  /// is near at all by a rotation about its centre, which goes where free flight takes it, but where the box repeats.
   void restore(const std::vector<std::size_t>& piece, const Momentum& before) {
     const Momentum after = momentum(piece, p_, cloud_.velocity);
-    if (!before.is_free || !after.is_free) return;
     Vec3 turn = Vec3::Zero();
     const Vec3 centre = after.centre, off = after.centre - before.centre;
-    const Vec3 gained = after.linear - before.linear;
+    Vec3 gained = after.linear - before.linear;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (before.touched[a] || after.touched[a]) gained[static_cast<Eigen::Index>(a)] = 0;
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
     for (const std::size_t i : piece) {
       const Vec3 r = p_[i] - centre;
       inertia += r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose();
     }
-    const bool turns = !repeats(0) && !repeats(1) && !repeats(2);
+    const bool turns = before.is_free() && after.is_free() && !repeats(0) && !repeats(1) && !repeats(2);
     if (turns && inertia.determinant() > 1e-9 * std::pow(inertia.trace(), 3))
       turn = inertia.fullPivLu().solve(after.angular - after.centre.cross(after.linear) - before.angular +
                                        before.centre.cross(before.linear));
