@@ -316,14 +316,14 @@ TEST(Splash, KeepsItsMomentumAlongTheFloor) {
                            "[[particles]]\nmin = [0, 0]\nmax = [2, 0.3]\n";
   const std::string floor = "[domain]\ndimensions = 2\nmin = [0, 0]\nmax = [6, 1]\n" + falling;
   for (const std::string& text : {pool, floor}) {
-    const std::unique_ptr<Solver> solver = solver_of(world, parse_scene("splash.toml", text, {}));
+    KeptRun run(world, parse_scene("splash.toml", text, {}));
     const auto momentum = [&] {
       Real sum = 0;
-      for (const Vec3& v : gathered(world, solver->particles()).velocity) sum += v.x();
+      for (const Vec3& v : gathered(world, run.solver->particles()).velocity) sum += v.x();
       return sum;
     };
     const Real start = momentum();
-    for (int k = 0; k < 40; ++k) solver->step();
+    run.steps(40);
     EXPECT_NEAR(momentum() / start, 1, 1e-9);
   }
 }
