@@ -226,19 +226,17 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-// Without gravity all of it; else as far as it is more than what bears weight.
+// As far as it is more than what bears weight.
 void GridToParticles::pull_back(std::size_t cell, CellDisplacement& by) const {
-  if (!surface_.is_wet(cell)) return;
+  if (!surface_.upright() || !surface_.is_wet(cell)) return;
   const AffineMap motion = surface_.water().fit(cell);
   if (motion.weight == 0) return;
-  const ByAxis& per_length = surface_.grid().per_length();
-  if (!surface_.upright()) return trevi::pull_back(motion, per_length, 0, 1, by);
   Real square = 0;
   for (std::size_t a = 0; a < 3; ++a) square += std::pow(by.low[a] + by.rise[a] / 2, 2);
   const Real times_weight = std::sqrt(square) / step_.g_dt2;
   const Real share = std::clamp((times_weight - pulled_begins) / (pulled_full - pulled_begins), 0.0, 1.0);
   const Real held = std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2);
-  if (share > 0) trevi::pull_back(motion, per_length, held, share, by);
+  if (share > 0) trevi::pull_back(motion, surface_.grid().per_length(), held, share, by);
 }
 
 CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,

@@ -127,7 +127,8 @@ constexpr Real fade_begins = 0.25, fade_length = 2;
 /// Displacement by pressure in the middle of a cell, over that which bears weight, from which on, and at which in full,
 /// it is pulled back to where paths begin (README.md). The pressure in waves is that of their surface, which is where
 /// paths begin already: with all of it pulled back waves of 0.3 of the depth gain 5.5 % of their own energy at 1/60 s
-/// for 1.4 %.
+/// for 1.4 %. Without gravity none is: vortices at Re 1000 and 20 across have 0.94 of the energy that they should have
+/// at three quarters with it, and 0.97 without.
 constexpr Real pulled_begins = 1.5, pulled_full = 2.5;
 /// Area of the solid surface in a cell, faces, from which on it has a direction.
 constexpr Real min_wall = 0.1;

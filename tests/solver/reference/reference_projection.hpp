@@ -348,12 +348,12 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   struct Found {
     Vec3 seen, begin, middle;
   };
-  /// At the beginning of the path, by the water in cell c: what is beyond one and a half of the weight, and from two
-  /// and a half on all, goes by the gradient there, which is that where it is seen and the transpose of half of the
-  /// motion's slope times that; but for what holds the weight.
+  /// At the beginning of the path, by the water in cell c: under gravity what is beyond one and a half of the weight,
+  /// and from two and a half on all, goes by the gradient there, which is that where it is seen and the transpose of
+  /// half of the motion's slope times that; but for what holds the weight.
   Vec3 at_begin(const Found& found, const Cell& c) const {
-    if (!wet(c) || (*fit_)[c].weight == 0) return found.begin;
-    const Real share = upright() ? std::clamp(found.middle.norm() / g_dt2_ - 1.5, 0.0, 1.0) : 1;
+    if (!upright() || !wet(c) || (*fit_)[c].weight == 0) return found.begin;
+    const Real share = std::clamp(found.middle.norm() / g_dt2_ - 1.5, 0.0, 1.0);
     const Vec3 held(0, 0, std::clamp(found.middle.z(), 0.0, g_dt2_));
     const Vec3 more = ((*fit_)[c].b.transpose() * (found.seen - held)).cwiseQuotient(2 * size_);
     return share * (found.seen + more) + (1 - share) * found.begin;
