@@ -21,10 +21,11 @@ constexpr Real fit_damping = 1e-3;
 /// out at its top. 51 drops of 2 to 4 m/s on slabs gain 0.27 J in the mean for 2.8 without and
 /// without the bound of sheets at cut solids.
 constexpr Real few = 0.375, few_damping = 0.2;
-/// A particle's motion is seen midway of its predicted path, but at most this far from the end; its volume is where it
-/// began, but at most `max_path` from the end along each axis, back on its path, cells. Cut off along each axis for
-/// itself, the place of volume left the path, and water in a cylinder of R = 20 s lost 4.1 % of its angular momentum in
-/// a turn at 1/60 s for 1.9 %. With 0.5 jets rise too high.
+/// A particle's motion is seen midway of its predicted path, but at most this far from the end, and pressure acts at
+/// its beginning, but at most twice as far; its volume is where it began, but at most `max_path` from the end along
+/// each axis, back on its path, cells. Cut off along each axis for itself, the place of volume left the path, and water
+/// in a cylinder of R = 20 s lost 4.1 % of its angular momentum in a turn at 1/60 s for 1.9 %. With 0.5 jets rise too
+/// high.
 constexpr Real max_half_path = 0.5, max_path = 0.25;
 /// Least weight, particles, of the linear mean at a face; with less there is hardly any water, and the fits themselves
 /// say how the face moves.
