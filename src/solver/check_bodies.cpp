@@ -72,7 +72,8 @@ std::string why_no_start(const Settings& settings, const BodySettings& body) {
   return "";
 }
 
-// A spring is followed by steps of the force at their start, which is stable up to twice the inverse of its frequency.
+// In the water a spring is followed by steps of the force at their start, in the air by half steps of that at both
+// ends: both are stable up to twice the inverse of its frequency.
 std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   if (!body.mooring) return "";
   const Mooring& mooring = *body.mooring;

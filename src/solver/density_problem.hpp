@@ -76,7 +76,7 @@ class DensityProblem {
   void release_in_flight();
   /// These particles are of pieces of water that touch nothing (free_flight.hpp). After prepare().
   void let_fly(std::span<const Range> parts) { free_flight_.let_fly(near_.all(), parts, near_.scratch()); }
-  /// Where particle i of such a piece ends if gravity alone acts on it. Between let_fly() and set_velocities().
+  /// Where particle i ends if the pressure does not move it further. Between let_fly() and set_velocities().
   Vec3 end_of_flight(std::size_t i) const { return particles_->predicted[i] + free_flight_.lift_of(i); }
   /// Takes off the shifts since set_velocities() what moves the water as a whole, and lifts what flies to its path:
   /// places p* alone, neither records nor ghosts.

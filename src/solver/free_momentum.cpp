@@ -41,13 +41,15 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
   }
 }
 
-// A solid may push along any axis.
+// A solid may push along any axis. Where solids do not count to the density nobody knows whether one is near.
 template <class T>
 WaterPieces::Axes FreeMomentum<T>::touched(const Vec3& p) const {
-  if (obstacles_ != nullptr && obstacles_->is_near_fixed(p)) return WaterPieces::all_axes;
   unsigned axes = still_;
   for (int a = 0; a < 3; ++a)
     if (p[a] <= interior_.min[a] || p[a] >= interior_.max[a]) axes |= 1U << static_cast<unsigned>(a);
+  if (axes != still_ && obstacles_ != nullptr && !obstacles_->has_density()) return WaterPieces::all_axes;
+  if (axes != WaterPieces::all_axes && obstacles_ != nullptr && obstacles_->is_near_fixed(p))
+    return WaterPieces::all_axes;
   return static_cast<WaterPieces::Axes>(axes);
 }
 

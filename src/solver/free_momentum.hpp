@@ -5,7 +5,8 @@
 // higher than at the lower one. What the substep has changed of the two momenta is undone by a translation and a
 // rotation of the velocities of the piece, where the box repeats along an axis by a translation alone; and the centre
 // of what touches nothing goes back to where free flight takes it (free_flight.hpp). Water on a smooth floor keeps its
-// momentum along it as far as no wall that stands across is near, nor a solid. Collective.
+// momentum along it as far as no wall that stands across is near, nor a solid; what pushes at the sides of a drain in
+// the floor goes to all of the water. Collective.
 #pragma once
 
 #include "base/orderless_sum.hpp"

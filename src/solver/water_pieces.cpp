@@ -135,25 +135,57 @@ bool WaterPieces::find_touching(const CellOrder& order, const std::function<Axes
   return any;
 }
 
-// What hangs together across cuts, as this rank sees it, each once: an own label, that beyond, and along which axes the
-// own one is touched here. Each label is an own one of the rank that it is of.
-WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& labels) {
-  std::vector<std::array<std::int64_t, 3>> found;
-  const auto join = [&](const CellRun& own, const CellRun& ghost) {
-    const std::int64_t a = label(own.number), b = labels[static_cast<std::size_t>(ghost.particles.begin)];
-    if (a != b) found.push_back({a, b, of_roots_[root(own.number)]});
-  };
+// visit(own, ghost, ways) for runs that have cells beside each other across a cut; ways: by planes and by rows, -1,
+// 0, 1.
+void WaterPieces::visit_beyond(const CellOrder& order, const BeyondVisit& visit) {
   const bool wraps = order.grid().is_periodic(1) && !order.rows_are_cut();
   for (LocalId k = 1; k <= order.planes(); ++k) {
     for (LocalId r = 0; r < order.rows(); ++r) {
       for (int n = 0; n < 9; ++n) {
         const LocalId plane = k + n / 3 - 1, across = r + n % 3 - 1;
         const LocalId beside = wraps ? (across + order.rows()) % order.rows() : across;
-        const bool is_own = plane > 0 && plane <= order.planes() && beside >= 0 && beside < order.rows();
-        if (!is_own) join_rows(order, row(order, k, r), row(order, plane, beside), join);
+        const std::array<int, 2> ways{plane < 1                ? -1
+                                      : plane > order.planes() ? 1
+                                                               : 0,
+                                      beside < 0               ? -1
+                                      : beside >= order.rows() ? 1
+                                                               : 0};
+        if (ways == std::array<int, 2>{}) continue;
+        join_rows(order, row(order, k, r), row(order, plane, beside),
+                  [&](const CellRun& own, const CellRun& ghost) { visit(own, ghost, ways); });
       }
     }
   }
+}
+
+// Whether a piece may end on this rank along an axis along which it is not touched here. The pieces of which none does
+// go on from cut to cut up to the walls.
+bool WaterPieces::find_ends(const CellOrder& order) {
+  constexpr unsigned low = 1, high = 2;
+  std::vector<std::array<unsigned, 2>> goes_on(own_.size());  // of roots, by planes and by rows
+  visit_beyond(order, [&](const CellRun& own, const CellRun&, const std::array<int, 2>& ways) {
+    for (std::size_t a = 0; a < ways.size(); ++a)
+      if (ways[a] != 0) goes_on[root(own.number)][a] |= ways[a] < 0 ? low : high;
+  });
+  for (std::size_t run = 0; run < own_.size(); ++run) {
+    if (labels_[run] == touching) continue;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if ((of_roots_[run] >> static_cast<unsigned>(order.grid().axis(a)) & 1U) != 0) continue;
+      const bool is_cut = a == 0 || (a == 1 && order.rows_are_cut());
+      if (!is_cut || order.grid().is_periodic(a) || goes_on[run][a] != (low | high)) return true;
+    }
+  }
+  return false;
+}
+
+// What hangs together across cuts, as this rank sees it, each once: an own label, that beyond, and along which axes the
+// own one is touched here. Each label is an own one of the rank that it is of.
+WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& labels) {
+  std::vector<std::array<std::int64_t, 3>> found;
+  visit_beyond(order, [&](const CellRun& own, const CellRun& ghost, const std::array<int, 2>&) {
+    const std::int64_t a = label(own.number), b = labels[static_cast<std::size_t>(ghost.particles.begin)];
+    if (a != b) found.push_back({a, b, of_roots_[root(own.number)]});
+  });
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   Labels joints;
@@ -184,8 +216,8 @@ void WaterPieces::join_ranks(MPI_Comm comm, const Labels& own_joints) {
   }
 }
 
-void WaterPieces::find_in_flight(const CellOrder& order) {
-  in_flight_.clear();
+void WaterPieces::find_pieces(const CellOrder& order) {
+  runs_.clear();
   touched_.clear();
   Labels least;  // of pieces on several ranks
   for (std::size_t k = 0; k < joined_.size(); ++k) {
@@ -213,7 +245,7 @@ void WaterPieces::find_in_flight(const CellOrder& order) {
       touched_.push_back(of_roots_[run]);
     }
     const Range& particles = own_[run]->particles;
-    in_flight_.push_back({{particles.begin - order.low_ghosts(), particles.end - order.low_ghosts()}, piece[first]});
+    runs_.push_back({{particles.begin - order.low_ghosts(), particles.end - order.low_ghosts()}, piece[first]});
   }
   first_cells_.clear();
   const std::int64_t columns = order.grid().columns(), rows = order.grid().rows();
@@ -227,8 +259,9 @@ bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::functio
   find_runs(order, false);
   join_own(order);
   const bool any = find_touching(order, touches);
-  if (max_over_ranks(comm, any ? 1.0 : 0.0) == 0) {
-    in_flight_.clear();
+  if (any) find_runs(order, true);
+  if (max_over_ranks(comm, any && find_ends(order) ? 1.0 : 0.0) == 0) {
+    runs_.clear();
     first_cells_.clear();
     touched_.clear();
     shared_ = 0;
@@ -240,9 +273,9 @@ bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::functio
     std::fill(labels.begin() + particles.begin, labels.begin() + particles.end, label(run));
   }
   exchange(labels);
-  find_runs(order, true);
+  if (!any) find_runs(order, true);
   join_ranks(comm, joints(order, labels));
-  find_in_flight(order);
+  find_pieces(order);
   return max_over_ranks(comm, count() > 0 ? 1.0 : 0.0) > 0;
 }
 

@@ -34,13 +34,13 @@ class WaterPieces {
 
   /// Finds the pieces that are not touched along all axes. `touches` is asked of owned particles, on any thread;
   /// `exchange` brings numbers of all particles, ghosts included, from those that own them, and is called, as ranks
-  /// gather what hangs together across cuts, where some rank has such water. Whether there are such pieces on any rank.
-  /// Collective.
+  /// gather what hangs together across cuts, where water ends on some rank without a wall there. Whether there are such
+  /// pieces on any rank. Collective.
   bool find(MPI_Comm comm, const CellOrder& order, const std::function<Axes(std::size_t)>& touches,
             const std::function<void(Labels&)>& exchange);
 
   /// Of this rank.
-  std::span<const Run> runs() const { return in_flight_; }
+  std::span<const Run> runs() const { return runs_; }
   /// Number of pieces that runs belong to. The first shared() of them lie on several ranks: all ranks have the same
   /// ones there, in the same order, whether they have particles of them or not.
   std::size_t count() const { return first_cells_.size(); }
@@ -65,9 +65,12 @@ class WaterPieces {
   void join_rows(const CellOrder& order, const std::vector<CellRun>& a, const std::vector<CellRun>& b,
                  const std::function<void(const CellRun&, const CellRun&)>& join) const;
   bool find_touching(const CellOrder& order, const std::function<Axes(std::size_t)>& touches);
+  using BeyondVisit = std::function<void(const CellRun& own, const CellRun& ghost, const std::array<int, 2>& ways)>;
+  void visit_beyond(const CellOrder& order, const BeyondVisit& visit);
+  bool find_ends(const CellOrder& order);
   Labels joints(const CellOrder& order, const Labels& labels);
   void join_ranks(MPI_Comm comm, const Labels& joints);
-  void find_in_flight(const CellOrder& order);
+  void find_pieces(const CellOrder& order);
   std::size_t root(std::size_t run);
   std::int64_t label(std::size_t run) { return labels_[root(run)]; }
 
@@ -78,7 +81,7 @@ class WaterPieces {
   std::vector<Axes> of_roots_;   // along which axes they are touched here
   std::vector<Joint> joined_;    // labels of pieces on several ranks, sorted, and the least of the same piece
   std::vector<Axes> of_joined_;  // along which axes all of that piece is touched
-  std::vector<Run> in_flight_;
+  std::vector<Run> runs_;
   std::vector<Cell> first_cells_;  // of each piece
   std::vector<Axes> touched_;
   std::size_t shared_ = 0;

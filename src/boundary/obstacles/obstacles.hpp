@@ -51,6 +51,8 @@ class Obstacles {
   static constexpr LocalId at_once = 128;
   /// From now on so many particles have numbers, or others.
   void number_particles(std::size_t count) { around_.assign(count / at_once + 1, {}); }
+  /// Whether obstacles count as water to the density; is_near() is false everywhere if not.
+  bool has_density() const { return law_.has_value(); }
   /// Whether p is so near to an obstacle that it may contribute to its density.
   bool is_near(const Vec3& p) const {
     return law_ && index_->any(index_->at(p), [&](std::size_t k) { return bodies_[k]->is_near(p); });
