@@ -96,6 +96,10 @@ class CutCells {
   bool any_floats() const { return obstacles_.floating() != nullptr; }
   /// Whether that moves by itself, as the scene says.
   bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
+  /// Whether it moves about in the water, freely or as the scene says, and does not hold it as a vessel does.
+  bool moves_in_water(std::size_t at) const {
+    return floats(at) || (is_driven(at) && !obstacles_.body(nearest(at)).is_vessel());
+  }
   /// Volume of the solid in a cell of which it is the nearest, in cells. Of a body that floats it is what is not open.
   /// Samples are flat, and make too much of what is round: where the cells see all of such a body, each takes so much
   /// off its surface that the sum is the body's own, and so is their centre of volume.

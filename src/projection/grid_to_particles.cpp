@@ -105,7 +105,8 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   const Range cut = surface_.cuts()->cut_columns(k, r);
   for (LocalId c = std::max(cells.begin, cut.begin); c < std::min(cells.end, cut.end); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
-    if (rates[static_cast<std::size_t>(c)] > 0 && surface_.is_cut(at) && is_near_surface(floor, c))
+    if (rates[static_cast<std::size_t>(c)] == 0 || !surface_.is_cut(at)) continue;
+    if (!surface_.cuts()->moves_in_water(at) || is_near_surface(floor, c))
       cut_fit_.set(
           k, r, c,
           times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));

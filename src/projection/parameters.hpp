@@ -113,10 +113,11 @@ constexpr Real noise_time = 12;
 /// particles are few, and noise is made. With 45, 38, 30 turned tanks swing 3.2, 2.9, 2.7 % off the plain box at most,
 /// and vessels rest at 6.2e-5, 6.9e-5 m²/s² deep and 1.4e-4, 1.7e-4 shallow in the median with 45 and 38.
 constexpr Real cut_noise = 38;
-/// From the surface downwards as many cells, as it is there that noise grows. Below, only the filter of all cells acts:
-/// what curves about a solid is no noise. A ball of 3 and 5 spacings on a spring under water, 1/60 s, keeps 0.91 and
-/// 0.96 of its swing in half a period, of an ideal period 1.014 and 1.020, with 4 0.79 and 0.96, to all depths 0.44 and
-/// 0.77, 1.206 and 1.050. With 2 still water in a box turned twice is twice as noisy.
+/// From the surface downwards as many cells at solids that move in the water; below, only the filter of all cells acts:
+/// what curves about such a solid is no noise. A ball of 3 and 5 spacings on a spring under water, 1/60 s, keeps 0.91
+/// and 0.96 of its swing in half a period, of an ideal period 1.014 and 1.020, with 4 0.79 and 0.96, to all depths 0.44
+/// and 0.77, 1.206 and 1.050. At all solids water that turns in a cylinder of R = 20 s would gain 0.7 of its angular
+/// momentum in five turns.
 constexpr int cut_noise_cells = 3;
 /// Speed, sqrt(g h): what moves faster than this relative to its cell is a jet rather than noise, and is damped the
 /// less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
