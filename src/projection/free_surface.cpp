@@ -27,10 +27,8 @@ void FreeSurface::keep_wet() {
   mass_.give_back();
 }
 
-// Without gravity the surface is as far as what both cells hold reaches; the work of the pressure is then that of its
-// particles (README.md).
 Real FreeSurface::distance(std::size_t a, std::size_t wet, std::size_t dry) const {
-  if (!upright()) return std::max(std::min(fill_[wet], 1.0) - 0.5, min_height) + std::clamp(fill_[dry], 0.0, wet_fill);
+  if (!upright()) return 1;
   if (a == 2) return wet < dry ? above_middle(wet) : 1;
   return part_in_water(wet, dry);
 }
@@ -51,9 +49,8 @@ void FreeSurface::classify(Halo& halo) {
   halo.start_planes(fill_, grid().step(0));
   halo.finish();
   const bool inflow = openings_ != nullptr && openings_->has_sources();
-  // Cells at solids look at those beside, water that comes out of an opening at what is behind it, and without gravity
-  // a surface may be on any side.
-  if (inflow || cuts() != nullptr || !upright()) grid().complete(halo, fill_);
+  // Cells at solids look at those beside, and water that comes out of an opening at what is behind it.
+  if (inflow || cuts() != nullptr) grid().complete(halo, fill_);
   classify_cells(halo);
   find_masses(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);

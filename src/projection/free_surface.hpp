@@ -2,8 +2,7 @@
 //
 // The surface of a column that stands on the floor lies where the volume of the whole column reaches: noise in the fill
 // of lower cells would otherwise count as missing weight, and waves would be 2 % slow. Without gravity no direction is
-// up: cells are wet or dry, and the surface is as far beyond the wet ones as both sides are filled. Collective:
-// classify().
+// up: cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
 #pragma once
 
 #include <optional>

@@ -53,7 +53,6 @@ class Sum {
     add(rows.beside * number_bytes * ring, messages_.beside);
     // Volumes that rows give one another, wetness, heights of the surface, masses, links, the last pressure.
     add(rows.of_rows() * (9 * number_bytes * columns_ + ring + 4 * number_bytes * ring), messages_.of_rows() * 6);
-    if (!water_.upright) add(rows.of_rows() * number_bytes * ring, messages_.of_rows());  // fills
   }
 
   void add_multigrid() {

@@ -166,14 +166,12 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   }
   Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
 
-  // Between the points beside a face at which phi is given, in cells; the surface is one where one cell is dry. Without
-  // gravity it is as far as the fills of both reach.
+  // Between the points beside a face at which phi is given, in cells; the surface is one where one cell is dry.
   Real distance(int a, const Cell& c) const {
     const Cell below = c - unit(a);
-    if (wet(below) == wet(c)) return 1;
-    const Cell water = wet(c) ? c : below, dry = wet(c) ? below : c, beside = dry - unit(2);
-    if (!upright()) return std::max(std::min((*fill_)[water], 1.0) - 0.5, 0.05) + std::clamp((*fill_)[dry], 0.0, 0.585);
+    if (!upright() || wet(below) == wet(c)) return 1;
     if (a == 2) return is_top(below) ? above_middle(below) : 1;
+    const Cell water = wet(c) ? c : below, beside = (wet(c) ? below : c) - unit(2);
     if (!is_top(beside)) return 1;  // the surface does not step down by one cell
     const Real in = is_top(water) ? above_middle(water) : 1 + above_middle(water + unit(2));
     return in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
