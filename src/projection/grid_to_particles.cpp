@@ -227,17 +227,16 @@ void GridToParticles::slip(std::size_t at, Faces& faces) const {
   }
 }
 
-// As far as it is more than what bears weight.
-void GridToParticles::pull_back(std::size_t cell, CellDisplacement& by) const {
+void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const {
   if (!surface_.upright() || !surface_.is_wet(cell)) return;
+  Vec3 middle;
+  for (std::size_t a = 0; a < 3; ++a) middle[static_cast<Eigen::Index>(a)] = by.low[a] + by.rise[a] / 2;
+  const Real times_weight = middle.norm() / step_.g_dt2;
+  if (times_weight <= pulled_begins) return;
   const AffineMap motion = surface_.water().fit(cell);
   if (motion.weight == 0) return;
-  Real square = 0;
-  for (std::size_t a = 0; a < 3; ++a) square += std::pow(by.low[a] + by.rise[a] / 2, 2);
-  const Real times_weight = std::sqrt(square) / step_.g_dt2;
-  const Real share = std::clamp((times_weight - pulled_begins) / (pulled_full - pulled_begins), 0.0, 1.0);
-  const Real held = std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2);
-  if (share > 0) trevi::pull_back(motion, surface_.grid().per_length(), held, share, by);
+  const Real share = std::min((times_weight - pulled_begins) / (pulled_full - pulled_begins), 1.0);
+  pull_back(motion, surface_.grid().per_length(), std::clamp(middle.z(), 0.0, step_.g_dt2), share, by);
 }
 
 CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
@@ -256,7 +255,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
-  pull_back(cell, by);
+  pull_back_beyond_weight(cell, by);
   return by;
 }
 

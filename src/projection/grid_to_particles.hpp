@@ -82,7 +82,7 @@ class GridToParticles {
   };
   std::optional<SolidSurface> solid_surface(std::size_t at, const Faces& faces) const;
   void slip(std::size_t at, Faces& faces) const;
-  void pull_back(std::size_t cell, CellDisplacement& by) const;
+  void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;

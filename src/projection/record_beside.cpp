@@ -1,32 +1,19 @@
 #include "projection/record_beside.hpp"
 
-#include <algorithm>
-
-#include "projection/parameters.hpp"
+#include <vector>
 
 namespace trevi {
 
-// By the faces, less their weight: as displace_cell() does without damping, which goes from water to water.
+// By the faces, less their weight; without damping, which goes from water to water.
 TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                                         bool across) const {
-  constexpr Real max_half = projection::max_half_path;
+  static thread_local std::vector<Vec4<double>> displaced;
+  displaced.resize(cell.end - cell.begin);
+  displace_cell(from_.frame, motion, cell, by, displaced.data());
   TotalImpulse sum;
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
-    Vec3 shift(0, 0, -g_dt2_);
-    ByAxis y{}, f{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
-      const Real here = (motion.p[i][axis] - cell.place.origin[a]) * from_.frame.per_length[a] - cell.place.corner[a];
-      const Real half = (motion.p[i][axis] - motion.x[i][axis]) * (0.5 * from_.frame.per_length[a]);
-      y[a] = here - std::clamp(half, -max_half, max_half);
-      f[a] = y[a] - by.back * std::clamp(half, -max_half, max_half);
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-      Real& along = shift[static_cast<Eigen::Index>(a)];
-      along += by.low[a] + by.rise[a] * f[a] + by.offset[a];
-      for (std::size_t b = 0; b < 3; ++b) along += by.slope[a][b] * y[b];
-    }
-    if (across) shift.z() = 0;
+    Vec3 shift = vector_of(displaced[i - cell.begin]);
+    shift.z() = across ? 0 : shift.z() - g_dt2_;
     sum += obstacles_.about_middle(shift, motion.x[i]);
   }
   return sum;

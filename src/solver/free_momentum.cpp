@@ -64,7 +64,7 @@ FreeMomentum<T>::Sums::Sums(const std::int64_t* numbers)
     next += OrderlessSum::words;
     return sum;
   };
-  for (Vec3* of : {&p, &path, &spin})
+  for (Vec3* of : {&path, &p, &spin})
     for (Real& number : *of) number = read();
   for (int a = 0; a < 3; ++a)
     for (int b = a; b < 3; ++b) pp(a, b) = pp(b, a) = read() * spread_unit;
@@ -76,6 +76,12 @@ Vec3 FreeMomentum<T>::origin(std::size_t piece) const {
   Vec3 middle = box_.min;
   for (std::size_t a = 0; a < 3; ++a) middle[grid_.axis(a)] += (cell[a] + 0.5) / grid_.per_length(a);
   return middle;
+}
+
+// Whether nothing pushes the piece along any axis.
+template <class T>
+bool FreeMomentum<T>::is_free(std::size_t piece) const {
+  return pieces_.touched(piece) == still_;
 }
 
 // Sums of a run of cells, which no rank and no thread shares, then those of runs in an order that is not seen.
@@ -91,33 +97,23 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
     Words& mine = found.mine();
     mine.resize(words * pieces_.count());
     for (auto n = static_cast<std::size_t>(part.begin); n < static_cast<std::size_t>(part.end); ++n) {
-      const auto [range, piece] = runs[n];
+      const auto& [range, piece] = runs[n];
       std::int64_t* const to = mine.data() + words * piece;
       const Vec3 from = origin(piece);
-      Vec3 at = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
-      Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+      const bool turns = is_free(piece);
+      Moments sums;
       for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
-        const Vec3 there = place(i), p = (there - from) / h_, way = velocity(i) * (problem.dt() / h_);
-        at += p;
-        path += way;
-        spin += p.cross(way);
+        const Vec3 there = place(i), way = velocity(i) * (problem.dt() / h_);
+        sums.path += way;
+        if (turns) sums.add_arm((there - from) / h_, way, all);
         if constexpr (all) {
-          spread += p * p.transpose();
           const WaterPieces::Axes axes = touched(there);
           for (unsigned a = 0; a < 3; ++a) to[1 + a] += axes >> a & 1U;
           to[4] += has_bodies && obstacles_->is_near(there) ? 1 : 0;
         }
       }
       to[0] += range.size();
-      std::int64_t* next = to + counts;
-      const auto add = [&](Real sum) {
-        OrderlessSum::add(sum, next);
-        next += OrderlessSum::words;
-      };
-      for (const Vec3& of : {at, path, spin})
-        for (const Real number : of) add(number);
-      for (int a = 0; a < 3; ++a)
-        for (int b = a; b < 3; ++b) add(spread(a, b) / spread_unit);
+      sums.add_to(to + counts, turns);
     }
   });
   Words total(words * pieces_.count(), 0);
@@ -125,6 +121,27 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
     for (std::size_t k = 0; k < mine.size(); ++k) total[k] += mine[k];
   });
   return total;
+}
+
+template <class T>
+void FreeMomentum<T>::Moments::add_arm(const Vec3& arm, const Vec3& way, bool spreads) {
+  p += arm;
+  spin += arm.cross(way);
+  if (spreads) pp += arm * arm.transpose();
+}
+
+template <class T>
+void FreeMomentum<T>::Moments::add_to(std::int64_t* next, bool turns) const {
+  const auto add = [&](Real sum) {
+    OrderlessSum::add(sum, next);
+    next += OrderlessSum::words;
+  };
+  for (const Real number : path) add(number);
+  if (!turns) return;
+  for (const Vec3& of : {p, spin})
+    for (const Real number : of) add(number);
+  for (int a = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b) add(pp(a, b) / spread_unit);
 }
 
 template <class T>
@@ -167,8 +184,9 @@ void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing
   constexpr LocalId part_size = 16;
   for_each_part({0, static_cast<LocalId>(runs.size())}, part_size, [&](Range part) {
     for (auto n = static_cast<std::size_t>(part.begin); n < static_cast<std::size_t>(part.end); ++n) {
-      const auto [range, piece] = runs[n];
+      const auto& [range, piece] = runs[n];
       const Undoing& of = all[piece];
+      if (of.is_nothing()) continue;
       const Vec3 from = origin(piece), off = of.off * h_;
       TotalImpulse undone;
       for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
@@ -190,7 +208,7 @@ void FreeMomentum<T>::let_fly(DensityProblem<T>& problem) const {
   if (obstacles_ != nullptr && obstacles_->floating() != nullptr) return;
   std::vector<Range> parts;
   for (const WaterPieces::Run& run : pieces_.runs())
-    if (pieces_.touched(run.piece) == still_) parts.push_back(run.particles);
+    if (is_free(run.piece)) parts.push_back(run.particles);
   problem.let_fly(parts);
 }
 

@@ -29,15 +29,21 @@ class FreeMomentum : public DensitySolver<T> {
 
  private:
   // Of a piece, lengths in units of h: particles, those near what may push along each axis, a wall or a fixed solid,
-  // and those near a body that moves freely; Σ p, Σ v dt, Σ p × v dt, and Σ p pᵀ in units of (16 h)², p being measured
-  // from its first cell.
+  // and those near a body that moves freely; Σ v dt, and if it may turn Σ p, Σ p × v dt, and Σ p pᵀ in units of (16
+  // h)², p being measured from its first cell.
   static constexpr std::size_t counts = 5, sums = 15, words = counts + OrderlessSum::words * sums;
   using Words = std::vector<std::int64_t>;  // those of each piece
-  struct Sums {
+  struct Moments {
+    Vec3 path = Vec3::Zero(), p = Vec3::Zero(), spin = Vec3::Zero();
+    Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
+
+    void add_arm(const Vec3& arm, const Vec3& way, bool spreads);
+    void add_to(std::int64_t* next, bool turns) const;
+  };
+  struct Sums : Moments {
+    using Moments::p, Moments::path, Moments::spin, Moments::pp;
     Real count = 0, near_floating = 0;
     WaterPieces::Axes touched = 0;
-    Vec3 p = Vec3::Zero(), path = Vec3::Zero(), spin = Vec3::Zero();
-    Eigen::Matrix3d pp = Eigen::Matrix3d::Zero();
 
     explicit Sums(const std::int64_t* numbers);
     // About the centre of all.
@@ -46,6 +52,7 @@ class FreeMomentum : public DensitySolver<T> {
   // In units of h, paths of the substep; from the first cell of the piece.
   struct Undoing {
     Vec3 drift = Vec3::Zero(), turn = Vec3::Zero(), centre = Vec3::Zero(), off = Vec3::Zero();
+    bool is_nothing() const { return drift.isZero(0) && turn.isZero(0) && off.isZero(0); }
   };
 
   // Of motion alone, or of all.
@@ -57,6 +64,7 @@ class FreeMomentum : public DensitySolver<T> {
   void undo(DensityProblem<T>& problem, const std::vector<Undoing>& all) const;
   Vec3 origin(std::size_t piece) const;
   WaterPieces::Axes touched(const Vec3& p) const;
+  bool is_free(std::size_t piece) const;
 
   MPI_Comm comm_;
   CellGrid grid_;

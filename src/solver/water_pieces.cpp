@@ -28,6 +28,9 @@ void join_in(std::vector<Index>& parent, Index a, Index b) {
   parent[static_cast<std::size_t>(std::max(of_a, of_b))] = std::min(of_a, of_b);
 }
 
+// -1 below those of [0, count), 1 beyond them, else 0.
+int way_out(LocalId at, LocalId count) { return at < 0 ? -1 : at >= count ? 1 : 0; }
+
 // Work(k, r) for own rows, or for those of ghosts around them.
 template <class Work>
 void for_each_row(const CellOrder& order, bool ghosts, const Work& work) {
@@ -113,8 +116,10 @@ bool WaterPieces::find_touching(const CellOrder& order, const std::function<Axes
     for (auto run = static_cast<std::size_t>(part.begin); run < static_cast<std::size_t>(part.end); ++run) {
       std::atomic_ref<Axes> mark(of_roots_[roots[run]]);
       const Range particles = own_[run]->particles;
-      for (LocalId i = particles.begin; i < particles.end && mark.load(std::memory_order_relaxed) != all_axes; ++i)
-        mark.fetch_or(touches(static_cast<std::size_t>(i - order.low_ghosts())), std::memory_order_relaxed);
+      Axes axes = mark.load(std::memory_order_relaxed);
+      for (LocalId i = particles.begin; i < particles.end && axes != all_axes; ++i)
+        axes |= touches(static_cast<std::size_t>(i - order.low_ghosts()));
+      mark.fetch_or(axes, std::memory_order_relaxed);
     }
   });
   labels_.assign(own_.size(), touching);
@@ -144,12 +149,7 @@ void WaterPieces::visit_beyond(const CellOrder& order, const BeyondVisit& visit)
       for (int n = 0; n < 9; ++n) {
         const LocalId plane = k + n / 3 - 1, across = r + n % 3 - 1;
         const LocalId beside = wraps ? (across + order.rows()) % order.rows() : across;
-        const std::array<int, 2> ways{plane < 1                ? -1
-                                      : plane > order.planes() ? 1
-                                                               : 0,
-                                      beside < 0               ? -1
-                                      : beside >= order.rows() ? 1
-                                                               : 0};
+        const std::array<int, 2> ways{way_out(plane - 1, order.planes()), way_out(beside, order.rows())};
         if (ways == std::array<int, 2>{}) continue;
         join_rows(order, row(order, k, r), row(order, plane, beside),
                   [&](const CellRun& own, const CellRun& ghost) { visit(own, ghost, ways); });
@@ -207,12 +207,10 @@ void WaterPieces::join_ranks(MPI_Comm comm, const Labels& own_joints) {
   const auto of_root = [&](std::ptrdiff_t k) -> Axes& { return touched[static_cast<std::size_t>(root_in(parent, k))]; };
   for (std::size_t k = 0; k < joints.size(); k += 3) of_root(place(joints[k])) |= static_cast<Axes>(joints[k + 2]);
   joined_.clear();
-  of_joined_.clear();
   for (std::size_t k = 0; k < all.size(); ++k) {
     const auto at = static_cast<std::ptrdiff_t>(k);
-    of_joined_.push_back(of_root(at));
-    joined_.emplace_back(all[k],
-                         of_joined_.back() == all_axes ? touching : all[static_cast<std::size_t>(root_in(parent, at))]);
+    const Axes axes = of_root(at);
+    joined_.push_back({all[k], axes == all_axes ? touching : all[static_cast<std::size_t>(root_in(parent, at))], axes});
   }
 }
 
@@ -220,11 +218,10 @@ void WaterPieces::find_pieces(const CellOrder& order) {
   runs_.clear();
   touched_.clear();
   Labels least;  // of pieces on several ranks
-  for (std::size_t k = 0; k < joined_.size(); ++k) {
-    const auto& [one, first] = joined_[k];
-    if (one != first || one == touching) continue;
-    least.push_back(one);
-    touched_.push_back(of_joined_[k]);
+  for (const Joined& joined : joined_) {
+    if (joined.label != joined.first || joined.label == touching) continue;
+    least.push_back(joined.label);
+    touched_.push_back(joined.touched);
   }
   shared_ = least.size();
   std::vector<std::size_t> piece(own_.size());  // of local roots
@@ -232,9 +229,10 @@ void WaterPieces::find_pieces(const CellOrder& order) {
     const std::size_t first = root(run);
     std::int64_t name = labels_[first];
     if (name == touching) continue;
-    const auto joined = std::lower_bound(joined_.begin(), joined_.end(), Joint{name, touching});
-    const bool is_shared = joined != joined_.end() && joined->first == name;
-    if (is_shared) name = joined->second;
+    const auto joined = std::lower_bound(joined_.begin(), joined_.end(), name,
+                                         [](const Joined& one, std::int64_t label) { return one.label < label; });
+    const bool is_shared = joined != joined_.end() && joined->label == name;
+    if (is_shared) name = joined->first;
     if (name == touching) continue;
     if (is_shared) {
       piece[first] = static_cast<std::size_t>(

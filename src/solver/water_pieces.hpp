@@ -55,7 +55,12 @@ class WaterPieces {
     Range columns, particles;  // counted with ghosts
     std::size_t number = 0;    // of own ones
   };
-  using Joint = std::pair<std::int64_t, std::int64_t>;
+  // Of a piece on several ranks: the label of a part of it, the least of all, or -1 where it is touched along all axes,
+  // and along which it is.
+  struct Joined {
+    std::int64_t label, first;
+    Axes touched;
+  };
 
   std::vector<CellRun>& row(const CellOrder& order, LocalId k, LocalId r) {
     return rows_[static_cast<std::size_t>(k * (order.rows() + 2) + r + 1)];
@@ -77,13 +82,12 @@ class WaterPieces {
   std::vector<std::vector<CellRun>> rows_;  // of own planes and rows, and those of ghosts around them
   std::vector<CellRun*> own_;               // runs of the own rows, in their order
   std::vector<std::size_t> parent_;         // of each own run; of a piece here the first run is the root
-  Labels labels_;                // of roots: the first cell in the box, -1 where it is touched along all axes
-  std::vector<Axes> of_roots_;   // along which axes they are touched here
-  std::vector<Joint> joined_;    // labels of pieces on several ranks, sorted, and the least of the same piece
-  std::vector<Axes> of_joined_;  // along which axes all of that piece is touched
+  Labels labels_;               // of roots: the first cell in the box, -1 where it is touched along all axes
+  std::vector<Axes> of_roots_;  // along which axes they are touched here
+  std::vector<Joined> joined_;  // by their labels
   std::vector<Run> runs_;
   std::vector<Cell> first_cells_;  // of each piece
-  std::vector<Axes> touched_;
+  std::vector<Axes> touched_;      // the same
   std::size_t shared_ = 0;
 };
 

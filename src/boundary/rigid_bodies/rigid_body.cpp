@@ -260,8 +260,9 @@ void RigidBody::take_momentum() {
 }
 
 void RigidBody::finish(bool touched) {
+  const bool swings = mooring_ && !touched;
   const Vec3 fall = touched || mooring_ ? Vec3(Vec3::Zero()) : Vec3(gravity_ * (dt_ * dt_ / 2));
-  if (!touched && mooring_) set_twist(mean_twist());
+  if (swings) set_twist(mean_twist());
   for (int a = 0; a < 3; ++a)
     state_.position[a] +=
         dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
@@ -275,7 +276,7 @@ void RigidBody::finish(bool touched) {
   state_.last_twist = twist_;
   state_.orientation = end_orientation_;
   take_momentum();
-  if (!touched && mooring_) {
+  if (swings) {
     momentum_ = plus(momentum_, plus(mooring_force(), pull_, -1), dt_ / 2);
     take_momentum();
   }
