@@ -136,15 +136,18 @@ struct Carry {
     for (std::size_t q = 0; q < 9; ++q) mean[q] = sums[q] / sums[9];
     return true;
   }
-  // What the noise would gain, as a share of it and of the affine motion.
-  Real gain() const {
-    const auto sums = sum_cell<2>(cell, [&](std::size_t i) {
+  // What the noise would gain, as a share of it and of the affine motion; and of the affine motion so much of its own.
+  struct Gains {
+    Real noise, smooth;
+  };
+  Gains gains() const {
+    const auto sums = sum_cell<4>(cell, [&](std::size_t i) {
       const V w = weight(i);
-      const V3 smooth = affine(i), rest = noise(i, smooth);
-      return std::array<V, 2>{hn::Mul(w, dot(rest, carried(i))),
-                              hn::Mul(w, hn::Add(dot(rest, rest), dot(smooth, smooth)))};
+      const V3 smooth = affine(i), rest = noise(i, smooth), c = carried(i);
+      return std::array<V, 4>{hn::Mul(w, dot(rest, c)), hn::Mul(w, hn::Add(dot(rest, rest), dot(smooth, smooth))),
+                              hn::Mul(w, dot(smooth, c)), hn::Mul(w, dot(smooth, smooth))};
     });
-    return sums[1] > 0 ? sums[0] / sums[1] : 0;
+    return {sums[1] > 0 ? sums[0] / sums[1] : 0, sums[3] > 0 ? projection::withheld * sums[2] / sums[3] : 0};
   }
 };
 
@@ -154,12 +157,16 @@ HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, c
   const Wide d;
   Carry<T> carry{shifts, cell, slope, act, velocity, {}};
   if (!carry.find_means()) return;
-  const V gain = set(carry.gain());
+  const auto [of_noise, of_smooth] = carry.gains();
+  const V less_noise = set(of_noise), less_smooth = set(of_smooth);
   for (std::size_t i = cell.begin; i < cell.end; i += hn::Lanes(d)) {
-    const V3 carried = carry.carried(i), noise = carry.noise(i, carry.affine(i));
+    const V3 carried = carry.carried(i), smooth = carry.affine(i), noise = carry.noise(i, smooth);
     const V weight = carry.weight(i);
     V3 v = load(std::span<const Vec3>(velocity), i);
-    for (std::size_t a = 0; a < 3; ++a) v[a] = hn::MulAdd(weight, hn::NegMulAdd(gain, noise[a], carried[a]), v[a]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const V taken = hn::NegMulAdd(less_smooth, smooth[a], hn::NegMulAdd(less_noise, noise[a], carried[a]));
+      v[a] = hn::MulAdd(weight, taken, v[a]);
+    }
     if (i + hn::Lanes(d) <= cell.end) {
       hn::StoreInterleaved3(v[0], v[1], v[2], d, velocity[i].data());
     } else {

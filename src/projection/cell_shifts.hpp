@@ -42,9 +42,9 @@ template <>
 void remove_smooth(const CellFrame& frame, const Swept<double>& swept, const CellParticles& cell,
                    const AffineMap& smooth, Vec4<double>* out);
 
-/// v += act (u − g n), with u = B (Δ − the mean of Δ over the particles of the cell, weighted by act) by the slopes B,
-/// 1/s, the affine motion a = B y and the noise n, which is what v has beside a and the mean. g = Σ act n·u / Σ act
-/// (n² + a²): noise that is more than the affine motion does not gain by u.
+/// v += act (u − g n − q a), with u = B (Δ − the mean of Δ over the particles of the cell, weighted by act) by the
+/// slopes B, 1/s, the affine motion a = B y and the noise n, which is what v has beside a and the mean. g = Σ act n·u /
+/// Σ act (n² + a²): noise that is more than the affine motion does not gain by u. q = withheld Σ act a·u / Σ act a².
 template <class T>
 void carry_cell(const Motion& shifts, const CellParticles& cell, const std::array<ByAxis, 3>& slope,
                 std::span<const T> act, std::span<Vec3> velocity);

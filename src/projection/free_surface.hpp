@@ -68,6 +68,8 @@ class FreeSurface {
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
+  /// Mass of the water of a cell over that of a full one, 1 but where it is thin.
+  Real mass(std::size_t at) const { return mass_[at]; }
   /// What divides the difference of phi over face (a, at), beside which a cell is wet: the mass of the water there over
   /// that in full cells, 1 but where it is thin (projection::thin_begins), times the distance, in cells, between the
   /// points where phi is given: the middle of a wet cell, and that of the other, or where the surface is on the way to

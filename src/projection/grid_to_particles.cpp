@@ -158,7 +158,8 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   const auto through = [&](std::size_t face, bool closed, bool& known) {
     known = closed ? wet : surface_.is_wet(face) || surface_.is_wet(face - grid.step(a));
     if (!known) return 0.0;
-    return closed ? through_closed(a, face, at) : pressure.displacement(surface_, a, face);
+    if (closed) return through_closed(a, face, at);
+    return pressure.displacement(surface_, a, face) + shares_.beyond(a, face);
   };
   bool low_known = false, high_known = false;
   pair.low = through(at, pair.low_closed, low_known);

@@ -105,15 +105,15 @@ void ParticlesToGrid::borrow() {
 }
 
 void ParticlesToGrid::keep_means() {
-  constexpr std::size_t u_of_moments = sizeof(Places) / sizeof(Real);
+  constexpr std::size_t u_of_moments = sizeof(Places) / sizeof(Real), n_and_y = 4;
   means_.borrow_briefly(grid_.scratch(), grid_.storage());
-  for_each_row(grid_.rows_of({1, grid_.planes() + 1}), [&](LocalId k, LocalId r) {
+  for_each_row(grid_.rows_and_ghosts_of({0, grid_.planes() + 2}), [&](LocalId k, LocalId r) {
     const RowToRead from = sums_.row(k, r);
     const RowToWrite to = means_.row(k, r);
     for (std::size_t e = 0; e < grid_.storage().per_row(); ++e) {
       if (!to.has(e)) continue;
-      to[e][0] = from[e][0];
-      std::copy_n(from[e] + u_of_moments, to.numbers - 1, to[e] + 1);
+      std::copy_n(from[e], n_and_y, to[e]);
+      std::copy_n(from[e] + u_of_moments, 3, to[e] + n_and_y);
     }
   });
   sums_.give_back();

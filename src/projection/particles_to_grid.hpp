@@ -36,7 +36,7 @@ class ParticlesToGrid {
 
   /// Borrows memory for the grid as it is now, and gives back what is for the time up to the end of gather().
   void borrow();
-  /// When no moments are needed any more but for means() of own cells; when nothing is but for fits; when no fit is.
+  /// When no moments are needed any more but for means(); when nothing is but for fits; when no fit is.
   void keep_means();
   void keep_fits();
   void give_back() { fit_.give_back(); }
@@ -93,11 +93,12 @@ class ParticlesToGrid {
   CellFields& free_spreads() { return spread_; }
   /// Those of one cell.
   Moments moments(std::size_t at) const { return cell_at<Moments>(sums_, at); }
-  /// How many particles a cell holds, and Σ u of these, m.
+  /// How many particles a cell holds, Σ y and Σ u of these, m.
   struct Means {
     Real n = 0;
-    ByAxis u{};
+    ByAxis y{}, u{};
   };
+  const CellFields& all_means() const { return means_; }
   Means means(std::size_t at) const { return cell_at<Means>(means_, at); }
   AffineMap fit(std::size_t at) const { return cell_at<AffineMap>(fit_, at); }
   /// The columns of a row from the lowest to the highest cell that holds particles.

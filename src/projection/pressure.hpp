@@ -58,7 +58,7 @@ class Pressure {
   }
 
   /// phi of a cell, m².
-  Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+  const Real& phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
   /// What a cell gets from inlets, as a share of the cell.
   struct Inflow {
     std::size_t cell;

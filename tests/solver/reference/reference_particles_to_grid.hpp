@@ -16,6 +16,31 @@
 namespace trevi::test {
 
 class ReferenceParticlesToGrid {
+ public:
+  /// The particles by what hangs together, over faces, edges and corners of the cells in which they were
+  /// predicted.
+  std::vector<std::vector<std::size_t>> pieces() const {
+    CellArray<std::vector<std::size_t>> left(cells_, {});  // not seen yet
+    for (std::size_t i = 0; i < particles_.size(); ++i) left[particles_[i].cell].push_back(i);
+    std::vector<std::vector<std::size_t>> all;
+    for_each_cell([&](const Cell& start) {
+      if (left[start].empty()) return;
+      all.emplace_back();
+      std::vector<Cell> open{start};
+      while (!open.empty()) {
+        const Cell c = open.back();
+        open.pop_back();
+        all.back().insert(all.back().end(), left[c].begin(), left[c].end());
+        left[c].clear();
+        for (int n = 0; n < 27; ++n) {
+          const Cell beside = c + Cell(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+          if (!left[beside].empty()) open.push_back(beside);
+        }
+      }
+    });
+    return all;
+  }
+
  protected:
   explicit ReferenceParticlesToGrid(const Scene& scene)
       : min_(scene.domain.min),
@@ -79,6 +104,7 @@ class ReferenceParticlesToGrid {
     fit_motion();
     const CellArray<Real> zero(cells_, 0);
     mean_ = {zero, zero, zero};
+    weight_ = {zero, zero, zero};
     for_each_face([&](int a, const Cell& c) { (*mean_)[static_cast<std::size_t>(a)][c] = mean_at(a, c); });
   }
   void find_particles(const std::vector<Vec3>& x, const std::vector<Vec3>& p) {
@@ -160,7 +186,7 @@ class ReferenceParticlesToGrid {
 
   // Linear weights of what each particle says of the middle of the face, by the slope of its cell; where they come to
   // hardly any, what the fits say.
-  Real mean_at(int a, const Cell& face) const {
+  Real mean_at(int a, const Cell& face) {
     Real w = 0, wu = 0, n = 0, nu = 0;
     for (const bool below : {false, true}) {
       const Cell cell = cells_.wrapped(below ? Cell(face - unit(a)) : face);
@@ -175,6 +201,7 @@ class ReferenceParticlesToGrid {
         nu += (*fit_)[cell].at(middle)[a];
       }
     }
+    (*weight_)[static_cast<std::size_t>(a)][face] = w;
     return w >= 0.05 ? wu / w : n > 0 ? nu / n : is_wall(a, face) ? 0 : mean_around(a, face);
   }
   // Of a face with no particle on either side: what the fits of the cells beside say that lie along it, by particles.
@@ -273,7 +300,7 @@ class ReferenceParticlesToGrid {
   std::vector<Particle> particles_;
   std::optional<CellArray<std::vector<std::size_t>>> members_;  // particles that do not fly
   std::optional<CellArray<ReferenceFit>> fit_;
-  std::optional<Faces<Real>> mean_;
+  std::optional<Faces<Real>> mean_, weight_;  // of faces, and of the particles that tell of them
   std::optional<CellArray<int>> reach_, near_;
 };
 

@@ -9,6 +9,7 @@ namespace trevi::test {
 
 class ReferenceProjection : ReferenceParticlesToGrid {
  public:
+  using ReferenceParticlesToGrid::pieces;
   explicit ReferenceProjection(const Scene& scene) : ReferenceParticlesToGrid(scene) {
     if (scene.gravity) gravity_ = -scene.gravity->z();
   }
@@ -26,7 +27,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     solve(g_dt2_, std::min(1.0, time / 6));
     const std::vector<Vec3> damping = dampings(time);
     result_.clear();
-    for (std::size_t i = 0; i < particles_.size(); ++i) result_.push_back(displacement(particles_[i], damping[i]));
+    for (const Vec3& own : damping) result_.push_back(displacement(particles_[result_.size()], own));
     return result_;
   }
 
@@ -67,32 +68,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return smooth;
   }
 
-  /// The same particles by what hangs together, over faces, edges and corners of the cells in which they were
-  /// predicted.
-  std::vector<std::vector<std::size_t>> pieces() const {
-    CellArray<std::vector<std::size_t>> left(cells_, {});  // not seen yet
-    for (std::size_t i = 0; i < particles_.size(); ++i) left[particles_[i].cell].push_back(i);
-    std::vector<std::vector<std::size_t>> all;
-    for_each_cell([&](const Cell& start) {
-      if (left[start].empty()) return;
-      all.emplace_back();
-      std::vector<Cell> open{start};
-      while (!open.empty()) {
-        const Cell c = open.back();
-        open.pop_back();
-        all.back().insert(all.back().end(), left[c].begin(), left[c].end());
-        left[c].clear();
-        for (int n = 0; n < 27; ++n) {
-          const Cell beside = c + Cell(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-          if (!left[beside].empty()) open.push_back(beside);
-        }
-      }
-    });
-    return all;
-  }
-
   /// What the water's motion differs by along shifts from `start`, m: of each less the mean of its cell, as far as the
-  /// grid acts, and less along the noise of the cell, by which the motion differs from the affine one.
+  /// grid acts, less along the noise of the cell, what the motion has beside the affine one, and less half along that.
   std::vector<Vec3> carried(const std::vector<Vec3>& start, const std::vector<Vec3>& shifts,
                             const std::vector<Vec3>& motion) const {
     std::vector<Vec3> result(shifts.size(), Vec3::Zero());
@@ -107,15 +84,20 @@ class ReferenceProjection : ReferenceParticlesToGrid {
       }
       if (all == 0) return;
       const auto along = [&](const Vec3& y) -> Vec3 { return (*fit_)[c].b * y.cwiseQuotient(size_); };
-      const auto noise = [&](std::size_t i) -> Vec3 { return motion[i] - mean / all - along(start[i] - at / all); };
-      Real work = 0, energy = 0;
+      const auto affine = [&](std::size_t i) -> Vec3 { return along(start[i] - at / all); };
+      const auto noise = [&](std::size_t i) -> Vec3 { return motion[i] - mean / all - affine(i); };
+      Real of_noise = 0, of_affine = 0, noise2 = 0, affine2 = 0;
       for (const std::size_t i : (*members_)[c]) {
         result[i] = along(shifts[i] - shift / all);
-        work += result_[i].act * noise(i).dot(result[i]);
-        energy += result_[i].act * (noise(i).squaredNorm() + along(start[i] - at / all).squaredNorm());
+        of_noise += result_[i].act * noise(i).dot(result[i]);
+        of_affine += result_[i].act * affine(i).dot(result[i]);
+        noise2 += result_[i].act * noise(i).squaredNorm();
+        affine2 += result_[i].act * affine(i).squaredNorm();
       }
-      const Real gain = energy > 0 ? work / energy : 0;
-      for (const std::size_t i : (*members_)[c]) result[i] = result_[i].act * (result[i] - gain * noise(i));
+      const Real g = noise2 + affine2 > 0 ? of_noise / (noise2 + affine2) : 0;
+      const Real q = affine2 > 0 ? of_affine / affine2 / 2 : 0;
+      for (const std::size_t i : (*members_)[c])
+        result[i] = result_[i].act * (result[i] - g * noise(i) - q * affine(i));
     });
     return result;
   }
@@ -339,7 +321,32 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell below = face - unit(a);
     if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
-    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face);
+    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face) + beyond(a, face);
+  }
+
+  // Both cells beside it are full of water, without a surface.
+  bool in_full_water(int a, const Cell& face) const {
+    const auto is_full = [&](const Cell& c) { return c.z() < count_.z() && wet(c) && !is_top(c) && mass(c) == 1; };
+    return is_full(face) && is_full(face - unit(a));
+  }
+  /// What the particles of a face share of its impulse: of what its displacement has beyond those around it in its
+  /// plane, beside it and with half the weight at its corners, the part that full water has more than they are.
+  Real beyond(int a, const Cell& face) const {
+    if (!in_full_water(a, cells_.wrapped(face))) return 0;
+    const auto rise = [&](const Cell& of) { return ((*phi_)[of] - (*phi_)[of - unit(a)]) / size_[a]; };
+    const Cell b = unit((a + 1) % 3), c = unit((a + 2) % 3);
+    Real rough = 0, count = 0;
+    for (int i = -1; i <= 1; ++i) {
+      for (int j = -1; j <= 1; ++j) {
+        const Cell off = i * b + j * c, other = cells_.wrapped(face + off);
+        if (off.isZero() || (dimensions_ == 2 && off.y() != 0)) continue;
+        const Real w = (i == 0 ? 2 : 1) * (j == 0 ? 2 : 1);
+        if (in_full_water(a, other)) rough += w * (rise(face) - rise(other));
+        count += w;
+      }
+    }
+    const Real share = size_.prod() / std::pow(s_, 3) / (*weight_)[static_cast<std::size_t>(a)][face];
+    return (std::clamp(share, 2.0 / 3, 2.0) - 1) * rough / count;
   }
 
   /// Displacements as found where the motion is seen, where the path begins, and in the middle of the cell, m.

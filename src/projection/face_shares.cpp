@@ -1,0 +1,127 @@
+#include "projection/face_shares.hpp"
+
+#include <algorithm>
+
+#include "projection/parameters.hpp"
+
+namespace trevi {
+
+using namespace projection;
+
+FaceShares::FaceShares(const FreeSurface& surface, Real spacing)
+    : surface_(surface), full_particles_(surface.grid().size().prod() / (spacing * spacing * spacing)) {}
+
+void FaceShares::give_back() {
+  full_.give_back();
+  for (Borrowed<Real>& of : beyond_) of.give_back();
+}
+
+void FaceShares::find(const Pressure& pressure) {
+  const ProjectionGrid& grid = surface_.grid();
+  for (Borrowed<Real>* of : {&full_, &beyond_[0], &beyond_[1], &beyond_[2]}) {
+    *of = grid.scratch().borrow_briefly<Real>(grid.cells());
+    of->fill(0);
+  }
+  find_full();
+  const LocalId planes = grid.planes(), rows = grid.rows();
+  const std::array<Around, 3> around{around_face(0), around_face(1), around_face(2)};
+  for_each_row(grid.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
+    find_row(pressure, around[0], {0, k, r});
+    if (k > planes) return;
+    find_row(pressure, around[2], {2, k, r});
+    if (grid.is_layer()) return;  // across a layer nothing moves
+    find_row(pressure, around[1], {1, k, r});
+    if (grid.rows_are_cut() && r + 1 == rows && grid.has_row(rows)) find_row(pressure, around[1], {1, k, rows});
+  });
+  grid.repeat(beyond_[1]);
+  if (grid.repeats()[2]) grid.repeat(beyond_[2]);
+}
+
+bool FaceShares::is_full(std::size_t at) const {
+  return surface_.is_wet(at) && !surface_.is_top(at) && surface_.open(at) == 1 && surface_.mass(at) == 1;
+}
+
+// Of ghosts, too.
+void FaceShares::find_full() {
+  const ProjectionGrid& grid = surface_.grid();
+  for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
+    if (!grid.has_row(r)) return;
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      full_[at] = is_full(at) ? 1 : 0;
+    }
+  });
+  grid.repeat(full_);
+}
+
+// Weights 1, 2, 1 along both axes of the plane of the face, or along the one that it has in a layer.
+FaceShares::Around FaceShares::around_face(std::size_t a) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const auto plane = static_cast<std::ptrdiff_t>(grid.step(0)), row = static_cast<std::ptrdiff_t>(grid.step(1));
+  const bool has_planes = a != 0, has_rows = a != 1 && !grid.is_layer(), has_columns = a != 2;
+  Around around{{}, 0, has_columns};
+  for (std::ptrdiff_t i = has_planes ? -1 : 0; i <= (has_planes ? 1 : 0); ++i) {
+    for (std::ptrdiff_t j = has_rows ? -1 : 0; j <= (has_rows ? 1 : 0); ++j) {
+      const Real weight = (has_planes && i == 0 ? 2 : 1) * (has_rows && j == 0 ? 2 : 1);
+      around.rows.push_back({i * plane + j * row, weight});
+    }
+  }
+  Real all = 1, own = 1;
+  for (const bool has : {has_planes, has_rows, has_columns}) {
+    all *= has ? 4 : 1;
+    own *= has ? 2 : 1;
+  }
+  around.others = all - own;
+  return around;
+}
+
+// Of the cells of a row, and where the direction of the row is in the plane one of the ring at either end.
+void FaceShares::sum_rows(const Pressure& pressure, const Around& around, std::size_t a, std::size_t floor,
+                          Sums& sums) const {
+  const std::size_t below = surface_.grid().step(a), ends = around.has_columns ? 0 : 1;
+  const Real *const full = full_.data(), *const phi = &pressure.phi(0);
+  std::fill(sums.faces.begin(), sums.faces.end(), 0.0);
+  std::fill(sums.rise.begin(), sums.rise.end(), 0.0);
+  for (const RowAround& row : around.rows) {
+    const std::size_t first = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(floor) + row.offset) - 1;
+    for (std::size_t c = ends; c < sums.faces.size() - ends; ++c) {
+      const std::size_t at = first + c;
+      const Real weight = row.weight * full[at] * full[at - below];
+      sums.faces[c] += weight;
+      sums.rise[c] += weight * (phi[at] - phi[at - below]);
+    }
+  }
+}
+
+// The weight of the particles that tell of a face is 1 in its plane and 0 a cell away.
+void FaceShares::find_row(const Pressure& pressure, const Around& around, const FaceRow& row) {
+  const ProjectionGrid& grid = surface_.grid();
+  const auto [a, k, r] = row;
+  const LocalId columns = grid.columns(k, r);
+  const Range filled = surface_.water().filled(k, r);
+  if (filled.size() == 0) return;
+  static thread_local Sums sums;
+  sums.resize(static_cast<std::size_t>(columns) + 2);
+  const std::size_t floor = grid.index(k, r, 0), below = grid.step(a), b = 1 + grid.axis(a);
+  sum_rows(pressure, around, a, floor, sums);
+  const CellFields& means = surface_.water().all_means();
+  const RowToRead cells = means.row(k, r),
+                  cells_below = means.row(a == 0 ? k - 1 : k, a == 1 ? grid.row_beside(r - 1) : r);
+  const Real per_length = 1 / grid.size()[static_cast<Eigen::Index>(a)];
+  for (LocalId c = filled.begin; c < filled.end; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    const std::size_t at = floor + i;
+    if (full_[at] == 0 || full_[at - below] == 0) continue;
+    const auto total = [&](const std::vector<Real>& of) {
+      return around.has_columns ? of[i] + 2 * of[i + 1] + of[i + 2] : of[i + 1];
+    };
+    const Real rise = pressure.phi(at) - pressure.phi(at - below);
+    const Real rough = (rise * total(sums.faces) - total(sums.rise)) / around.others * per_length;
+    const LocalId c_below = a == 2 ? (c + columns - 1) % columns : c;
+    const Real particles = *number_of(cells, c) - *number_of(cells, c, b) + *number_of(cells_below, c_below, b);
+    const Real share = particles * most_share > full_particles_ ? full_particles_ / particles : most_share;
+    beyond_[a][at] = (std::max(share, least_share) - 1) * rough;
+  }
+}
+
+}  // namespace trevi
