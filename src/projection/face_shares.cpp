@@ -12,29 +12,40 @@ FaceShares::FaceShares(const FreeSurface& surface, Real spacing)
     : surface_(surface), full_particles_(surface.grid().size().prod() / (spacing * spacing * spacing)) {}
 
 void FaceShares::give_back() {
-  full_.give_back();
-  for (Borrowed<Real>& of : beyond_) of.give_back();
+  for (Borrowed<Real>& of : share_) of.give_back();
 }
 
 void FaceShares::find(const Pressure& pressure) {
   const ProjectionGrid& grid = surface_.grid();
-  for (Borrowed<Real>* of : {&full_, &beyond_[0], &beyond_[1], &beyond_[2]}) {
+  for (Borrowed<Real>* of : {&full_, &share_[0], &share_[1], &share_[2]}) {
     *of = grid.scratch().borrow_briefly<Real>(grid.cells());
     of->fill(0);
   }
   find_full();
   const LocalId planes = grid.planes(), rows = grid.rows();
   const std::array<Around, 3> around{around_face(0), around_face(1), around_face(2)};
+  const Real* const phi = pressure.all_phi();
   for_each_row(grid.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
-    find_row(pressure, around[0], {0, k, r});
+    find_row(phi, around[0], {0, k, r});
     if (k > planes) return;
-    find_row(pressure, around[2], {2, k, r});
+    find_row(phi, around[2], {2, k, r});
     if (grid.is_layer()) return;  // across a layer nothing moves
-    find_row(pressure, around[1], {1, k, r});
-    if (grid.rows_are_cut() && r + 1 == rows && grid.has_row(rows)) find_row(pressure, around[1], {1, k, rows});
+    find_row(phi, around[1], {1, k, r});
+    if (grid.rows_are_cut() && r + 1 == rows && grid.has_row(rows)) find_row(phi, around[1], {1, k, rows});
   });
-  grid.repeat(beyond_[1]);
-  if (grid.repeats()[2]) grid.repeat(beyond_[2]);
+  full_.give_back();
+  grid.repeat(share_[1]);
+  if (grid.repeats()[2]) grid.repeat(share_[2]);
+}
+
+void FaceShares::add_to(CellDisplacement& by, std::size_t at) const {
+  const ProjectionGrid& grid = surface_.grid();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = grid.axis(a);
+    const Real low = share_[a][at], high = share_[a][at + grid.step(a)];
+    by.offset[b] += low;
+    by.slope[b][b] += high - low;
+  }
 }
 
 bool FaceShares::is_full(std::size_t at) const {
@@ -75,16 +86,15 @@ FaceShares::Around FaceShares::around_face(std::size_t a) const {
   return around;
 }
 
-// Of the cells of a row, and where the direction of the row is in the plane one of the ring at either end.
-void FaceShares::sum_rows(const Pressure& pressure, const Around& around, std::size_t a, std::size_t floor,
-                          Sums& sums) const {
-  const std::size_t below = surface_.grid().step(a), ends = around.has_columns ? 0 : 1;
-  const Real *const full = full_.data(), *const phi = &pressure.phi(0);
+// Where the plane of the faces has no direction of the row the ring at either end is left out.
+void FaceShares::sum_rows(const Real* phi, const Around& around, std::size_t a, std::size_t floor, Sums& sums) const {
+  const std::size_t below = surface_.grid().step(a), left_out = around.has_columns ? 0 : 1;
+  const Real* const full = full_.data();
   std::fill(sums.faces.begin(), sums.faces.end(), 0.0);
   std::fill(sums.rise.begin(), sums.rise.end(), 0.0);
   for (const RowAround& row : around.rows) {
     const std::size_t first = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(floor) + row.offset) - 1;
-    for (std::size_t c = ends; c < sums.faces.size() - ends; ++c) {
+    for (std::size_t c = left_out; c < sums.faces.size() - left_out; ++c) {
       const std::size_t at = first + c;
       const Real weight = row.weight * full[at] * full[at - below];
       sums.faces[c] += weight;
@@ -93,34 +103,35 @@ void FaceShares::sum_rows(const Pressure& pressure, const Around& around, std::s
   }
 }
 
-// The weight of the particles that tell of a face is 1 in its plane and 0 a cell away.
-void FaceShares::find_row(const Pressure& pressure, const Around& around, const FaceRow& row) {
+void FaceShares::find_row(const Real* phi, const Around& around, const Row& row) {
   const ProjectionGrid& grid = surface_.grid();
   const auto [a, k, r] = row;
   const LocalId columns = grid.columns(k, r);
-  const Range filled = surface_.water().filled(k, r);
-  if (filled.size() == 0) return;
+  const std::size_t floor = grid.index(k, r, 0), below = grid.step(a);
+  const Real* const full = &full_[floor];
+  if (std::find(full, full + columns, 1.0) == full + columns) return;
   static thread_local Sums sums;
   sums.resize(static_cast<std::size_t>(columns) + 2);
-  const std::size_t floor = grid.index(k, r, 0), below = grid.step(a), b = 1 + grid.axis(a);
-  sum_rows(pressure, around, a, floor, sums);
+  sum_rows(phi, around, a, floor, sums);
   const CellFields& means = surface_.water().all_means();
   const RowToRead cells = means.row(k, r),
                   cells_below = means.row(a == 0 ? k - 1 : k, a == 1 ? grid.row_beside(r - 1) : r);
+  const std::size_t y = 1 + grid.axis(a);  // the place of Σ y across the face
   const Real per_length = 1 / grid.size()[static_cast<Eigen::Index>(a)];
-  for (LocalId c = filled.begin; c < filled.end; ++c) {
+  for (LocalId c = 0; c < columns; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const std::size_t at = floor + i;
-    if (full_[at] == 0 || full_[at - below] == 0) continue;
+    if (full_[at] == 0 || full_[at - below] == 0 || surface_.face(a, at) != 1) continue;
     const auto total = [&](const std::vector<Real>& of) {
       return around.has_columns ? of[i] + 2 * of[i + 1] + of[i + 2] : of[i + 1];
     };
-    const Real rise = pressure.phi(at) - pressure.phi(at - below);
+    const Real rise = phi[at] - phi[at - below];
     const Real rough = (rise * total(sums.faces) - total(sums.rise)) / around.others * per_length;
+    // W: a particle counts 1 in the plane of the face, and 0 a cell away.
     const LocalId c_below = a == 2 ? (c + columns - 1) % columns : c;
-    const Real particles = *number_of(cells, c) - *number_of(cells, c, b) + *number_of(cells_below, c_below, b);
-    const Real share = particles * most_share > full_particles_ ? full_particles_ / particles : most_share;
-    beyond_[a][at] = (std::max(share, least_share) - 1) * rough;
+    const Real particles = *number_of(cells, c) - *number_of(cells, c, y) + *number_of(cells_below, c_below, y);
+    const Real share = particles * max_portion > full_particles_ ? full_particles_ / particles : max_portion;
+    share_[a][at] = (std::max(share, min_portion) - 1) * rough;
   }
 }
 

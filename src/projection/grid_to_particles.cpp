@@ -158,8 +158,7 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   const auto through = [&](std::size_t face, bool closed, bool& known) {
     known = closed ? wet : surface_.is_wet(face) || surface_.is_wet(face - grid.step(a));
     if (!known) return 0.0;
-    if (closed) return through_closed(a, face, at);
-    return pressure.displacement(surface_, a, face) + shares_.beyond(a, face);
+    return closed ? through_closed(a, face, at) : pressure.displacement(surface_, a, face);
   };
   bool low_known = false, high_known = false;
   pair.low = through(at, pair.low_closed, low_known);
@@ -263,6 +262,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
 CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
                                                   LocalId r, LocalId c) const {
   CellDisplacement by = displacement_by_faces(pressure, k, r, c);
+  shares_.add_to(by, surface_.grid().index(k, r, c));
   if (by.act == 0 || !surface_.upright()) return by;
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);

@@ -48,8 +48,8 @@ class GridToParticles {
   /// Finds noise and its fits, in memory that is borrowed until give_back(). Not needed without gravity: nothing makes
   /// noise there.
   void prepare(Halo& halo, const Step& step);
-  /// Finds the shares of particles in the pressure, which is final, in such memory, too.
-  void find_shares(const Pressure& pressure) { shares_.find(pressure); }
+  /// Finds what particles share of the final pressure (face_shares.hpp), in memory that is borrowed alike.
+  void share_impulses(const Pressure& pressure) { shares_.find(pressure); }
   /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
   /// part of a loop of threads, in which rows come in their order.
   struct Damping {
@@ -63,7 +63,7 @@ class GridToParticles {
   /// Whether particles of a cell are displaced: without gravity those of dry cells are, by what of their faces is
   /// known.
   bool displaces(std::size_t at) const { return !surface_.upright() || surface_.is_wet(at) || follows(at); }
-  /// The same by the faces alone, without damping and the fade at the surface.
+  /// The same by the faces alone, without shares, damping and the fade at the surface.
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles are displaced.
   void give_back() {

@@ -132,10 +132,10 @@ constexpr Real fade_begins = 0.25, fade_length = 2;
 /// for 1.4 %. Without gravity none is: vortices at Re 1000 and 20 across have 0.94 of the energy that they should have
 /// at three quarters with it, and 0.97 without.
 constexpr Real pulled_begins = 1.5, pulled_full = 2.5;
-/// Least and largest share that each particle of a face takes of what its displacement has beyond those around
-/// (face_shares.hpp): full water over the water that is there. Shear at 45° from a lattice, 20 across, keeps 0.984 of
-/// its energy in a turn so, and 0.959 where all take as much; beyond these bounds water is torn.
-constexpr Real least_share = 2.0 / 3, most_share = 2;
+/// Least and largest portion that each particle of a face takes of what its displacement has beyond those around
+/// (face_shares.hpp): full water over the water that is there. Shear at 45° from a lattice, 20 across, 1/200 s, keeps
+/// 0.983 of its energy in a turn so, and 0.959 where all take as much; with 0.56 and 5 it keeps the same.
+constexpr Real min_portion = 2.0 / 3, max_portion = 2;
 /// Area of the solid surface in a cell, faces, from which on it has a direction.
 constexpr Real min_wall = 0.1;
 /// Least distance, cells, of a solid's surface from the open face opposite to a closed one, for the continuation to the
@@ -155,8 +155,9 @@ constexpr Real swelling_begins = 0.004, swelling_full = 0.008;
 constexpr Real squeezed_begins = 0.02, squeezed_full = 0.04;
 /// Part of what shifts within a cell would give to its affine motion that they do not give. They push apart what is too
 /// near, so that by the slope of the cell alone shear gains by them, up to 3 % in three turns at 45° from a lattice
-/// (20 across, 1/400 s); by curvature it loses as much, which the slope of a cell does not see. With all of it not given
-/// vortices at Re 1000, 20 across, have 0.91 of the energy that they should have after 3 s, with half 0.93, as without.
+/// (20 across, 1/400 s); by curvature it loses as much, which the slope of a cell does not see. With all of it not
+/// given vortices at Re 1000, 20 across, have 0.91 of the energy that they should have after 3 s, with half 0.93, as
+/// without.
 constexpr Real withheld = 0.5;
 
 }  // namespace trevi::projection

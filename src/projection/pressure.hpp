@@ -58,7 +58,8 @@ class Pressure {
   }
 
   /// phi of a cell, m².
-  const Real& phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+  Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
+  const Real* all_phi() const { return multigrid_.finest().phi.data(); }
   /// What a cell gets from inlets, as a share of the cell.
   struct Inflow {
     std::size_t cell;

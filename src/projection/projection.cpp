@@ -76,7 +76,7 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
 template <class T>
 void Projection::displacements(const CellOrder& order, Real dt, const Motion& motion, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  grid_to_particles_.find_shares(pressure_);
+  grid_to_particles_.share_impulses(pressure_);
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
     grid_to_particles_.find_damping(damping, k, r);
     particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {

@@ -49,8 +49,8 @@ class Projection {
   /// Minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
   void filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out);
-  /// Gives shifted particles, in the time dt, s, the velocities of where they are, m/s: v += B (Δ − the mean of its
-  /// cell), of which the sum over a cell is 0.
+  /// Gives shifted particles, in the time dt, s, the velocities of where they are, m/s (carry_cell() of
+  /// cell_shifts.hpp), of which the sum over a cell is 0.
   template <class T>
   void carry_velocities(const CellOrder& order, const Swept<T>& swept, Real dt, std::span<Vec3> velocity) const;
 

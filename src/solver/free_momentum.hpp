@@ -1,12 +1,12 @@
 // Keeps the momentum of each piece of water along axes along which nothing can push it (water_pieces.hpp), and the
-// angular one of what touches nothing, beside what gravity gives. The projection hands its pressure to the particles of
-// a face as if they were as many as full water has there, and sweeps shift positions without velocity: both are right
-// in the mean, but not to rounding; and in flight the pressure at the upper side of water that is pressed together is
-// higher than at the lower one. What the substep has changed of the two momenta is undone by a translation and a
-// rotation of the velocities of the piece, where the box repeats along an axis by a translation alone; and the centre
-// of what touches nothing goes back to where free flight takes it (free_flight.hpp). Water on a smooth floor keeps its
-// momentum along it as far as no wall that stands across is near, nor a solid; what pushes at the sides of a drain in
-// the floor goes to all of the water. Collective.
+// angular one of what touches nothing, beside what gravity gives. The projection hands what is smooth of its pressure
+// to the particles of a face as if they were as many as full water has there (face_shares.hpp), and sweeps shift
+// positions without velocity: both are right in the mean, but not to rounding; and in flight the pressure at the upper
+// side of water that is pressed together is higher than at the lower one. What the substep has changed of the two
+// momenta is undone by a translation and a rotation of the velocities of the piece, where the box repeats along an axis
+// by a translation alone; and the centre of what touches nothing goes back to where free flight takes it
+// (free_flight.hpp). Water on a smooth floor keeps its momentum along it as far as no wall that stands across is near,
+// nor a solid; what pushes at the sides of a drain in the floor goes to all of the water. Collective.
 #pragma once
 
 #include "base/orderless_sum.hpp"

@@ -73,7 +73,7 @@ direction = [0, 0, -1]
 size = [0.4, 0.4]
 speed = 1.0
 )";
-  // What enters pushes the water in a ring through the box, which makes many places free; the others are in the way.
+  // What enters pushes the water in a ring through the box, which makes 64 places free; the others are in the way.
   const std::unique_ptr<Solver> closed = solver_of(world, scene_with(full, {}));
   run(*closed, 0.5);
   EXPECT_LE(closed->flow()->inflow, 70) << "of 80 that were asked for";

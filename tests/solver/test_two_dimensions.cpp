@@ -252,7 +252,7 @@ TEST(TwoDimensions, AShearThatBreaksUpGainsNothing) {
 }
 
 // A shear across the lattice, which breaks that up, is steady. Where all particles of a face took as much of its
-// displacement, however many they were, it lost 0.07 of its energy in the time of a turn.
+// displacement, however many they were, it lost 0.07 of its energy in a second.
 TEST(TwoDimensions, AShearAcrossTheLatticeKeepsItsEnergy) {
   Flow run(
       world, repeating + "nu = 0\n",

@@ -27,7 +27,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     solve(g_dt2_, std::min(1.0, time / 6));
     const std::vector<Vec3> damping = dampings(time);
     result_.clear();
-    for (const Vec3& own : damping) result_.push_back(displacement(particles_[result_.size()], own));
+    for (std::size_t i = 0; i < particles_.size(); ++i) result_.push_back(displacement(particles_[i], damping[i]));
     return result_;
   }
 
@@ -321,16 +321,14 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell below = face - unit(a);
     if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
-    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face) + beyond(a, face);
+    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face);
   }
 
-  // Both cells beside it are full of water, without a surface.
   bool in_full_water(int a, const Cell& face) const {
     const auto is_full = [&](const Cell& c) { return c.z() < count_.z() && wet(c) && !is_top(c) && mass(c) == 1; };
     return is_full(face) && is_full(face - unit(a));
   }
-  /// What the particles of a face share of its impulse: of what its displacement has beyond those around it in its
-  /// plane, beside it and with half the weight at its corners, the part that full water has more than they are.
+  /// What particles share of the impulse of a face in full water beyond those around it in its plane.
   Real beyond(int a, const Cell& face) const {
     if (!in_full_water(a, cells_.wrapped(face))) return 0;
     const auto rise = [&](const Cell& of) { return ((*phi_)[of] - (*phi_)[of - unit(a)]) / size_[a]; };
@@ -345,8 +343,8 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         count += w;
       }
     }
-    const Real share = size_.prod() / std::pow(s_, 3) / (*weight_)[static_cast<std::size_t>(a)][face];
-    return (std::clamp(share, 2.0 / 3, 2.0) - 1) * rough / count;
+    const Real full = size_.prod() / std::pow(s_, 3), w = (*weight_)[static_cast<std::size_t>(a)][face];
+    return ((w > full / 2 ? std::max(full / w, 2.0 / 3) : 2) - 1) * rough / count;
   }
 
   /// Displacements as found where the motion is seen, where the path begins, and in the middle of the cell, m.
@@ -369,6 +367,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const bool acts = wet(c) || follows(c);
     if (i.in_flight || (upright() && !acts)) return {Vec3::Zero(), 0};
     Found found;
+    Vec3 shared;
     for (int a = 0; a < 3; ++a) {
       const Cell cell = follows(c) && a < 2 ? Cell(c - unit(2)) : c;
       std::optional<Real> low = through(a, cell, cell), high = through(a, cell + unit(a), cell);
@@ -380,8 +379,9 @@ class ReferenceProjection : ReferenceParticlesToGrid {
       found.seen[a] = first + i.y[a] * rise;
       found.begin[a] = first + i.f[a] * rise;
       found.middle[a] = first + rise / 2;
+      shared[a] = (1 - i.y[a]) * beyond(a, c) + i.y[a] * beyond(a, c + unit(a));
     }
-    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + damping;
+    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + shared + damping;
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
