@@ -262,7 +262,6 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
 CellDisplacement GridToParticles::displacement_of(const Pressure& pressure, const Damping& damping, LocalId k,
                                                   LocalId r, LocalId c) const {
   CellDisplacement by = displacement_by_faces(pressure, k, r, c);
-  shares_.add_to(by, surface_.grid().index(k, r, c));
   if (by.act == 0 || !surface_.upright()) return by;
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);

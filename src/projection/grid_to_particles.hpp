@@ -25,7 +25,7 @@
 
 #include <optional>
 
-#include "projection/face_shares.hpp"
+#include "projection/pressure.hpp"
 
 namespace trevi {
 
@@ -39,7 +39,7 @@ class GridToParticles {
  public:
   /// `spacing` of the start lattice, `h`, m. Fits of noise take the place of the `spreads` of the motion's.
   GridToParticles(const FreeSurface& surface, CellFields& spreads, Real spacing, Real h)
-      : surface_(surface), spacing_(spacing), h_(h), shares_(surface, spacing), noise_fit_(spreads) {}
+      : surface_(surface), spacing_(spacing), h_(h), noise_fit_(spreads) {}
 
   /// Of a step: how far gravity moves a particle down, g dt², m, and dt in units of sqrt(h/g); 0 without gravity.
   struct Step {
@@ -48,8 +48,6 @@ class GridToParticles {
   /// Finds noise and its fits, in memory that is borrowed until give_back(). Not needed without gravity: nothing makes
   /// noise there.
   void prepare(Halo& halo, const Step& step);
-  /// Finds what particles share of the final pressure (face_shares.hpp), in memory that is borrowed alike.
-  void share_impulses(const Pressure& pressure) { shares_.find(pressure); }
   /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
   /// part of a loop of threads, in which rows come in their order.
   struct Damping {
@@ -63,13 +61,10 @@ class GridToParticles {
   /// Whether particles of a cell are displaced: without gravity those of dry cells are, by what of their faces is
   /// known.
   bool displaces(std::size_t at) const { return !surface_.upright() || surface_.is_wet(at) || follows(at); }
-  /// The same by the faces alone, without shares, damping and the fade at the surface.
+  /// The same by the faces alone, without damping and the fade at the surface.
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles are displaced.
-  void give_back() {
-    cut_fit_.give_back();
-    shares_.give_back();
-  }
+  void give_back() { cut_fit_.give_back(); }
 
  private:
   // The lower and the upper displacement in each direction, and whether the face is closed.
@@ -98,7 +93,6 @@ class GridToParticles {
   const FreeSurface& surface_;
   Real spacing_, h_;
   Step step_{};
-  FaceShares shares_;
   CellFields noise_{numbers::flow};   // what the filter's first pass leaves
   CellFields& noise_fit_;             // the fit of that, times the rate of its cell
   CellFields cut_fit_{numbers::map};  // in cut cells that of the motion itself, times its rate

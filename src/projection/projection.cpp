@@ -37,6 +37,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
       particles_to_grid_(grid_, model.spacing),
       surface_({grid_, rows_, particles_to_grid_, cuts_.get(), model.gravity > 0}),
       pressure_(comm, grid_.repeats(), scratch),
+      shares_(surface_, model.spacing),
       grid_to_particles_(surface_, particles_to_grid_.free_spreads(), model.spacing, model.h),
       shift_filter_(surface_),
       obstacles_(obstacles),
@@ -76,18 +77,20 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
 template <class T>
 void Projection::displacements(const CellOrder& order, Real dt, const Motion& motion, std::span<Vec4<T>> out) {
   const ScopedEvent timed(event_);
-  grid_to_particles_.share_impulses(pressure_);
+  shares_.find(pressure_);
   for_each_row_with<GridToParticles::Damping>(own_rows(), [&](GridToParticles::Damping& damping, LocalId k, LocalId r) {
     grid_to_particles_.find_damping(damping, k, r);
     particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
-      displace_cell(particles_to_grid_.frame(), motion, cell,
-                    grid_to_particles_.displacement_of(pressure_, damping, k, r, c), &out[cell.begin]);
+      CellDisplacement by = grid_to_particles_.displacement_of(pressure_, damping, k, r, c);
+      shares_.add_to(by, grid_.index(k, r, c));
+      displace_cell(particles_to_grid_.frame(), motion, cell, by, &out[cell.begin]);
     });
     leave_from<T>(order, k, r, grid_.columns(k, r), out);  // those above are in flight
   });
   if (obstacles_ != nullptr) record_forces<T>(order, model_.gravity * dt * dt, motion, out);
   particles_to_grid_.keep_fits();
   grid_to_particles_.give_back();
+  shares_.give_back();
   surface_.keep_wet();
   pressure_.give_back();
 }

@@ -16,6 +16,7 @@
 #include "fluid/constraint/density.hpp"
 #include "parallel/log.hpp"
 #include "projection/body_coupling.hpp"
+#include "projection/face_shares.hpp"
 #include "projection/grid_to_particles.hpp"
 #include "projection/shift_filter.hpp"
 
@@ -76,6 +77,7 @@ class Projection {
   ParticlesToGrid particles_to_grid_;
   FreeSurface surface_;
   Pressure pressure_;
+  FaceShares shares_;
   GridToParticles grid_to_particles_;
   ShiftFilter shift_filter_;
   Obstacles* obstacles_;
