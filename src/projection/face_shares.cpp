@@ -1,6 +1,7 @@
 #include "projection/face_shares.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "projection/parameters.hpp"
 
@@ -69,20 +70,13 @@ void FaceShares::find_full() {
 FaceShares::Around FaceShares::around_face(std::size_t a) const {
   const ProjectionGrid& grid = surface_.grid();
   const auto plane = static_cast<std::ptrdiff_t>(grid.step(0)), row = static_cast<std::ptrdiff_t>(grid.step(1));
-  const bool has_planes = a != 0, has_rows = a != 1 && !grid.is_layer(), has_columns = a != 2;
-  Around around{{}, 0, has_columns};
-  for (std::ptrdiff_t i = has_planes ? -1 : 0; i <= (has_planes ? 1 : 0); ++i) {
-    for (std::ptrdiff_t j = has_rows ? -1 : 0; j <= (has_rows ? 1 : 0); ++j) {
-      const Real weight = (has_planes && i == 0 ? 2 : 1) * (has_rows && j == 0 ? 2 : 1);
-      around.rows.push_back({i * plane + j * row, weight});
-    }
+  const std::ptrdiff_t planes = a != 0 ? 1 : 0, rows = a != 1 && !grid.is_layer() ? 1 : 0;
+  const auto weight = [](std::ptrdiff_t off, std::ptrdiff_t most) { return off == 0 && most > 0 ? 2.0 : 1.0; };
+  Around around{{}, 0, a != 2};
+  for (std::ptrdiff_t i = -planes; i <= planes; ++i) {
+    for (std::ptrdiff_t j = -rows; j <= rows; ++j)
+      around.rows[around.count++] = {i * plane + j * row, weight(i, planes) * weight(j, rows)};
   }
-  Real all = 1, own = 1;
-  for (const bool has : {has_planes, has_rows, has_columns}) {
-    all *= has ? 4 : 1;
-    own *= has ? 2 : 1;
-  }
-  around.others = all - own;
   return around;
 }
 
@@ -92,7 +86,7 @@ void FaceShares::sum_rows(const Real* phi, const Around& around, std::size_t a, 
   const Real* const full = full_.data();
   std::fill(sums.faces.begin(), sums.faces.end(), 0.0);
   std::fill(sums.rise.begin(), sums.rise.end(), 0.0);
-  for (const RowAround& row : around.rows) {
+  for (const RowAround& row : std::span(around.rows).first(around.count)) {
     const std::size_t first = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(floor) + row.offset) - 1;
     for (std::size_t c = left_out; c < sums.faces.size() - left_out; ++c) {
       const std::size_t at = first + c;
@@ -118,6 +112,7 @@ void FaceShares::find_row(const Real* phi, const Around& around, const Row& row)
                   cells_below = means.row(a == 0 ? k - 1 : k, a == 1 ? grid.row_beside(r - 1) : r);
   const std::size_t y = 1 + grid.axis(a);  // the place of Σ y across the face
   const Real per_length = 1 / grid.size()[static_cast<Eigen::Index>(a)];
+  const Real others = grid.is_layer() ? 2 : 12;  // the weight of the faces around
   for (LocalId c = 0; c < columns; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const std::size_t at = floor + i;
@@ -126,7 +121,7 @@ void FaceShares::find_row(const Real* phi, const Around& around, const Row& row)
       return around.has_columns ? of[i] + 2 * of[i + 1] + of[i + 2] : of[i + 1];
     };
     const Real rise = phi[at] - phi[at - below];
-    const Real rough = (rise * total(sums.faces) - total(sums.rise)) / around.others * per_length;
+    const Real rough = (rise * total(sums.faces) - total(sums.rise)) / others * per_length;
     // W: a particle counts 1 in the plane of the face, and 0 a cell away.
     const LocalId c_below = a == 2 ? (c + columns - 1) % columns : c;
     const Real particles = *number_of(cells, c) - *number_of(cells, c, y) + *number_of(cells_below, c_below, y);

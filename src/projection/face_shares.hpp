@@ -41,8 +41,8 @@ class FaceShares {
     Real weight;
   };
   struct Around {
-    std::vector<RowAround> rows;
-    Real others;       // the weight of all faces around, without the one
+    std::array<RowAround, 9> rows;
+    std::size_t count;
     bool has_columns;  // whether its plane has the direction of the row, along which one counts twice
   };
   struct Row {

@@ -101,11 +101,11 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
       std::int64_t* const to = mine.data() + words * piece;
       const Vec3 from = origin(piece);
       const bool turns = is_free(piece);
-      Moments sums;
+      Moments moments;
       for (auto i = static_cast<std::size_t>(range.begin); i < static_cast<std::size_t>(range.end); ++i) {
         const Vec3 there = place(i), way = velocity(i) * (problem.dt() / h_);
-        sums.path += way;
-        if (turns) sums.add_arm((there - from) / h_, way, all);
+        moments.path += way;
+        if (turns) moments.add_arm((there - from) / h_, way, all);
         if constexpr (all) {
           const WaterPieces::Axes axes = touched(there);
           for (unsigned a = 0; a < 3; ++a) to[1 + a] += axes >> a & 1U;
@@ -113,7 +113,7 @@ typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>
         }
       }
       to[0] += range.size();
-      sums.add_to(to + counts, turns);
+      moments.add_to(to + counts, turns);
     }
   });
   Words total(words * pieces_.count(), 0);
