@@ -149,15 +149,6 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
     if (!grid_.is_layer()) find_faces(1, k, r, cuts);  // across a layer nothing moves
     find_faces(2, k, r, cuts);
   });
-  for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
-    find_empty_faces(0, k, r, cuts);
-    if (k > planes) return;
-    if (!grid_.is_layer()) find_empty_faces(1, k, r, cuts);
-    find_empty_faces(2, k, r, cuts);
-    if (grid_.rows_are_cut() && r + 1 == grid_.rows()) find_empty_faces(1, k, r + 1, cuts);
-  });
-  grid_.repeat(displacement_[1]);
-  if (grid_.repeats()[2]) grid_.repeat(displacement_[2]);
 }
 
 void ParticlesToGrid::sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts) {

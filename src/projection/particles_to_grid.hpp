@@ -42,6 +42,10 @@ class ParticlesToGrid {
   void give_back() { fit_.give_back(); }
   /// All of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
+  /// The displacements of faces without particles on either side, of which others than those of wet cells are asked by
+  /// nobody: is_wet(at).
+  template <class IsWet>
+  void find_empty_faces(const CutCells* cuts, const IsWet& is_wet);
 
   /// The particles of a cell, in the order of storage; those that were in it when `order` was made.
   CellParticles particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const;
@@ -160,7 +164,13 @@ class ParticlesToGrid {
     Real sum = 0, weight = 0;
   };
   CellSums sums_of(const CellNumbers& at, const CellParticles& cell, const Motion& motion, const CutCells* near) const;
-  void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
+  struct EmptyFace {
+    std::size_t a, at;
+    CellNumbers above, below;
+  };
+  template <class IsWet>
+  void find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts, const IsWet& is_wet);
+  void displace_empty_face(const EmptyFace& face, const CutCells* cuts);
   Range cells_without(std::size_t a, LocalId k, LocalId r) const;
   bool exists(CellNumbers& cell) const;
   bool holds_any(const CellNumbers& cell) const { return holds_any(cell[0], cell[1], cell[2]); }
@@ -178,5 +188,33 @@ class ParticlesToGrid {
   std::array<std::vector<VolumesBeside>, 2> given_, received_;
   std::array<std::vector<CellSums>, 2> ends_;  // of the first and the last own row
 };
+
+template <class IsWet>
+void ParticlesToGrid::find_empty_faces(const CutCells* cuts, const IsWet& is_wet) {
+  const LocalId planes = grid_.planes();
+  for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
+    find_empty_faces(0, k, r, cuts, is_wet);
+    if (k > planes) return;
+    if (!grid_.is_layer()) find_empty_faces(1, k, r, cuts, is_wet);
+    find_empty_faces(2, k, r, cuts, is_wet);
+    if (grid_.rows_are_cut() && r + 1 == grid_.rows()) find_empty_faces(1, k, r + 1, cuts, is_wet);
+  });
+  grid_.repeat(displacement_[1]);
+  if (grid_.repeats()[2]) grid_.repeat(displacement_[2]);
+}
+
+template <class IsWet>
+void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts,
+                                       const IsWet& is_wet) {
+  const Range cells = cells_without(a, k, r);
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    const std::size_t at = grid_.index(k, r, c);
+    if (!is_wet(at) && !is_wet(at - grid_.step(a))) continue;
+    if (holds_any(k, r, c) || grid_.is_wall(a, k, r, c) || (cuts != nullptr && cuts->face(a, at) == 0)) continue;
+    CellNumbers above{k, r, c}, below = above;
+    --below[a];
+    if (exists(below) && !holds_any(below)) displace_empty_face({a, at, above, below}, cuts);
+  }
+}
 
 }  // namespace trevi

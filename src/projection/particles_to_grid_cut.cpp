@@ -9,24 +9,16 @@
 
 namespace trevi {
 
-void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
-  const Range cells = cells_without(a, k, r);
-  for (LocalId c = cells.begin; c < cells.end; ++c) {
-    if (holds_any(k, r, c)) continue;
-    const std::size_t at = grid_.index(k, r, c);
-    if ((cuts != nullptr && cuts->face(a, at) == 0) || grid_.is_wall(a, k, r, c)) continue;
-    CellNumbers above{k, r, c}, below = above;
-    --below[a];
-    if (!exists(below) || holds_any(below)) continue;
-    ByAxis middle = cuts != nullptr ? cuts->middle_of_face(a, at) : ByAxis{0.5, 0.5, 0.5};
-    middle[grid_.axis(a)] = 0;
-    ByAxis from_below = middle;
-    from_below[grid_.axis(a)] = 1;
-    FittedMean mean;
-    add_fits_around(a, above, middle, mean);
-    add_fits_around(a, below, from_below, mean);
-    if (mean.weight > 0) displacement_[a][at] = mean.sum / mean.weight;
-  }
+void ParticlesToGrid::displace_empty_face(const EmptyFace& face, const CutCells* cuts) {
+  const auto& [a, at, above, below] = face;
+  ByAxis middle = cuts != nullptr ? cuts->middle_of_face(a, at) : ByAxis{0.5, 0.5, 0.5};
+  middle[grid_.axis(a)] = 0;
+  ByAxis from_below = middle;
+  from_below[grid_.axis(a)] = 1;
+  FittedMean mean;
+  add_fits_around(a, above, middle, mean);
+  add_fits_around(a, below, from_below, mean);
+  if (mean.weight > 0) displacement_[a][at] = mean.sum / mean.weight;
 }
 
 // Columns in which faces between two cells of a row and the one below it along `a` may have no particle on either side,

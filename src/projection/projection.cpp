@@ -60,6 +60,7 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
   if (openings_ != nullptr) openings_->measure(grid_);
   particles_to_grid_.gather(order, halo, motion, cuts_.get());
   surface_.classify(halo);
+  particles_to_grid_.find_empty_faces(cuts_.get(), [&](std::size_t at) { return surface_.is_wet(at); });
   particles_to_grid_.give_back_volumes();
   grid_to_particles_.prepare(halo, {g_dt2, time});
   particles_to_grid_.keep_means();
