@@ -19,7 +19,7 @@ void BodyCoupling::add_cell(LocalId k, LocalId r, LocalId c, const Water& water)
 // The rows of each thread, in integers: no order is seen.
 std::vector<Six> BodyCoupling::pressed(const Water& water) {
   const ProjectionGrid& grid = water.surface.grid();
-  const RigidBodies& bodies = *obstacles_.floating();
+  RigidBodies& bodies = *obstacles_.floating();
   pushes_.clear();
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
     const Range cut = cuts_.cut_columns(k, r);

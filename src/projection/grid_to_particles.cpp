@@ -50,6 +50,23 @@ Real GridToParticles::rate(Real rest2) const {
   return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
 }
 
+// What of the motion of a cell is noise: by the mean square of what the fit leaves, m², over that of its mean. What a
+// fit leaves of a wave is a small part of it.
+Real GridToParticles::part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const {
+  constexpr std::size_t u = sizeof(Places) / sizeof(Real);
+  const CellFields& moments = surface_.water().all_moments();
+  const Real n = moments.number(0, k, r, c);
+  const auto mean = [&](std::size_t axis) { return moments.number(u + axis, k, r, c) / n; };
+  const Vec3 motion(mean(0), mean(1), mean(2) + step_.g_dt2);
+  const Real smooth = cut_noise_mean * motion.squaredNorm();
+  return smooth > 0 ? rest2 / (rest2 + smooth) : 1;
+}
+
+// Whether a solid that does not float cuts the cell.
+bool GridToParticles::is_at_fixed_solid(std::size_t at) const {
+  return surface_.is_cut(at) && !surface_.cuts()->floats(at);
+}
+
 // Whether the surface is at the cell or one of the next above it. Solid cells are wet unless it is beneath them.
 bool GridToParticles::is_near_surface(std::size_t floor, LocalId c) const {
   const LocalId end = std::min(c + cut_noise_cells, surface_.grid().columns());
@@ -97,19 +114,25 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
     if (water.all_moments().number(0, k, r, c) > 0 && (surface_.is_wet(at) || follows(at)))
       rates[static_cast<std::size_t>(c)] = rate(water.spreads().number(numbers::spread - 1, k, r, c));
   }
-  noise_fit_.clear_around(k, r, cells);
+  if (surface_.cuts() != nullptr) fit_cut_cells(k, r, rates);
+  noise_fit_.clear_around(k, r, cells);  // in the memory of the spreads
   fit_flow(rows_around(grid, noise_, {k, r, cells}, memory),
            {water.spreads().row(k, r), rates.data(), noise_fit_.row(k, r)});
-  if (surface_.cuts() == nullptr) return;
+}
+
+void GridToParticles::fit_cut_cells(LocalId k, LocalId r, std::span<const Real> rates) {
+  const ParticlesToGrid& water = surface_.water();
+  const std::size_t floor = surface_.grid().index(k, r, 0);
+  const Range cells = water.filled(k, r), cut = surface_.cuts()->cut_columns(k, r);
   cut_fit_.clear(k, r);
-  const Range cut = surface_.cuts()->cut_columns(k, r);
   for (LocalId c = std::max(cells.begin, cut.begin); c < std::min(cells.end, cut.end); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
-    if (rates[static_cast<std::size_t>(c)] == 0 || !surface_.is_cut(at)) continue;
-    if (!surface_.cuts()->moves_in_water(at) || is_near_surface(floor, c))
-      cut_fit_.set(
-          k, r, c,
-          times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * rates[static_cast<std::size_t>(c)], 1.0)));
+    const Real rate = rates[static_cast<std::size_t>(c)];
+    if (rate == 0 || !surface_.is_cut(at)) continue;
+    if (surface_.cuts()->moves_in_water(at) && !is_near_surface(floor, c)) continue;
+    const Real noise =
+        !is_at_fixed_solid(at) ? 1 : part_of_noise(k, r, c, water.spreads().number(numbers::spread - 1, k, r, c));
+    cut_fit_.set(k, r, c, times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * noise * rate, 1.0)));
   }
 }
 
@@ -232,10 +255,12 @@ void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement
   Vec3 middle;
   for (std::size_t a = 0; a < 3; ++a) middle[static_cast<Eigen::Index>(a)] = by.low[a] + by.rise[a] / 2;
   const Real times_weight = middle.norm() / step_.g_dt2;
-  if (times_weight <= pulled_begins) return;
+  const Real share = is_at_fixed_solid(cell)
+                         ? 1.0
+                         : std::clamp((times_weight - pulled_begins) / (pulled_full - pulled_begins), 0.0, 1.0);
+  if (share == 0) return;
   const AffineMap motion = surface_.water().fit(cell);
   if (motion.weight == 0) return;
-  const Real share = std::min((times_weight - pulled_begins) / (pulled_full - pulled_begins), 1.0);
   pull_back(motion, surface_.grid().per_length(), std::clamp(middle.z(), 0.0, step_.g_dt2), share, by);
 }
 

@@ -86,9 +86,12 @@ class GridToParticles {
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;
+  Real part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const;
+  bool is_at_fixed_solid(std::size_t at) const;
   bool is_near_surface(std::size_t floor, LocalId c) const;
   void find_noise(TentMemory& memory, LocalId k, LocalId r);
   void fit_noise(TentMemory& memory, LocalId k, LocalId r);
+  void fit_cut_cells(LocalId k, LocalId r, std::span<const Real> rates);
 
   const FreeSurface& surface_;
   Real spacing_, h_;

@@ -204,8 +204,7 @@ void ParticlesToGrid::find_empty_faces(const CutCells* cuts, const IsWet& is_wet
 }
 
 template <class IsWet>
-void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts,
-                                       const IsWet& is_wet) {
+void ParticlesToGrid::find_empty_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts, const IsWet& is_wet) {
   const Range cells = cells_without(a, k, r);
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = grid_.index(k, r, c);

@@ -60,6 +60,24 @@ TEST(Submerged, ABallOnASpringSwingsAsAnIdealFluidLetsIt) {
   EXPECT_NEAR(2 * middle / half_period, 1, 0.05);
 }
 
+// Balls of a cell's size and the mass of two particles: cells see their surface as stairs, by which they were spun, the
+// faster the faster they turned, to 1e4 rad/s.
+TEST(Submerged, ASmallLightBallIsNotSpun) {
+  for (const char* const ball : {"radius = 0.12\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n",
+                                 "radius = 0.132\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n"}) {
+    BodyRun run(world,
+                "[domain]\nmin = [0, 0, 0]\nmax = [0.96, 0.96, 3]\n[fluid]\nspacing = 0.06\n[gravity]\n[time]\n"
+                "dt = 0.0166666667\nend = 1\n[[particles]]\nmin = [0, 0, 0]\nmax = [0.96, 0.96, 1.5]\n[[body]]\n"
+                "type = 'sphere'\n" +
+                    std::string(ball));
+    for (int k = 0; k < 40; ++k) {
+      run.steps(1);
+      ASSERT_LT(run.bodies()[0].angular_velocity.norm(), 20) << "step " << k;
+      ASSERT_LT(run.bodies()[0].velocity.norm(), 4) << "step " << k;
+    }
+  }
+}
+
 // By less and less as it gets faster and nears the surface, from (rho - rho_b)/(rho_b + rho/2) g on (Lamb,
 // Hydrodynamics, 6th ed., §92), less in a narrow tank. It was thrown back by as much in the 14th step, and twice as far
 // on in the 15th.

@@ -65,7 +65,7 @@ class RigidBodies {
   /// N s and N m s, of what the pressure has in the ledger of body k, about where its centre is when cells are cut: it
   /// pushes at their faces. About the start of the substep a body that moves would turn by itself, as gravity and the
   /// pressure would not meet in one point.
-  Six pressure_of(std::size_t k, const TotalImpulse& pushes) const { return about_end(k, impulse_of(pushes)); }
+  Six pressure_of(std::size_t k, const TotalImpulse& pushes);
 
  private:
   // Of an account of the ledger, about the centre at the start of the substep.
@@ -82,6 +82,7 @@ class RigidBodies {
   std::vector<Real> arm_unit_;  // m, in which arms of what they meet are counted
   std::vector<Six> given_;      // by the ledger before the projection
   std::vector<Vec3> moved_;     // of the centres in the substep, as cells are cut, m
+  std::vector<Six> of_stairs_;  // of the last pressure, about axes of revolution: not given
   std::vector<Six> expected_;   // twists without the particles that bounce
   Contacts contacts_;
   static constexpr std::size_t numbers = 27;  // of what a body meets: 6 sums, and 21 of a symmetric matrix

@@ -34,23 +34,49 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
   return all;
 }
 
-// The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
-// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has. Triangles may be as large
-// as the sides of a box; the mean over the middles of their edges is exact for squares of the arms.
-Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
-  Mass6 sum{};
-  Real whole = 0;
+// use(arm, normal, area): three pieces of each triangle, at the middles of its edges.
+template <class Use>
+void for_each_piece(const TriangleMesh& mesh, const Vec3& center, const Use& use) {
   for (const auto& [i, j, k] : mesh.triangles) {
     const Vec3 &a = mesh.points[static_cast<std::size_t>(i)], &b = mesh.points[static_cast<std::size_t>(j)],
                &c = mesh.points[static_cast<std::size_t>(k)];
     const Vec3 twice = (b - a).cross(c - a);
     const Real area = twice.norm() / 2;
     if (!(area > 0)) continue;
-    const Vec3 normal = twice / (2 * area);
     for (const Vec3& middle : {Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)})
-      add_square(sum, six_of(normal, (middle - center).cross(normal)), area / 3);
-    whole += area;
+      use(middle - center, Vec3(twice / (2 * area)), area / 3);
   }
+}
+
+// Projects on the axes about which the surface is one of revolution: a pressure of 1 Pa, however it is distributed, has
+// a moment about these of less than a tenth of what it could have.
+Rotation axes_of_revolution(const TriangleMesh& mesh, const Vec3& center) {
+  constexpr Real least = 0.01;
+  Rotation moments = Rotation::Zero(), arms = Rotation::Zero();
+  for_each_piece(mesh, center, [&](const Vec3& arm, const Vec3& normal, Real area) {
+    const Vec3 moment = arm.cross(normal);
+    moments += area * moment * moment.transpose();
+    arms += area * (arm.squaredNorm() * Rotation::Identity() - arm * arm.transpose());
+  });
+  const Eigen::SelfAdjointEigenSolver<Rotation> solver(moments);
+  Rotation sum = Rotation::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vec3 axis = solver.eigenvectors().col(i);
+    if (solver.eigenvalues()[i] < least * axis.dot(arms * axis)) sum += axis * axis.transpose();
+  }
+  return sum;
+}
+
+// The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
+// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has. Triangles may be as large
+// as the sides of a box; the mean over the middles of their edges is exact for squares of the arms.
+Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
+  Mass6 sum{};
+  Real whole = 0;
+  for_each_piece(mesh, center, [&](const Vec3& arm, const Vec3& normal, Real area) {
+    add_square(sum, six_of(normal, arm.cross(normal)), area);
+    whole += area;
+  });
   const Real thickness = std::sqrt(whole / (16 * std::numbers::pi));
   for (Real& one : sum) one *= water * thickness;
   return sum;
@@ -100,7 +126,9 @@ RigidBody::RigidBody(const BodySettings& settings, const Shape& solid, const Vec
   state_.angular_momentum = inertia * settings.angular_velocity;
   state_.last_twist = six_of(state_.velocity, state_.angular_velocity);
   const Real size = (solid.bounds().max - solid.bounds().min).maxCoeff();
-  first_added_ = first_added_mass(solid.surface(size / 200), center_, water);
+  const TriangleMesh surface = solid.surface(size / 200);
+  first_added_ = first_added_mass(surface, center_, water);
+  revolution_ = axes_of_revolution(surface, center_);
   state_.added_mass = first_added_;
   if (!mooring_) return;
   hook_ = turn.transpose() * (mooring_->point.value_or(state_.position) - state_.position);
@@ -199,6 +227,11 @@ void RigidBody::begin(Real dt) {
 void RigidBody::set_twist(const Six& twist) {
   twist_ = twist;
   end_orientation_ = turned(state_.orientation, about_of(twist_) * (dt_ / 2));
+}
+
+Vec3 RigidBody::moment_of_revolution(const Vec3& moment) const {
+  const Rotation turn = rotation_of(end_orientation_);
+  return turn * (revolution_ * (turn.transpose() * moment));
 }
 
 // How much of the answer `found` counts, the rest being that of the water as it is `known`, so that the answer is none
