@@ -95,8 +95,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   app.footer(
       "PETSc options such as -log_view may follow the scene.\nDefaults, definitions and formats are in "
       "inputs/README.md. "
-      "In short: a box is at least one kernel radius wide (two\nspacings), so two dimensions are a tank of that width; "
-      "a "
+      "In short: a box is at least one kernel radius wide (two\nspacings); domain.dimensions = 2 is a layer; a "
       "score has lines \"time pitch length\", such as 0.5 C4 0.25;\nparticle files are HDF5 with /particles/position "
       "(N "
       "x 3), velocity (N x 3) and id (N).\n\nKeys of a scene:\n" +

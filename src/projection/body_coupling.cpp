@@ -27,7 +27,7 @@ std::vector<Six> BodyCoupling::pressed(const Water& water) {
   });
   const std::vector<TotalImpulse> all = pushes_.total(comm_);
   std::vector<Six> impulses;
-  for (std::size_t k = 0; k < all.size(); ++k) impulses.push_back(bodies.pressure_of(k, all[k]));
+  for (std::size_t k = 0; k < all.size(); ++k) impulses.push_back(bodies.take_pressure(k, all[k]));
   return impulses;
 }
 

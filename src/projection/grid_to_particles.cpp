@@ -50,15 +50,13 @@ Real GridToParticles::rate(Real rest2) const {
   return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
 }
 
-// What of the motion of a cell is noise: by the mean square of what the fit leaves, m², over that of its mean. What a
-// fit leaves of a wave is a small part of it.
+// What part of what the fit leaves of a cell, `rest2`, m², is noise: of a smooth motion it is a small part of the mean
+// motion's square.
 Real GridToParticles::part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const {
-  constexpr std::size_t u = sizeof(Places) / sizeof(Real);
-  const CellFields& moments = surface_.water().all_moments();
-  const Real n = moments.number(0, k, r, c);
-  const auto mean = [&](std::size_t axis) { return moments.number(u + axis, k, r, c) / n; };
-  const Vec3 motion(mean(0), mean(1), mean(2) + step_.g_dt2);
-  const Real smooth = cut_noise_mean * motion.squaredNorm();
+  const Moments moments = surface_.water().moments(surface_.grid().index(k, r, c));
+  const ByAxis& u = moments.flow.u;
+  const Vec3 motion(u[0] / moments.at.n, u[1] / moments.at.n, u[2] / moments.at.n + step_.g_dt2);
+  const Real smooth = smooth_rest * motion.squaredNorm();
   return smooth > 0 ? rest2 / (rest2 + smooth) : 1;
 }
 
@@ -130,8 +128,8 @@ void GridToParticles::fit_cut_cells(LocalId k, LocalId r, std::span<const Real> 
     const Real rate = rates[static_cast<std::size_t>(c)];
     if (rate == 0 || !surface_.is_cut(at)) continue;
     if (surface_.cuts()->moves_in_water(at) && !is_near_surface(floor, c)) continue;
-    const Real noise =
-        !is_at_fixed_solid(at) ? 1 : part_of_noise(k, r, c, water.spreads().number(numbers::spread - 1, k, r, c));
+    const Real rest2 = water.spreads().number(numbers::spread - 1, k, r, c);
+    const Real noise = surface_.cuts()->floats(at) ? 1 : part_of_noise(k, r, c, rest2);
     cut_fit_.set(k, r, c, times(water.fits().cell<AffineMap>(k, r, c), std::min(cut_noise * noise * rate, 1.0)));
   }
 }

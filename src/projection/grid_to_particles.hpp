@@ -2,7 +2,8 @@
 //
 // *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction
 // (lowest-order Raviart and Thomas), at the beginning of its path: a force that acts there has no torque about a centre
-// it points to. What exceeds the weight acts by its gradient there (pull_back()). Above the surface it fades out, so
+// it points to. What exceeds the weight by half, and all beyond it in cells that fixed solids cut, acts by its gradient
+// there (pull_back()). Above the surface it fades out, so
 // that water thrown up falls back.
 //
 // *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry what
@@ -17,8 +18,8 @@
 // F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F
 // applied twice: affine motion is not touched, a wave of wavelength L with (h/L)^4. As each fit pulls all the particles
 // that it was made of, with the weights it was made with, its normal equations keep linear and angular momentum. In cut
-// cells, where noise is made, the motion relaxes to the fit itself; at solids that move in the water near the surface
-// only.
+// cells, where noise is made, the motion relaxes to the fit itself, the slower the smoother it is; at solids that move in
+// the water near the surface only.
 //
 // Collective: prepare().
 #pragma once

@@ -110,15 +110,16 @@ constexpr Real cut_return = 0.5;
 /// with 3.5 and 0.98 with 14; a pool that starts with each coordinate off by up to 0.2 s rests at 6e-6 and 5e-5 m²/s².
 constexpr Real noise_time = 12;
 /// Where a solid cuts a cell the motion relaxes to the affine one itself, this many times as fast: there faces and
-/// particles are few, and noise is made. With 45, 38, 30 turned tanks swing 3.2, 2.9, 2.7 % off the plain box at most,
-/// and vessels rest at 6.2e-5, 6.9e-5 m²/s² deep and 1.4e-4, 1.7e-4 shallow in the median with 45 and 38.
+/// particles are few, and noise is made. Whatever the motion, turned tanks swing 3.2, 2.9, 2.7 % off the plain box at
+/// most with 45, 38, 30, and vessels rest at 6.2e-5, 6.9e-5 m²/s² deep and 1.4e-4, 1.7e-4 shallow in the median with 45 and 38.
 constexpr Real cut_noise = 38;
 /// Relaxation of a cut cell is slower by r/(r + this), r being the mean square of what its fit leaves over the square
 /// of its mean motion: of a wave a fit leaves its curvature, which is no noise. With 0, 0.002, 0.005, 0.02 a tank
 /// turned by 20 degrees swings up to 3.0, 2.2, 2.1, 1.4 % off the plain box at 1/60 s, one by 35 degrees on the floor
 /// of the box 5.0, 3.8, 3.3, 2.6 %; water from a lattice in a cylinder of R = 10 s keeps 0.96, 0.92, 0.87, 0.86 in ten
-/// turns, from rings 0.90, 0.91, 0.89, 0.88; vessels turned about three axes rest alike.
-constexpr Real cut_noise_mean = 0.002;
+/// turns, from rings 0.90, 0.91, 0.89, 0.88; vessels turned about three axes rest alike. At bodies that float it is not
+/// slower. The motion is that past the box: water in a vessel that is carried along keeps its noise for longer.
+constexpr Real smooth_rest = 0.002;
 /// From the surface downwards as many cells at solids that move in the water; below, only the filter of all cells acts:
 /// what curves about such a solid is no noise. A ball of 3 and 5 spacings on a spring under water, 1/60 s, keeps 0.91
 /// and 0.96 of its swing in half a period, of an ideal period 1.014 and 1.020, with 4 0.79 and 0.96, to all depths 0.44
@@ -133,9 +134,8 @@ constexpr Real noise_speed = 0.2;
 /// acts in full up to a quarter above, 0.4 % so, and gains 0.5 % where it fades from half a spacing below.
 constexpr Real fade_begins = 0.25, fade_length = 2;
 /// Displacement by pressure in the middle of a cell, over that which bears weight, from which on, and at which in full,
-/// it is pulled back to where paths begin (README.md); in cells that fixed solids cut, where it is not smooth, from 0
-/// on: water that turns at R = 20 s gained 0.6 of its angular momentum in five turns without noise damped as fast. The
-/// pressure in waves is that of their surface, which is where paths begin already: with all of it pulled back waves of
+/// it is pulled back to where paths begin (README.md); in cells that fixed solids cut, where it is not smooth, all of
+/// it: water that turns at R = 20 s would gain 0.6 of its angular momentum in five turns. The pressure in waves is that of their surface, which is where paths begin already: with all of it pulled back waves of
 /// 0.3 of the depth gain 5.5 % of their own energy at 1/60 s for 1.4 %. Without gravity none is: vortices at Re 1000
 /// and 20 across have 0.94 of the energy that they should have at three quarters with it, and 0.97 without.
 constexpr Real pulled_begins = 1.5, pulled_full = 2.5;

@@ -14,7 +14,7 @@
 //   u_f = Σ w_i (u_i + B (x_f − y_i)) / Σ w_i,
 // with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen
 // midway of their paths, which makes it that of the middle of the step: second order in time. Between two cells without
-// particles it is what the fits around say, weighted by their particles.
+// particles, of which one is wet, it is what the fits around say, weighted by their particles.
 //
 // Sums are formed by the owner of a plane in the order of the particles: the same bits on any rank count. Collective:
 // gather().
@@ -42,8 +42,8 @@ class ParticlesToGrid {
   void give_back() { fit_.give_back(); }
   /// All of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
-  /// The displacements of faces without particles on either side, of which others than those of wet cells are asked by
-  /// nobody: is_wet(at).
+  /// After gather(), when cells are classified: the displacements of faces without particles on either side, where a
+  /// cell beside them is wet. Nobody asks for others.
   template <class IsWet>
   void find_empty_faces(const CutCells* cuts, const IsWet& is_wet);
 

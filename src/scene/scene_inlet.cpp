@@ -177,7 +177,7 @@ void read_inlet(Section& section, Scene& scene, const KnownGood& known) {
   section.check(
       "speed",
       section.given("speed") || section.given("flow") || section.given("profile") || section.given("speed_range"),
-      "missing; give speed (m/s) or flow (m³/s), or speed_range where there is music");
+      "missing; give speed (m/s), flow (m³/s) or a profile, or speed_range where there is music");
   read_jet(section, scene, inlet);
   read_times(section, inlet);
   read_in_wall(section, inlet);

@@ -87,6 +87,7 @@ struct Stages {
   void classify() {
     gather();
     surface->classify(water.near.halo());
+    transfer.find_empty_faces(cuts ? &*cuts : nullptr, [&](std::size_t at) { return surface->is_wet(at); });
   }
   void solve(Real g_dt2) {
     transfer.keep_means();

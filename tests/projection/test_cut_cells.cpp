@@ -160,7 +160,7 @@ TEST(CutCells, ARigidRotationHasNoDivergenceInAVessel) {
 // motion passes their faces nevertheless, and a rotation makes no pressure but that of its weight.
 TEST(CutCells, CellsWithoutParticlesMoveWithTheWaterBeside) {
   const Vec3 axis(1.2, 1.2, 1);
-  const auto turned = [&](const Vec3& p) { return Vec3(0.05 * Vec3(axis.y() - p.y(), p.x() - axis.x(), 0)); };
+  const auto turned = [&](const Vec3& p) { return Vec3(0.05 * Vec3(axis.y() - p.y(), p.x() - axis.x(), 0.3)); };
   for (const Real radius : {0.53, 0.8, 0.97}) {
     Vessel vessel(ShapeKind::cylinder, radius, axis);
     const auto within = [&](const Vec3& p) { return (p - axis).head<2>().norm() < radius - h / 4; };

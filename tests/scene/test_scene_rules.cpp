@@ -189,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "check the units"},
         BadScene{appended, std::string(good_inlet) + "radius = 0.1\nflow = 1", "16: [[inlet]] flow", "keep one"},
         BadScene{appended, "[[inlet]]\ncenter = [1, 0.5, 0.5]\nradius = 0.1", "12: [[inlet]] speed",
-                 "give speed (m/s) or flow"},
+                 "give speed (m/s), flow"},
         BadScene{appended, "[[inlet]]\ncenter = [1, 0.5, 0.5]\nradius = 0.1\nflow = 1e6", "15: [[inlet]] flow",
                  "widen the opening"},
         BadScene{appended, std::string(good_inlet) + "radius = 0.1\nrecycle = true", "12: inlet", "add [[drain]]"},

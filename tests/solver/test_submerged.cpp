@@ -60,7 +60,7 @@ TEST(Submerged, ABallOnASpringSwingsAsAnIdealFluidLetsIt) {
   EXPECT_NEAR(2 * middle / half_period, 1, 0.05);
 }
 
-// Balls of a cell's size and the mass of two particles: cells see their surface as stairs, by which they were spun, the
+// Balls two cells across and of the mass of two particles: cells see their surface as stairs, by which they were spun, the
 // faster the faster they turned, to 1e4 rad/s.
 TEST(Submerged, ASmallLightBallIsNotSpun) {
   for (const char* const ball : {"radius = 0.12\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n",

@@ -299,6 +299,7 @@ void Obstacles::finish_bodies(MPI_Comm comm) {
   for (std::size_t k = 0; k < all.size(); ++k) {
     finished_[k].shift += all[k].shift;
     finished_[k].moment += all[k].moment;
+    if (floating_->holds(k)) finished_[k].moment -= floating_->spurious_moment(k - floating_->first());
   }
   ledger_.clear();
 }

@@ -37,7 +37,7 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
   }
   given_.resize(bodies_.size());
   moved_.resize(bodies_.size(), Vec3::Zero());
-  of_stairs_.resize(bodies_.size());
+  spurious_.resize(bodies_.size(), Vec3::Zero());
   expected_.resize(bodies_.size());
   met_.for_each([&](auto& sums) { sums.assign(numbers * bodies_.size(), 0); });
   begin(0);
@@ -81,7 +81,7 @@ void RigidBodies::begin(Real dt) {
     if (dt > 0) body.begin(dt);
   }
   std::fill(given_.begin(), given_.end(), Six{});
-  std::fill(of_stairs_.begin(), of_stairs_.end(), Six{});
+  std::fill(spurious_.begin(), spurious_.end(), Vec3::Zero());
   if (dt > 0) {
     contacts_.find(bodies_, dt);
     contacts_.solve(bodies_);
@@ -134,10 +134,10 @@ Six RigidBodies::about_end(std::size_t k, const Six& impulse) const {
   return six_of(along_of(impulse), about_of(impulse) - moved_[k].cross(along_of(impulse)));
 }
 
-Six RigidBodies::pressure_of(std::size_t k, const TotalImpulse& pushes) {
+Six RigidBodies::take_pressure(std::size_t k, const TotalImpulse& pushes) {
   const Six found = about_end(k, impulse_of(pushes));
-  of_stairs_[k] = six_of(Vec3::Zero(), bodies_[k].moment_of_revolution(about_of(found)));
-  return plus(found, of_stairs_[k], -1);
+  spurious_[k] = bodies_[k].about_axes_of_revolution(about_of(found));
+  return six_of(along_of(found), about_of(found) - spurious_[k]);
 }
 
 void RigidBodies::give(std::span<const TotalImpulse> all) {
@@ -176,7 +176,8 @@ void RigidBodies::hear(std::span<const Six> pressure) {
 void RigidBodies::finish(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Six total = impulse_of(all[first_ + k]);
-    bodies_[k].give(plus(about_end(k, plus(total, given_[k], -1)), of_stairs_[k], -1));
+    bodies_[k].give(about_end(k, plus(total, given_[k], -1)));
+    bodies_[k].give(six_of(Vec3::Zero(), -spurious_[k]));
     bodies_[k].finish(dot(total, total) > 0 || contacts_.touches(k));
   }
 }

@@ -6,8 +6,8 @@
 // decided by them. respond() answers to the pressure, between the cycles of the projection: with the added mass A that
 // the answers so far have shown, (M + A) du = p + F − M u has its fixed point where the body has just the momentum that
 // it was given, and converges for any mass when the estimate of A is more than half of it (Causin, Gerbeau & Nobile,
-// Comput. Methods Appl. Mech. Engrg. 194, 2005, on why explicit staggering cannot). finish() hands over exactly what
-// the ledger says. Collective: settle().
+// Comput. Methods Appl. Mech. Engrg. 194, 2005, on why explicit staggering cannot). finish() hands over what the
+// ledger says, but for spurious moments. Collective: settle().
 #pragma once
 
 #include <functional>
@@ -64,8 +64,12 @@ class RigidBodies {
 
   /// N s and N m s, of what the pressure has in the ledger of body k, about where its centre is when cells are cut: it
   /// pushes at their faces. About the start of the substep a body that moves would turn by itself, as gravity and the
-  /// pressure would not meet in one point.
-  Six pressure_of(std::size_t k, const TotalImpulse& pushes);
+  /// pressure would not meet in one point. Its moment about axes of revolution of the shape is spurious, as the cells
+  /// see stairs, and taken off; finish() takes off the last one. Light balls were spun by it until they burst the
+  /// water.
+  Six take_pressure(std::size_t k, const TotalImpulse& pushes);
+  /// The last moment that was taken off, as the ledger has it.
+  Vec3 spurious_moment(std::size_t k) const { return spurious_[k] * (-dt_ / water_mass_); }
 
  private:
   // Of an account of the ledger, about the centre at the start of the substep.
@@ -82,7 +86,7 @@ class RigidBodies {
   std::vector<Real> arm_unit_;  // m, in which arms of what they meet are counted
   std::vector<Six> given_;      // by the ledger before the projection
   std::vector<Vec3> moved_;     // of the centres in the substep, as cells are cut, m
-  std::vector<Six> of_stairs_;  // of the last pressure, about axes of revolution: not given
+  std::vector<Vec3> spurious_;  // moments of the last pressure about axes of revolution, N m s
   std::vector<Six> expected_;   // twists without the particles that bounce
   Contacts contacts_;
   static constexpr std::size_t numbers = 27;  // of what a body meets: 6 sums, and 21 of a symmetric matrix

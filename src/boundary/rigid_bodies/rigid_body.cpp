@@ -34,37 +34,21 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
   return all;
 }
 
-// use(arm, normal, area): three pieces of each triangle, at the middles of its edges.
-template <class Use>
-void for_each_piece(const TriangleMesh& mesh, const Vec3& center, const Use& use) {
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 &a = mesh.points[static_cast<std::size_t>(i)], &b = mesh.points[static_cast<std::size_t>(j)],
-               &c = mesh.points[static_cast<std::size_t>(k)];
-    const Vec3 twice = (b - a).cross(c - a);
-    const Real area = twice.norm() / 2;
-    if (!(area > 0)) continue;
-    for (const Vec3& middle : {Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)})
-      use(middle - center, Vec3(twice / (2 * area)), area / 3);
+// Projects on the axes of revolution of a shape, in its frame.
+Rotation axes_of_revolution(const BodySettings& settings) {
+  switch (settings.shape) {
+    case ShapeKind::sphere:
+      return Rotation::Identity();
+    case ShapeKind::cylinder:
+    case ShapeKind::capsule:
+    case ShapeKind::torus:
+      return Vec3::Unit(2) * Vec3::Unit(2).transpose();
+    case ShapeKind::basin:
+      if (settings.size.isZero()) return Vec3::Unit(2) * Vec3::Unit(2).transpose();
+      [[fallthrough]];
+    default:
+      return Rotation::Zero();
   }
-}
-
-// Projects on the axes about which the surface is one of revolution: a pressure of 1 Pa, however it is distributed, has
-// a moment about these of less than a tenth of what it could have.
-Rotation axes_of_revolution(const TriangleMesh& mesh, const Vec3& center) {
-  constexpr Real least = 0.01;
-  Rotation moments = Rotation::Zero(), arms = Rotation::Zero();
-  for_each_piece(mesh, center, [&](const Vec3& arm, const Vec3& normal, Real area) {
-    const Vec3 moment = arm.cross(normal);
-    moments += area * moment * moment.transpose();
-    arms += area * (arm.squaredNorm() * Rotation::Identity() - arm * arm.transpose());
-  });
-  const Eigen::SelfAdjointEigenSolver<Rotation> solver(moments);
-  Rotation sum = Rotation::Zero();
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Vec3 axis = solver.eigenvectors().col(i);
-    if (solver.eigenvalues()[i] < least * axis.dot(arms * axis)) sum += axis * axis.transpose();
-  }
-  return sum;
 }
 
 // The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
@@ -73,10 +57,17 @@ Rotation axes_of_revolution(const TriangleMesh& mesh, const Vec3& center) {
 Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
   Mass6 sum{};
   Real whole = 0;
-  for_each_piece(mesh, center, [&](const Vec3& arm, const Vec3& normal, Real area) {
-    add_square(sum, six_of(normal, arm.cross(normal)), area);
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.points[static_cast<std::size_t>(i)], &b = mesh.points[static_cast<std::size_t>(j)],
+               &c = mesh.points[static_cast<std::size_t>(k)];
+    const Vec3 twice = (b - a).cross(c - a);
+    const Real area = twice.norm() / 2;
+    if (!(area > 0)) continue;
+    const Vec3 normal = twice / (2 * area);
+    for (const Vec3& middle : {Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)})
+      add_square(sum, six_of(normal, (middle - center).cross(normal)), area / 3);
     whole += area;
-  });
+  }
   const Real thickness = std::sqrt(whole / (16 * std::numbers::pi));
   for (Real& one : sum) one *= water * thickness;
   return sum;
@@ -126,9 +117,8 @@ RigidBody::RigidBody(const BodySettings& settings, const Shape& solid, const Vec
   state_.angular_momentum = inertia * settings.angular_velocity;
   state_.last_twist = six_of(state_.velocity, state_.angular_velocity);
   const Real size = (solid.bounds().max - solid.bounds().min).maxCoeff();
-  const TriangleMesh surface = solid.surface(size / 200);
-  first_added_ = first_added_mass(surface, center_, water);
-  revolution_ = axes_of_revolution(surface, center_);
+  first_added_ = first_added_mass(solid.surface(size / 200), center_, water);
+  revolution_ = axes_of_revolution(settings);
   state_.added_mass = first_added_;
   if (!mooring_) return;
   hook_ = turn.transpose() * (mooring_->point.value_or(state_.position) - state_.position);
@@ -229,7 +219,7 @@ void RigidBody::set_twist(const Six& twist) {
   end_orientation_ = turned(state_.orientation, about_of(twist_) * (dt_ / 2));
 }
 
-Vec3 RigidBody::moment_of_revolution(const Vec3& moment) const {
+Vec3 RigidBody::about_axes_of_revolution(const Vec3& moment) const {
   const Rotation turn = rotation_of(end_orientation_);
   return turn * (revolution_ * (turn.transpose() * moment));
 }

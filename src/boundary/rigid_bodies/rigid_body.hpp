@@ -51,9 +51,8 @@ class RigidBody {
   Six missing(const Six& pressure) const { return plus(plus(momentum_, pressure), times(inertia_, twist_), -1); }
   /// The pressure's answer to the present twist. What changed since the last one tells of the added mass.
   void hear(const Six& pressure);
-  /// The part of a moment about axes of revolution of its surface. No pressure has one, but that of cells, which see
-  /// stairs: light balls were spun until they burst the water.
-  Vec3 moment_of_revolution(const Vec3& moment) const;
+  /// The part of a moment about axes of revolution of its shape, of which a pressure has none.
+  Vec3 about_axes_of_revolution(const Vec3& moment) const;
   bool is_moored() const { return mooring_.has_value(); }
   /// The least mass against which the mooring pulls, kg: that of the body at its centre, less off it, as it turns.
   Real mass_at_mooring() const;
@@ -90,7 +89,7 @@ class RigidBody {
   bool is_wet_ = false;  // there is pressure
   Mass6 added_{};        // in the world
   Mass6 first_added_{};  // by the shape, in its frame
-  Rotation revolution_;  // projects on its axes of revolution, in its frame
+  Rotation revolution_;  // projects on the axes of revolution of its shape, in its frame
   int answers_ = 0;
   Six asked_{}, answer_{};  // the last twist and the pressure that it got
 };
