@@ -60,8 +60,8 @@ TEST(Submerged, ABallOnASpringSwingsAsAnIdealFluidLetsIt) {
   EXPECT_NEAR(2 * middle / half_period, 1, 0.05);
 }
 
-// Balls two cells across and of the mass of two particles: cells see their surface as stairs, by which they were spun, the
-// faster the faster they turned, to 1e4 rad/s.
+// Balls two cells across and of the mass of two particles: cells see their surface as stairs, by which they were spun,
+// the faster the faster they turned, to 1e4 rad/s.
 TEST(Submerged, ASmallLightBallIsNotSpun) {
   for (const char* const ball : {"radius = 0.12\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n",
                                  "radius = 0.132\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n"}) {
@@ -76,6 +76,17 @@ TEST(Submerged, ASmallLightBallIsNotSpun) {
       ASSERT_LT(run.bodies()[0].velocity.norm(), 4) << "step " << k;
     }
   }
+}
+
+// Where nothing holds the water a ball that spins leaves it at rest, and goes on. Its cells saw stairs that turn: they
+// gave 64 J to the water in half a second.
+TEST(Submerged, ABallThatSpinsMovesNoWater) {
+  BodyRun run(world, tank_with_gravity({.max = "1.6, 1.6, 2", .water = {{"0, 0, 0", "1.6, 1.6, 1.6"}}}) +
+                         "[[body]]\ntype = 'sphere'\nradius = 0.3\ndensity = 1000\ncenter = [0.83, 0.79, 0.8]\n"
+                         "angular_velocity = [0, 0, 10]\n");
+  run.steps(60);
+  EXPECT_NEAR(run.bodies()[0].angular_velocity.z(), 10, 1e-4);
+  EXPECT_LT(run.rows.back().kinetic_energy, 0.3);
 }
 
 // By less and less as it gets faster and nears the surface, from (rho - rho_b)/(rho_b + rho/2) g on (Lamb,

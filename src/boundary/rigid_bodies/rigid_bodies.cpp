@@ -29,6 +29,7 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
       water_mass_(settings.fluid.rest_density * settings.fluid.spacing * settings.fluid.spacing *
                   settings.fluid.spacing),
       h_(settings.fluid.kernel_radius),
+      no_slip_(settings.no_slip),
       contacts_(settings, all) {
   for (const BodySettings& body : settings.bodies) {
     const Body& solid = *all[first_ + bodies_.size()];
@@ -70,8 +71,11 @@ Real RigidBodies::fastest(Real dt) const {
 }
 
 void RigidBodies::place() {
-  for (std::size_t k = 0; k < bodies_.size(); ++k)
-    (*all_)[first_ + k]->place(bodies_[k].pose(), dt_ > 0 ? bodies_[k].end_pose() : bodies_[k].pose());
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const RigidBody& body = bodies_[k];
+    const Pose end = dt_ == 0 ? body.pose() : no_slip_ ? body.end_pose() : body.end_pose_without_spin();
+    (*all_)[first_ + k]->place(body.pose(), end);
+  }
   placed_();
 }
 

@@ -82,6 +82,7 @@ class RigidBodies {
   std::size_t first_;
   Real water_mass_;  // of a particle, kg
   Real h_, dt_ = 0;
+  bool no_slip_;  // a spin about an axis of revolution takes water along only where walls hold it
   std::vector<RigidBody> bodies_;
   std::vector<Real> arm_unit_;  // m, in which arms of what they meet are counted
   std::vector<Six> given_;      // by the ledger before the projection

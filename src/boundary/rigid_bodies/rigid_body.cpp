@@ -219,6 +219,11 @@ void RigidBody::set_twist(const Six& twist) {
   end_orientation_ = turned(state_.orientation, about_of(twist_) * (dt_ / 2));
 }
 
+Pose RigidBody::end_pose_without_spin() const {
+  const Vec3 turning = about_of(twist_);
+  return pose_of(end_position(), turned(state_.orientation, (turning - about_axes_of_revolution(turning)) * (dt_ / 2)));
+}
+
 Vec3 RigidBody::about_axes_of_revolution(const Vec3& moment) const {
   const Rotation turn = rotation_of(end_orientation_);
   return turn * (revolution_ * (turn.transpose() * moment));

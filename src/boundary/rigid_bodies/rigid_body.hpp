@@ -27,6 +27,8 @@ class RigidBody {
   /// Where the frame of the shape is; at the start of a substep, and at its end by the present twist.
   Pose pose() const { return pose_of(state_.position, state_.orientation); }
   Pose end_pose() const { return pose_of(end_position(), end_orientation_); }
+  /// The same without the spin about axes of revolution, which does not change where the surface is.
+  Pose end_pose_without_spin() const;
   Vec3 end_position() const { return state_.position + dt_ * along_of(twist_); }
   /// Kinetic, potential and of the mooring, J.
   Real energy() const;
