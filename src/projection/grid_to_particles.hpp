@@ -18,8 +18,8 @@
 // F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F
 // applied twice: affine motion is not touched, a wave of wavelength L with (h/L)^4. As each fit pulls all the particles
 // that it was made of, with the weights it was made with, its normal equations keep linear and angular momentum. In cut
-// cells, where noise is made, the motion relaxes to the fit itself, the slower the smoother it is; at solids that move in
-// the water near the surface only.
+// cells, where noise is made, the motion relaxes to the fit itself, the slower the smoother it is; at solids that move
+// in the water near the surface only.
 //
 // Collective: prepare().
 #pragma once

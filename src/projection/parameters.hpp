@@ -111,7 +111,8 @@ constexpr Real cut_return = 0.5;
 constexpr Real noise_time = 12;
 /// Where a solid cuts a cell the motion relaxes to the affine one itself, this many times as fast: there faces and
 /// particles are few, and noise is made. Whatever the motion, turned tanks swing 3.2, 2.9, 2.7 % off the plain box at
-/// most with 45, 38, 30, and vessels rest at 6.2e-5, 6.9e-5 m²/s² deep and 1.4e-4, 1.7e-4 shallow in the median with 45 and 38.
+/// most with 45, 38, 30, and vessels rest at 6.2e-5, 6.9e-5 m²/s² deep and 1.4e-4, 1.7e-4 shallow in the median with 45
+/// and 38.
 constexpr Real cut_noise = 38;
 /// Relaxation of a cut cell is slower by r/(r + this), r being the mean square of what its fit leaves over the square
 /// of its mean motion: of a wave a fit leaves its curvature, which is no noise. With 0, 0.002, 0.005, 0.02 a tank
@@ -135,9 +136,10 @@ constexpr Real noise_speed = 0.2;
 constexpr Real fade_begins = 0.25, fade_length = 2;
 /// Displacement by pressure in the middle of a cell, over that which bears weight, from which on, and at which in full,
 /// it is pulled back to where paths begin (README.md); in cells that fixed solids cut, where it is not smooth, all of
-/// it: water that turns at R = 20 s would gain 0.6 of its angular momentum in five turns. The pressure in waves is that of their surface, which is where paths begin already: with all of it pulled back waves of
-/// 0.3 of the depth gain 5.5 % of their own energy at 1/60 s for 1.4 %. Without gravity none is: vortices at Re 1000
-/// and 20 across have 0.94 of the energy that they should have at three quarters with it, and 0.97 without.
+/// it: water that turns at R = 20 s would gain 0.6 of its angular momentum in five turns. The pressure in waves is that
+/// of their surface, which is where paths begin already: with all of it pulled back waves of 0.3 of the depth gain 5.5
+/// % of their own energy at 1/60 s for 1.4 %. Without gravity none is: vortices at Re 1000 and 20 across have 0.94 of
+/// the energy that they should have at three quarters with it, and 0.97 without.
 constexpr Real pulled_begins = 1.5, pulled_full = 2.5;
 /// Least and largest portion that each particle of a face takes of what its displacement has beyond those around
 /// (face_shares.hpp): full water over the water that is there. Shear at 45° from a lattice, 20 across, 1/200 s, keeps
