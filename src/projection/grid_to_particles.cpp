@@ -60,11 +60,6 @@ Real GridToParticles::part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2)
   return smooth > 0 ? rest2 / (rest2 + smooth) : 1;
 }
 
-// Whether a solid that does not float cuts the cell.
-bool GridToParticles::is_at_fixed_solid(std::size_t at) const {
-  return surface_.is_cut(at) && !surface_.cuts()->floats(at);
-}
-
 // Whether the surface is at the cell or one of the next above it. Solid cells are wet unless it is beneath them.
 bool GridToParticles::is_near_surface(std::size_t floor, LocalId c) const {
   const LocalId end = std::min(c + cut_noise_cells, surface_.grid().columns());
@@ -253,9 +248,9 @@ void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement
   Vec3 middle;
   for (std::size_t a = 0; a < 3; ++a) middle[static_cast<Eigen::Index>(a)] = by.low[a] + by.rise[a] / 2;
   const Real times_weight = middle.norm() / step_.g_dt2;
-  const Real share = is_at_fixed_solid(cell)
-                         ? 1.0
-                         : std::clamp((times_weight - pulled_begins) / (pulled_full - pulled_begins), 0.0, 1.0);
+  const bool at_solid = surface_.is_cut(cell) && !surface_.cuts()->floats(cell);
+  const Real share =
+      at_solid ? 1.0 : std::clamp((times_weight - pulled_begins) / (pulled_full - pulled_begins), 0.0, 1.0);
   if (share == 0) return;
   const AffineMap motion = surface_.water().fit(cell);
   if (motion.weight == 0) return;

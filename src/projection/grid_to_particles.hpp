@@ -2,9 +2,8 @@
 //
 // *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction
 // (lowest-order Raviart and Thomas), at the beginning of its path: a force that acts there has no torque about a centre
-// it points to. What exceeds the weight by half, and all beyond it in cells that fixed solids cut, acts by its gradient
-// there (pull_back()). Above the surface it fades out, so
-// that water thrown up falls back.
+// it points to. What exceeds the weight by half, and all beyond it in cells that solids cut, but bodies, acts by its
+// gradient there (pull_back()). Above the surface it fades out, so that water thrown up falls back.
 //
 // *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry what
 // gravity needs along the surface, and stop only what goes into it: with n the mean normal of the surface in the cell,
@@ -88,7 +87,6 @@ class GridToParticles {
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
   Real rate(Real rest2) const;
   Real part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const;
-  bool is_at_fixed_solid(std::size_t at) const;
   bool is_near_surface(std::size_t floor, LocalId c) const;
   void find_noise(TentMemory& memory, LocalId k, LocalId r);
   void fit_noise(TentMemory& memory, LocalId k, LocalId r);

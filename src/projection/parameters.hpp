@@ -135,11 +135,11 @@ constexpr Real noise_speed = 0.2;
 /// acts in full up to a quarter above, 0.4 % so, and gains 0.5 % where it fades from half a spacing below.
 constexpr Real fade_begins = 0.25, fade_length = 2;
 /// Displacement by pressure in the middle of a cell, over that which bears weight, from which on, and at which in full,
-/// it is pulled back to where paths begin (README.md); in cells that fixed solids cut, where it is not smooth, all of
-/// it: water that turns at R = 20 s would gain 0.6 of its angular momentum in five turns. The pressure in waves is that
-/// of their surface, which is where paths begin already: with all of it pulled back waves of 0.3 of the depth gain 5.5
-/// % of their own energy at 1/60 s for 1.4 %. Without gravity none is: vortices at Re 1000 and 20 across have 0.94 of
-/// the energy that they should have at three quarters with it, and 0.97 without.
+/// it is pulled back to where paths begin (README.md); in cells that solids cut, but bodies, where it is not smooth,
+/// all of it: water that turns at R = 20 s would gain 0.6 of its angular momentum in five turns. The pressure in waves
+/// is that of their surface, which is where paths begin already: with all of it pulled back waves of 0.3 of the depth
+/// gain 5.5 % of their own energy at 1/60 s for 1.4 %. Without gravity none is: vortices at Re 1000 and 20 across have
+/// 0.94 of the energy that they should have at three quarters with it, and 0.97 without.
 constexpr Real pulled_begins = 1.5, pulled_full = 2.5;
 /// Least and largest portion that each particle of a face takes of what its displacement has beyond those around
 /// (face_shares.hpp): full water over the water that is there. Shear at 45° from a lattice, 20 across, 1/200 s, keeps

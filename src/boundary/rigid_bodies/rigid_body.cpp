@@ -35,20 +35,11 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
 }
 
 // Projects on the axes of revolution of a shape, in its frame.
-Rotation axes_of_revolution(const BodySettings& settings) {
-  switch (settings.shape) {
-    case ShapeKind::sphere:
-      return Rotation::Identity();
-    case ShapeKind::cylinder:
-    case ShapeKind::capsule:
-    case ShapeKind::torus:
-      return Vec3::Unit(2) * Vec3::Unit(2).transpose();
-    case ShapeKind::basin:
-      if (settings.size.isZero()) return Vec3::Unit(2) * Vec3::Unit(2).transpose();
-      [[fallthrough]];
-    default:
-      return Rotation::Zero();
-  }
+Rotation axes_of_revolution(const BodySettings& body) {
+  if (body.shape == ShapeKind::sphere) return Rotation::Identity();
+  const bool round_about_z = body.shape == ShapeKind::cylinder || body.shape == ShapeKind::capsule ||
+                             body.shape == ShapeKind::torus || (body.shape == ShapeKind::basin && body.size.isZero());
+  return round_about_z ? Rotation(Vec3::Unit(2) * Vec3::Unit(2).transpose()) : Rotation(Rotation::Zero());
 }
 
 // The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
@@ -224,9 +215,9 @@ Pose RigidBody::end_pose_without_spin() const {
   return pose_of(end_position(), turned(state_.orientation, (turning - about_axes_of_revolution(turning)) * (dt_ / 2)));
 }
 
-Vec3 RigidBody::about_axes_of_revolution(const Vec3& moment) const {
+Vec3 RigidBody::about_axes_of_revolution(const Vec3& vector) const {
   const Rotation turn = rotation_of(end_orientation_);
-  return turn * (revolution_ * (turn.transpose() * moment));
+  return turn * (revolution_ * (turn.transpose() * vector));
 }
 
 // How much of the answer `found` counts, the rest being that of the water as it is `known`, so that the answer is none

@@ -53,8 +53,9 @@ class RigidBody {
   Six missing(const Six& pressure) const { return plus(plus(momentum_, pressure), times(inertia_, twist_), -1); }
   /// The pressure's answer to the present twist. What changed since the last one tells of the added mass.
   void hear(const Six& pressure);
-  /// The part of a moment about axes of revolution of its shape, of which a pressure has none.
-  Vec3 about_axes_of_revolution(const Vec3& moment) const;
+  /// The part of a moment or an angular velocity about axes of revolution of its shape: no pressure has such a moment,
+  /// and such a spin leaves the surface where it is.
+  Vec3 about_axes_of_revolution(const Vec3& vector) const;
   bool is_moored() const { return mooring_.has_value(); }
   /// The least mass against which the mooring pulls, kg: that of the body at its centre, less off it, as it turns.
   Real mass_at_mooring() const;
