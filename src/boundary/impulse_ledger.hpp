@@ -23,6 +23,11 @@ struct TotalImpulse {
     moment += other.moment;
     return *this;
   }
+  TotalImpulse& operator-=(const TotalImpulse& other) {
+    shift -= other.shift;
+    moment -= other.moment;
+    return *this;
+  }
 };
 
 /// What an obstacle or the box gives to a particle.

@@ -10,22 +10,25 @@ template <class T>
 void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, std::span<const Vec3> from) const {
   TotalImpulse all;
   for (std::size_t i = 0; i < moved.size(); ++i) all += obstacles_.about_middle(vector_of(moved[i]), from[i]);
-  obstacles_.record_rest(all);
+  TotalImpulse on_walls;
   const ProjectionGrid& grid = surface_.grid();
   const bool beside_wall = grid.is_wall(0, k, r, 1) || grid.is_wall(0, k + 1, r, 1) || grid.is_wall(1, k, r, 1) ||
                            grid.is_wall(1, k, r + 1, 1);
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
-    if (beside_wall || grid.is_wall(2, k, r, c) || grid.is_wall(2, k, r, c + 1)) of_walls(k, r, c);
+    if (beside_wall || grid.is_wall(2, k, r, c) || grid.is_wall(2, k, r, c + 1)) on_walls += of_walls(k, r, c);
   }
+  obstacles_.record_walls(on_walls);
+  all -= on_walls;
   const Range cut = surface_.cuts()->cut_columns(k, r);
-  for (LocalId c = cut.begin; c < cut.end; ++c) of_cell(k, r, c);
+  for (LocalId c = cut.begin; c < cut.end; ++c) all -= of_cell(k, r, c);
+  obstacles_.record_rest(all);
 }
 
 // The pressure of a cell, and of the water over it, on the walls of the box that it touches, at the middles of both.
-void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
+TotalImpulse RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
-  if (!surface_.is_wet(at) || surface_.is_solid(at)) return;
+  if (!surface_.is_wet(at) || surface_.is_solid(at)) return {};
   const Real particles = grid.size().prod() / (spacing_ * spacing_ * spacing_);
   const Real over_top = surface_.is_top(at) ? on_side(at + 1) : 0;
   std::array<Vec3, 2> shifts{Vec3::Zero(), Vec3::Zero()};
@@ -43,12 +46,12 @@ void RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
     if (grid.is_wall(a, k, r, c)) push(at, -1);
     if (grid.is_wall(a, above[0], above[1], above[2])) push(at + grid.step(a), 1);
   }
+  TotalImpulse sum;
   for (std::size_t n = 0; n < shifts.size(); ++n) {
-    if (shifts[n].isZero()) continue;
-    const Vec3 place = surface_.cuts()->middle(k, r, c + static_cast<LocalId>(n));
-    obstacles_.record_projection(obstacles_.box_account(), shifts[n], place);
-    obstacles_.record_projection(obstacles_.rest_account(), -shifts[n], place);
+    if (!shifts[n].isZero())
+      sum += obstacles_.about_middle(shifts[n], surface_.cuts()->middle(k, r, c + static_cast<LocalId>(n)));
   }
+  return sum;
 }
 
 // How fast the pressure grows downwards, m: as in water at rest, and beside a solid that does not float as the pressure
@@ -97,17 +100,17 @@ RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId 
   return {};
 }
 
-// Of the solid nearest to a cell that it cuts.
-void RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
+// Of the solid nearest to a cell that it cuts, which is told of it.
+TotalImpulse RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Pushes pushes = pushes_of_cell(k, r, c);
   const std::size_t nearest = surface_.cuts()->nearest(surface_.grid().index(k, r, c));
   TotalImpulse sum;
   for (std::size_t n = 0; n < pushes.count; ++n) {
     const auto& [shift, place] = pushes.all[n];
     obstacles_.record_projection(nearest, shift, place);
-    sum += obstacles_.about_middle(-shift, place);
+    sum += obstacles_.about_middle(shift, place);
   }
-  if (!sum.shift.isZero(0) || !sum.moment.isZero(0)) obstacles_.record_rest(sum);
+  return sum;
 }
 
 // In the cell before the face, half a cell off it.

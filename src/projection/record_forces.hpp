@@ -28,9 +28,9 @@ class RecordForces {
 
  private:
   Pushes shifts_of_cell(LocalId k, LocalId r, LocalId c) const;
-  void of_cell(LocalId k, LocalId r, LocalId c) const;
+  TotalImpulse of_cell(LocalId k, LocalId r, LocalId c) const;
   Real fall_at(std::size_t top) const;
-  void of_walls(LocalId k, LocalId r, LocalId c) const;
+  TotalImpulse of_walls(LocalId k, LocalId r, LocalId c) const;
   Real phi_at(LocalId k, LocalId r, Real height) const;
 
   const FreeSurface& surface_;

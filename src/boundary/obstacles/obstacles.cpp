@@ -315,10 +315,6 @@ void Obstacles::record_projection(std::size_t account, const Vec3& shift, const 
   ledger_.add(account, {&push, 1});
 }
 
-TotalImpulse Obstacles::about_middle(const Vec3& shift, const Vec3& place) const {
-  return {shift, (place - middle_of_box_).cross(shift)};
-}
-
 TotalImpulse Obstacles::about_account(std::size_t account, const TotalImpulse& part) const {
   if (floating_ && floating_->holds(account)) return {part.shift, Vec3::Zero()};
   return {part.shift, part.moment - reference_of(account).cross(part.shift)};

@@ -3,6 +3,8 @@
 // be called in loops that threads share; move() and clear() may not. Collective: total().
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -121,10 +123,14 @@ class Obstacles {
   /// the last digit. Its moments are about the middle of the box, too.
   std::size_t rest_account() const { return bodies_.size() + 1; }
   /// A shift at a place, with its moment about that middle.
-  TotalImpulse about_middle(const Vec3& shift, const Vec3& place) const;
+  TotalImpulse about_middle(const Vec3& shift, const Vec3& place) const {
+    return {shift, (place - middle_of_box_).cross(shift)};
+  }
   /// What is about that middle, about the point of an obstacle's moments; a body that floats has no couple of it, by
   /// which one that is light would turn.
   TotalImpulse about_account(std::size_t account, const TotalImpulse& part) const;
+  /// What walls of the box have, with its moment about that middle.
+  void record_walls(const TotalImpulse& push) { ledger_.add(box_account(), push); }
   void record_rest(const TotalImpulse& rest) { ledger_.add(rest_account(), rest); }
   /// A part of the rest, with its moment about the middle of the box, that an obstacle gave; not the box.
   void take_from_rest(std::size_t account, const TotalImpulse& part);
