@@ -1,5 +1,6 @@
 #include "projection/record_beside.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace trevi {
@@ -17,6 +18,28 @@ TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion
     sum += obstacles_.about_middle(shift, motion.x[i]);
   }
   return sum;
+}
+
+// The same of the water that fills what is open of a cell, as it moves at the middle of that: by the particles that
+// happen to be there a light body was thrown about, and one of the water's density fell behind water that sloshed.
+TotalImpulse RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const {
+  const ProjectionGrid& grid = from_.surface.grid();
+  const CutCells& cuts = *from_.surface.cuts();
+  const std::size_t here = grid.index(k, r, c);
+  const Real open = cuts.open(here), particles = open * grid.size().prod() / (spacing_ * spacing_ * spacing_);
+  if (open == 0) return {};
+  Vec3 place = cuts.middle(k, r, c), shift;
+  const Vec3 to_solid = cuts.middle_of_solid({k, r, c}, here) - place;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = grid.axis(a);
+    const auto axis = static_cast<Eigen::Index>(b);
+    const Real size = grid.size()[static_cast<Eigen::Index>(a)];
+    const Real off = std::clamp(-to_solid[axis] / size * (1 - open) / open, -0.5, 0.5);
+    shift[axis] = by.low[b] + by.rise[b] * (0.5 + off);
+    place[axis] += off * size;
+  }
+  shift.z() = across ? 0 : shift.z() - g_dt2_;
+  return obstacles_.about_middle(particles * shift, place);
 }
 
 // Of its open part, m.
@@ -104,10 +127,11 @@ TotalImpulse RecordBeside::of_cell(LocalId k, LocalId r, LocalId c, const CellOr
                            static_cast<std::size_t>(order.start(k, row + c + 1) - ghosts), grid.place_of(k, r, c)};
   const bool across = surface.upright() && (!surface.is_wet(here) || surface.is_top(here));
   TotalImpulse given;
-  if (cell.begin < cell.end)
-    given = of_particles(from_.transfer.displacement_by_faces(from_.pressure, k, r, c), motion, cell, across);
-  const TotalImpulse pressed = of_pressure(k, r, c, across);
-  given += {-pressed.shift, -pressed.moment};
+  if (cell.begin < cell.end) {
+    const CellDisplacement by = from_.transfer.displacement_by_faces(from_.pressure, k, r, c);
+    given = surface.cuts()->floats(here) ? of_full(by, k, r, c, across) : of_particles(by, motion, cell, across);
+  }
+  given -= of_pressure(k, r, c, across);
   return given;
 }
 

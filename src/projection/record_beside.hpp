@@ -28,9 +28,10 @@ class RecordBeside {
   TotalImpulse of_cell(LocalId k, LocalId r, LocalId c, const CellOrder& order, const Motion& motion) const;
 
  private:
-  // Both about the middle of the box.
+  // All about the middle of the box.
   TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                             bool across) const;
+  TotalImpulse of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const;
   TotalImpulse of_pressure(LocalId k, LocalId r, LocalId c, bool across) const;
   struct Face {
     std::size_t a;
