@@ -15,6 +15,7 @@ inline const std::string pool = tank_with_gravity({.max = "1.6, 1.2, 2.0", .wate
 struct BodyRun : KeptRun {
   BodyRun(MPI_Comm comm, const std::string& text, const std::vector<std::string>& overrides = {})
       : KeptRun(comm, parse_scene("test.toml", text, overrides)) {}
+  BodyRun(MPI_Comm comm, const Scene& of) : KeptRun(comm, of) {}
   std::vector<BodyState> bodies() const { return solver->bodies(); }
   /// Of water and bodies, J.
   Real energy() const {
