@@ -53,9 +53,9 @@ std::optional<WallRefusal> why_not_in_wall(const InletSettings& inlet, const Set
                                    spacing / 2, spacing)};
   const Real top = inlet.center.z() + inlet.size[1] / 2, bottom = inlet.center.z() - inlet.size[1] / 2;
   if (inlet.level && !(*inlet.level > bottom + spacing && *inlet.level < top + spacing))
-    return WallRefusal{"level",
-                       fmt::format("must be in the opening, or less than a spacing above it, between {:.6g} and {:.6g} m",
-                                   bottom + spacing, top + spacing)};
+    return WallRefusal{
+        "level", fmt::format("must be in the opening, or less than a spacing above it, between {:.6g} and {:.6g} m",
+                             bottom + spacing, top + spacing)};
   return std::nullopt;
 }
 

@@ -68,13 +68,13 @@ TEST(Submerged, ASmallLightBallIsNotSpun) {
   for (const char* const ball : {"radius = 0.12\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n",
                                  "radius = 0.132\ncenter = [0.4986, 0.47256, 0.3]\ndensity = 50\n",
                                  "radius = 0.12\ncenter = [0.48, 0.48, 0.3]\ndensity = 50\n"}) {
-    Scene scene = parse_scene(
-        "test.toml",
-        "[domain]\nmin = [0, 0, 0]\nmax = [0.96, 0.96, 3]\n[fluid]\nspacing = 0.06\n[gravity]\n[time]\n"
-        "dt = 0.0166666667\nend = 1\n[[particles]]\nmin = [0, 0, 0]\nmax = [0.96, 0.96, 1.5]\n[[body]]\n"
-        "type = 'sphere'\n" +
-            std::string(ball),
-        {});
+    Scene scene =
+        parse_scene("test.toml",
+                    "[domain]\nmin = [0, 0, 0]\nmax = [0.96, 0.96, 3]\n[fluid]\nspacing = 0.06\n[gravity]\n[time]\n"
+                    "dt = 0.0166666667\nend = 1\n[[particles]]\nmin = [0, 0, 0]\nmax = [0.96, 0.96, 1.5]\n[[body]]\n"
+                    "type = 'sphere'\n" +
+                        std::string(ball),
+                    {});
     BodySettings& solid = scene.bodies[0];
     if (solid.center.x() == 0.48) {
       solid.mesh = std::make_shared<TriangleMesh>(joined(make_shape(solid)->surface(0.02)));
