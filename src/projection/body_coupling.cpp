@@ -11,9 +11,8 @@ void BodyCoupling::add_cell(LocalId k, LocalId r, LocalId c, const Water& water)
   RecordForces::Pushes pushes = water.forces.pushes_of_cell(k, r, c);
   for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].arm -= bodies.center(nearest);
   pushes_.add(nearest - bodies.first(), {pushes.all.data(), pushes.count});
-  const TotalImpulse given = water.beside.of_cell(k, r, c, water.order, water.motion);
-  if (!given.shift.isZero(0) || !given.moment.isZero(0))
-    pushes_.add(nearest - bodies.first(), obstacles_.about_account(nearest, given));
+  const Vec3 given = water.beside.of_body(k, r, c, water.order);
+  if (!given.isZero(0)) pushes_.add(nearest - bodies.first(), TotalImpulse{given, Vec3::Zero()});
 }
 
 // The rows of each thread, in integers: no order is seen.

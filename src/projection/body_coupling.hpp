@@ -17,13 +17,12 @@ class BodyCoupling {
       : comm_(comm), cuts_(cuts), obstacles_(obstacles), pushes_(obstacles.floating()->count(), h) {}
 
   /// What moves the bodies: `forces` knows the pressure on cells, `beside` what else their closed faces give to the
-  /// particles in `order`.
+  /// water, which is where `order` has particles.
   struct Water {
     const FreeSurface& surface;
     const RecordForces& forces;
     const RecordBeside& beside;
     const CellOrder& order;
-    const Motion& motion;
   };
   /// Pressure and bodies.
   void solve(Pressure& pressure, Halo& halo, const Pressure::Step& step, const Water& water);

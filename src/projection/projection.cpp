@@ -45,12 +45,12 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
                     ? std::make_unique<BodyCoupling>(comm, *cuts_, *obstacles, model.h)
                     : nullptr) {}
 
-void Projection::solve(const CellOrder& order, Halo& halo, const Pressure::Step& step, const Motion& motion) {
+void Projection::solve(const CellOrder& order, Halo& halo, const Pressure::Step& step) {
   if (!coupling_) return pressure_.solve(surface_, halo, step);
   const RecordForces forces(surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2);
   const RecordBeside beside({surface_, pressure_, grid_to_particles_, forces, particles_to_grid_.frame()}, *obstacles_,
                             model_.spacing, step.g_dt2);
-  coupling_->solve(pressure_, halo, step, {surface_, forces, beside, order, motion});
+  coupling_->solve(pressure_, halo, step, {surface_, forces, beside, order});
 }
 
 void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion& motion) {
@@ -64,7 +64,7 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
   particles_to_grid_.give_back_volumes();
   grid_to_particles_.prepare(halo, {g_dt2, time});
   particles_to_grid_.keep_means();
-  solve(order, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()}, motion);
+  solve(order, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
   if (openings_ != nullptr) {
     const Real particles = grid_.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
     for (const Pressure::Inflow& one : pressure_.inflow()) {

@@ -62,7 +62,7 @@ class Projection {
 
  private:
   void measure_rows(const CellOrder& order, Halo& halo);
-  void solve(const CellOrder& order, Halo& halo, const Pressure::Step& step, const Motion& motion);
+  void solve(const CellOrder& order, Halo& halo, const Pressure::Step& step);
   CellRows own_rows() const { return grid_.rows_of({1, grid_.planes() + 1}); }
   template <class T>
   void record_forces(const CellOrder& order, Real g_dt2, const Motion& motion, std::span<Vec4<T>> out) const;

@@ -20,26 +20,28 @@ TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion
   return sum;
 }
 
-// The same of the water that fills what is open of a cell, as it moves at the middle of that: by the particles that
-// happen to be there a light body was thrown about, and one of the water's density fell behind water that sloshed.
-TotalImpulse RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const {
-  const ProjectionGrid& grid = from_.surface.grid();
-  const CutCells& cuts = *from_.surface.cuts();
+// The same of a full cell, that is, of water which fills what is open of it up to the surface, as it moves at the
+// middle of what is open; without what is pulled back. By the particles that happened to be there a light body was
+// thrown about. One of the water's density fell behind water that sloshed.
+Vec3 RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const {
+  const FreeSurface& surface = from_.surface;
+  const ProjectionGrid& grid = surface.grid();
+  const CutCells& cuts = *surface.cuts();
   const std::size_t here = grid.index(k, r, c);
-  const Real open = cuts.open(here), particles = open * grid.size().prod() / (spacing_ * spacing_ * spacing_);
-  if (open == 0) return {};
-  Vec3 place = cuts.middle(k, r, c), shift;
-  const Vec3 to_solid = cuts.middle_of_solid({k, r, c}, here) - place;
+  const Real open = cuts.open(here);
+  if (open == 0) return Vec3::Zero();
+  const Vec3 to_solid = cuts.middle_of_solid({k, r, c}, here) - cuts.middle(k, r, c);
+  Vec3 shift;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
     const auto axis = static_cast<Eigen::Index>(b);
-    const Real size = grid.size()[static_cast<Eigen::Index>(a)];
-    const Real off = std::clamp(-to_solid[axis] / size * (1 - open) / open, -0.5, 0.5);
-    shift[axis] = by.low[b] + by.rise[b] * (0.5 + off);
-    place[axis] += off * size;
+    const Real off = -to_solid[axis] / grid.size()[static_cast<Eigen::Index>(a)] * (1 - open) / open;
+    shift[axis] = by.low[b] + by.rise[b] * (0.5 + std::clamp(off, -0.5, 0.5));
   }
   shift.z() = across ? 0 : shift.z() - g_dt2_;
-  return obstacles_.about_middle(particles * shift, place);
+  const Real part =
+      surface.is_wet(here) ? std::min(surface.height(here), 1.0) : std::clamp(surface.height(here - 1) - 1, 0.0, 1.0);
+  return part * open * grid.size().prod() / (spacing_ * spacing_ * spacing_) * shift;
 }
 
 // Of its open part, m.
@@ -96,7 +98,8 @@ void RecordBeside::of_row(LocalId k, LocalId r, const CellOrder& order, const Mo
   const Range cut = cuts.cut_columns(k, r);
   for (LocalId c = cut.begin; c < cut.end; ++c) {
     const std::size_t here = from_.surface.grid().index(k, r, c);
-    const TotalImpulse given = of_cell(k, r, c, order, motion);
+    const TotalImpulse given =
+        cuts.floats(here) ? TotalImpulse{of_body(k, r, c, order), Vec3::Zero()} : of_obstacle(k, r, c, order, motion);
     if (!given.shift.isZero(0) || !given.moment.isZero(0)) obstacles_.take_from_rest(cuts.nearest(here), given);
   }
 }
@@ -113,26 +116,46 @@ bool RecordBeside::is_under_water(LocalId k, LocalId r, LocalId c) const {
   return false;
 }
 
-// Cells without particles, too: the pressure on the solid in them moves nobody. Of bodies that float only what is under
-// water: one that heaves at the surface would swing ever higher by it.
-TotalImpulse RecordBeside::of_cell(LocalId k, LocalId r, LocalId c, const CellOrder& order,
-                                   const Motion& motion) const {
-  const FreeSurface& surface = from_.surface;
-  const ProjectionGrid& grid = surface.grid();
-  const std::size_t here = grid.index(k, r, c);
-  if (!surface.cuts()->closes_any(grid, here) || !from_.transfer.displaces(here)) return {};
-  if (surface.cuts()->floats(here) && !is_under_water(k, r, c)) return {};
+CellParticles RecordBeside::particles_of(LocalId k, LocalId r, LocalId c, const CellOrder& order) const {
   const LocalId row = r * order.grid().columns(), ghosts = order.low_ghosts();
-  const CellParticles cell{static_cast<std::size_t>(order.start(k, row + c) - ghosts),
-                           static_cast<std::size_t>(order.start(k, row + c + 1) - ghosts), grid.place_of(k, r, c)};
-  const bool across = surface.upright() && (!surface.is_wet(here) || surface.is_top(here));
+  return {static_cast<std::size_t>(order.start(k, row + c) - ghosts),
+          static_cast<std::size_t>(order.start(k, row + c + 1) - ghosts), from_.surface.grid().place_of(k, r, c)};
+}
+
+// Whether a closed face displaces anything there.
+bool RecordBeside::gives(std::size_t here) const {
+  return from_.surface.cuts()->closes_any(from_.surface.grid(), here) && from_.transfer.displaces(here);
+}
+
+bool RecordBeside::is_at_surface(std::size_t here) const {
+  return from_.surface.upright() && (!from_.surface.is_wet(here) || from_.surface.is_top(here));
+}
+
+// Cells without particles, too: the pressure on the solid in them moves nobody.
+TotalImpulse RecordBeside::of_obstacle(LocalId k, LocalId r, LocalId c, const CellOrder& order,
+                                       const Motion& motion) const {
+  const std::size_t here = from_.surface.grid().index(k, r, c);
+  if (!gives(here)) return {};
+  const CellParticles cell = particles_of(k, r, c, order);
+  const bool across = is_at_surface(here);
   TotalImpulse given;
-  if (cell.begin < cell.end) {
-    const CellDisplacement by = from_.transfer.displacement_by_faces(from_.pressure, k, r, c);
-    given = surface.cuts()->floats(here) ? of_full(by, k, r, c, across) : of_particles(by, motion, cell, across);
-  }
+  if (cell.begin < cell.end)
+    given = of_particles(from_.transfer.displacement_by_faces(from_.pressure, k, r, c), motion, cell, across);
   given -= of_pressure(k, r, c, across);
   return given;
+}
+
+// Upwards only under water: a body that heaves at the surface would swing ever higher by it. A cell without particles
+// has no water, whatever its pressure.
+Vec3 RecordBeside::of_body(LocalId k, LocalId r, LocalId c, const CellOrder& order) const {
+  const std::size_t here = from_.surface.grid().index(k, r, c);
+  if (!gives(here)) return Vec3::Zero();
+  const CellParticles cell = particles_of(k, r, c, order);
+  const bool across = is_at_surface(here) || !is_under_water(k, r, c);
+  Vec3 given = Vec3::Zero();
+  if (cell.begin < cell.end)
+    given = of_full(from_.transfer.displacement_by_faces(from_.pressure, k, r, c), k, r, c, across);
+  return given - of_pressure(k, r, c, across).shift;
 }
 
 }  // namespace trevi

@@ -1,7 +1,8 @@
 // Part of the last stage of the projection, beside record_forces: what closed faces give to the particles of a cell
 // that a solid cuts beyond the pressure of the cell, as they take them along with the solid and stop what goes into it.
-// It is the solid's, while the rest of what the transfer leaves over is nobody's. Not collective; on any thread for
-// rows.
+// It is the solid's, while the rest of what the transfer leaves over is nobody's. Of a body that floats it is what they
+// would give to water that fills what is open of the cell, where there is any particle. Not collective; on any thread
+// for rows.
 #pragma once
 
 #include "projection/grid_to_particles.hpp"
@@ -24,20 +25,25 @@ class RecordBeside {
 
   /// Of a row of cells.
   void of_row(LocalId k, LocalId r, const CellOrder& order, const Motion& motion) const;
-  /// Of a cell, about the middle of the box; the pressure need not be the last one.
-  TotalImpulse of_cell(LocalId k, LocalId r, LocalId c, const CellOrder& order, const Motion& motion) const;
+  /// Of a cell that a body cuts which floats; it has no couple of it, by which one that is light would turn. The
+  /// pressure need not be the last one.
+  Vec3 of_body(LocalId k, LocalId r, LocalId c, const CellOrder& order) const;
 
  private:
-  // All about the middle of the box.
+  CellParticles particles_of(LocalId k, LocalId r, LocalId c, const CellOrder& order) const;
+  bool gives(std::size_t here) const;
+  bool is_at_surface(std::size_t here) const;
+  bool is_under_water(LocalId k, LocalId r, LocalId c) const;
+  Vec3 of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const;
+  // Moments are about the middle of the box.
+  TotalImpulse of_obstacle(LocalId k, LocalId r, LocalId c, const CellOrder& order, const Motion& motion) const;
   TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                             bool across) const;
-  TotalImpulse of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const;
   TotalImpulse of_pressure(LocalId k, LocalId r, LocalId c, bool across) const;
   struct Face {
     std::size_t a;
     bool upper;
   };
-  bool is_under_water(LocalId k, LocalId r, LocalId c) const;
   Vec3 middle_of(const Face& face, LocalId k, LocalId r, LocalId c) const;
   Real beyond_own(const Face& face, LocalId k, LocalId r, LocalId c) const;
 

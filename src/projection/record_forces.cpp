@@ -24,7 +24,8 @@ void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, 
   obstacles_.record_rest(all);
 }
 
-// The pressure of a cell, and of the water over it, on the walls of the box that it touches, at the middles of both.
+// The pressure of a cell, and of the water over it, on the walls of the box that it touches, at the middles of both; in
+// sum, about the middle of the box.
 TotalImpulse RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -100,7 +101,8 @@ RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId 
   return {};
 }
 
-// Of the solid nearest to a cell that it cuts, which is told of it.
+// Of the solid nearest to a cell that it cuts, and records it as that solid's. Returns the sum, about the middle of the
+// box.
 TotalImpulse RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Pushes pushes = pushes_of_cell(k, r, c);
   const std::size_t nearest = surface_.cuts()->nearest(surface_.grid().index(k, r, c));

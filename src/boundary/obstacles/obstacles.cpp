@@ -315,15 +315,12 @@ void Obstacles::record_projection(std::size_t account, const Vec3& shift, const 
   ledger_.add(account, {&push, 1});
 }
 
-TotalImpulse Obstacles::about_account(std::size_t account, const TotalImpulse& part) const {
-  if (floating_ && floating_->holds(account)) return {part.shift, Vec3::Zero()};
-  return {part.shift, part.moment - reference_of(account).cross(part.shift)};
-}
-
 void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
-  const TotalImpulse own = about_account(account, part);
+  const Vec3 of_shift = reference_of(account).cross(part.shift);
+  const bool floats = floating_ && floating_->holds(account);
+  const TotalImpulse own{part.shift, floats ? Vec3::Zero() : Vec3(part.moment - of_shift)};
   ledger_.add(account, own);
-  record_rest({-part.shift, -own.moment - reference_of(account).cross(part.shift)});
+  record_rest({-part.shift, -own.moment - of_shift});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {

@@ -126,13 +126,11 @@ class Obstacles {
   TotalImpulse about_middle(const Vec3& shift, const Vec3& place) const {
     return {shift, (place - middle_of_box_).cross(shift)};
   }
-  /// What is about that middle, about the point of an obstacle's moments; a body that floats has no couple of it, by
-  /// which one that is light would turn.
-  TotalImpulse about_account(std::size_t account, const TotalImpulse& part) const;
-  /// What walls of the box have, with its moment about that middle.
+  /// What walls of the box give to the water, with its moment about that middle.
   void record_walls(const TotalImpulse& push) { ledger_.add(box_account(), push); }
   void record_rest(const TotalImpulse& rest) { ledger_.add(rest_account(), rest); }
-  /// A part of the rest, with its moment about the middle of the box, that an obstacle gave; not the box.
+  /// A part of the rest, with its moment about the middle of the box, that an obstacle gave, not the box; of a body
+  /// that floats the force alone.
   void take_from_rest(std::size_t account, const TotalImpulse& part);
   /// Forgets what was recorded before.
   void begin_step();
