@@ -35,7 +35,10 @@ inline Settings many_solids(MPI_Comm comm) {
   for (Real x = 0.3; x < settings.domain.max.x(); x += 0.9) {
     for (const Vec3& place : {Vec3(0, 0.1, 0.5), Vec3(0, 1.2, 0.2), Vec3(0, 2.1, 1.1), Vec3(0, 0.6, 1.6)}) {
       ObstacleSettings solid;
-      solid.center = Vec3(x + shift(generator), place.y() + shift(generator), place.z() + shift(generator));
+      // One after the other: compilers differ in the order of arguments.
+      solid.center.z() = place.z() + shift(generator);
+      solid.center.y() = place.y() + shift(generator);
+      solid.center.x() = x + shift(generator);
       solid.shape = settings.obstacles.size() % 2 == 0 ? ShapeKind::sphere : ShapeKind::box;
       solid.radius = size(generator);
       solid.size = {size(generator) * 2, size(generator) * 2, size(generator) * 2};
