@@ -5,6 +5,7 @@
 // up: cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -66,6 +67,10 @@ class FreeSurface {
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
+  /// How far up a cell water fills it, 0 to 1; the dry cell over a top cell, too, into which that may rise.
+  Real filled_height(std::size_t at) const {
+    return is_wet(at) ? std::min(height(at), 1.0) : std::clamp(height(at - 1) - 1, 0.0, 1.0);
+  }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
   /// Mass of the water of a cell over that of a full one, 1 but where it is thin.

@@ -39,9 +39,7 @@ Vec3 RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, Loc
     shift[axis] = by.low[b] + by.rise[b] * (0.5 + std::clamp(off, -0.5, 0.5));
   }
   shift.z() = across ? 0 : shift.z() - g_dt2_;
-  const Real part =
-      surface.is_wet(here) ? std::min(surface.height(here), 1.0) : std::clamp(surface.height(here - 1) - 1, 0.0, 1.0);
-  return part * open * grid.size().prod() / (spacing_ * spacing_ * spacing_) * shift;
+  return surface.filled_height(here) * open * grid.size().prod() / (spacing_ * spacing_ * spacing_) * shift;
 }
 
 // Of its open part, m.

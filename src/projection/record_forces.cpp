@@ -72,8 +72,8 @@ Real RecordForces::on_side(std::size_t at) const {
     const Real fall = fall_at(at) * surface_.grid().size()[2];
     return height * (phi + fall * (surface_.above_middle(at) - height / 2));
   }
-  if (!surface_.is_top(at - 1) || surface_.height(at - 1) <= 1) return 0;
-  const Real over = std::min(surface_.height(at - 1) - 1, 1.0);
+  const Real over = surface_.filled_height(at);
+  if (over == 0) return 0;
   return -fall_at(at - 1) * surface_.grid().size()[2] * over * over / 2;
 }
 
@@ -96,8 +96,8 @@ RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId 
     const Real fall = fall_at(at), at_rest = -fall * grid.size()[2] * surface_.above_middle(at);
     return cuts.pushes_below({k, r, c}, at, height, {phi - at_rest, fall});
   }
-  if (c > 0 && surface_.is_top(at - 1) && surface_.height(at - 1) > 1)
-    return cuts.pushes_below({k, r, c}, at, std::min(surface_.height(at - 1) - 1, 1.0), {0, fall_at(at - 1)});
+  if (const Real over = surface_.filled_height(at); c > 0 && over > 0)
+    return cuts.pushes_below({k, r, c}, at, over, {0, fall_at(at - 1)});
   return {};
 }
 
