@@ -70,7 +70,7 @@ TEST(CutCellCapacity, CapacitiesAreWhatUniformWaterFills) {
   for (int* const count : {&told, &looked_at}) MPI_Allreduce(MPI_IN_PLACE, count, 1, MPI_INT, MPI_SUM, world);
   std::printf("capacities of %d cells within %.4f; %d differ from what is open\n", looked_at, wrong, told);
   EXPECT_GT(told, 10);
-  EXPECT_LT(wrong, 0.05);
+  EXPECT_LT(wrong, 0.05);  // another arrangement has 0.057, at the edge of a turned box of two cells
 }
 
 // Cuboids of particles that lie on a slab, wherever in a cell it ends, or at a wall on faces of cells: 3 % of the depth
