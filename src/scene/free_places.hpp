@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "boundary/geometry/pose.hpp"
-#include "boundary/geometry/shape.hpp"
+#include "boundary/geometry/solid_test.hpp"
 #include "scene/lattice.hpp"
 #include "trevi/scene.hpp"
 
@@ -27,10 +27,13 @@ class FreePlaces {
 
  private:
   struct Solid {
-    std::unique_ptr<Shape> shape;
+    std::unique_ptr<SolidTest> test;
     Pose pose;
     Real gap;  // m
   };
+  void add(const ObstacleSettings& obstacle, const Pose& pose, Real gap);
+
+  Real spacing_;
   std::vector<Solid> solids_;
   int obstacles_;
 };

@@ -7,6 +7,7 @@
 #include "boundary/geometry/distance_grid.hpp"
 #include "boundary/geometry/mesh_shape.hpp"
 #include "boundary/geometry/pose.hpp"
+#include "boundary/geometry/solid_test.hpp"
 #include "boundary/geometry/tessellation.hpp"
 #include "parallel/reductions.hpp"
 #include "support/cloud.hpp"
@@ -60,6 +61,24 @@ TEST(DistanceGrid, IsAsExactAsItSays) {
         EXPECT_LE(std::abs(rough), std::abs(exact) + 1e-12);
       } else {
         EXPECT_LE(std::abs(rough - exact), std::abs(exact) < h / 4 ? h / 6 : error);
+      }
+    }
+  }
+}
+
+// Blocks from a tenth of the walls' thickness to half of the jug, gaps on both sides of the surface.
+TEST(SolidTest, SaysWhatTheDistanceSays) {
+  std::mt19937 generator(9);
+  std::uniform_real_distribution<Real> number(-1.2, 1.2);
+  for (const bool inside : {false, true}) {
+    const auto mesh = std::make_shared<TriangleMesh>(jug(0.1));
+    const MeshShape shape(mesh, inside);
+    for (const Real edge : {0.01, 0.1, 0.7}) {
+      const SolidTest test(std::make_unique<MeshShape>(mesh, inside), edge);
+      for (int k = 0; k < 1000; ++k) {
+        const Real x = number(generator), y = number(generator);
+        const Vec3 p(x, y, number(generator));
+        for (const Real gap : {-0.3, -0.04, 0.0, 0.03, 0.5}) EXPECT_EQ(test.is_nearer(p, gap), shape.distance(p) < gap);
       }
     }
   }

@@ -8,15 +8,8 @@ namespace trevi {
 namespace {
 
 constexpr int near_intervals = 6, middle_intervals = 2;
-constexpr std::int32_t margin = 4;      // blocks around the bounds
-constexpr Real far_edges = 3;           // in edges of a block: further ones are only bounded
-constexpr Real half_diagonal = 0.8661;  // of a cube, in edges, rounded up
-
-BlockPlace place_of(const Vec3& p, Real edge, std::int32_t more) {
-  return {static_cast<std::int32_t>(std::floor(p.x() / edge)) + more,
-          static_cast<std::int32_t>(std::floor(p.y() / edge)) + more,
-          static_cast<std::int32_t>(std::floor(p.z() / edge)) + more};
-}
+constexpr std::int32_t margin = 4;  // blocks around the bounds
+constexpr Real far_edges = 3;       // in edges of a block: further ones are only bounded
 
 }  // namespace
 
@@ -25,13 +18,13 @@ DistanceGrid::DistanceGrid(const Shape& shape, Real h)
       edge_(h),
       vessel_(shape.distance(shape.bounds().max + Vec3::Constant(h)) < 0),
       bounds_(shape.bounds()),
-      low_(place_of(bounds_.min, edge_, -margin)),
-      high_(place_of(bounds_.max, edge_, margin + 1)),
+      low_(shifted_place(block_place(bounds_.min, edge_), -margin)),
+      high_(shifted_place(block_place(bounds_.max, edge_), margin + 1)),
       blocks_(low_, high_) {}
 
 std::unique_ptr<DistanceGrid::Block> DistanceGrid::make(const BlockPlace& place) const {
   auto block = std::make_unique<Block>();
-  const Vec3 corner = edge_ * Vec3(place[0], place[1], place[2]);
+  const Vec3 corner = corner_of(place, edge_);
   const Real middle = shape_.distance(corner + Vec3::Constant(edge_ / 2));
   const Real least = std::abs(middle) - half_diagonal * edge_;
   if (least > far_edges * edge_) {
@@ -55,7 +48,7 @@ DistanceGrid::Rough DistanceGrid::beyond(const Vec3& p) const {
 }
 
 DistanceGrid::Rough DistanceGrid::at(const Vec3& p) const {
-  const BlockPlace place = place_of(p, edge_, 0);
+  const BlockPlace place = block_place(p, edge_);
   for (std::size_t a = 0; a < 3; ++a) {
     if (place[a] < low_[a] || place[a] >= high_[a]) return beyond(p);
   }

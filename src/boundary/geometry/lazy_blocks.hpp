@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -13,6 +14,18 @@
 namespace trevi {
 
 using BlockPlace = std::array<std::int32_t, 3>;
+
+/// That of a point, in a grid of blocks of that edge, m.
+inline BlockPlace block_place(const Vec3& p, Real edge) {
+  return {static_cast<std::int32_t>(std::floor(p.x() / edge)), static_cast<std::int32_t>(std::floor(p.y() / edge)),
+          static_cast<std::int32_t>(std::floor(p.z() / edge))};
+}
+inline BlockPlace shifted_place(const BlockPlace& place, std::int32_t by) {
+  return {place[0] + by, place[1] + by, place[2] + by};
+}
+inline Vec3 corner_of(const BlockPlace& place, Real edge) { return edge * Vec3(place[0], place[1], place[2]); }
+/// Of a cube, in edges, rounded up.
+constexpr Real half_diagonal = 0.8661;
 
 template <class Block>
 class LazyBlocks {

@@ -22,9 +22,8 @@ class MeshShape : public Shape {
   TriangleMesh surface(Real) const override { return *mesh_; }
 
  private:
-  // Of a tree in one array: a leaf has triangles [first, first + count) of order_, another node children first and
-  // first
-  // + 1.
+  // Of a tree in one array: a leaf has triangles [first, first + count) of order_, another node the children `first`
+  // and first + 1.
   struct Node {
     Box box;
     std::int32_t first = 0, count = 0;

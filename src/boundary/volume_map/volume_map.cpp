@@ -9,15 +9,6 @@ namespace trevi {
 
 namespace {
 
-BlockPlace place_of(const Vec3& p, Real size) {
-  return {static_cast<std::int32_t>(std::floor(p.x() / size)), static_cast<std::int32_t>(std::floor(p.y() / size)),
-          static_cast<std::int32_t>(std::floor(p.z() / size))};
-}
-
-BlockPlace moved(const BlockPlace& place, std::int32_t by) { return {place[0] + by, place[1] + by, place[2] + by}; }
-
-Vec3 corner_of(const BlockPlace& place, Real size) { return size * Vec3(place[0], place[1], place[2]); }
-
 // Of the kernel over a cell that begins at `corner`, by 4³ points: its peak is sharp. Of a kernel in the plane across
 // coordinate `along` only the cells on both sides of it have any.
 Real mean_over_cell(const Kernel& kernel, const Vec3& corner, Real size, Real h, std::optional<Eigen::Index> along) {
@@ -48,9 +39,9 @@ VolumeMap::VolumeMap(const Shape& shape, const Kernel& kernel, Real h, const std
       node_(h / (static_cast<Real>(reach) / fine)),
       vessel_(shape.distance(shape.bounds().max + Vec3::Constant(h)) < 0),
       plane_(kernel, h),
-      low_(moved(place_of(shape.bounds().min, block * node_), -2)),
-      high_(moved(place_of(shape.bounds().max, block * node_), 3)),
-      cells_(moved(low_, -1), moved(high_, 1)),
+      low_(shifted_place(block_place(shape.bounds().min, block * node_), -2)),
+      high_(shifted_place(block_place(shape.bounds().max, block * node_), 3)),
+      cells_(shifted_place(low_, -1), shifted_place(high_, 1)),
       nodes_(low_, high_) {
   weigh_cells(kernel);
 }
@@ -100,7 +91,6 @@ Real VolumeMap::cut_fraction(const Vec3& middle, Real size) const {
 // By groups of 4³ cells, most of which the surface does not meet.
 void VolumeMap::fill_cells(const Vec3& corner, Cells& cells) const {
   constexpr int group = 4;
-  constexpr Real half_diagonal = 0.8661;  // of a cube, in edges, rounded up
   const Real cell = node_ / fine;
   cells.fraction.assign(edge * edge * edge, 0.0F);
   const auto middle = [&](int x, int y, int z, int count) {
@@ -127,7 +117,7 @@ std::unique_ptr<VolumeMap::Cells> VolumeMap::make_cells(const BlockPlace& place)
   const Real size = block * node_;
   const Vec3 corner = corner_of(place, size);
   const Real far = solid_distance(corner + Vec3::Constant(size / 2));
-  if (std::abs(far) > 0.8661 * size) {
+  if (std::abs(far) > half_diagonal * size) {
     cells->kind = far < 0 ? Kind::full : Kind::empty;
     return cells;
   }
@@ -204,7 +194,7 @@ std::unique_ptr<VolumeMap::Nodes> VolumeMap::make_nodes(const BlockPlace& place)
   return result;
 }
 
-BlockPlace VolumeMap::block_of(const Vec3& p) const { return place_of(p, block * node_); }
+BlockPlace VolumeMap::block_of(const Vec3& p) const { return block_place(p, block * node_); }
 
 bool VolumeMap::covers(const BlockPlace& place) const {
   bool inside = true;
