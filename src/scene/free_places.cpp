@@ -6,9 +6,23 @@
 
 namespace trevi {
 
+namespace {
+
+constexpr Real rounding = 1e-6;  // spacings; a lattice that fits just beside a solid stays whole
+
+// From 0 to 7, another one at any eight neighbours along an axis; below 4 at every second place, below 2 at each
+// fourth.
+unsigned order_of(const Vec3& p, Real spacing) {
+  constexpr Real off = 0.25;  // off the faces and the middles of cells
+  const Eigen::Array3d cell = (p.array() / spacing + off).floor();
+  const auto sum = static_cast<unsigned>(static_cast<std::int64_t>(cell.sum()));
+  return (sum & 1) << 2 | (sum & 2) | (sum >> 2 & 1);
+}
+
+}  // namespace
+
 FreePlaces::FreePlaces(const Scene& scene, Real time)
     : spacing_(scene.fluid.spacing), obstacles_(static_cast<int>(scene.obstacles.size())) {
-  constexpr Real rounding = 1e-6;  // a lattice that fits just beside a solid stays whole
   const Real gap = (0.5 - rounding) * spacing_;
   const auto is_known = [time](const ObstacleSettings& obstacle) {  // where a paddle that absorbs is, the water says
     return time == 0 || !obstacle.wavemaker || !obstacle.wavemaker->absorb;
@@ -25,8 +39,26 @@ void FreePlaces::add(const ObstacleSettings& obstacle, const Pose& pose, Real ga
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {
-  return std::all_of(solids_.begin(), solids_.end(),
-                     [&](const Solid& solid) { return !solid.test->is_nearer(solid.pose.into_body(p), solid.gap); });
+  return std::none_of(solids_.begin(), solids_.end(), [&](const Solid& solid) {
+    return solid.gap > 0 ? is_nearer(solid, p, solid.gap) : displaces(solid, p);
+  });
+}
+
+bool FreePlaces::is_nearer(const Solid& solid, const Vec3& p, Real gap) const {
+  return solid.test->is_nearer(solid.pose.into_body(p), gap);
+}
+
+// Of places on its surface it takes as many as there is of the solid around them, half of those on a face: a body whose
+// faces are planes of the lattice displaces its volume, too.
+bool FreePlaces::displaces(const Solid& solid, const Vec3& p) const {
+  if (is_nearer(solid, p, -rounding * spacing_)) return true;
+  if (!is_nearer(solid, p, rounding * spacing_)) return false;
+  unsigned inside = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 to_corner = spacing_ / 4 * Vec3(k % 2 * 2 - 1, k / 2 % 2 * 2 - 1, k / 4 * 2 - 1);
+    inside += is_nearer(solid, p + to_corner, 0) ? 1U : 0U;
+  }
+  return order_of(p, spacing_) < inside;
 }
 
 std::string FreePlaces::name_of(int solid) const {
@@ -35,7 +67,7 @@ std::string FreePlaces::name_of(int solid) const {
 
 int FreePlaces::solid_at(const Vec3& p, Real depth) const {
   for (std::size_t k = 0; k < solids_.size(); ++k)
-    if (solids_[k].test->is_nearer(solids_[k].pose.into_body(p), -depth)) return static_cast<int>(k);
+    if (is_nearer(solids_[k], p, -depth)) return static_cast<int>(k);
   return -1;
 }
 

@@ -1,6 +1,6 @@
 // Where water can be at the start, or when a run goes on: not in an obstacle, nor nearer to one than half a spacing, as
-// at the walls of the box. A body leaves out just the water that it displaces: water that falls into a gap around it
-// takes it along. Not collective.
+// at the walls of the box. A body leaves out just the water that it displaces, and of places on its surface as much as it
+// fills of the space around them: water that falls into a gap around it takes it along. Not collective.
 #pragma once
 
 #include <memory>
@@ -32,6 +32,8 @@ class FreePlaces {
     Real gap;  // m
   };
   void add(const ObstacleSettings& obstacle, const Pose& pose, Real gap);
+  bool is_nearer(const Solid& solid, const Vec3& p, Real gap) const;
+  bool displaces(const Solid& body, const Vec3& p) const;
 
   Real spacing_;
   std::vector<Solid> solids_;

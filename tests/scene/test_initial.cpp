@@ -84,6 +84,21 @@ TEST(InitialParticles, LeaveOutWhatABodyDisplaces) {
   EXPECT_NEAR(static_cast<Real>(taken) / places, displaced, 0.03 * displaced);
 }
 
+// Faces on planes of the lattice, edges and corners on its points.
+TEST(InitialParticles, LeaveOutTheVolumeOfABodyOnTheLattice) {
+  for (const auto& [size, volume] :
+       {std::pair{"[0.4, 0.4, 0.4]", 64.0}, {"[0.6, 0.4, 0.2]", 48.0}, {"[0.6, 0.3, 0.5]", 90.0}}) {
+    GlobalId taken = 0;
+    for (int k = 0; k < 8; ++k) {
+      taken += 2000 - static_cast<GlobalId>(start_of(fmt::format("[[body]]\ntype = \"box\"\ncenter = [{}, 0.55, 0.45]\n"
+                                                                 "size = {}\ndensity = 500\n",
+                                                                 0.65 + 0.1 * k, size))
+                                                .id.size());
+    }
+    EXPECT_NEAR(static_cast<Real>(taken) / 8, volume, 1e-9) << size;
+  }
+}
+
 // Where the expression is no number on one rank alone, too.
 TEST(InitialParticles, RefuseAnExpressionThatIsNoNumberOnAllRanks) {
   for (const char* key : {"velocity = [\"sqrt(1.9-x)\", \"0\", \"0\"]\n", "surface = \"sqrt(1.9-x)\"\n"}) {
