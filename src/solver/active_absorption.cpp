@@ -38,6 +38,7 @@ ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> s
     const Real smoothed = 1 / std::sqrt(1 + way * way);  // what smoothing leaves of a wave
     const Real transfer = biesel_transfer(maker.kind, k * maker.depth);
     paddles_.push_back({n, maker, PaddleMotion(maker), omega / (transfer * seen * smoothed), lag, seen, k * transfer,
+                        evanescent_transfer(maker.kind, k * maker.depth, strip_ / maker.depth),
                         (settings.domain.max - settings.domain.min)[1 - axis], std::max(0.0, room)});
   }
   state_.resize(3 * paddles_.size(), 0);
@@ -81,7 +82,7 @@ void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const Ste
     const auto kept = [&](Real seconds) { return elementary::exp(-info.dt / seconds); };
     const Real level = level_before(comm, paddle, own + before, particles);
     const Real waves = paddle.seen * paddle.motion.level(std::max(0.0, info.time - paddle.lag));
-    const Real back = level - waves - paddle.slope * own * own;
+    const Real back = level - waves - paddle.slope * own * own - paddle.beside * (own + before);
     smooth = back + (smooth - back) * kept(paddle.lag);
     mean = smooth + (mean - smooth) * kept(mean_periods * paddle.maker.period);
     const Real offset = (before - info.dt * paddle.gain * (smooth - mean)) * kept(return_periods * paddle.maker.period);

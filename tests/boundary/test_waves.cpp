@@ -56,6 +56,17 @@ TEST(Waves, PaddlesHaveBieselsTransfer) {
               4 * std::sinh(kd) / kd * (kd * std::sinh(kd) - std::cosh(kd) + 1) / (std::sinh(2 * kd) + 2 * kd), 1e-13);
 }
 
+// What the face sweeps, the depth or half of it times its displacement, goes away as a wave, c0/k, or stays beside it.
+TEST(Waves, LevelBesideAPaddleIsWhatDoesNotGoAway) {
+  constexpr Real wide = 1000;
+  for (const PaddleKind kind : {PaddleKind::piston, PaddleKind::flap}) {
+    for (const Real kd : {0.2, 0.8, 1.6, 3.0}) {
+      const Real swept = kind == PaddleKind::piston ? 1 : 0.5;
+      EXPECT_NEAR(wide * evanescent_transfer(kind, kd, wide), swept - biesel_transfer(kind, kd) / kd, 5e-4) << kd;
+    }
+  }
+}
+
 TEST(Waves, IrregularWavesHaveTheEnergyOfTheirHeight) {
   WavemakerSettings maker = regular_waves();
   maker.wave = WaveKind::irregular;

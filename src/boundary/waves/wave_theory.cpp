@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "boundary/geometry/pose.hpp"
 #include "boundary/waves/elementary.hpp"
 #include "trevi/forcing.hpp"
 
@@ -33,6 +34,30 @@ Real biesel_transfer(PaddleKind kind, Real kd) {
   if (kind == PaddleKind::piston) return 2 * ((1 + e2) / 2 - e) / below;
   const Real s = (1 - e) / 2, c = (1 + e) / 2, one = elementary::exp(-kd);  // each over e^kd
   return 4 * s / kd * (kd * s - c + one) / below;
+}
+
+// Modes e^(-k_j x) cos k_j z with x tan x = -kd tanh kd, x = k_j d between (j - 1/2) pi and j pi: each has sin x <f,
+// Z>/<Z²> of the displacement, f being that of the face at a height over that at the surface, and Z the mode.
+Real evanescent_transfer(PaddleKind kind, Real kd, Real strip) {
+  constexpr int modes = 16, halvings = 50;
+  const Real deep = kd * elementary::tanh(kd);
+  Real sum = 0;
+  for (int j = 1; j <= modes; ++j) {
+    const auto of = [&](Real below) { return sine_cosine_of_turns(j / 2.0 - below); };  // below j pi, in turns
+    Real low = 0, high = 0.25;
+    for (int n = 0; n < halvings; ++n) {
+      const Real middle = (low + high) / 2, x = two_pi * (j / 2.0 - middle);
+      const auto [sine, cosine] = of(middle);
+      // From deep cos j pi at 0 to -x cos j pi at a quarter.
+      ((x * sine + deep * cosine) * (j % 2 == 0 ? 1 : -1) > 0 ? low : high) = middle;
+    }
+    const Real x = two_pi * (j / 2.0 - low);
+    const auto [sine, cosine] = of(low);
+    const Real face = kind == PaddleKind::piston ? sine : sine + (cosine - 1) / x;  // times x
+    const Real mean = (1 - elementary::exp(-x * strip)) / (x * strip);
+    sum += 4 * sine * face / (2 * x + 2 * sine * cosine) * mean;
+  }
+  return sum;
 }
 
 Real madsen_correction(Real height, Real kd, Real depth) {

@@ -17,6 +17,10 @@ Real wave_number(Real omega, Real depth, Real gravity);
 /// still water's surface; its hinge is on the floor.
 Real biesel_transfer(PaddleKind kind, Real k_depth);
 
+/// Of the level before a paddle over its displacement at the surface what does not go away as a wave (evanescent
+/// modes), in the mean over a strip that is so many depths wide, from the face on. In phase with the displacement.
+Real evanescent_transfer(PaddleKind kind, Real k_depth, Real strip_depths);
+
 /// Amplitude of sin 2 omega t that a piston with S/2 sin omega t needs besides, so that no free wave of twice the
 /// frequency goes with a wave of height H (Madsen, equation 17).
 Real madsen_correction(Real height, Real k_depth, Real depth);
