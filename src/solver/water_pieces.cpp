@@ -170,7 +170,7 @@ bool WaterPieces::find_ends(const CellOrder& order) {
   for (std::size_t run = 0; run < own_.size(); ++run) {
     if (labels_[run] == touching) continue;
     for (std::size_t a = 0; a < 3; ++a) {
-      if ((of_roots_[run] >> static_cast<unsigned>(order.grid().axis(a)) & 1U) != 0) continue;
+      if ((static_cast<unsigned>(of_roots_[run]) >> static_cast<unsigned>(order.grid().axis(a)) & 1U) != 0) continue;
       const bool is_cut = a == 0 || (a == 1 && order.rows_are_cut());
       if (!is_cut || order.grid().is_periodic(a) || goes_on[run][a] != (low | high)) return true;
     }
