@@ -299,58 +299,6 @@ TEST(Bodies, ALightBallRisesAndJumps) {
   EXPECT_LT(fastest, 4.5);
 }
 
-// ---- contacts
-const std::string dry = tank_with_gravity({.max = "2, 2, 2", .water = {{"0, 0, 0", "0.2, 0.2, 0.2"}}});
-
-TEST(Contacts, ABallBouncesAsHighAsItsRestitutionSays) {
-  BodyRun run(world, dry +
-                         "[walls]\nrestitution = 0.8\n[[body]]\ntype = \"sphere\"\ncenter = [1.2, 1.2, 1.2]\n"
-                         "radius = 0.2\ndensity = 500\n");
-  Real lowest = 2, highest = 0;
-  for (int k = 0; k < 60; ++k) {
-    run.steps(1);
-    const Real z = run.bodies()[0].position.z();
-    lowest = std::min(lowest, z);
-    if (run.bodies()[0].velocity.z() > 0 || highest > 0) highest = std::max(highest, z);
-  }
-  EXPECT_GT(lowest, 0.2 - 0.005);
-  EXPECT_NEAR(highest - 0.2, 0.64, 0.1);
-}
-
-// And nothing is in anything by more than 0.05 spacings.
-TEST(Contacts, AStackRests) {
-  std::string text = dry + "[walls]\nrestitution = 0\n";
-  for (int k = 0; k < 3; ++k)
-    text += fmt::format(
-        "[[body]]\ntype = \"box\"\ncenter = [1.2, 1.2, {}]\nsize = [0.4, 0.4, 0.3]\ndensity = 500\n"
-        "friction = 0.5\n",
-        0.2 + 0.4 * k);
-  BodyRun run(world, text);
-  for (int k = 0; k < 120; ++k) {
-    run.steps(1);
-    for (std::size_t n = 0; n < 3; ++n)
-      EXPECT_GT(run.bodies()[n].position.z(), 0.15 + 0.3 * static_cast<Real>(n) - 0.005 * static_cast<Real>(n + 1));
-  }
-  for (std::size_t n = 0; n < 3; ++n) {
-    EXPECT_NEAR(run.bodies()[n].position.z(), 0.15 + 0.3 * static_cast<Real>(n), 0.01);
-    EXPECT_LT(run.bodies()[n].velocity.norm(), 0.02);
-  }
-}
-
-// Gravity that leans stands for a slope.
-TEST(Contacts, FrictionHoldsABoxOnASlope) {
-  for (const Real slope : {0.3, 0.5}) {
-    BodyRun run(world,
-                dry + fmt::format("acceleration = [{}, 0, -9]\n[walls]\nrestitution = 0\n[[body]]\ntype = \"box\"\n"
-                                  "center = [0.8, 1.2, 0.15]\nsize = [0.6, 0.6, 0.3]\ndensity = 500\n"
-                                  "friction = 0.4\n",
-                                  9 * slope));
-    run.steps(30);
-    const Real slid = slope > 0.4 ? 9 * (slope - 0.4) * 0.125 : 0;
-    EXPECT_NEAR(run.bodies()[0].position.x() - 0.8, slid, 0.02) << slope;
-  }
-}
-
 // It was found in the run, when the body was no number.
 TEST(BodyInput, IsRefusedWhereItsMooringWouldThrowItOutOfAllNumbers) {
   const std::string text = pool + light_ball + "mooring = { anchor = [1e200, 0, 0], stiffness = 1, length = 1 }\n";

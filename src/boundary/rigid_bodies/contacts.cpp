@@ -64,8 +64,15 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
     is_convex_.push_back(is_convex(one));
     is_ball_.push_back(is_ball_.size() >= first_ && one.shape == ShapeKind::sphere);
   };
-  for (const ObstacleSettings& one : settings.obstacles) note(one);
-  constexpr Real parts = 24;  // of a large body
+  constexpr Real parts = 24, parts_of_obstacle = 48;  // of what is large
+  constexpr Real edge = 0.02;                         // spacings
+  for (const ObstacleSettings& one : settings.obstacles) {
+    const Shape& shape = all[edges_.size()]->shape();
+    const Real size = (shape.bounds().max - shape.bounds().min).maxCoeff();
+    note(one);
+    const auto points = points_of(shape.surface(spacing_ / 50), std::max(spacing_, size / parts_of_obstacle));
+    edges_.push_back(sharp_of(shape, points, edge * spacing_));
+  }
   for (const BodySettings& one : settings.bodies) {
     note(one);
     const Shape& shape = all[first_ + points_.size()]->shape();
@@ -76,6 +83,7 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
     for (const Vec3& p : points_.back()) middles_.back().push_back(round_.back().middle_of(p));
     keep_one_of_each(middles_.back(), 1e-6 * size);
     note_walls_reached_through(one);
+    leave_out_edges_in(one, shape, settings);
   }
 }
 
@@ -98,6 +106,17 @@ void Contacts::note_walls_reached_through(const BodySettings& body) {
       goes_through[static_cast<std::size_t>(a)][side < 0 ? 0 : 1] =
           std::any_of(points_.back().begin(), points_.back().end(),
                       [&](const Vec3& p) { return gap_to(box_, a, side, start.into_world(p)) < -rounding * spacing_; });
+}
+
+// An obstacle that begins within a body is its bearing.
+void Contacts::leave_out_edges_in(const BodySettings& body, const Shape& shape, const Settings& settings) {
+  const Pose start = BodyMotion(body).at(0);
+  for (std::size_t n = 0; n < first_; ++n) {
+    const Pose there = BodyMotion(settings.obstacles[n]).at(0);
+    std::erase_if(edges_[n], [&](const Vec3& p) {
+      return shape.distance(start.into_body(there.into_world(p))) < -slack * spacing_;
+    });
+  }
 }
 
 void Contacts::find(const std::vector<RigidBody>& bodies, Real dt) {
@@ -147,21 +166,24 @@ void Contacts::find_walls(const std::vector<RigidBody>& bodies, std::size_t k) {
 }
 
 // What of body k is nearer than `margin` to something: of what is round of it, where it is nearest. Something convex
-// has one such place for each ball.
+// has one such place for each ball. The normal is taken from within what is round: on an edge, or just inside, that of
+// the solid is a face's, which would make a ball spin that has no friction.
 template <class Gap, class Normal>
 std::vector<Contacts::Near> Contacts::near_points(std::size_t k, bool convex, Real margin, const Gap& gap_of,
                                                   const Normal& normal_at) const {
   const Pose& pose = poses_[first_ + k];
   const Round& round = round_[k];
   std::vector<Near> near;
-  const auto note = [&](Real gap, const Vec3& p) {
-    if (gap < margin) near.push_back({gap, p, normal_at(p), Vec3::Zero()});
+  const auto note = [&](Real gap, const Vec3& p, const Vec3& normal) {
+    if (gap < margin) near.push_back({gap, p, normal, Vec3::Zero()});
   };
   if (convex && round.radius > 0 && !round.is_side()) {
     for (const Vec3& middle : middles_[k]) {
       const Vec3 m = pose.into_world(middle);
       const Real gap = gap_of(m) - round.radius;
-      if (gap < margin) note(gap, m - round.radius * normal_at(m));
+      if (gap >= margin) continue;
+      const Vec3 normal = normal_at(m);
+      note(gap, m - round.radius * normal, normal);
     }
     return near;
   }
@@ -170,18 +192,35 @@ std::vector<Contacts::Near> Contacts::near_points(std::size_t k, bool convex, Re
     const Real gap = gap_of(p);
     if (gap >= margin) continue;
     if (round.radius == 0) {
-      note(gap, p);
+      note(gap, p, normal_at(p));
       continue;
     }
-    const Vec3 q = pose.into_world(round.nearest(point, pose.turn.transpose() * normal_at(p)));
+    const Vec3 normal = normal_at((p + pose.into_world(round.middle_of(point))) / 2);
+    const Vec3 q = pose.into_world(round.nearest(point, pose.turn.transpose() * normal));
     const Real gap_there = gap_of(q);
     const Vec3& nearest = gap_there <= gap ? q : p;
     const bool is_there = std::any_of(near.begin(), near.end(), [&](const Near& one) {
       return (one.p - nearest).squaredNorm() < 1e-8 * spacing_ * spacing_;
     });
-    if (!is_there) note(std::min(gap, gap_there), nearest);
+    if (!is_there) note(std::min(gap, gap_there), nearest, normal);
   }
   return near;
+}
+
+// Edges of an obstacle that are near to a body between the points of its own surface, as the top of a thin wall may be
+// that a box falls on. What is round finds edges by itself.
+void Contacts::append_edges(std::size_t k, std::size_t obstacle, Real margin, std::vector<Near>& near) const {
+  if (round_[k].radius > 0) return;
+  const Body& own = *(*all_)[first_ + k];
+  const Pose &pose = poses_[first_ + k], &there = poses_[obstacle];
+  const Real reach = own.radius() + margin;
+  for (const Vec3& point : edges_[obstacle]) {
+    const Vec3 p = there.into_world(point);
+    if ((p - pose.center).squaredNorm() > reach * reach) continue;
+    const Vec3 in_body = pose.into_body(p);
+    const Real gap = own.shape().distance_within(in_body, margin);
+    if (gap < margin) near.push_back({gap, p, pose.turn * -own.shape().normal(in_body), Vec3::Zero()});
+  }
 }
 
 // Points of body k near another solid. A ball finds all that is convex, which need not find it.
@@ -200,8 +239,10 @@ void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, s
       k, is_convex_[solid], margin,
       [&](const Vec3& p) { return other.shape().distance_within(there.into_body(p), within); },
       [&](const Vec3& p) { return Vec3(there.turn * other.shape().normal(there.into_body(p))); });
-  if (solid < first_)
+  if (solid < first_) {
+    append_edges(k, solid, margin, near);
     for (Near& one : near) one.surface = (ends_[solid].into_world(there.into_body(one.p)) - one.p) / dt_;
+  }
   const auto& [e, mu] = surface_[first_ + k];
   const auto& [e_other, mu_other] = surface_[solid];
   add(bodies, k, solid < first_ ? nobody : solid - first_, near, {std::min(e, e_other), std::max(mu, mu_other)});
@@ -262,21 +303,43 @@ void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::siz
   }
 }
 
-// What it takes to have the relative velocity `wanted` along a direction of the contact; within what a contact can
-// give.
-Real Contacts::step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists) {
-  const std::size_t k = contact.body, other = contact.other;
-  Real velocity = dot(contact.arm[along], twists[k]) - contact.surface[along];
-  if (other != nobody) velocity -= dot(contact.against[along], twists[other]);
-  if (contact.mobility[along] <= 0) return 0;
-  Real total = contact.impulse[along] + (wanted - velocity) / contact.mobility[along];
-  const Real most = contact.friction * contact.impulse[0];
-  total = along == 0 ? std::max(total, 0.0) : std::clamp(total, -most, most);
+// Of the contact's place away from the other solid, m/s.
+Real Contacts::velocity_of(const Contact& contact, std::size_t along, const std::vector<Six>& twists) {
+  const Real velocity = dot(contact.arm[along], twists[contact.body]) - contact.surface[along];
+  return contact.other == nobody ? velocity : velocity - dot(contact.against[along], twists[contact.other]);
+}
+
+Real Contacts::set_impulse(Contact& contact, std::size_t along, Real total, std::vector<Six>& twists) {
   const Real step = total - contact.impulse[along];
   contact.impulse[along] = total;
-  twists[k] = plus(twists[k], contact.answer[along], step);
-  if (other != nobody) twists[other] = plus(twists[other], contact.answer_other[along], -step);
+  Six& own = twists[contact.body];
+  own = plus(own, contact.answer[along], step);
+  if (contact.other != nobody) {
+    Six& other = twists[contact.other];
+    other = plus(other, contact.answer_other[along], -step);
+  }
   return step;
+}
+
+// What it takes to come apart as fast as it must.
+Real Contacts::push(Contact& contact, std::vector<Six>& twists) {
+  if (contact.mobility[0] <= 0) return 0;
+  const Real more = (contact.least - velocity_of(contact, 0, twists)) / contact.mobility[0];
+  return set_impulse(contact, 0, std::max(contact.impulse[0] + more, 0.0), twists);
+}
+
+// What it takes to stay, within Coulomb's cone; what slides is braked against its way, as both tangents take the same
+// share of the velocity.
+std::array<Real, 2> Contacts::brake(Contact& contact, std::vector<Six>& twists) {
+  const Real mobility = std::max(contact.mobility[1], contact.mobility[2]);
+  if (contact.friction == 0 || mobility <= 0) return {};
+  std::array<Real, 2> total{};
+  for (const std::size_t i : {0U, 1U})
+    if (contact.mobility[i + 1] > 0) total[i] = contact.impulse[i + 1] - velocity_of(contact, i + 1, twists) / mobility;
+  const Real length = std::sqrt(total[0] * total[0] + total[1] * total[1]),
+             most = contact.friction * contact.impulse[0];
+  const Real share = length > most ? most / length : 1;
+  return {set_impulse(contact, 1, share * total[0], twists), set_impulse(contact, 2, share * total[1], twists)};
 }
 
 void Contacts::find_answers(const std::vector<RigidBody>& bodies) {
@@ -301,9 +364,9 @@ void Contacts::solve(std::vector<RigidBody>& bodies) {
   for (int round = 0; round < rounds; ++round) {
     Real most = 0;
     for (Contact& contact : contacts_) {
-      for (std::size_t along = 0; along < 3; ++along) {
-        if (along > 0 && contact.friction == 0) continue;
-        const Real step = step_of(contact, along, along == 0 ? contact.least : 0, twists);
+      const Real pushed = push(contact, twists);
+      const std::array<Real, 2> braked = brake(contact, twists);
+      for (const auto& [along, step] : {std::pair{0U, pushed}, {1U, braked[0]}, {2U, braked[1]}}) {
         if (step == 0) continue;
         most = std::max(most, std::abs(step));
         given[contact.body] = plus(given[contact.body], contact.arm[along], step);

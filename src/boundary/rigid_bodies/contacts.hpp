@@ -58,8 +58,10 @@ class Contacts {
   };
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
   void note_walls_reached_through(const BodySettings& body);
+  void leave_out_edges_in(const BodySettings& body, const Shape& shape, const Settings& settings);
   void find_walls(const std::vector<RigidBody>& bodies, std::size_t k);
   void find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid);
+  void append_edges(std::size_t k, std::size_t obstacle, Real margin, std::vector<Near>& near) const;
   template <class Gap, class Normal>
   std::vector<Near> near_points(std::size_t k, bool convex, Real margin, const Gap& gap_of,
                                 const Normal& normal_at) const;
@@ -69,7 +71,11 @@ class Contacts {
   Real rebound(Real restitution, Real v, Real a, Real distance) const;
   static void keep_few(std::vector<Near>& near);
   void find_answers(const std::vector<RigidBody>& bodies);
-  static Real step_of(Contact& contact, std::size_t along, Real wanted, std::vector<Six>& twists);
+  static Real velocity_of(const Contact& contact, std::size_t along, const std::vector<Six>& twists);
+  // What is given in a round, N s.
+  static Real set_impulse(Contact& contact, std::size_t along, Real total, std::vector<Six>& twists);
+  static Real push(Contact& contact, std::vector<Six>& twists);
+  static std::array<Real, 2> brake(Contact& contact, std::vector<Six>& twists);
 
   const std::vector<std::unique_ptr<Body>>* all_;
   std::size_t first_;
@@ -79,6 +85,7 @@ class Contacts {
   Real wall_restitution_;
   std::vector<std::vector<Vec3>> points_;  // of each body, in its frame; the next two as well
   std::vector<std::vector<Vec3>> middles_;
+  std::vector<std::vector<Vec3>> edges_;  // of each obstacle, in its frame: points of its edges
   std::vector<Round> round_;
   std::vector<std::array<std::array<bool, 2>, 3>> goes_through_;  // of each body, the walls that are none to it
   std::vector<bool> is_convex_, is_ball_;                         // of all solids; balls that are bodies
