@@ -37,6 +37,14 @@ TEST(Advice, WaterThatDoesNotFitBetweenWalls) {
   expect_said("along y", pool, {"domain.max=[2.4,1.65,3]", "particles.0.max=[2.4,1.65,0.6]"});
 }
 
+// Behind the walls of a vessel the box has no water.
+TEST(Advice, NothingIsSaidOfTheLatticeInAVessel) {
+  const std::string vessel =
+      pool + "[[obstacle]]\ntype = 'cylinder'\ninside = true\ncenter = [1.2, 0.8, 1]\nheight = 3\n";
+  EXPECT_EQ(said(vessel + "radius = 0.7\n", {"domain.max=[2.445,1.6,3]"}).find("along x"), std::string::npos);
+  expect_said("along x", vessel + "radius = 1.4\n", {"domain.max=[2.445,1.6,3]"});
+}
+
 TEST(Advice, ThinWallsOfABasin) {
   const std::string basin =
       pool + "[[obstacle]]\ntype = 'basin'\ncenter = [1.2, 0.8, 1.5]\nradius = 0.4\nheight = 0.5\n";

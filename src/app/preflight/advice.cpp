@@ -25,8 +25,25 @@ bool all_blocks(const Scene& scene) {
 
 int line_of(const Scene& scene, const char* list, std::size_t k) { return SceneTable(list, k).line_in(scene); }
 
+// Whether water of a block stands at both ends of the box along an axis, and not solids, as behind a vessel.
+bool touches_both_walls(const Scene& scene, const ParticleSource& block, int axis, const FreePlaces& places) {
+  constexpr int samples = 8;  // in each direction
+  for (const Vec3& end : {block.min, block.max}) {
+    bool touches = false;
+    for (int n = 0; n < samples * samples; ++n) {
+      const Vec3 part = (Vec3(n % samples, n / samples, n / samples).array() + 0.5) / samples;
+      const Vec3 across(part.x(), axis == 0 ? part.x() : 0, part.z());
+      Vec3 place = block.min + across.cwiseProduct(block.max - block.min);
+      place[axis] = std::clamp(end[axis], scene.domain.min[axis], scene.domain.max[axis]);
+      touches = touches || places.solid_at(place) < 0;
+    }
+    if (!touches) return false;
+  }
+  return true;
+}
+
 // A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
-void look_at_block(const Scene& scene, std::size_t k, Advice& advice) {
+void look_at_block(const Scene& scene, std::size_t k, const FreePlaces& places, Advice& advice) {
   const ParticleSource& block = scene.particles[k];
   const Real s = scene.fluid.spacing;
   for (int axis = 0; axis < 2; ++axis) {
@@ -34,6 +51,7 @@ void look_at_block(const Scene& scene, std::size_t k, Advice& advice) {
     if (low - scene.domain.min[axis] > 0.5 * s || scene.domain.max[axis] - high > 0.5 * s) continue;
     const Real gap = (scene.domain.max[axis] - low) / s - std::round((high - low) / s);
     if (gap > -0.05 && gap < 0.35) continue;
+    if (!touches_both_walls(scene, block, axis, places)) continue;
     advice.push_back(fmt::format(
         "the water of line {} goes from wall to wall along {}, {:.4g} spacings: its lattice does not fit, and "
         "it moves at once; give the box a whole number of spacings, for example spacing = {:.6g}",
@@ -218,8 +236,9 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   }
   if (!all_blocks(scene)) return advice;  // where the water of a file is, only the file knows
   Real top = scene.domain.min.z();
+  const FreePlaces places(scene);
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
-    look_at_block(scene, k, advice);
+    look_at_block(scene, k, places, advice);
     top = std::max(top, scene.particles[k].max.z());
   }
   look_at_overlaps(scene, advice);
