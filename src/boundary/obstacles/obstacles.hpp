@@ -169,7 +169,8 @@ class Obstacles {
   Whereabouts whereabouts(std::size_t account) const;
   Vec3 arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const;
   struct Sharing;
-  bool has_share(const Sharing& sharing, std::size_t account) const;
+  bool has_share(const Sharing& sharing, std::size_t account, Eigen::Index axis) const;
+  std::array<bool, 3> are_by_fixed(const std::vector<TotalImpulse>& all) const;
   Vec3 share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const;
   void share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const;
   // From the middle of the box to what the moments of an account are about.

@@ -41,11 +41,12 @@ Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& momen
 struct Obstacles::Sharing {
   TotalImpulse rest;
   std::vector<TotalImpulse> own;
-  bool by_fixed = false;  // bodies that are light would be turned by a share: they have what nobody else takes
+  // Bodies that are light would be turned by a share: they have it along axes along which nobody else takes anything.
+  std::array<bool, 3> by_fixed{};
 };
 
-bool Obstacles::has_share(const Sharing& sharing, std::size_t account) const {
-  return !sharing.by_fixed || !floating_->holds(account);
+bool Obstacles::has_share(const Sharing& sharing, std::size_t account, Eigen::Index axis) const {
+  return !sharing.by_fixed[static_cast<std::size_t>(axis)] || !floating_->holds(account);
 }
 
 // It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
@@ -53,20 +54,26 @@ bool Obstacles::has_share(const Sharing& sharing, std::size_t account) const {
 // itself, as walls that carry the weight of the water take nothing along the floor, but along all where nobody gave
 // anything along that one. The box has it where nobody gave anything. Returns the moment that the shares leave over.
 Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const {
-  Eigen::Array3d sum = Eigen::Array3d::Zero();
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (has_share(sharing, k)) sum += sharing.own[k].shift.array().square();
-  const auto part_of = [&, all_axes = sum.sum()](std::size_t k, Eigen::Index a) -> Real {
+  Eigen::Array3d along = Eigen::Array3d::Zero(), in_all = Eigen::Array3d::Zero();  // squares of those that share
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      if (!has_share(sharing, k, a)) continue;
+      along[a] += sharing.own[k].shift[a] * sharing.own[k].shift[a];
+      in_all[a] += sharing.own[k].shift.squaredNorm();
+    }
+  }
+  const auto part_of = [&](std::size_t k, Eigen::Index a) -> Real {
     const Vec3& own = sharing.own[k].shift;
-    if (sum[a] > 0) return own[a] * own[a] / sum[a];
-    return all_axes > 0 ? own.squaredNorm() / all_axes : k == box_account() ? 1 : 0;
+    if (!has_share(sharing, k, a)) return 0;
+    if (along[a] > 0) return own[a] * own[a] / along[a];
+    return in_all[a] > 0 ? own.squaredNorm() / in_all[a] : k == box_account() ? 1 : 0;
   };
   Vec3 couple = sharing.rest.moment;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (!has_share(sharing, k)) continue;
     const Vec3& own = sharing.own[k].shift;
     Vec3 share = Vec3::Zero();
     for (Eigen::Index a = 0; a < 3; ++a) share[a] = sharing.rest.shift[a] * part_of(k, a);
+    if (share.isZero(0)) continue;
     const Vec3 arm = own.isZero(0) ? whereabouts(k).middle : arm_of(k, own, all[k].moment);
     const Vec3 moment = arm.cross(share);
     all[k].shift += share;
@@ -98,14 +105,29 @@ void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::ve
   }
 }
 
+// Along which axes what stands takes the rest: not where bodies that float gave ten times as much, and more than all
+// that stands gave along any axis, as under a jet in the air that drips on the floor.
+std::array<bool, 3> Obstacles::are_by_fixed(const std::vector<TotalImpulse>& all) const {
+  constexpr Real hardly = 0.1;
+  std::array<bool, 3> result{};
+  if (!floating_) return result;
+  Eigen::Array3d fixed = Eigen::Array3d::Zero(), floating = Eigen::Array3d::Zero();
+  for (std::size_t k = 0; k < all.size(); ++k)
+    (floating_->holds(k) ? floating : fixed) += all[k].shift.array().square();
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const bool by_bodies = fixed[a] < hardly * hardly * floating[a] && fixed.sum() < floating[a];
+    result[static_cast<std::size_t>(a)] = fixed.sum() > 0 && !by_bodies;
+  }
+  return result;
+}
+
 std::vector<TotalImpulse> Obstacles::recorded(MPI_Comm comm) {
   std::vector<TotalImpulse> all = ledger_.total(comm);
   all[box_account()].moment += middle_of_box_.cross(all[box_account()].shift);
   Sharing sharing{all.back(), {}};
   all.pop_back();
   sharing.own = all;
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (floating_ && !floating_->holds(k) && !all[k].shift.isZero(0)) sharing.by_fixed = true;
+  sharing.by_fixed = are_by_fixed(all);
   const Vec3 couple = share_rest(sharing, all);
   share_couple(sharing, couple, all);
   return all;
