@@ -84,6 +84,26 @@ TEST(SolidTest, SaysWhatTheDistanceSays) {
   }
 }
 
+// A solid that goes on without end does so beyond what pictures show of it.
+TEST(SolidTest, SeesWhatGoesOnWithoutEnd) {
+  ObstacleSettings pipe;
+  pipe.shape = ShapeKind::cylinder;
+  pipe.radius = 0.4;
+  pipe.height = 1;
+  pipe.extruded = true;
+  for (const bool inside : {false, true}) {
+    pipe.inside = inside;
+    const auto shape = make_shape(pipe);
+    const SolidTest test(make_shape(pipe), 0.1);
+    for (const Real along : {0.0, 0.4, 0.7, 3.0}) {
+      for (const Real across : {0.1, 0.35, 0.45, 0.9}) {
+        const Vec3 p(across, 0, along);
+        for (const Real gap : {-0.1, 0.0, 0.2}) EXPECT_EQ(test.is_nearer(p, gap), shape->distance(p) < gap) << p;
+      }
+    }
+  }
+}
+
 TEST(Mesh, OfABoxHasTheDistanceOfTheBox) {
   ObstacleSettings settings;
   settings.shape = ShapeKind::box;

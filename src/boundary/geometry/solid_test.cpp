@@ -23,7 +23,9 @@ SolidTest::SolidTest(std::unique_ptr<Shape> shape, Real edge)
       high_(shifted_place(block_place(bounds_.max, edge_), 1)),
       middle_(low_, high_) {}
 
-bool SolidTest::is_nearer(const Vec3& p, Real gap) const {
+bool SolidTest::is_nearer(const Vec3& place_in_solid, Real gap) const {
+  Vec3 p = place_in_solid;
+  if (const auto along = shape_->extruded_along()) p[*along] = 0;  // it goes on beyond its bounds
   const Vec3 beyond = (bounds_.min - p).cwiseMax(p - bounds_.max).cwiseMax(0.0);
   if (beyond.squaredNorm() > 0) return beyond.norm() > std::abs(gap) ? vessel_ : shape_->distance(p) < gap;
   const BlockPlace place = block_place(p, edge_);
