@@ -23,24 +23,27 @@ unsigned order_of(const Vec3& p, Real spacing) {
 
 FreePlaces::FreePlaces(const Scene& scene, Real time)
     : spacing_(scene.fluid.spacing), obstacles_(static_cast<int>(scene.obstacles.size())) {
-  const Real gap = (0.5 - rounding) * spacing_;
   const auto is_known = [time](const ObstacleSettings& obstacle) {  // where a paddle that absorbs is, the water says
     return time == 0 || !obstacle.wavemaker || !obstacle.wavemaker->absorb;
   };
-  for (const ObstacleSettings& obstacle : scene.obstacles)
-    if (is_known(obstacle)) add(obstacle, BodyMotion(obstacle).at(time), gap);
+  int number = 0;
+  for (const ObstacleSettings& obstacle : scene.obstacles) {
+    if (is_known(obstacle)) add(number, obstacle, BodyMotion(obstacle).at(time));
+    ++number;
+  }
   if (time > 0) return;  // where bodies are then is not known
-  for (const BodySettings& body : scene.bodies) add(body, BodyMotion(body).at(0), 0);
+  for (const BodySettings& body : scene.bodies) add(number++, body, BodyMotion(body).at(0));
 }
 
-void FreePlaces::add(const ObstacleSettings& obstacle, const Pose& pose, Real gap) {
+void FreePlaces::add(int number, const ObstacleSettings& solid, const Pose& pose) {
   constexpr Real edge = 2;  // of a block, in spacings
-  solids_.push_back({std::make_unique<SolidTest>(make_shape(obstacle), edge * spacing_), pose, gap});
+  solids_.push_back({number, std::make_unique<SolidTest>(make_shape(solid), edge * spacing_), pose});
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {
+  const Real gap = (0.5 - rounding) * spacing_;
   return std::none_of(solids_.begin(), solids_.end(), [&](const Solid& solid) {
-    return solid.gap > 0 ? is_nearer(solid, p, solid.gap) : displaces(solid, p);
+    return is_body(solid.number) ? displaces(solid, p) : is_nearer(solid, p, gap);
   });
 }
 
@@ -62,12 +65,12 @@ bool FreePlaces::displaces(const Solid& solid, const Vec3& p) const {
 }
 
 std::string FreePlaces::name_of(int solid) const {
-  return solid < obstacles_ ? fmt::format("obstacle {}", solid) : fmt::format("body {}", solid - obstacles_);
+  return is_body(solid) ? fmt::format("body {}", solid - obstacles_) : fmt::format("obstacle {}", solid);
 }
 
 int FreePlaces::solid_at(const Vec3& p, Real depth) const {
-  for (std::size_t k = 0; k < solids_.size(); ++k)
-    if (is_nearer(solids_[k], p, -depth)) return static_cast<int>(k);
+  for (const Solid& solid : solids_)
+    if (is_nearer(solid, p, -depth)) return solid.number;
   return -1;
 }
 

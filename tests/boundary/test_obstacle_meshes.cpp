@@ -8,6 +8,7 @@
 #include "boundary/geometry/mesh_shape.hpp"
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/solid_test.hpp"
+#include "boundary/geometry/surface_points.hpp"
 #include "boundary/geometry/tessellation.hpp"
 #include "parallel/reductions.hpp"
 #include "support/cloud.hpp"
@@ -82,6 +83,41 @@ TEST(SolidTest, SaysWhatTheDistanceSays) {
       }
     }
   }
+}
+
+// Along a wall of 0.2 spacings and 100 long as along a short one, and nothing on what is round or turns inwards.
+TEST(Edges, AreFoundAStepApart) {
+  constexpr Real step = 0.1, around = 0.01;
+  ObstacleSettings solid;
+  solid.shape = ShapeKind::box;
+  solid.size = {0.02, 10, 0.6};
+  const auto found = [&](const ObstacleSettings& of) {
+    const auto shape = make_shape(of);
+    return edges_of(*shape, shape->surface(around / 10), around, step);
+  };
+  const std::vector<Vec3> edges = found(solid);
+  for (const Real y : {-5.0, -3.33, 0.07, 4.99}) {
+    const Vec3 on_top(0.01, y, 0.3);
+    EXPECT_TRUE(
+        std::any_of(edges.begin(), edges.end(), [&](const Vec3& p) { return (p - on_top).norm() <= step / 2; }));
+  }
+  for (const Vec3& p : edges) {
+    const Vec3 off = (2 * p.cwiseAbs() - solid.size).cwiseAbs();
+    EXPECT_GE((off.array() < 1e-9).count(), 2) << p;  // on two faces at least
+  }
+  EXPECT_LT(edges.size(), 500U);
+  solid.inside = true;
+  EXPECT_TRUE(found(solid).empty());
+  solid.inside = false;
+  solid.radius = 0.3;
+  solid.height = 1;
+  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::capsule}) {
+    solid.shape = kind;
+    EXPECT_TRUE(found(solid).empty());
+  }
+  solid.shape = ShapeKind::cylinder;
+  for (const Vec3& p : found(solid)) EXPECT_NEAR(std::abs(p.z()), 0.5, 1e-9);
+  EXPECT_GT(found(solid).size(), 36U);
 }
 
 // A solid that goes on without end does so beyond what pictures show of it.

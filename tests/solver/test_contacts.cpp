@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "body_run.hpp"
 #include "support/output_fixture.hpp"

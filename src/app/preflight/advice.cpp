@@ -26,8 +26,9 @@ bool all_blocks(const Scene& scene) {
 int line_of(const Scene& scene, const char* list, std::size_t k) { return SceneTable(list, k).line_in(scene); }
 
 // Whether water of a block stands at both ends of the box along an axis, and not solids, as behind a vessel.
-bool touches_both_walls(const Scene& scene, const ParticleSource& block, int axis, const FreePlaces& places) {
+bool touches_both_walls(const Scene& scene, const ParticleSource& block, int axis) {
   constexpr int samples = 8;  // in each direction
+  const FreePlaces places(scene);
   for (const Vec3& end : {block.min, block.max}) {
     bool touches = false;
     for (int n = 0; n < samples * samples; ++n) {
@@ -43,7 +44,7 @@ bool touches_both_walls(const Scene& scene, const ParticleSource& block, int axi
 }
 
 // A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
-void look_at_block(const Scene& scene, std::size_t k, const FreePlaces& places, Advice& advice) {
+void look_at_block(const Scene& scene, std::size_t k, Advice& advice) {
   const ParticleSource& block = scene.particles[k];
   const Real s = scene.fluid.spacing;
   for (int axis = 0; axis < 2; ++axis) {
@@ -51,7 +52,7 @@ void look_at_block(const Scene& scene, std::size_t k, const FreePlaces& places, 
     if (low - scene.domain.min[axis] > 0.5 * s || scene.domain.max[axis] - high > 0.5 * s) continue;
     const Real gap = (scene.domain.max[axis] - low) / s - std::round((high - low) / s);
     if (gap > -0.05 && gap < 0.35) continue;
-    if (!touches_both_walls(scene, block, axis, places)) continue;
+    if (!touches_both_walls(scene, block, axis)) continue;
     advice.push_back(fmt::format(
         "the water of line {} goes from wall to wall along {}, {:.4g} spacings: its lattice does not fit, and "
         "it moves at once; give the box a whole number of spacings, for example spacing = {:.6g}",
@@ -236,9 +237,8 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   }
   if (!all_blocks(scene)) return advice;  // where the water of a file is, only the file knows
   Real top = scene.domain.min.z();
-  const FreePlaces places(scene);
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
-    look_at_block(scene, k, places, advice);
+    look_at_block(scene, k, advice);
     top = std::max(top, scene.particles[k].max.z());
   }
   look_at_overlaps(scene, advice);

@@ -11,8 +11,8 @@ namespace trevi {
 void keep_one_of_each(std::vector<Vec3>& points, Real closer);
 /// Of the triangles, no further apart than `step`, m; each once.
 std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step);
-/// Of points on the surface of a shape those on corners, and on edges at which it turns by more than 35 degrees within
-/// `radius`, m, outwards.
-std::vector<Vec3> sharp_of(const Shape& shape, const std::vector<Vec3>& points, Real radius);
+/// Points on the edges of a shape at which its surface turns outwards by more than 35 degrees within `radius`, m, no
+/// further apart than `step`, m; each once. `surface`: its own, with chords that deviate by much less than `radius`.
+std::vector<Vec3> edges_of(const Shape& shape, const TriangleMesh& surface, Real radius, Real step);
 
 }  // namespace trevi

@@ -64,15 +64,8 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
     is_convex_.push_back(is_convex(one));
     is_ball_.push_back(is_ball_.size() >= first_ && one.shape == ShapeKind::sphere);
   };
-  constexpr Real parts = 24, parts_of_obstacle = 48;  // of what is large
-  constexpr Real edge = 0.02;                         // spacings
-  for (const ObstacleSettings& one : settings.obstacles) {
-    const Shape& shape = all[edges_.size()]->shape();
-    const Real size = (shape.bounds().max - shape.bounds().min).maxCoeff();
-    note(one);
-    const auto points = points_of(shape.surface(spacing_ / 50), std::max(spacing_, size / parts_of_obstacle));
-    edges_.push_back(sharp_of(shape, points, edge * spacing_));
-  }
+  for (const ObstacleSettings& one : settings.obstacles) note(one);
+  constexpr Real parts = 24;  // of a large body
   for (const BodySettings& one : settings.bodies) {
     note(one);
     const Shape& shape = all[first_ + points_.size()]->shape();
@@ -83,8 +76,8 @@ Contacts::Contacts(const Settings& settings, const std::vector<std::unique_ptr<B
     for (const Vec3& p : points_.back()) middles_.back().push_back(round_.back().middle_of(p));
     keep_one_of_each(middles_.back(), 1e-6 * size);
     note_walls_reached_through(one);
-    leave_out_edges_in(one, shape, settings);
   }
+  find_edges(settings);
 }
 
 namespace {
@@ -108,13 +101,22 @@ void Contacts::note_walls_reached_through(const BodySettings& body) {
                       [&](const Vec3& p) { return gap_to(box_, a, side, start.into_world(p)) < -rounding * spacing_; });
 }
 
-// An obstacle that begins within a body is its bearing.
-void Contacts::leave_out_edges_in(const BodySettings& body, const Shape& shape, const Settings& settings) {
-  const Pose start = BodyMotion(body).at(0);
+// For bodies that are not round. An obstacle that begins within a body is its bearing.
+void Contacts::find_edges(const Settings& settings) {
+  constexpr Real around = 0.1;  // spacings
+  edges_.resize(first_);
+  if (std::all_of(round_.begin(), round_.end(), [](const Round& round) { return round.radius > 0; })) return;
   for (std::size_t n = 0; n < first_; ++n) {
+    const Shape& shape = (*all_)[n]->shape();
     const Pose there = BodyMotion(settings.obstacles[n]).at(0);
+    edges_[n] = edges_of(shape, shape.surface(around * spacing_ / 10), around * spacing_, spacing_);
     std::erase_if(edges_[n], [&](const Vec3& p) {
-      return shape.distance(start.into_body(there.into_world(p))) < -slack * spacing_;
+      for (std::size_t k = 0; k < settings.bodies.size(); ++k) {
+        const Pose start = BodyMotion(settings.bodies[k]).at(0);
+        if ((*all_)[first_ + k]->shape().distance(start.into_body(there.into_world(p))) < -slack * spacing_)
+          return true;
+      }
+      return false;
     });
   }
 }
@@ -175,7 +177,7 @@ std::vector<Contacts::Near> Contacts::near_points(std::size_t k, bool convex, Re
   const Round& round = round_[k];
   std::vector<Near> near;
   const auto note = [&](Real gap, const Vec3& p, const Vec3& normal) {
-    if (gap < margin) near.push_back({gap, p, normal, Vec3::Zero()});
+    near.push_back({gap, p, normal, Vec3::Zero()});
   };
   if (convex && round.radius > 0 && !round.is_side()) {
     for (const Vec3& middle : middles_[k]) {

@@ -58,7 +58,7 @@ class Contacts {
   };
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
   void note_walls_reached_through(const BodySettings& body);
-  void leave_out_edges_in(const BodySettings& body, const Shape& shape, const Settings& settings);
+  void find_edges(const Settings& settings);
   void find_walls(const std::vector<RigidBody>& bodies, std::size_t k);
   void find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid);
   void append_edges(std::size_t k, std::size_t obstacle, Real margin, std::vector<Near>& near) const;

@@ -43,16 +43,15 @@ Real evanescent_transfer(PaddleKind kind, Real kd, Real strip) {
   const Real deep = kd * elementary::tanh(kd);
   Real sum = 0;
   for (int j = 1; j <= modes; ++j) {
-    const auto of = [&](Real below) { return sine_cosine_of_turns(j / 2.0 - below); };  // below j pi, in turns
-    Real low = 0, high = 0.25;
+    Real low = j / 2.0 - 0.25, high = j / 2.0;  // of x, in turns
     for (int n = 0; n < halvings; ++n) {
-      const Real middle = (low + high) / 2, x = two_pi * (j / 2.0 - middle);
-      const auto [sine, cosine] = of(middle);
-      // From deep cos j pi at 0 to -x cos j pi at a quarter.
-      ((x * sine + deep * cosine) * (j % 2 == 0 ? 1 : -1) > 0 ? low : high) = middle;
+      const Real middle = (low + high) / 2;
+      const auto [sine, cosine] = sine_cosine_of_turns(middle);
+      // From -x cos j pi at the lower end to deep cos j pi at the upper one.
+      ((two_pi * middle * sine + deep * cosine) * (j % 2 == 0 ? 1 : -1) < 0 ? low : high) = middle;
     }
-    const Real x = two_pi * (j / 2.0 - low);
-    const auto [sine, cosine] = of(low);
+    const Real x = two_pi * low;
+    const auto [sine, cosine] = sine_cosine_of_turns(low);
     const Real face = kind == PaddleKind::piston ? sine : sine + (cosine - 1) / x;  // times x
     const Real mean = (1 - elementary::exp(-x * strip)) / (x * strip);
     sum += 4 * sine * face / (2 * x + 2 * sine * cosine) * mean;
