@@ -13,14 +13,14 @@ namespace trevi {
 namespace {
 
 // Texts that do not fit are cut.
-struct Place {
+struct ProcessPlace {
   std::array<char, 64> host{};
   std::array<char, 188> processors{};
   int memory_domains = 1;
 };
 
-Place own_place() {
-  Place place;
+ProcessPlace own_place() {
+  ProcessPlace place;
   gethostname(place.host.data(), place.host.size() - 1);
   const std::vector<int> processors = usable_processors();
   std::snprintf(place.processors.data(), place.processors.size(), "%s", list_text(processors).c_str());
@@ -32,11 +32,11 @@ Place own_place() {
 
 std::vector<HostReport> hosts_of(const Session& session) {
   const MPI_Comm comm = session.comm();
-  const Place mine = own_place();
-  std::vector<Place> all(rank_of(comm) == 0 ? static_cast<std::size_t>(size_of(comm)) : 0);
-  MPI_Gather(&mine, sizeof(Place), MPI_BYTE, all.data(), sizeof(Place), MPI_BYTE, 0, comm);
+  const ProcessPlace mine = own_place();
+  std::vector<ProcessPlace> all(rank_of(comm) == 0 ? static_cast<std::size_t>(size_of(comm)) : 0);
+  MPI_Gather(&mine, sizeof(ProcessPlace), MPI_BYTE, all.data(), sizeof(ProcessPlace), MPI_BYTE, 0, comm);
   std::vector<HostReport> hosts;
-  for (const Place& place : all) {
+  for (const ProcessPlace& place : all) {
     if (hosts.empty() || hosts.back().name != place.host.data()) hosts.push_back({place.host.data(), 0, 0, {}});
     HostReport& host = hosts.back();
     ++host.ranks;

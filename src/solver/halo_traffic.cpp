@@ -33,8 +33,10 @@ class Sum {
   void add_records() {
     const Real again = water_.projected ? 1 : 0;  // places of the filtered shifts, scalars of the water in flight
     const Real velocities = water_.viscous ? 1 : 0, curls = water_.swirling ? 1 : 0;
-    const Real places = 1 + water_.iterations + again + velocities + curls, scalars = water_.iterations + curls;
-    const Real records = water_.particles_per_row * water_.record_bytes * (3 * places + scalars) / 4;
+    const Real gradients = water_.gradients ? 3 : 0, weights = water_.gradients ? 1 : 0;  // the last with the weight
+    const Real places = 1 + water_.iterations + again + velocities + curls + gradients;
+    const Real scalars = water_.iterations + curls;
+    const Real records = water_.particles_per_row * water_.record_bytes * (3 * places + scalars + weights) / 4;
     add(zones(block_.planes, block_.rows).all() * (4.0 * water_.columns + records),
         messages_.all() * (1 + places + scalars));
   }
@@ -111,6 +113,7 @@ RestingWater resting_water(const Settings& settings, const CellGrid& grid, Real 
   water.projected = settings.density.coarse_grid;
   water.upright = settings.gravity && !settings.gravity->isZero();
   water.viscous = settings.viscosity.has_value() || settings.kinematic_viscosity.has_value();
+  water.gradients = settings.kinematic_viscosity.has_value();
   water.swirling = settings.vorticity.has_value();
   return water;
 }

@@ -18,6 +18,7 @@ struct RestingWater {
   bool projected = true;
   bool upright = true;  ///< under gravity, where the flow that the filter of noise leaves is sent, too
   bool viscous = false, swirling = false;  ///< velocities are filtered
+  bool gradients = false;                  ///< and their gradients exchanged, for nu
 };
 
 /// `particles` as if they stood equally high in the whole box.

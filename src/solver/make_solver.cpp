@@ -11,7 +11,6 @@
 #include "boundary/geometry/periods.hpp"
 #include "domain/migrate.hpp"
 #include "fluid/filters/momentum_conserving.hpp"
-#include "fluid/filters/no_slip.hpp"
 #include "fluid/filters/vorticity_confinement.hpp"
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/forcings/damping.hpp"
@@ -56,11 +55,12 @@ std::vector<std::unique_ptr<VelocityFilter<T>>> make_filters(const Settings& set
   if (settings.vorticity && settings.vorticity_form == VorticityForm::projected)
     filters.back() = std::make_unique<MomentumConserving<T>>(comm, std::move(filters.back()));
   if (settings.viscosity) filters.push_back(std::make_unique<XsphViscosity<T>>(*settings.viscosity, model));
-  if (settings.kinematic_viscosity)
-    filters.push_back(
-        std::make_unique<KinematicViscosity<T>>(*settings.kinematic_viscosity, lattice_of(settings.fluid), model.h));
-  if (settings.no_slip)
-    filters.push_back(std::make_unique<NoSlip<T>>(*settings.kinematic_viscosity, settings.fluid, walls, obstacles));
+  if (settings.kinematic_viscosity) {
+    const Real nu = *settings.kinematic_viscosity;
+    const PointLattice lattice = lattice_of(settings.fluid);
+    filters.push_back(std::make_unique<KinematicViscosity<T>>(
+        nu, lattice, model.h, ViscousWalls(nu, settings.no_slip, lattice, model.h, walls, obstacles)));
+  }
   return filters;
 }
 

@@ -17,8 +17,6 @@
 namespace trevi::test {
 namespace {
 
-constexpr Real two_pi = 2 * std::numbers::pi;
-
 // 30 spacings a wavelength on 7 layers, a wavelength to the zone.
 std::string tank(const std::string& keys, const std::string& more = "") {
   return tank_with_gravity({.max = "7.2, 0.4, 1.4", .water = {{"0, 0, 0", "7.2, 0.4, 0.7"}}, .end = "30"}) + R"(
@@ -44,7 +42,7 @@ TEST_F(WaveTank, APistonMakesWavesOfTheHeight) {
   auto solver = make_solver(world, scene, initial_particles(world, scene), {});
   GaugeReadings readings(world, scene);
   solver->start();
-  const Real omega = two_pi / 1.46;
+  const Real omega = 2 * std::numbers::pi / 1.46;
   Real sine = 0, cosine = 0;
   const int first = 613, count = 438;  // five periods
   for (int n = 0; n < first + count; ++n) {
@@ -294,7 +292,7 @@ position = 0.6
     for (int n = 0; n < 2 * 88; ++n) solver->step();
     const Real before = seen.supplied;
     for (int n = 0; n < 2 * 88; ++n) solver->step();
-    const Real omega = two_pi / maker.period, k = wave_number(omega, maker.depth, maker.gravity);
+    const Real omega = 2 * std::numbers::pi / maker.period, k = wave_number(omega, maker.depth, maker.gravity);
     const Real group = omega / k / 2 * (1 + 2 * k * maker.depth / std::sinh(2 * k * maker.depth));
     const Real carried = 1000 * maker.gravity * maker.height * maker.height / 8 * group * 0.1;  // W
     const Real part = (seen.supplied - before) / (2 * maker.period * carried);

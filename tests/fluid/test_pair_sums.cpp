@@ -19,6 +19,7 @@ constexpr Tensile tensile{0.03, 4, 0.25};
 /// What the loops see of a particle, in double precision: place in units of h as the records hold it.
 struct Seen {
   Vec3 place, velocity;
+  Eigen::Matrix3d half_gradient;
   Real w, weight;
 };
 
@@ -50,8 +51,10 @@ struct ConstraintSums {
 
 /// The same of the velocity filters: Spiky's gradient, Poly6's value, and the weight of friction in both dimensions.
 struct FilterSums {
+  using Matrix = Eigen::Matrix3d;
   Vec3 curl = Vec3::Zero(), gradient = Vec3::Zero(), smoothing = Vec3::Zero(), friction[2] = {smoothing, smoothing};
-  Real second_moment[2] = {}, scale = 0.01;
+  Matrix slopes[2] = {Matrix::Zero(), Matrix::Zero()}, moments[2] = {Matrix::Zero(), Matrix::Zero()};
+  Real scale = 0.01;
 
   void add(const Seen& i, const Seen& j) {
     const Vec3 d = i.place - j.place;
@@ -63,8 +66,10 @@ struct FilterSums {
     smoothing += (j.velocity - i.velocity) * q * q * q;
     for (const int k : {0, 1}) {
       const Real weight = friction_weight(u * u, k + 2);
-      friction[k] += (i.weight + j.weight) * (j.velocity - i.velocity) * weight;
-      second_moment[k] += u * u * weight;
+      const Vec3 turned = (i.half_gradient + j.half_gradient).transpose() * (j.place - i.place);
+      friction[k] += (i.weight + j.weight) * (j.velocity - i.velocity + turned) * weight;
+      slopes[k] += weight * (i.velocity - j.velocity) * d.transpose();
+      moments[k] += weight * d * d.transpose();
     }
     scale += t * t + std::pow(q, 1.5);
   }
@@ -92,15 +97,21 @@ struct Drifted : Distributed<T> {
     this->near.halo().exchange(this->near.records());
     for (const GlobalId particle : this->id) {
       const Vec3 v = velocity_of(particle);
-      velocity.push_back(
-          {static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), static_cast<T>(weight_of(particle))});
+      velocity.push_back({static_cast<T>(v.x()), static_cast<T>(v.y()), static_cast<T>(v.z()), T{0}});
+      for (int a = 0; a < 3; ++a) {
+        const Vec3 row = velocity_of(particle + 7 * a) / Packed<T>::units_per_h;
+        gradient[a].push_back({static_cast<T>(row.x()), static_cast<T>(row.y()), static_cast<T>(row.z()),
+                               static_cast<T>(weight_of(particle))});
+      }
     }
   }
 
   Seen seen(std::size_t k) const {
     const Packed<T>& r = this->near.records()[k];
-    return {Vec3(r.x, r.y, r.z) / Packed<T>::units_per_h, vector_of(velocity[k]), static_cast<Real>(r.w),
-            static_cast<Real>(velocity[k].w)};
+    Eigen::Matrix3d half;
+    for (int a = 0; a < 3; ++a) half.row(a) = vector_of(gradient[a][k]) * Packed<T>::units_per_h;
+    return {Vec3(r.x, r.y, r.z) / Packed<T>::units_per_h, vector_of(velocity[k]), half, static_cast<Real>(r.w),
+            static_cast<Real>(gradient[2][k].w)};
   }
 
   template <class Sums>
@@ -110,7 +121,9 @@ struct Drifted : Distributed<T> {
     return sums;
   }
 
-  std::vector<Vec4<T>> velocity;
+  VelocityGradients<T> gradients() const { return {gradient[0].data(), gradient[1].data(), gradient[2].data()}; }
+
+  std::vector<Vec4<T>> velocity, gradient[3];
 };
 
 /// What the loops of the instruction set in use write for the owned particles [begin, end).
@@ -134,7 +147,7 @@ struct FoundByConstraint {
 template <class T>
 struct FoundByFilters {
   std::vector<Vec4<T>> curl, gradient, smoothing, friction[2];
-  std::vector<T> second_moment[2];
+  std::vector<VelocityFit<T>> fit[2];
 
   FoundByFilters(const Drifted<T>& d, Range range) {
     const auto n = static_cast<std::size_t>(range.size());
@@ -146,9 +159,9 @@ struct FoundByFilters {
     loops.smoothing(pairs, range, d.velocity.data(), smoothing.data());
     for (const int k : {0, 1}) {
       friction[k].resize(n);
-      second_moment[k].resize(n);
-      friction_loops<T>(k + 2).friction(pairs, range, d.velocity.data(), friction[k].data());
-      friction_loops<T>(k + 2).second_moment(pairs, range, second_moment[k].data());
+      fit[k].resize(n);
+      friction_loops<T>(k + 2).friction(pairs, range, d.velocity.data(), d.gradients(), friction[k].data());
+      friction_loops<T>(k + 2).velocity_fit(pairs, range, d.velocity.data(), fit[k].data());
     }
   }
 };
@@ -186,8 +199,13 @@ void expect_brute_force(const Drifted<T>& d) {
     expect_near(found.gradient[k], sums.gradient, 2 * sums.scale);
     expect_near(found.smoothing[k], sums.smoothing, 3 * sums.scale);
     for (const int m : {0, 1}) {
-      expect_near(found.friction[m][k], sums.friction[m], 4 * 3 * sums.scale);
-      expect_near(Vec4<T>{found.second_moment[m][k], 0, 0, 0}, Vec3(sums.second_moment[m], 0, 0), sums.scale);
+      expect_near(found.friction[m][k], sums.friction[m], 4 * 6 * sums.scale);
+      const auto& row = found.fit[m][k].row;
+      for (int a = 0; a < 3; ++a) {
+        expect_near(row[a], sums.slopes[m].row(a), 3 * sums.scale);
+        expect_near(Vec4<T>{row[a].w, 0, 0, 0}, Vec3(sums.moments[m](a, a), 0, 0), sums.scale);
+      }
+      expect_near(row[3], Vec3(sums.moments[m](1, 2), sums.moments[m](2, 0), sums.moments[m](0, 1)), sums.scale);
     }
   }
 }
@@ -220,7 +238,7 @@ TYPED_TEST(PairSumsOf, DoNotDependOnTheRange) {
     EXPECT_TRUE(same(alone.curl[0], filtered.curl[k]) && same(alone.smoothing[0], filtered.smoothing[k]));
     for (const int m : {0, 1}) {
       EXPECT_TRUE(same(alone.friction[m][0], filtered.friction[m][k]));
-      EXPECT_EQ(alone.second_moment[m][0], filtered.second_moment[m][k]);
+      for (int r = 0; r < 4; ++r) EXPECT_TRUE(same(alone.fit[m][0].row[r], filtered.fit[m][k].row[r]));
     }
   }
   for (const Kernels& kernels : all_pairs_of_kernels()) {

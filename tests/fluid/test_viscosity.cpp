@@ -7,6 +7,7 @@
 
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "support/distributed.hpp"
+#include "support/kept_run.hpp"
 
 namespace trevi::test {
 namespace {
@@ -66,7 +67,11 @@ Slowed slowed(const Scene& scene, Wave&& wave) {
   // Only now, as the sort uses their memory.
   std::transform(particles.predicted.begin(), particles.predicted.end(), particles.velocity.begin(), wave);
   particles.position = particles.predicted;
-  KinematicViscosity<T> filter(*scene.kinematic_viscosity, scene.fluid.spacing, h);
+  const Real nu = *scene.kinematic_viscosity;
+  const Vec3 gap(1, 1, 0);  // no walls across the layers
+  const Box walls{scene.domain.min - gap, scene.domain.max + gap};
+  KinematicViscosity<T> filter(nu, scene.fluid.spacing, h,
+                               ViscousWalls(nu, false, scene.fluid.spacing, h, walls, nullptr));
   const auto inside = [&](const Vec3& p) -> Vec3 {
     const Vec3 room = p.cwiseMin(scene.domain.max - p);
     return room.head<2>().minCoeff() > 0.35 ? wave(p) : Vec3::Zero();
@@ -132,7 +137,7 @@ Decay vortex_decay(Real spacing, Real dt, const std::string& more) {
 }
 
 // Through the whole solver. The projection itself takes 0.8 % of the rate at 10 cells across and 0.03 % at 20: it
-// converges. Within h of a wall the neighbours behind it are missing, which leaves out a part of the friction.
+// converges. Velocities behind a wall are right to the first order of the distance from it only.
 TEST(Viscosity, VortexInABoxSlowsDownWhateverTheStep) {
   constexpr Real nu = 0.05, exact = 2 * nu * pi * pi / (length * length);
   const char* thick = "viscosity.nu=0.05";
@@ -149,8 +154,8 @@ TEST(Viscosity, VortexInABoxSlowsDownWhateverTheStep) {
     EXPECT_EQ(split.substeps, k == 0 ? 20 : 60) << "nu dt is 0.52 and 2.1 times what a step can take";
     missing[k] = 1 - whole.rate / exact;
   }
-  EXPECT_LT(std::abs(missing[0]), 0.01);
-  EXPECT_LT(std::abs(missing[1]), 0.01);
+  EXPECT_LT(std::abs(missing[0]), 0.025);
+  EXPECT_LT(std::abs(missing[1]), 0.015);
 }
 
 Real mean_square(const Cloud& cloud) {
@@ -168,7 +173,7 @@ TEST(Viscosity, WaterWithoutOrderSlowsDownAsFast) {
     const char* precision;
     Real most, wrong;
   };
-  for (const auto& [precision, most, wrong] : {Case{"single", 0.4, 0.008}, Case{"double", 0, 0.02}}) {
+  for (const auto& [precision, most, wrong] : {Case{"single", 0.4, 0.008}, Case{"double", 0, 0.03}}) {
     SCOPED_TRACE(precision);
     const Scene scene = scene_with(text, {fmt::format("density.precision='{}'", precision)});
     Cloud start = lattice(scene, [](const Vec3&) { return Vec3(Vec3::Zero()); });
@@ -208,13 +213,106 @@ TEST(Viscosity, IsAlikeAlongLayersAndAcrossThem) {
   }
 }
 
-// With all the neighbours of the lattice, but the least moment.
-TEST(Viscosity, NoVelocityPassesTheMeanOfItsNeighbours) {
-  for (Real h = 1.2; h < 4.01; h += 0.01) {
-    const Real others = lattice_friction_sum(1, h) - 1;
-    const Real moment = min_second_moment(1, h) * lattice_laplacian_moment(1, h);
-    EXPECT_NEAR(longest_viscous_step(1, 1, h) * others / moment, 1, 1e-12) << h;
+struct Block {
+  const char* name;
+  Cloud cloud;
+};
+
+/// Particles about places a spacing apart, so far off them at most; and spray.
+std::vector<Block> blocks(Real spacing) {
+  std::vector<Block> all;
+  std::mt19937_64 random(1);
+  for (const auto& [name, far] : {std::pair{"lattice", 0.0}, {"disordered", 0.25}, {"mixed", 0.5}}) {
+    Cloud cloud;
+    std::uniform_real_distribution<Real> way(-far * spacing, far * spacing);
+    for (int k = 0; k < 1000; ++k)
+      cloud.add(k,
+                spacing * Vec3(k % 10 + 0.5, k / 10 % 10 + 0.5, k / 100 + 0.5) +
+                    Vec3(way(random), way(random), way(random)) + Vec3(0.5, 0.5, 0.5),
+                Vec3::Zero());
+    all.push_back({name, cloud});
   }
+  all.push_back({"spray", random_cloud(150, cloud_box, 1, 0.06)});
+  return all;
+}
+
+// Whatever the velocities are, up to the longest step: an explicit step that is too long gives them energy.
+TEST(Viscosity, GivesNoEnergyUpToTheLongestStep) {
+  constexpr Real spacing = 0.1, h = radius;
+  const Real dt = longest_viscous_step(1, spacing, h);
+  for (const auto& [name, start] : blocks(spacing)) {
+    SCOPED_TRACE(name);
+    Distributed<double> d(start);
+    const auto velocity = [](GlobalId id) {
+      return Vec3(std::sin(11.1 * id), std::cos(7.7 * id), std::sin(31.3 * id));
+    };
+    std::transform(d.particles.id.begin(), d.particles.id.end(), d.particles.velocity.begin(), velocity);
+    KinematicViscosity<double> filter(1, spacing, h);
+    Real before = mean_square(gathered(world, d.particles));
+    for (int k = 0; k < 100; ++k) {
+      filter.apply(d.near, d.particles, dt);
+      const Real now = mean_square(gathered(world, d.particles));
+      EXPECT_LE(now, before * (1 + 1e-12)) << k;
+      before = now;
+    }
+  }
+}
+
+// Water that turns as a whole has no friction, inside and at its surface; and angular momentum stays in any motion.
+TEST(Viscosity, WaterThatTurnsHasNoFriction) {
+  constexpr Real spacing = 0.1, h = radius;
+  for (const auto& [name, start] : blocks(spacing)) {
+    if (name == std::string("spray")) continue;
+    SCOPED_TRACE(name);
+    Distributed<double> d(start);
+    const Cloud all = gathered(world, d.particles);
+    const Vec3 center = std::accumulate(all.position.begin(), all.position.end(), Vec3(Vec3::Zero())) /
+                        static_cast<Real>(all.position.size());
+    const auto turning = [&](const Vec3& p) { return Vec3(1, -2, 0.5).cross(p - center); };
+    const auto torque = [&](const Cloud& now) {
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t i = 0; i < now.id.size(); ++i) sum += (now.position[i] - center).cross(now.velocity[i]);
+      return sum;
+    };
+    std::transform(d.particles.predicted.begin(), d.particles.predicted.end(), d.particles.velocity.begin(), turning);
+    d.particles.position = d.particles.predicted;
+    KinematicViscosity<double> filter(0.05, spacing, h);
+    const Cloud first = gathered(world, d.particles);
+    for (int k = 0; k < 20; ++k) filter.apply(d.near, d.particles, 0.01);
+    const Cloud last = gathered(world, d.particles);
+    // Differences of velocities alone would leave a third: those of a cube that ends decay at 3 nu (2/L)² or faster.
+    EXPECT_NEAR(mean_square(last) / mean_square(first), 1, 0.01);
+    EXPECT_LT((torque(last) - torque(first)).norm(), 0.005 * torque(first).norm());
+  }
+}
+
+// A wave that stands between smooth walls, through the whole solver in two dimensions: 2 nu k² (Lamb, Hydrodynamics, §
+// 348) but for terms of the root of nu k²/ω, with which it is 0.900 of that here (Landau & Lifshitz, Fluid Mechanics,
+// § 25, the roots of (2 − iX)² + X₀² = 4 (1 − iX)^½ with X = ω/(nu k²)).
+TEST(Viscosity, AStandingWaveDecaysAsLambSays) {
+  constexpr Real nu = 0.03, k = pi / 2, depth = 1, g = 9.8, a = 0.06;
+  const Real omega = std::sqrt(g * k * std::tanh(k * depth)), u = a * g * k / omega / std::cosh(k * depth);
+  const std::string text = fmt::format(
+      "[domain]\ndimensions = 2\nmin = [0, 0]\nmax = [2, 1.6]\n[fluid]\nspacing = 0.05\n[[particles]]\nmin = [0, 0]\n"
+      "max = [2, 1]\nvelocity = ['{0} * sin({1} * x) * cosh({1} * z)', '0', '-{0} * cos({1} * x) * sinh({1} * z)']\n"
+      "[gravity]\n[time]\ndt = 0.0125\nend = 20\n",
+      u, k);
+  const auto decay = [&](const std::string& more) {
+    KeptRun run(world, scene_with(text, {more}));
+    // The largest ways of the middle of the mass in half periods.
+    std::vector<Real> largest(11);
+    const Real half = pi / omega, dt = run.scene.dt;
+    run.steps(static_cast<int>(10 * half / dt));
+    for (std::size_t k = 0; k < run.rows.size(); ++k) {
+      Real& most = largest[static_cast<std::size_t>(static_cast<Real>(k) * dt / half)];
+      most = std::max(most, std::abs(run.rows[k].com.x() - 1));
+    }
+    return std::log(largest[1] / largest[9]) / (8 * half);
+  };
+  const Real still = decay("random.seed=1"), thick = decay("viscosity.nu=0.03");
+  std::printf("rate of the wave over 2 nu k²: %.3f, without viscosity %.3f\n", thick / (2 * nu * k * k),
+              still / (2 * nu * k * k));
+  EXPECT_NEAR((thick - still) / (2 * nu * k * k), 0.900, 0.05);
 }
 
 // By the definition, with sums over all particles of all ranks; and what one of a pair gets the other gives.
@@ -231,22 +329,29 @@ TEST(Viscosity, EqualsItsDefinitionWhereNeighboursAreMissing) {
     for (std::size_t j = 0; j < end.id.size(); ++j)
       if (const Vec3 way = end.position[i] - end.position[j]; j != i && way.norm() < h) visit(j, way);
   };
-  const Real lattice = lattice_laplacian_moment(spacing, h);
-  const Real least = std::min(lattice, pi * pi * std::pow(h, 5) / (128 * std::pow(spacing, 3))) * (1 - 3.0 / 26);
+  const Real lattice = lattice_laplacian_moment(spacing, h), least = lattice / 2;
   const auto weight = [&](const Vec3& way) { return std::pow(1 - way.squaredNorm() / (h * h), 1.5); };
   std::vector<Real> moment(end.id.size());
+  std::vector<Eigen::Matrix3d> gradient(end.id.size());
   for (std::size_t i = 0; i < moment.size(); ++i) {
-    pairs(i, [&](std::size_t, const Vec3& way) { moment[i] += weight(way) * way.squaredNorm() / 6; });
-    if (moment[i] < least) moment[i] = lattice;
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(), slopes = moments;
+    pairs(i, [&](std::size_t j, const Vec3& way) {
+      moments += weight(way) * way * way.transpose();
+      slopes += weight(way) * (velocity(end.id[i]) - velocity(end.id[j])) * way.transpose();
+    });
+    moment[i] = std::max(moments.trace() / 6, least);
+    const Eigen::Matrix3d square = moments * moments + std::pow(0.05 * 2 * lattice, 2) * Eigen::Matrix3d::Identity();
+    gradient[i] = slopes * moments * square.inverse();
   }
-  EXPECT_GT(std::count(moment.begin(), moment.end(), lattice), 100);
-  EXPECT_LT(std::count(moment.begin(), moment.end(), lattice), 1400);
+  EXPECT_GT(std::count(moment.begin(), moment.end(), least), 100);
+  EXPECT_LT(std::count(moment.begin(), moment.end(), least), 1400);
   Vec3 change = Vec3::Zero();
   for (std::size_t i = 0; i < end.id.size(); ++i) {
     const Vec3 before = velocity(end.id[i]);
     Vec3 expected = before;
     pairs(i, [&](std::size_t j, const Vec3& way) {
-      expected += nu * dt * (1 / moment[i] + 1 / moment[j]) / 2 * (velocity(end.id[j]) - before) * weight(way);
+      const Vec3 turned = (gradient[i] + gradient[j]).transpose() * -way / 2;
+      expected += nu * dt * (1 / moment[i] + 1 / moment[j]) / 2 * weight(way) * (velocity(end.id[j]) - before + turned);
     });
     EXPECT_LT((end.velocity[i] - expected).norm(), 1e-12);
     change += end.velocity[i] - before;

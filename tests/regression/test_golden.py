@@ -245,15 +245,15 @@ class Golden(ProgramTest):
 
     @staticmethod
     def runs_of(number, name, sets):
-        """(set, shape): scenes in the last shape on each set; "everything" on the best set in each shape, but in space, if
-        no shapes are named, in every other one, so that each precision, and each method, meets all of them; and on
-        another set in a quarter of them, which differs among its cases. So each set has met each shape."""
+        """(set, shape): scenes in the last shape on each set; "everything" on the best set in each shape, or, if no shapes
+        are named, in every other one, so that its cases together meet all of them; and on another set in a quarter of
+        them, which differs among its cases. So each set has met each shape."""
         has_rows = "plane" not in name  # of cells across a scene of two dimensions there is one
         shapes, cut = (SHAPES, CUT_SHAPES) if has_rows else ([shape for shape in SHAPES if shape[1] == 1], [])
         if not name.startswith("everything"):
             return [*itertools.product(sets, shapes[-1:]), *itertools.product(sets[:1], cut[-1:])]
         own = [*shapes, *cut]
-        if has_rows and not NAMED_SHAPES:
+        if not NAMED_SHAPES:
             own = own[("double" in name) != ("chebyshev" in name)::2]
         rest = shapes[number % 4::4] or shapes[-1:]
         return [*itertools.product(sets[:1], own), *itertools.product(sets[1:], rest)]

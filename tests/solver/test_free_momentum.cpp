@@ -11,7 +11,7 @@ namespace trevi::test {
 namespace {
 
 constexpr Real h = 0.2, dt = 0.01;
-const Box box{Vec3::Zero(), Vec3(4, 2, 2)};
+const Box wide_box{Vec3::Zero(), Vec3(4, 2, 2)};
 
 /// Velocities of the free paths, and something more.
 class Disturbing : public DensitySolver<double> {
@@ -28,10 +28,10 @@ class Disturbing : public DensitySolver<double> {
 /// A block of 10 x 5 x 5 particles with its corner at `low`, or the first `count` of them.
 struct Block {
   explicit Block(const Vec3& low, GlobalId count = 250)
-      : grid(box.min, box.max, h, 0),
+      : grid(wide_box.min, wide_box.max, h, 0),
         slabs(std::vector<Real>(static_cast<std::size_t>(grid.planes()), 1.0), size_of(world)),
-        near(world, grid, box.min, h),
-        boundary(make_boundary({Walls(box, WallSettings{}, 1e-6 * h), nullptr, {}})),
+        near(world, grid, wide_box.min, h),
+        boundary(make_boundary({Walls(wide_box, WallSettings{}, 1e-6 * h), nullptr, {}})),
         constraint(DensityModel{}, std::nullopt, std::nullopt) {
     for (GlobalId k = rank_of(world); k < count; k += size_of(world)) {
       const GlobalId i = k / 25, j = k / 5 % 5, l = k % 5;
@@ -47,7 +47,7 @@ struct Block {
   void solve() {
     DensityProblem<double> problem(world, near, constraint, *boundary, Vec3::Zero());
     problem.start(particles, dt);
-    FreeMomentum<double> solver({world, grid, box, constraint.model(), h / 2, Vec3::Zero()},
+    FreeMomentum<double> solver({world, grid, wide_box, constraint.model(), h / 2, Vec3::Zero()},
                                 std::make_unique<Disturbing>());
     solver.solve(problem);
   }

@@ -83,8 +83,8 @@ class Obstacles {
   /// The same of particles that no obstacle is near to.
   void record_box(std::span<Impulse> impulses);
 
-  /// Obstacles that contribute to the density at p: visit(account, distance of the equivalent plane, m, the
-  /// displacement of the surface there in the substep, m).
+  /// Obstacles that contribute to the density at p: visit(account, distance of the equivalent plane, m, its
+  /// normal into the water, the displacement in the substep of what goes with them at p, m).
   template <class Visit>
   void for_each_near(const Vec3& p, Visit&& visit) const {
     index_->for_each(index_->at(p), [&](std::size_t k) {
@@ -92,8 +92,8 @@ class Obstacles {
       if (!body.is_near(p)) return;
       const Vec3 there = body.now().into_body(p);
       const EquivalentPlane plane = body.map().at(there);
-      const Vec3 surface = there - plane.distance * plane.gradient.stableNormalized();
-      visit(k, plane.distance, Vec3(body.now().into_world(surface) - body.before().into_world(surface)));
+      const Vec3 normal = body.now().turn * plane.gradient.stableNormalized();
+      visit(k, plane.distance, normal, Vec3(p - body.before().into_world(there)));
     });
   }
 

@@ -1,16 +1,23 @@
 // XSPH viscosity (Macklin & Müller 2013, eq. 17): v_i += c m Σ_j (v_j − v_i) W6(p_ij), with c given; or a step of
-// explicit diffusion, nu dt ∇²v with the kinematic viscosity nu, for any step and spacing:
-//   v_i += nu dt Σ_j ½ (1/M_i + 1/M_j) (v_j − v_i) F(p_ij),  M_i = 1/6 Σ_j F(p_ij) p_ij², 1/4 in two dimensions
-// F is friction_weight(). M_i is the second moment of the neighbours that the particle has, per axis: on the lattice
-// that of the lattice (lattice_laplacian_moment), in water without order nearly as much. As pairs take the mean of 1/M
-// they keep momentum, and the friction of a uniform shear is right in the mean of all directions, wherever the
-// particles are; with F that of water in layers is the same along and across them.
-//   Neighbours must not stand in for those that are missing at walls and surfaces: where M_i is below
-// min_second_moment() the lattice's takes its place. Walls are frictionless: a vortex between walls a distance L
-// apart keeps its rate to 5 % at 10 across (tests/fluid/test_viscosity.cpp). Collective.
+// explicit diffusion by the stress ρ nu (∇v + (∇v)ᵀ), with the kinematic viscosity nu, for any step and spacing:
+//   v_i += nu dt Σ_j ½ (1/M_i + 1/M_j) F(p_ij) (v_j − v_i + ½ (∇v_i + ∇v_j)ᵀ (p_j − p_i)),
+//   M_i = 1/(2 dimensions) Σ_j F(p_ij) p_ij²
+// F is friction_weight(), with which water in layers has as much friction along them as across them; ∇v_i is that of
+// the linear velocity that fits those of the neighbours best, with the weights F.
+//   Inside of water that keeps its volume the transposed gradients add up to nothing: the sum is nu dt ∇²v. At a surface
+// they take away the stress that differences alone would leave there: a standing wave decays as Lamb says (Hydrodynamics,
+// § 348), for half as fast (Colagrossi et al. 2011, Phys. Rev. E 84, 026705), and water that turns as a whole has no
+// friction. M_i is the second moment of the neighbours that there are, per axis, so that a particle at a surface has the
+// friction of its half of a neighbourhood. What one of a pair gets the other gives: momentum is kept; angular momentum
+// is to 0.5 % of what friction could take. Walls by themselves would be surfaces: M_i has a share of the moment of what
+// would be behind them, and viscous_walls.hpp the friction. Collective.
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "fluid/filters/velocity_filter.hpp"
+#include "fluid/filters/viscous_walls.hpp"
 
 namespace trevi {
 
@@ -27,30 +34,24 @@ class XsphViscosity : public VelocityFilter<T> {
   Real factor_;
 };
 
-/// The longest step, s, in which this viscosity takes no velocity past the mean of its neighbours, for a particle that
-/// has all the neighbours of the lattice but the least M_i. Explicit diffusion is unstable from about twice that.
+/// The longest step, s: 2 over the largest eigenvalue of the sums, from which on explicit diffusion is unstable.
 Real longest_viscous_step(Real nu, const PointLattice& lattice, Real h);
-
-/// The M_i, over that of the lattice, below which neighbours are missing: that of the lattice or of water without
-/// order, π² h⁵/(128 s³), or π h⁴/(48 s²) in the plane, whichever is less, without the contribution of three
-/// neighbours, two in the plane, which is what M_i scatters by in flowing water.
-Real min_second_moment(const PointLattice& lattice, Real h);
 
 template <class T>
 class KinematicViscosity : public VelocityFilter<T> {
  public:
-  /// `nu` in m²/s.
-  KinematicViscosity(Real nu, const PointLattice& lattice, Real h);
+  /// `nu` in m²/s; without `walls` the water ends there with a surface.
+  KinematicViscosity(Real nu, const PointLattice& lattice, Real h, std::optional<ViscousWalls> walls = {});
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
 
  private:
-  void weigh(const Pairs<T>& pairs, Range all, Vec4<T>* velocities) const;
+  void fit(Neighbourhood<T>& near, const Vec4<T>* velocities, const std::vector<Vec3>& positions,
+           const std::array<Vec4<T>*, 3>& gradients) const;
 
   Event event_{"XsphViscosity"};
   FrictionLoops<T> loops_;
-  Real per_second_;
-  T moment_factor_;  // makes M_i/M_lattice of the sum
-  T least_;
+  std::optional<ViscousWalls> walls_;
+  Real moment_, per_moment_, deficient_, per_second_;  // m², 1, 1, 1/s
 };
 
 extern template class XsphViscosity<float>;

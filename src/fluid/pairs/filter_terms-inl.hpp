@@ -7,6 +7,8 @@
 #define TREVI_FLUID_FILTER_TERMS_INL
 #endif
 
+#include <array>
+
 #include "fluid/pairs/pair_traversal-inl.hpp"
 #include "kernels/list-inl.hpp"
 
@@ -126,14 +128,6 @@ HWY_INLINE hn::Vec<D> weight_of_friction(D d, const PairVector<D>& pair) {
   return hn::Mul(rest, dimensions == 2 ? rest : hn::Sqrt(rest));
 }
 
-template <class T, int dimensions>
-struct SecondMomentTerms : NumberTerms<T> {
-  template <class D, class Sums>
-  void add(D d, Sums& sums, const PairVector<D>& pair) const {
-    sums.value = hn::MulAdd(weight_of_friction<dimensions>(d, pair), pair.r2, sums.value);
-  }
-};
-
 template <class T>
 struct GradientTerms : RecordTerms<T> {
   template <class D>
@@ -194,10 +188,87 @@ struct SmoothingTerms : VelocityTerms<T> {
 };
 
 template <class T, int dimensions>
-struct FrictionTerms : SmoothingTerms<T> {
+struct VelocityFitTerms {
+  const Vec4<T>* velocity;
+  VelocityFit<T>* out;
+
   template <class D>
-  void add(D d, SumsOf<D>& sums, const PairVector<D>& pair) const {
-    const Four<D> v = this->relative(d, sums, pair);
+  struct Sums {
+    Four<D> row[4], self;
+  };
+  template <class D>
+  using Kept = std::array<typename VectorTerms<T>::template Kept<D>, 4>;
+  template <class D>
+  Sums<D> start(D d, LocalId i) const {
+    const auto zero = hn::Zero(d);
+    const Four<D> none{zero, zero, zero, zero};
+    const Vec4<T>& v = velocity[i];
+    return {{none, none, none, none}, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), zero}};
+  }
+  template <class D>
+  void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
+    const Four<D> v = gather(d, velocity, pair.place);
+    const auto weight = weight_of_friction<dimensions>(d, pair);
+    const auto x = hn::Mul(weight, pair.dx), y = hn::Mul(weight, pair.dy), z = hn::Mul(weight, pair.dz);
+    const auto add_row = [&](Four<D>& row, hn::Vec<D> component, hn::Vec<D> square) {
+      row = {hn::MulAdd(component, x, row.x), hn::MulAdd(component, y, row.y), hn::MulAdd(component, z, row.z),
+             hn::Add(square, row.w)};
+    };
+    add_row(sums.row[0], hn::Sub(sums.self.x, v.x), hn::Mul(x, pair.dx));
+    add_row(sums.row[1], hn::Sub(sums.self.y, v.y), hn::Mul(y, pair.dy));
+    add_row(sums.row[2], hn::Sub(sums.self.z, v.z), hn::Mul(z, pair.dz));
+    Four<D>& mixed = sums.row[3];
+    mixed = {hn::MulAdd(y, pair.dz, mixed.x), hn::MulAdd(z, pair.dx, mixed.y), hn::MulAdd(x, pair.dy, mixed.z),
+             mixed.w};
+  }
+  template <class D>
+  static void keep(D d, const Groups<Sums<D>>& sums, std::size_t k, Kept<D>& kept) {
+    for (std::size_t r = 0; r < 4; ++r)
+      VectorTerms<T>::keep(d, Groups<Four<D>>{sums.a.row[r], sums.b.row[r], sums.c.row[r], sums.e.row[r]}, k, kept[r]);
+  }
+  template <class D>
+  void finish(D d, std::size_t first, std::size_t count, const Kept<D>& kept) const {
+    alignas(64) Vec4<T> sums[batch];
+    for (std::size_t r = 0; r < 4; ++r) {
+      VectorTerms<T>{sums}.finish(d, 0, count, kept[r]);  // divides by the units once, and not w
+      constexpr T per_unit = static_cast<T>(1 / Packed<T>::units_per_h);
+      const T vector = r < 3 ? T{1} : per_unit, square = per_unit * per_unit;
+      for (std::size_t k = 0; k < count; ++k) {
+        const Vec4<T>& sum = sums[k];
+        out[first + k].row[r] = {sum.x * vector, sum.y * vector, sum.z * vector, sum.w * square};
+      }
+    }
+  }
+};
+
+template <class T, int dimensions>
+struct FrictionTerms : SmoothingTerms<T> {
+  VelocityGradients<T> gradient;
+
+  template <class D>
+  struct Sums : SumsOf<D> {
+    Four<D> gx, gy, gz;
+  };
+  template <class D>
+  Sums<D> start(D d, LocalId i) const {
+    const auto set = [&](const Vec4<T>& v) {
+      return Four<D>{hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), hn::Set(d, v.w)};
+    };
+    Sums<D> sums{VelocityTerms<T>::start(d, i), set(gradient.x[i]), set(gradient.y[i]), set(gradient.z[i])};
+    sums.self.w = sums.gz.w;
+    return sums;
+  }
+  template <class D>
+  void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
+    Four<D> v = this->relative(d, sums, pair);
+    const auto turn = [&](const Four<D>& mine, const Vec4<T>* field, hn::Vec<D> way) {
+      const Four<D> row = gather(d, field, pair.place);
+      v = {hn::NegMulAdd(hn::Add(mine.x, row.x), way, v.x), hn::NegMulAdd(hn::Add(mine.y, row.y), way, v.y),
+           hn::NegMulAdd(hn::Add(mine.z, row.z), way, v.z), row.w};
+    };
+    turn(sums.gx, gradient.x, pair.dx);
+    turn(sums.gy, gradient.y, pair.dy);
+    turn(sums.gz, gradient.z, pair.dz);
     this->add_weighted(sums, v, hn::Mul(hn::Add(sums.self.w, v.w), weight_of_friction<dimensions>(d, pair)));
   }
 };

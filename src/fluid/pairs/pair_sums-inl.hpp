@@ -132,12 +132,13 @@ void smoothing(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4
   for_each_particle(pairs, range, SmoothingTerms<T>{{{out}, velocity}});
 }
 template <class T, int dimensions>
-void friction(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, Vec4<T>* out) {
-  for_each_particle(pairs, range, FrictionTerms<T, dimensions>{{{{out}, velocity}}});
+void velocity_fit(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, VelocityFit<T>* out) {
+  for_each_particle(pairs, range, VelocityFitTerms<T, dimensions>{velocity, out});
 }
 template <class T, int dimensions>
-void second_moment(const Pairs<T>& pairs, Range range, T* out) {
-  for_each_particle(pairs, range, SecondMomentTerms<T, dimensions>{{out}});
+void friction(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, const VelocityGradients<T>& gradients,
+              Vec4<T>* out) {
+  for_each_particle(pairs, range, FrictionTerms<T, dimensions>{{{{out}, velocity}}, gradients});
 }
 
 // The loops of all pairs of kernels; that with number k has density kernel k / count and gradient kernel k % count.
@@ -164,8 +165,8 @@ FilterLoops<T> loops_of_filters() {
 }
 template <class T>
 FrictionLoops<T> loops_of_friction(int dimensions) {
-  if (dimensions == 2) return {friction<T, 2>, second_moment<T, 2>};
-  return {friction<T, 3>, second_moment<T, 3>};
+  if (dimensions == 2) return {velocity_fit<T, 2>, friction<T, 2>};
+  return {velocity_fit<T, 3>, friction<T, 3>};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -67,13 +67,27 @@ FilterLoops<float> filter_loops<float>();
 template <>
 FilterLoops<double> filter_loops<double>();
 
+/// The sums of a linear fit of velocities, v = v_i − v_j over u = p_ij/h with the weights F: the rows a = x, y, z are
+/// Σ F (v_a u_x, v_a u_y, v_a u_z, u_a²), the last is Σ F (u_y u_z, u_z u_x, u_x u_y, 0).
+template <class T>
+struct VelocityFit {
+  Vec4<T> row[4];
+};
+
+/// Half the gradients of the components of all velocities, ghosts included, in m/s per unit of the records: ½ ∇v_x of
+/// particle i is x[i], and so on. The scalar of z is a factor f of each.
+template <class T>
+struct VelocityGradients {
+  const Vec4<T>*x, *y, *z;
+};
+
 /// The loops of viscous friction, F being friction_weight(). Velocities are given for all particles, ghosts included.
 template <class T>
 struct FrictionLoops {
-  /// out = Σ (f_i + f_j) (v_j − v_i) F, with f the scalar of the velocities.
-  void (*friction)(const Pairs<T>&, Range, const Vec4<T>* velocity, Vec4<T>* out);
-  /// out = Σ u² F.
-  void (*second_moment)(const Pairs<T>&, Range, T* out);
+  /// The sums of `out` over all neighbours.
+  void (*velocity_fit)(const Pairs<T>&, Range, const Vec4<T>* velocity, VelocityFit<T>* out);
+  /// out_a = Σ (f_i + f_j) (v_ja − v_ia + ½ (∂_a v_i + ∂_a v_j)·(p_j − p_i)) F.
+  void (*friction)(const Pairs<T>&, Range, const Vec4<T>* velocity, const VelocityGradients<T>&, Vec4<T>* out);
 };
 
 template <class T>
