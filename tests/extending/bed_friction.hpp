@@ -20,7 +20,7 @@ class BedFriction : public VelocityFilter<T> {
   void apply(Neighbourhood<T>&, Particles& particles, Real dt) override {
     for_each_index({0, particles.size()}, [&](std::size_t i) {
       const Vec3& p = particles.predicted[i];
-      obstacles_->for_each_near(p, [&](std::size_t account, Real distance, const Vec3& displacement) {
+      obstacles_->for_each_near(p, [&](std::size_t account, Real distance, const Vec3&, const Vec3& displacement) {
         const Vec3 surface = displacement / dt, u = particles.velocity[i] - surface;
         const Real rate = coefficient_ / h_ * std::max(1 - distance / h_, 0.0) * u.norm();
         const Vec3 v = surface + u / (1 + rate * dt);  // implicit: it never turns a velocity around

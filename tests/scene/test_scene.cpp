@@ -164,8 +164,8 @@ TEST(Scene, ViscosityIsAShareOfAStepOrInUnits) {
   const Scene report = parse(scene_plus("[viscosity]\nnu = 0.01\n[density]\npreset = 'report'"));
   EXPECT_TRUE(!report.viscosity && report.kinematic_viscosity == 0.01) << "an explicit key wins";
   // What the messages for larger ones name is taken.
-  EXPECT_EQ(problems(scene_plus("cfl = 0\n[viscosity]\nnu = 0.238")), "");
-  EXPECT_EQ(problems(scene_plus("[viscosity]\nnu = 119")), "");
+  EXPECT_EQ(problems(scene_plus("cfl = 0\n[viscosity]\nnu = 0.243")), "");
+  EXPECT_EQ(problems(scene_plus("[viscosity]\nnu = 121")), "");
 }
 
 TEST(Scene, SlabAxisIsTheLongestHorizontalOne) {

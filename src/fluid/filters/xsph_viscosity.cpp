@@ -16,7 +16,7 @@ namespace {
 // of the lattice. The top layer of a lattice has 0.59 to 0.68 of its M, an edge 0.34 to 0.45.
 constexpr Real min_second_moment = 0.5, deficient_moment = 0.05;
 // Of the sums in water however disordered, over nu/M Σ_lattice F: 1.1 to 2.1.
-constexpr Real largest_eigenvalue = 2.5;
+constexpr Real largest_eigenvalue = 2.3;
 
 // velocity_i += factor Σ, the sums being those of a pair loop.
 template <class T, class Loop>
