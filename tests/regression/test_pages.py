@@ -256,7 +256,7 @@ class Figures(unittest.TestCase):
             shutil.copytree(RESULTS, Path(folder) / "results", ignore=shutil.ignore_patterns("*.png", "tutorial"))
             copy = shutil.copy(script, folder)
             page = Path(folder) / "results/pipe.md"
-            page.write_text(page.read_text().replace("| 0.040 |", "| 0.041 |"))
+            page.write_text(re.sub(r"\| \d\.\d+ \|", "| 9.999 |", page.read_text(), count=1))
             told = subprocess.run([copy, "--check"], capture_output=True, text=True, timeout=60, check=False)
             self.assertEqual(told.returncode, 1)
             self.assertIn("pipe.md", told.stderr)

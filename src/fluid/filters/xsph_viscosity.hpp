@@ -4,13 +4,13 @@
 //   M_i = 1/(2 dimensions) Σ_j F(p_ij) p_ij²
 // F is friction_weight(), with which water in layers has as much friction along them as across them; ∇v_i is that of
 // the linear velocity that fits those of the neighbours best, with the weights F.
-//   Inside of water that keeps its volume the transposed gradients add up to nothing: the sum is nu dt ∇²v. At a surface
-// they take away the stress that differences alone would leave there: a standing wave decays as Lamb says (Hydrodynamics,
-// § 348), for half as fast (Colagrossi et al. 2011, Phys. Rev. E 84, 026705), and water that turns as a whole has no
-// friction. M_i is the second moment of the neighbours that there are, per axis, so that a particle at a surface has the
-// friction of its half of a neighbourhood. What one of a pair gets the other gives: momentum is kept; angular momentum
-// is to 0.5 % of what friction could take. Walls by themselves would be surfaces: M_i has a share of the moment of what
-// would be behind them, and viscous_walls.hpp the friction. Collective.
+//   Inside of water that keeps its volume the transposed gradients add up to nothing: the sum is nu dt ∇²v. At a
+// surface they take away the stress that differences alone would leave there: a standing wave decays as Lamb says
+// (Hydrodynamics, § 348), for half as fast (Colagrossi et al. 2011, Phys. Rev. E 84, 026705), and water that turns as a
+// whole has no friction. M_i is the second moment of the neighbours that there are, per axis, so that a particle at a
+// surface has the friction of its half of a neighbourhood. What one of a pair gets the other gives: momentum is kept;
+// angular momentum is to 0.5 % of what friction could take. Walls by themselves would be surfaces: M_i has a share of
+// the moment of what would be behind them, and viscous_walls.hpp the friction. Collective.
 #pragma once
 
 #include <array>
