@@ -27,7 +27,7 @@ void add_sums(const Neighbourhood<T>& near, const Loop& loop, Real factor, std::
   });
 }
 
-using Matrix = Eigen::Matrix<Real, 3, 3>;
+using Matrix = Eigen::Matrix3d;
 
 Matrix rows_of(const Vec3& x, const Vec3& y, const Vec3& z) {
   Matrix rows;

@@ -136,6 +136,11 @@ struct GradientTerms : RecordTerms<T> {
   }
 };
 
+template <class D, class T>
+HWY_INLINE Four<D> in_all_lanes(D d, const Vec4<T>& v) {
+  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), hn::Set(d, v.w)};
+}
+
 template <class T>
 struct VelocityTerms : VectorTerms<T> {
   const Vec4<T>* velocity;
@@ -143,8 +148,7 @@ struct VelocityTerms : VectorTerms<T> {
   template <class D>
   SumsOf<D> start(D d, LocalId i) const {
     const auto zero = hn::Zero(d);
-    const Vec4<T>& v = velocity[i];
-    return {zero, zero, zero, zero, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), hn::Set(d, v.w)}};
+    return {zero, zero, zero, zero, in_all_lanes(d, velocity[i])};
   }
   template <class D>
   Four<D> relative(D d, const SumsOf<D>& sums, const PairVector<D>& pair) const {
@@ -202,8 +206,7 @@ struct VelocityFitTerms {
   Sums<D> start(D d, LocalId i) const {
     const auto zero = hn::Zero(d);
     const Four<D> none{zero, zero, zero, zero};
-    const Vec4<T>& v = velocity[i];
-    return {{none, none, none, none}, {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), zero}};
+    return {{none, none, none, none}, in_all_lanes(d, velocity[i])};
   }
   template <class D>
   void add(D d, Sums<D>& sums, const PairVector<D>& pair) const {
@@ -251,10 +254,8 @@ struct FrictionTerms : SmoothingTerms<T> {
   };
   template <class D>
   Sums<D> start(D d, LocalId i) const {
-    const auto set = [&](const Vec4<T>& v) {
-      return Four<D>{hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z), hn::Set(d, v.w)};
-    };
-    Sums<D> sums{VelocityTerms<T>::start(d, i), set(gradient.x[i]), set(gradient.y[i]), set(gradient.z[i])};
+    Sums<D> sums{VelocityTerms<T>::start(d, i), in_all_lanes(d, gradient.x[i]), in_all_lanes(d, gradient.y[i]),
+                 in_all_lanes(d, gradient.z[i])};
     sums.self.w = sums.gz.w;
     return sums;
   }
