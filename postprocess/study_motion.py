@@ -8,6 +8,7 @@ meeting           blocks that meet in the air, above a pool: momentum to 1e-9
 drop              that is stretched without gravity: energy to 1 %, its length to 1 %
 jet               level, 4 m/s: as wide after 2.4 m as at the start, to 15 %
 plate             a plane jet on a plate: 0.95 of the speed of its total head, its force to 3 %
+slope             a block that is let go on a smooth one: 0.95 of the momentum down it with 16 layers
 rotation          in an upright cylinder: 0.98 of the angular momentum after one turn, the paraboloid to 5 %; closed and
                   without gravity 0.99
 rotation, long    the same for ten turns: 0.9
@@ -35,6 +36,7 @@ import counted_water
 import known_drop
 import known_motion as known
 import known_plate
+import known_slope
 from known_motion import Motion, of_water, run_motion
 from known_water import Tank, pool, wave
 from study import STRESS, in_turn, parser_of, write_table
@@ -118,6 +120,16 @@ def plates(runs=((0.05, 0.2), (0.05, 0.4), (0.025, 0.2)), rates=(60, 120, 240)):
         for rate in rates:
             yield Case("plate", f"s {spacing:g}, {wide / spacing:g} spacings wide, {at(rate)}",
                        known_plate.plate(rate, spacing, wide), marks, {"spacing": spacing, "steps_per_second": rate})
+
+
+def slopes(runs=((0.05, 60), (0.05, 240), (0.025, 120)), angles=(10, 20, 30)):
+    """runs: spacings, m, and steps per second."""
+    for angle in angles:
+        for spacing, rate in runs:
+            yield Case("slope", f"{angle} degrees, {0.4 / spacing:g} layers, {at(rate)}",
+                       known_slope.slope(rate, angle, spacing),
+                       (Mark("momentum_ratio", 0.95, 1.02),) if spacing <= 0.025 else (),
+                       {"spacing": spacing, "steps_per_second": rate, "angle": angle})
 
 
 def rotations(spacings=(0.05, 0.025), rates=(60, 240, 480), starts=("lattice", "rings")):
@@ -277,7 +289,7 @@ def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
 
 
 def all_cases():
-    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *rotations(), *tanks(), *shears(), *vortices(),
+    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *slopes(), *rotations(), *tanks(), *shears(), *vortices(),
             *waves(), *rests(), *leaning(), *counts(), *spheres(), *long_rotations()]
 
 

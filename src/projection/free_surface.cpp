@@ -27,18 +27,27 @@ void FreeSurface::keep_wet() {
   mass_.give_back();
 }
 
-Real FreeSurface::distance(std::size_t a, std::size_t wet, std::size_t dry) const {
-  if (!upright()) return 1;
-  if (a == 2) return wet < dry ? above_middle(wet) : 1;
-  return part_in_water(wet, dry);
+Real FreeSurface::resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const {
+  if (!upright()) return mass_[wet];
+  if (a == 2) return mass_[wet] * (wet < dry ? above_middle(wet) : 1);
+  if (is_cut(wet) || is_cut(dry) || is_emptied(dry)) return mass_[wet];
+  return is_top(dry - 1) ? mass_[wet] * part_in_water(wet, dry) : weight_at_side(a, wet, dry);
 }
 
 // Of the way from the middle of a wet cell to that of a dry one beside it, where the surface steps down by a cell
 // between them. Cut cells have too uneven levels to tell a slope.
 Real FreeSurface::part_in_water(std::size_t wet, std::size_t dry) const {
-  if (!is_top(dry - 1) || is_solid(wet) || is_cut(wet) || is_cut(dry) || is_cut(dry - 1)) return 1;
+  if (is_solid(wet) || is_cut(dry - 1)) return 1;
   const Real in = is_top(wet) ? above_middle(wet) : 1 + above_middle(wet + 1);
   return in / std::max(in + 1.5 - height_[dry - 1], min_rise);
+}
+
+// Of the particles of the wet cell, which are displaced, at its face, over that in full water: a particle counts 1 in
+// the plane of the face and 0 a cell away.
+Real FreeSurface::weight_at_side(std::size_t a, std::size_t wet, std::size_t dry) const {
+  const ParticlesToGrid::Means held = water().means(wet);
+  const Real from_low = held.y[grid().axis(a)], weight = wet > dry ? held.n - from_low : from_low;
+  return std::clamp(weight * water().frame().per_full, min_side, 1.0);
 }
 
 void FreeSurface::classify(Halo& halo) {

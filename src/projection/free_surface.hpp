@@ -78,12 +78,13 @@ class FreeSurface {
   /// What divides the difference of phi over face (a, at), beside which a cell is wet: the mass of the water there over
   /// that in full cells, 1 but where it is thin (projection::thin_begins), times the distance, in cells, between the
   /// points where phi is given: the middle of a wet cell, and that of the other, or where the surface is on the way to
-  /// it (ghost-fluid method, Gibou et al. 2002).
+  /// it (ghost-fluid method, Gibou et al. 2002). At the side of water both are the weight of the wet cell's particles
+  /// there over that in full water: they so get the impulse that the pressure gives.
   Real resistance(std::size_t a, std::size_t at) const {
     const std::size_t below = at - grid().step(a);
     const bool low = is_wet(below), high = is_wet(at);
     if (low && high) return (mass_[below] + mass_[at]) / 2;
-    return high ? mass_[at] * distance(a, at, below) : mass_[below] * distance(a, below, at);
+    return high ? resistance_to_air(a, at, below) : resistance_to_air(a, below, at);
   }
 
  private:
@@ -111,7 +112,8 @@ class FreeSurface {
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
   void exchange(Halo& halo, Borrowed<Real>& field) const;
-  Real distance(std::size_t a, std::size_t wet, std::size_t dry) const;
+  Real resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const;
+  Real weight_at_side(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real part_in_water(std::size_t wet, std::size_t dry) const;
   template <class Level>
   void level_cut_cells(Halo& halo, const Level& level);

@@ -185,9 +185,25 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
+// How pressure displaces the water of a cell, by its open faces; in a direction that has none, and beside bodies that
+// float, which lean and heave more by those, as it bears the weight.
+Vec3 GridToParticles::by_open_faces(std::size_t at, const Faces& faces) const {
+  const CutCells& cuts = *surface_.cuts();
+  Vec3 pushed(0, 0, step_.g_dt2);
+  if (cuts.floats(at)) return pushed;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real low = faces[a].low_closed ? 0 : cuts.face(a, at);
+    const Real high = faces[a].high_closed ? 0 : cuts.face(a, at + surface_.grid().step(a));
+    if (low + high > 0)
+      pushed[static_cast<Eigen::Index>(a)] = (low * faces[a].low + high * faces[a].high) / (low + high);
+  }
+  return pushed;
+}
+
 // Nothing where the surface has no direction. A sheet one cell deep on a solid, and water at a body that moves freely,
 // are bounded as water at walls is: the slope beside a light body that rises is steep, and throws what is few.
-std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, const Faces& faces) const {
+std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, const Faces& faces,
+                                                                            const Vec3& pushed) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
   const ParticlesToGrid& water = surface_.water();
@@ -212,11 +228,11 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   const Real size = area.norm();
   if (size < min_wall) return std::nullopt;
   const Vec3 n = area / size;
-  Real into = (flux - cuts.open(at) * divergence) / size - n.dot(solid) + n.z() * step_.g_dt2;
+  Real into = (flux - cuts.open(at) * divergence) / size + n.dot(pushed - solid);
   const bool is_sheet = surface_.is_top(at) && faces[2].low_closed && !faces[2].low_wall;
   if (const ParticlesToGrid::Means held = water.means(at); (is_sheet || cuts.floats(at)) && held.n > 0) {
     const Vec3 mean = Vec3(held.u[grid.axis(0)], held.u[grid.axis(1)], held.u[grid.axis(2)]) / held.n;
-    into = bounded(into, n.dot(mean - solid) + n.z() * step_.g_dt2);
+    into = bounded(into, n.dot(mean + pushed - solid));
   }
   return SolidSurface{n, into};
 }
@@ -227,10 +243,12 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
 void GridToParticles::slip(std::size_t at, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
-  const std::optional<SolidSurface> solid = solid_surface(at, faces);
+  const Vec3 pushed = by_open_faces(at, faces);
+  const std::optional<SolidSurface> solid = solid_surface(at, faces, pushed);
   if (!solid) return;
   for (std::size_t a = 0; a < 3; ++a) {
-    const Real along = (a == 2 ? step_.g_dt2 : 0) - solid->normal[static_cast<Eigen::Index>(a)] * solid->into;
+    const auto i = static_cast<Eigen::Index>(a);
+    const Real along = pushed[i] - solid->normal[i] * solid->into;
     FacePair& pair = faces[a];
     const bool low = pair.low_closed && !pair.low_wall, high = pair.high_closed && !pair.high_wall;
     const bool from_open = a < 2 && !cuts.floats(at) && (low ? !pair.high_closed : !pair.low_closed);

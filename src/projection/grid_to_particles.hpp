@@ -5,13 +5,14 @@
 // it points to. What exceeds the weight by half, and all beyond it in cells that solids cut, but bodies, acts by its
 // gradient there (pull_back()). Above the surface it fades out, so that water thrown up falls back.
 //
-// *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry what
-// gravity needs along the surface, and stop only what goes into it: with n the mean normal of the surface in the cell,
-// by Gauss's theorem from the areas of its faces, they are displaced by g dt² − n (n · u_s + n · g dt²), u_s being the
-// motion of the water at the surface, from the flux through the open faces. Water so slips along walls of any
-// direction. Horizontally a closed face takes what continues linearly from the opposite open face to that displacement
-// where the surface is: a particle's path goes through cells whose walls have different directions, and constant
-// displacements beside them brake water that turns.
+// *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry on what
+// pressure does at its open ones, δ in the mean, or what bears the weight along a direction that has none, and stop
+// only what goes into the solid: with n the mean normal of the surface in the cell, by Gauss's theorem from the areas
+// of its faces, they are displaced by δ − n (n · u_s + n · δ), u_s being the motion of the water at the surface past
+// the solid, from the flux through the open faces. Water so slips along walls of any direction. Horizontally a closed
+// face takes what continues linearly from the opposite open face to that displacement where the surface is: a
+// particle's path goes through cells whose walls have different directions, and constant displacements beside them
+// brake water that turns.
 //
 // *Noise.* What is smooth is kept, what differs from particle to particle dies away in noise_time. With the filter
 // F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F
@@ -80,7 +81,8 @@ class GridToParticles {
     Vec3 normal;
     Real into;
   };
-  std::optional<SolidSurface> solid_surface(std::size_t at, const Faces& faces) const;
+  Vec3 by_open_faces(std::size_t at, const Faces& faces) const;
+  std::optional<SolidSurface> solid_surface(std::size_t at, const Faces& faces, const Vec3& pushed) const;
   void slip(std::size_t at, Faces& faces) const;
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;

@@ -64,6 +64,10 @@ constexpr Real min_height = 0.05;
 /// Least rise of the surface, cells, from a dry cell to the wet one beside it, by which that is pressed: a dry cell may
 /// be filled up to above its middle, and where both stand alike nothing does. A bound on the same weight.
 constexpr Real min_rise = 1e-6;
+/// Least weight of the particles of a wet cell at a face in the side of water, over that in full water: a bound on how
+/// far the pressure displaces them (README.md). With 0.15, 0.2, 0.25, 0.3 a block of 4³ particles that collapses gains
+/// up to 10, 5.5, 5, 3 % of its energy in a step, when it is a sheet.
+constexpr Real min_side = 0.3;
 /// Fraction of its volume in particles of which the middle is in it from which on a cell counts for the depth, and from
 /// which on it has a surface of water in or above it. A sheet on a solid may be as thin as one on the floor.
 constexpr Real deep_fill = 0.2, surface_fill = 0.4;
@@ -115,12 +119,12 @@ constexpr Real noise_time = 12;
 /// and 38.
 constexpr Real cut_noise = 38;
 /// Relaxation of a cut cell is slower by r/(r + this), r being the mean square of what its fit leaves over the square
-/// of its mean motion: of a wave a fit leaves its curvature, which is no noise. With 0, 0.002, 0.005, 0.02 a tank
-/// turned by 20 degrees swings up to 3.0, 2.2, 2.1, 1.4 % off the plain box at 1/60 s, one by 35 degrees on the floor
-/// of the box 5.0, 3.8, 3.3, 2.6 %; water from a lattice in a cylinder of R = 10 s keeps 0.96, 0.92, 0.87, 0.86 in ten
-/// turns, from rings 0.90, 0.91, 0.89, 0.88; vessels turned about three axes rest alike. At bodies that float it is not
-/// slower. The motion is that past the box: water in a vessel that is carried along keeps its noise for longer.
-constexpr Real smooth_rest = 0.002;
+/// of its mean motion: of a wave a fit leaves its curvature, which is no noise. With 0.002, 0.005, 0.01, 0.02 a tank
+/// turned by 20 degrees swings up to 3.5, 3.2, 2.8, 2.8 % off the plain box at 1/60 s, one by 35 degrees on the floor
+/// of the box 4.6, 3.7, 3.2, 2.8 %; with 0.01 and 0.02 vessels rest at 1.6e-4, 1.8e-4 m²/s² deep and 3.5e-4, 4.7e-4
+/// shallow in the median. At bodies that float it is not slower. The motion is that past the box: water in a vessel
+/// that is carried along keeps its noise for longer.
+constexpr Real smooth_rest = 0.01;
 /// From the surface downwards as many cells at solids that move in the water; below, only the filter of all cells acts:
 /// what curves about such a solid is no noise. A ball of 3 and 5 spacings on a spring under water, 1/60 s, keeps 0.91
 /// and 0.96 of its swing in half a period, of an ideal period 1.014 and 1.020, with 4 0.79 and 0.96, to all depths 0.44

@@ -153,7 +153,7 @@ class ParticlesToGrid {
   T cell_at(const CellFields& field, std::size_t at) const {
     const std::size_t row = at / grid_.step(1), rows = grid_.step(0) / grid_.step(1);
     const auto k = static_cast<LocalId>(row / rows), r = static_cast<LocalId>(row % rows) - 1;
-    return field.cell<T>(k, r, static_cast<LocalId>(at % grid_.step(1)) - 1);
+    return field.cell<T>(k, grid_.row_beside(r), static_cast<LocalId>(at % grid_.step(1)) - 1);
   }
   void find_filled(LocalId k, LocalId r);
   void fit_row(TentMemory& memory, LocalId k, LocalId r);

@@ -10,6 +10,7 @@
 #include "domain/neighbourhood.hpp"
 #include "parallel/reductions.hpp"
 #include "projection/grid_to_particles.hpp"
+#include "projection/projection.hpp"
 #include "support/cloud.hpp"
 
 namespace trevi::test {
@@ -116,6 +117,15 @@ struct Stages {
   std::optional<GridToParticles> back;
   Pressure pressure{world, {}};
 };
+
+/// What the projection does to the particles in a step of 1/60 s.
+inline std::vector<Vec4<double>> displacements(Water& water, Real spacing, Real gravity) {
+  Projection projection(world, water.grid, water.box, {spacing, 2 * spacing, gravity});
+  std::vector<Vec4<double>> out(static_cast<std::size_t>(water.particles.size()));
+  projection.find(water.near.order(), water.near.halo(), 1.0 / 60, water.motion());
+  projection.displacements<double>(water.near.order(), 1.0 / 60, water.motion(), out);
+  return out;
+}
 
 inline Real largest(Real value) { return max_over_ranks(world, value); }
 

@@ -1,12 +1,11 @@
 // The stages of the projection, each alone: affine motion passes the transfer exactly however particles lie, damping
 // and the filter of shifts keep what they should, water that moves as a whole has no pressure, and a full box rests.
-// The Poisson equation is in test_poisson.cpp.
+// The Poisson equation is in test_poisson.cpp, what pressure gives in all in test_momentum.cpp.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numeric>
 #include <random>
 
-#include "projection/projection.hpp"
 #include "stages.hpp"
 
 namespace trevi::test {
@@ -180,14 +179,6 @@ TEST(ParticlesToGrid, VolumesChangeByWhatPassesTheFaces) {
   EXPECT_LT(wrong, 1e-3 * most);
 }
 
-/// What the projection does to the particles in a step of 1/60 s.
-std::vector<Vec4<double>> displacements(Water& water, Real gravity) {
-  Projection projection(world, water.grid, box, {s, h, gravity});
-  std::vector<Vec4<double>> out(static_cast<std::size_t>(water.particles.size()));
-  projection.find(water.near.order(), water.near.halo(), 1.0 / 60, water.motion());
-  projection.displacements<double>(water.near.order(), 1.0 / 60, water.motion(), out);
-  return out;
-}
 Real longest(const std::vector<Vec4<double>>& all) {
   Real most = 0;
   for (const auto& one : all) most = std::max(most, vector_of(one).norm());
@@ -214,7 +205,7 @@ TEST(Projection, WaterThatFliesIsLeftAlone) {
     Water water([&](const Vec3&) { return flight.path; }, {.top = 1.6, .offset = flight.offset, .holds = holds});
     EXPECT_GT(sum_over_ranks(world, GlobalId{water.particles.size()}), 100);
     for (const Real gravity : {9.8, 0.0})
-      EXPECT_LT(longest(displacements(water, gravity)), 1e-12) << gravity << ", " << flight.path.y();
+      EXPECT_LT(longest(displacements(water, s, gravity)), 1e-12) << gravity << ", " << flight.path.y();
   }
 }
 
@@ -224,42 +215,10 @@ TEST(Projection, StillWaterIsHeldExactly) {
   for (const Real top : {box.max.z(), 1.5}) {
     Water water([](const Vec3&) { return Vec3(0, 0, -g_dt2); }, {.top = top, .at = 0});
     Real wrong = 0;
-    for (const auto& one : displacements(water, 9.8))
+    for (const auto& one : displacements(water, s, 9.8))
       wrong = std::max(wrong, (vector_of(one) - Vec3(0, 0, g_dt2)).norm());
     EXPECT_LT(largest(wrong), 1e-12);
   }
-}
-
-// Water of which a cell holds three eighths less goes against full water in a wide box that it fills to the ceiling:
-// what the pressure takes from the one it gives to the other, but for what the sides in air have of it and the cells at
-// walls, which weigh as full ones. As if all cells were full a third of it came from nowhere.
-TEST(Pressure, KeepsTheMomentumOfThinWaterThatMeetsFullWater) {
-  const Box wide{box.min, box.min + Vec3(2.4, 4, 4)};
-  const auto holds = [](const Vec3& p) {
-    const Eigen::Vector3i half = ((p - box.min) / s).array().floor().cast<int>();
-    const Eigen::Vector3i in_cell(half.x() % 2, half.y() % 2, half.z() % 2);
-    const bool left_out = in_cell == Eigen::Vector3i(0, 0, 0) || in_cell == Eigen::Vector3i(1, 1, 0) ||
-                          in_cell == Eigen::Vector3i(1, 0, 1);
-    return std::abs(p.x() - 1) < 0.8 && !(p.x() > 1 && left_out);
-  };
-  Water water([](const Vec3& p) { return Vec3(p.x() < 1 ? 0.01 : -0.01, 0, 0); },
-              {.top = wide.max.z(), .box = wide, .holds = holds});
-  Stages at(water, s);
-  at.classify();
-  at.solve(0);
-  std::array<Real, 2> given{};  // to full water, to thin
-  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
-    const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
-    if (cell.begin == cell.end) return;
-    const std::size_t low = at.grid.index(k, r, c);
-    const auto through = [&](std::size_t face) { return at.pressure.displacement(*at.surface, 0, face); };
-    given[at.middle(k, r, c).x() < 1 ? 0 : 1] +=
-        static_cast<Real>(cell.end - cell.begin) * (through(low) + through(low + at.grid.step(0))) / 2;
-  });
-  MPI_Allreduce(MPI_IN_PLACE, given.data(), 2, MPI_DOUBLE, MPI_SUM, world);
-  std::printf("given %.4f, %.4f m\n", given[0], given[1]);
-  EXPECT_LT(given[0], -1);
-  EXPECT_NEAR(given[1] / given[0], -1, 0.1);
 }
 
 // What the damping of a substep gives to all particles.

@@ -309,12 +309,13 @@ TEST(LittleWater, GainsNoEnergyInAnyStep) {
 // Nothing pushes along a smooth floor, but walls that stand across. Without that undone a block that falls askew into a
 // pool between periodic ends lost half of its momentum in a second, and one on the floor of a box a sixth.
 TEST(Splash, KeepsItsMomentumAlongTheFloor) {
-  const Tank floor{.min = "0, 0",
-                   .max = "6, 1",
+  const Tank floor{.min = "-4, 0",
+                   .max = "8, 1",
                    .water = {{"0.8, 0.5", "1.2, 0.8", "velocity = [2, -2]"}},
                    .spacing = "0.05",
                    .domain = "dimensions = 2"};
   Tank pool = floor;
+  pool.min = "0, 0";
   pool.max = "2, 1";
   pool.water.push_back({"0, 0", "2, 0.3"});
   pool.domain += "\nperiodic = ['x']";

@@ -148,17 +148,6 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   }
   Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
 
-  // Between the points beside a face at which phi is given, in cells; the surface is one where one cell is dry.
-  Real distance(int a, const Cell& c) const {
-    const Cell below = c - unit(a);
-    if (!upright() || wet(below) == wet(c)) return 1;
-    if (a == 2) return is_top(below) ? above_middle(below) : 1;
-    const Cell water = wet(c) ? c : below, beside = (wet(c) ? below : c) - unit(2);
-    if (!is_top(beside)) return 1;  // the surface does not step down by one cell
-    const Real in = is_top(water) ? above_middle(water) : 1 + above_middle(water + unit(2));
-    return in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
-  }
-
   // Water at rest has the mass of its level, whatever its top cell holds; thin water has that of its fill, but at
   // walls.
   Real mass(const Cell& c) const {
@@ -172,17 +161,27 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     if (fill >= 0.8) return 1;
     return fill <= 0.6 ? fill : fill + (fill - 0.6) / 0.2 * (1 - fill);
   }
-  // Of face (a, c), in the mean of what is wet beside it.
-  Real mass_at(int a, const Cell& c) const {
-    const Cell below = c - unit(a);
-    if (!wet(c)) return mass(below);
-    return wet(below) ? (mass(c) + mass(below)) / 2 : mass(c);
+  // What divides the difference of phi over face (a, c): the mass beside it times the distance, in cells, of the points
+  // at which phi is given; the surface is one where a cell is dry. At a side the water's own weight is both.
+  Real resistance(int a, const Cell& c) const {
+    const Cell below = c - unit(a), water = wet(c) ? c : below, beside = (wet(c) ? below : c) - unit(2);
+    if (wet(below) == wet(c)) return (mass(c) + mass(below)) / 2;
+    if (!upright() || a == 2) return mass(water) * (is_top(below) && a == 2 ? above_middle(below) : 1);
+    if (!is_top(beside)) return weight_at_side(a, c, water);  // the surface does not step down by one cell
+    const Real in = is_top(water) ? above_middle(water) : 1 + above_middle(water + unit(2));
+    return mass(water) * in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
+  }
+  Real weight_at_side(int a, const Cell& c, const Cell& water) const {
+    Real sum = 0;
+    for (const Particle& i : particles_)
+      if (!i.in_flight && i.cell == cells_.wrapped(water)) sum += wet(c) ? 1 - i.y[a] : i.y[a];
+    return std::clamp(sum * std::pow(s_, 3) / size_.prod(), 0.3, 1.0);
   }
 
   // ---- the pressure -----------------------------------------------------------------------------------------------
 
   bool is_open(int a, const Cell& c) const { return !is_wall(a, c) && (wet(c) || wet(c - unit(a))); }
-  Real weight(int a, const Cell& c) const { return is_open(a, c) ? 1 / distance(a, c) / mass_at(a, c) : 0; }
+  Real weight(int a, const Cell& c) const { return is_open(a, c) ? 1 / resistance(a, c) : 0; }
 
   Real divergence(const Cell& c) const {
     Real sum = 0;
@@ -321,7 +320,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     const Cell below = face - unit(a);
     if (is_wall(a, face)) return wet(inner) ? std::optional(at_wall(a, face, inner)) : std::nullopt;
     if (!wet(face) && !wet(below)) return std::nullopt;
-    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / distance(a, face) / mass_at(a, face);
+    return ((*phi_)[face] - (*phi_)[below]) / size_[a] / resistance(a, face);
   }
 
   bool in_full_water(int a, const Cell& face) const {

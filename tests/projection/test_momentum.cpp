@@ -1,0 +1,71 @@
+// What the pressure gives to all particles together: nothing, but through floor and walls.
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "stages.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr Real spacing = 0.1;
+const Vec3 corner = Lattice{}.box.min;
+
+// A heap with one side that overhangs and one that leans as much, and one with an upright side: what floor and air do
+// to them has no sum along the floor. The pressure at a side so gives its particles what it has taken from those behind
+// them. As if those at the side were as many as inside, heaps gained 0.01 to 0.04 of their weight.
+TEST(Projection, HeapsKeepTheirMomentumAlongTheFloor) {
+  constexpr Real g_dt2 = 9.8 / 3600;
+  const Box wide{corner, corner + Vec3(4, 1.2, 1.4)};
+  for (const auto& [left, right] : {std::pair{0.36, 0.36}, {1.0, 1.0}, {0.0, -0.36}, {0.0, -1.0}}) {
+    const auto holds = [&](const Vec3& p) {
+      const Real height = p.z() - wide.min.z(), along = p.x() - wide.min.x();
+      return height < 0.8 && along > 1 + left * height && along < 2.4 + right * height;
+    };
+    Water water([](const Vec3&) { return Vec3(0, 0, -g_dt2); }, {.top = 1.2, .at = 0, .box = wide, .holds = holds});
+    Vec3 given = Vec3::Zero();
+    const auto all = displacements(water, spacing, 9.8);
+    for (const auto& one : all) given += vector_of(one);
+    MPI_Allreduce(MPI_IN_PLACE, given.data(), 3, MPI_DOUBLE, MPI_SUM, world);
+    const auto count = static_cast<Real>(sum_over_ranks(world, GlobalId{all.size()}));
+    given /= g_dt2 * count;
+    std::printf("sides %g, %g: %.4f of the weight along the floor, %.2f upwards\n", left, right, given.x(), given.z());
+    EXPECT_GT(given.z(), 0.3);
+    EXPECT_LT(std::abs(given.x()), 0.03);
+  }
+}
+
+// Water of which a cell holds three eighths less goes against full water in a wide box that it fills to the ceiling:
+// what the pressure takes from the one it gives to the other, but for what the sides in air have of it and the cells at
+// walls, which weigh as full ones. As if all cells were full a third of it came from nowhere.
+TEST(Pressure, KeepsTheMomentumOfThinWaterThatMeetsFullWater) {
+  const Box wide{corner, corner + Vec3(2.4, 4, 4)};
+  const auto holds = [](const Vec3& p) {
+    const Eigen::Vector3i half = ((p - corner) / spacing).array().floor().cast<int>();
+    const Eigen::Vector3i in_cell(half.x() % 2, half.y() % 2, half.z() % 2);
+    const bool left_out = in_cell == Eigen::Vector3i(0, 0, 0) || in_cell == Eigen::Vector3i(1, 1, 0) ||
+                          in_cell == Eigen::Vector3i(1, 0, 1);
+    return std::abs(p.x() - 1) < 0.8 && !(p.x() > 1 && left_out);
+  };
+  Water water([](const Vec3& p) { return Vec3(p.x() < 1 ? 0.01 : -0.01, 0, 0); },
+              {.top = wide.max.z(), .box = wide, .holds = holds});
+  Stages at(water, spacing);
+  at.classify();
+  at.solve(0);
+  std::array<Real, 2> given{};  // to full water, to thin
+  at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
+    const CellParticles cell = at.transfer.particles_of(water.near.order(), k, r, c);
+    if (cell.begin == cell.end) return;
+    const std::size_t low = at.grid.index(k, r, c);
+    const auto through = [&](std::size_t face) { return at.pressure.displacement(*at.surface, 0, face); };
+    given[at.middle(k, r, c).x() < 1 ? 0 : 1] +=
+        static_cast<Real>(cell.end - cell.begin) * (through(low) + through(low + at.grid.step(0))) / 2;
+  });
+  MPI_Allreduce(MPI_IN_PLACE, given.data(), 2, MPI_DOUBLE, MPI_SUM, world);
+  std::printf("given %.4f, %.4f m\n", given[0], given[1]);
+  EXPECT_LT(given[0], -1);
+  EXPECT_NEAR(given[1] / given[0], -1, 0.15);
+}
+
+}  // namespace
+}  // namespace trevi::test
