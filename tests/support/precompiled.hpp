@@ -3,7 +3,9 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mpi.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -21,3 +23,7 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "trevi/scene.hpp"
+#include "trevi/session.hpp"
+#include "trevi/solver.hpp"
