@@ -65,8 +65,8 @@ constexpr Real min_height = 0.05;
 /// be filled up to above its middle, and where both stand alike nothing does. A bound on the same weight.
 constexpr Real min_rise = 1e-6;
 /// Least weight of the particles of a wet cell at a face in the side of water, over that in full water: a bound on how
-/// far the pressure displaces them (README.md). With 0.15, 0.2, 0.25, 0.3 a block of 4³ particles that collapses gains
-/// up to 10, 5.5, 5, 3 % of its energy in a step, when it is a sheet.
+/// far the pressure displaces them (README.md). With 0.15, 0.2, 0.3 a block of 4³ particles that collapses gains up to
+/// 10, 5.8, 4.4 % of the energy of its start again when it is a sheet, 0.1 % where all weigh as full water.
 constexpr Real min_side = 0.3;
 /// Fraction of its volume in particles of which the middle is in it from which on a cell counts for the depth, and from
 /// which on it has a surface of water in or above it. A sheet on a solid may be as thin as one on the floor.

@@ -1,7 +1,6 @@
 // What the pressure gives to all particles together: nothing, but through floor and walls.
 #include <cmath>
 #include <cstdio>
-#include <utility>
 
 #include "stages.hpp"
 
@@ -17,10 +16,13 @@ const Vec3 corner = Lattice{}.box.min;
 TEST(Projection, HeapsKeepTheirMomentumAlongTheFloor) {
   constexpr Real g_dt2 = 9.8 / 3600;
   const Box wide{corner, corner + Vec3(4, 1.2, 1.4)};
-  for (const auto& [left, right] : {std::pair{0.36, 0.36}, {1.0, 1.0}, {0.0, -0.36}, {0.0, -1.0}}) {
+  struct Sides {
+    Real left, right;
+  };
+  for (const Sides& leans : {Sides{0.36, 0.36}, Sides{1, 1}, Sides{0, -0.36}, Sides{0, -1}}) {
     const auto holds = [&](const Vec3& p) {
       const Real height = p.z() - wide.min.z(), along = p.x() - wide.min.x();
-      return height < 0.8 && along > 1 + left * height && along < 2.4 + right * height;
+      return height < 0.8 && along > 1 + leans.left * height && along < 2.4 + leans.right * height;
     };
     Water water([](const Vec3&) { return Vec3(0, 0, -g_dt2); }, {.top = 1.2, .at = 0, .box = wide, .holds = holds});
     Vec3 given = Vec3::Zero();
@@ -29,7 +31,8 @@ TEST(Projection, HeapsKeepTheirMomentumAlongTheFloor) {
     MPI_Allreduce(MPI_IN_PLACE, given.data(), 3, MPI_DOUBLE, MPI_SUM, world);
     const auto count = static_cast<Real>(sum_over_ranks(world, GlobalId{water.particles.size()}));
     given /= g_dt2 * count;
-    std::printf("sides %g, %g: %.4f of the weight along the floor, %.2f upwards\n", left, right, given.x(), given.z());
+    std::printf("sides %g, %g: %.4f of the weight along the floor, %.2f upwards\n", leans.left, leans.right, given.x(),
+                given.z());
     EXPECT_GT(given.z(), 0.3);
     EXPECT_LT(std::abs(given.x()), 0.03);
   }
