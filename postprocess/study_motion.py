@@ -289,8 +289,8 @@ def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
 
 
 def all_cases():
-    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *slopes(), *rotations(), *tanks(), *shears(), *vortices(),
-            *waves(), *rests(), *leaning(), *counts(), *spheres(), *long_rotations()]
+    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *slopes(), *rotations(), *tanks(),
+            *shears(), *vortices(), *waves(), *rests(), *leaning(), *counts(), *spheres(), *long_rotations()]
 
 
 def chosen(cases, only, large):
