@@ -105,6 +105,16 @@ Real lattice_laplacian_moment(const PointLattice& lattice, Real h) {
   return sum / 2;
 }
 
+Real lattice_laplacian_truncation(const PointLattice& lattice, Real h) {
+  Real fourth = 0, second = 0;
+  for_each_lattice_point(lattice, h, [&](const Vec3& r) {
+    const Real r2 = r.squaredNorm(), weighted = r2 * friction_weight(r2 / (h * h), lattice.dimensions);
+    fourth += r2 * weighted;
+    second += weighted;
+  });
+  return fourth / (4 * (lattice.dimensions + 2) * second);
+}
+
 int lattice_neighbours(const PointLattice& lattice, Real h) {
   int points = 0;
   for_each_lattice_point(lattice, h, [&](const Vec3&) { ++points; });

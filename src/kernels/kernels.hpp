@@ -60,6 +60,8 @@ Real lattice_friction_sum(const PointLattice& lattice, Real h);
 /// ½ Σ F x² over the same points, m²: Σ_j (v_j − v_i) F(p_ij) is this times ∇²v, to the second order of v's Taylor
 /// series (the first vanishes by symmetry, and x², y², z² have the same sums).
 Real lattice_laplacian_moment(const PointLattice& lattice, Real h);
+/// The ε, m², with which the sum over this moment is ∇²v + ε ∇⁴v, on the average of all directions.
+Real lattice_laplacian_truncation(const PointLattice& lattice, Real h);
 /// Points of the lattice nearer than h, without the point itself.
 int lattice_neighbours(const PointLattice& lattice, Real h);
 

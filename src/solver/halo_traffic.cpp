@@ -32,8 +32,9 @@ class Sum {
 
   void add_records() {
     const Real again = water_.projected ? 1 : 0;  // places of the filtered shifts, scalars of the water in flight
-    const Real velocities = water_.viscous ? 1 : 0, curls = water_.swirling ? 1 : 0;
-    const Real gradients = water_.gradients ? 3 : 0, weights = water_.gradients ? 1 : 0;  // the last with the weight
+    const Real laplacians = water_.gradients ? 2 : 0, curls = water_.swirling ? 1 : 0;
+    const Real velocities = water_.gradients ? laplacians : water_.viscous ? 1 : 0;
+    const Real gradients = 3 * laplacians, weights = laplacians;  // the last of the three with the weight
     const Real places = 1 + water_.iterations + again + velocities + curls + gradients;
     const Real scalars = water_.iterations + curls;
     const Real records = water_.particles_per_row * water_.record_bytes * (3 * places + scalars + weights) / 4;

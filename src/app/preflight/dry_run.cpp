@@ -46,8 +46,8 @@ BytesEach bytes_each(const Scene& scene) {
   if (scene.density.method == Method::chebyshev) sweeps += quad / 4;
   if (scene.density.coarse_grid)
     sweeps += 2 * quad / 4 + (scene.density.tolerance ? 8 : 0);  // what they are told, and densities that they saw
-  // Velocities, curls, and velocities before them; or velocities and their gradients.
-  const double gradients = scene.kinematic_viscosity ? 3 * quad : 0;
+  // Velocities, curls, and velocities before them; or velocities, those between the Laplacians, and gradients.
+  const double gradients = scene.kinematic_viscosity ? 4 * quad : 0;
   const double filtering = filters ? quad + std::max(quad + 24, gradients) : 0;
   if (filters) ghost += quad + gradients;
   if (scene.colour == Colour::rainbow_x) owned += 2 * 4;

@@ -14,7 +14,7 @@ constexpr Real pi = std::numbers::pi;
 
 // Of the moment behind a frictionless wall. A vortex between such walls keeps its rate best with it; with all of it
 // water along the wall lacks friction, without it water across has too much (tests/fluid/test_viscosity.cpp).
-constexpr Real share_behind_frictionless = 0.7;
+constexpr Real share_behind_frictionless = 0.72;
 
 // ∫ F x² over what lies behind a plane u away, x in h, over the volume, or the area.
 Real moment_behind_plane(Real u, int dimensions) {
@@ -53,6 +53,12 @@ void ViscousWalls::for_each_near(const Vec3& p, const Visit& visit) const {
     visit_near(account, box_.max[a] - p[a], -Vec3::Unit(a), Vec3::Zero());
   }
   if (obstacles_) obstacles_->for_each_near(p, visit_near);
+}
+
+bool ViscousWalls::is_near(const Vec3& p) const {
+  bool any = false;
+  for_each_near(p, [&](std::size_t, Real, const Vec3&, const Vec3&) { any = true; });
+  return any;
 }
 
 Real ViscousWalls::moment_behind(const Vec3& p) const {

@@ -24,6 +24,8 @@ class ViscousWalls {
   ViscousWalls(Real nu, bool no_slip, const PointLattice& lattice, Real h, const Box& box,
                std::shared_ptr<Obstacles> obstacles);
 
+  /// Within h of a wall.
+  bool is_near(const Vec3& p) const;
   /// What M_i has of what is behind the walls, over M of the lattice.
   Real moment_behind(const Vec3& p) const;
   /// The velocity after a step of one that has v, `weight` being M/M_i; what each wall gave is recorded.

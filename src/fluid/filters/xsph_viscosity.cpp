@@ -80,7 +80,8 @@ KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, 
       moment_(lattice_laplacian_moment(lattice, h)),
       per_moment_(h * h / (2 * lattice.dimensions * moment_)),
       deficient_(deficient_moment * 2 * moment_ / (h * h)),
-      per_second_(nu / moment_ / 2) {}
+      nu_(nu),
+      truncation_(lattice_laplacian_truncation(lattice, h)) {}
 
 // Half of the gradients, and M_lattice/M_i to the scalar of the last.
 template <class T>
@@ -102,29 +103,50 @@ void KinematicViscosity<T>::fit(Neighbourhood<T>& near, const Vec4<T>* velocitie
 }
 
 template <class T>
-void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
-  const ScopedEvent timed(event_);
-  const Borrowed<Vec4<T>> velocities = all_velocities(near, particles.velocity);
-  const auto borrow = [&] { return near.scratch().template borrow<Vec4<T>>(near.records().size()); };
-  Borrowed<Vec4<T>> x = borrow(), y = borrow(), z = borrow();
+template <class Use>
+void KinematicViscosity<T>::for_each_laplacian(Neighbourhood<T>& near, const std::vector<Vec3>& positions,
+                                               const Vec4<T>* velocities, Gradients& gradients, const Use& use) const {
+  auto& [x, y, z] = gradients;
   const LocalId own = near.order().low_ghosts();
-  fit(near, velocities.data(), particles.predicted, {x.data() + own, y.data() + own, z.data() + own});
+  fit(near, velocities, positions, {x.data() + own, y.data() + own, z.data() + own});
   near.exchange_vectors(x);
   near.exchange_vectors(y);
   near.exchange(z);
   const Pairs<T> pairs = pairs_of(near);
-  const VelocityGradients<T> gradients{x.data(), y.data(), z.data()};
   const auto friction = [&](Range part, Vec4<T>* out) {
-    loops_.friction(pairs, part, velocities.data(), gradients, out);
+    loops_.friction(pairs, part, velocities, {x.data(), y.data(), z.data()}, out);
   };
-  add_sums(near, friction, per_second_ * dt, particles.velocity);
+  for_each_sum<Vec4<T>>(near.all(), friction, [&](Range here, const Vec4<T>* sum) {
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
+      use(static_cast<std::size_t>(i), vector_of(*sum) / (2 * moment_));
+  });
+}
+
+template <class T>
+void KinematicViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real dt) {
+  const ScopedEvent timed(event_);
+  const std::vector<Vec3>& positions = particles.predicted;
+  const Borrowed<Vec4<T>> velocities = all_velocities(near, particles.velocity);
+  const auto borrow = [&] { return near.scratch().template borrow<Vec4<T>>(near.records().size()); };
+  Borrowed<Vec4<T>> between = borrow();
+  Gradients gradients{borrow(), borrow(), borrow()};
+  const auto own = static_cast<std::size_t>(near.order().low_ghosts());
+  const auto number = [](Real value) { return static_cast<T>(value); };
+  for_each_laplacian(near, positions, velocities.data(), gradients, [&](std::size_t i, const Vec3& laplacian) {
+    const bool at_wall = walls_ && walls_->is_near(positions[i]);
+    const Vec3 v = particles.velocity[i] + (at_wall ? 0 : nu_ * dt / 2 - truncation_) * laplacian;
+    between[own + i] = {number(v.x()), number(v.y()), number(v.z()), T{0}};
+  });
+  near.exchange_vectors(between);
+  for_each_laplacian(near, positions, between.data(), gradients,
+                     [&](std::size_t i, const Vec3& laplacian) { particles.velocity[i] += nu_ * dt * laplacian; });
   if (walls_) {
     for_each_index(near.all(), [&](std::size_t i) {
       Vec3& v = particles.velocity[i];
-      v = walls_->held(particles.predicted[i], v, z[static_cast<std::size_t>(own) + i].w, dt);
+      v = walls_->held(positions[i], v, gradients[2][own + i].w, dt);
     });
   }
-  log_work(event_, static_cast<double>(near.list().pairs()) * (45 + 51), bytes_of_passes(near, 3));
+  log_work(event_, static_cast<double>(near.list().pairs()) * 2 * (45 + 51), bytes_of_passes(near, 6));
 }
 
 template class XsphViscosity<float>;

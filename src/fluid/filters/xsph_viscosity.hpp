@@ -7,7 +7,9 @@
 //   Inside of water that keeps its volume the transposed gradients add up to nothing: the sum is nu dt ∇²v. At a
 // surface they take away the stress that differences alone would leave there: a standing wave decays as Lamb says
 // (Hydrodynamics, § 348), for half as fast (Colagrossi et al. 2011, Phys. Rev. E 84, 026705), and water that turns as a
-// whole has no friction. M_i is the second moment of the neighbours that there are, per axis, so that a particle at a
+// whole has no friction. L(v) is ∇²v + ε ∇⁴v, with ε of lattice_laplacian_truncation(): without the second L a step
+// would be right to the first order of dt and the second of the spacing. Within reach of a wall, behind which L knows
+// of none, there is none. M_i is the second moment of the neighbours that there are, per axis, so that a particle at a
 // surface has the friction of its half of a neighbourhood. What one of a pair gets the other gives: momentum is kept;
 // angular momentum is to 0.5 % of what friction could take. Walls by themselves would be surfaces: M_i has a share of
 // the moment of what would be behind them, and viscous_walls.hpp the friction. Collective.
@@ -45,13 +47,18 @@ class KinematicViscosity : public VelocityFilter<T> {
   void apply(Neighbourhood<T>& near, Particles& particles, Real dt) override;
 
  private:
+  using Gradients = std::array<Borrowed<Vec4<T>>, 3>;
+  // use(i, that of the velocities at particle i, 1/(m s)). Uses the memory of the gradients.
+  template <class Use>
+  void for_each_laplacian(Neighbourhood<T>& near, const std::vector<Vec3>& positions, const Vec4<T>* velocities,
+                          Gradients& gradients, const Use& use) const;
   void fit(Neighbourhood<T>& near, const Vec4<T>* velocities, const std::vector<Vec3>& positions,
            const std::array<Vec4<T>*, 3>& gradients) const;
 
   Event event_{"XsphViscosity"};
   FrictionLoops<T> loops_;
   std::optional<ViscousWalls> walls_;
-  Real moment_, per_moment_, deficient_, per_second_;  // m², 1, 1, 1/s
+  Real moment_, per_moment_, deficient_, nu_, truncation_;  // m², 1, 1, m²/s, m²
 };
 
 extern template class XsphViscosity<float>;
