@@ -1,18 +1,19 @@
 // XSPH viscosity (Macklin & Müller 2013, eq. 17): v_i += c m Σ_j (v_j − v_i) W6(p_ij), with c given; or a step of
 // explicit diffusion by the stress ρ nu (∇v + (∇v)ᵀ), with the kinematic viscosity nu, for any step and spacing:
-//   v_i += nu dt Σ_j ½ (1/M_i + 1/M_j) F(p_ij) (v_j − v_i + ½ (∇v_i + ∇v_j)ᵀ (p_j − p_i)),
+//   v_i += nu dt L(v + (½ nu dt − ε) L(v))_i,
+//   L(v)_i = Σ_j ½ (1/M_i + 1/M_j) F(p_ij) (v_j − v_i + ½ (∇v_i + ∇v_j)ᵀ (p_j − p_i)),
 //   M_i = 1/(2 dimensions) Σ_j F(p_ij) p_ij²
 // F is friction_weight(), with which water in layers has as much friction along them as across them; ∇v_i is that of
 // the linear velocity that fits those of the neighbours best, with the weights F.
-//   Inside of water that keeps its volume the transposed gradients add up to nothing: the sum is nu dt ∇²v. At a
-// surface they take away the stress that differences alone would leave there: a standing wave decays as Lamb says
-// (Hydrodynamics, § 348), for half as fast (Colagrossi et al. 2011, Phys. Rev. E 84, 026705), and water that turns as a
-// whole has no friction. L(v) is ∇²v + ε ∇⁴v, with ε of lattice_laplacian_truncation(): without the second L a step
-// would be right to the first order of dt and the second of the spacing. Within reach of a wall, behind which L knows
-// of none, there is none. M_i is the second moment of the neighbours that there are, per axis, so that a particle at a
-// surface has the friction of its half of a neighbourhood. What one of a pair gets the other gives: momentum is kept;
-// angular momentum is to 0.5 % of what friction could take. Walls by themselves would be surfaces: M_i has a share of
-// the moment of what would be behind them, and viscous_walls.hpp the friction. Collective.
+//   Inside of water that keeps its volume the transposed gradients add up to nothing, and L(v) is ∇²v + ε ∇⁴v with the
+// ε of lattice_laplacian_truncation(): by the inner L a step is right to the second order of dt and the fourth of the
+// spacing. It is left out within reach of walls, as L knows of no water behind them. At a surface the gradients take
+// away the stress that differences alone would leave there: a standing wave decays as Lamb says (Hydrodynamics, § 348),
+// for half as fast (Colagrossi et al. 2011, Phys. Rev. E 84, 026705), and water that turns as a whole has no friction.
+// M_i is the second moment of the neighbours that there are, per axis, so that a particle at a surface has the friction
+// of its half of a neighbourhood. What one of a pair gets the other gives: momentum is kept; angular momentum is to
+// 0.5 % of what friction could take. Walls by themselves would be surfaces: M_i has a share of the moment of what would
+// be behind them, and viscous_walls.hpp the friction. Collective.
 #pragma once
 
 #include <array>
