@@ -113,6 +113,7 @@ class FreeSurface {
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
   void exchange(Halo& halo, Borrowed<Real>& field) const;
   Real resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const;
+  Real out_of_slope(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real weight_at_side(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real part_in_water(std::size_t wet, std::size_t dry) const;
   template <class Level>

@@ -200,9 +200,12 @@ Vec3 GridToParticles::by_open_faces(std::size_t at, const Faces& faces) const {
   return pushed;
 }
 
-// Nothing where the surface has no direction. A sheet one cell deep on a solid, and water at a body that moves freely,
-// are bounded as water at walls is: the slope beside a light body that rises is steep, and throws what is few.
-std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, const Faces& faces,
+// Nothing where the surface has no direction. A sheet one cell deep on a solid, what is in a cell of which little is
+// open, and water at a body that moves freely are bounded as water at walls is: the slope beside a light body that
+// rises is steep, and throws what is few. `own`: the cell whose particles they are, `at` or the dry one above that
+// follows it.
+std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, std::size_t own,
+                                                                            const Faces& faces,
                                                                             const Vec3& pushed) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
@@ -229,8 +232,8 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   if (size < min_wall) return std::nullopt;
   const Vec3 n = area / size;
   Real into = (flux - cuts.open(at) * divergence) / size + n.dot(pushed - solid);
-  const bool is_sheet = surface_.is_top(at) && faces[2].low_closed && !faces[2].low_wall;
-  if (const ParticlesToGrid::Means held = water.means(at); (is_sheet || cuts.floats(at)) && held.n > 0) {
+  const bool is_thin = (surface_.is_top(at) && cuts.face(2, at) == 0) || cuts.open(at) < small_cell;
+  if (const ParticlesToGrid::Means held = water.means(own); (is_thin || cuts.floats(at)) && held.n > 0) {
     const Vec3 mean = Vec3(held.u[grid.axis(0)], held.u[grid.axis(1)], held.u[grid.axis(2)]) / held.n;
     into = bounded(into, n.dot(mean + pushed - solid));
   }
@@ -240,11 +243,11 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
 // At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
 // asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
 // closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it.
-void GridToParticles::slip(std::size_t at, Faces& faces) const {
+void GridToParticles::slip(std::size_t at, std::size_t own, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
   const Vec3 pushed = by_open_faces(at, faces);
-  const std::optional<SolidSurface> solid = solid_surface(at, faces, pushed);
+  const std::optional<SolidSurface> solid = solid_surface(at, own, faces, pushed);
   if (!solid) return;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto i = static_cast<Eigen::Index>(a);
@@ -286,7 +289,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
   Faces faces;
   for (std::size_t a = 0; a < 3; ++a) faces[a] = faces_of(pressure, a, k, r, above && a < 2 ? c - 1 : c);
   const std::size_t cell = above ? at - 1 : at;
-  if (surface_.is_cut(cell)) slip(cell, faces);
+  if (surface_.is_cut(cell)) slip(cell, at, faces);
   for (std::size_t a = 0; a < 3; ++a) {
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;

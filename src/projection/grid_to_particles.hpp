@@ -82,8 +82,9 @@ class GridToParticles {
     Real into;
   };
   Vec3 by_open_faces(std::size_t at, const Faces& faces) const;
-  std::optional<SolidSurface> solid_surface(std::size_t at, const Faces& faces, const Vec3& pushed) const;
-  void slip(std::size_t at, Faces& faces) const;
+  std::optional<SolidSurface> solid_surface(std::size_t at, std::size_t own, const Faces& faces,
+                                            const Vec3& pushed) const;
+  void slip(std::size_t at, std::size_t own, Faces& faces) const;
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;

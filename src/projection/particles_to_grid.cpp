@@ -142,7 +142,7 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   }
   for_each_row(grid_.rows_and_ghosts_of({0, planes + 2}), [&](LocalId k, LocalId r) { find_filled(k, r); });
   for_each_row_and_send<TentMemory>(grid_, halo, fit_,
-                                    [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, k, r); });
+                                    [&](TentMemory& memory, LocalId k, LocalId r) { fit_row(memory, cuts, k, r); });
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
     if (k > planes) return;
@@ -301,9 +301,11 @@ void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   }
 }
 
-void ParticlesToGrid::fit_row(TentMemory& memory, LocalId k, LocalId r) {
+void ParticlesToGrid::fit_row(TentMemory& memory, const CutCells* cuts, LocalId k, LocalId r) {
   fit_.clear_around(k, r, filled(k, r));
-  fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory), {fit_.row(k, r), spread_.row(k, r), frame_});
+  const Range near_solid = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
+  fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory),
+             {fit_.row(k, r), spread_.row(k, r), frame_, near_solid});
 }
 
 // Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far

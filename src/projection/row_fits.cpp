@@ -92,29 +92,34 @@ HWY_INLINE MotionVectors motion_of(const Numbers<>& places, const Numbers<>& flo
   return {spread, fit_of(spread, flow)};
 }
 
-// Of a fit that closes its cell: from 0 where half of its strain is compression, or less, to 1 where all of it is.
-HWY_INLINE V closing_of(const FitVectors& fit, const ByAxis& per_length) {
+// How fast a fit closes its cell, over its strain: 1 where all of that is compression, -1 where it is expansion.
+HWY_INLINE V compression_of(const FitVectors& fit, const ByAxis& per_length) {
   const auto slope = [&](std::size_t i, std::size_t j) { return hn::Mul(fit.b[i][j], set(per_length[j])); };
   const V xx = slope(0, 0), yy = slope(1, 1), zz = slope(2, 2);
   const V xy = hn::Add(slope(0, 1), slope(1, 0)), xz = hn::Add(slope(0, 2), slope(2, 0)),
           yz = hn::Add(slope(1, 2), slope(2, 1));
   const V strain2 = hn::MulAdd(set(0.5), dot(xy, xz, yz, xy, xz, yz), dot(xx, yy, zz, xx, yy, zz));
   const V strain = hn::Sqrt(hn::Max(strain2, set(1e-200)));
-  const V compression = hn::Div(hn::Sub(set(0), hn::Add(xx, hn::Add(yy, zz))), strain);
-  return clamp(hn::MulSub(set(2), compression, set(1)), 0, 1);
+  return hn::Div(hn::Sub(set(0), hn::Add(xx, hn::Add(yy, zz))), strain);
 }
 
-// Few particles that meet say little of how the faces of their cell close (see projection::few_damping).
-HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const CellFrame& frame, const Numbers<>& places,
-                                       const Numbers<>& flow) {
-  const V damping = set(projection::fit_damping);
+// Few particles that meet say little of how the faces of their cell close, at solids nor of how they open (see
+// projection::few_damping): from nothing where half of the strain is that, or less, to all where all of it is.
+HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const MotionFits& out, const Part& part,
+                                       const Numbers<>& places, const Numbers<>& flow) {
+  const Wide d;
+  const V damping = set(projection::fit_damping), column = hn::Iota(d, static_cast<Real>(part.begin));
   const MotionVectors motion = motion_of(places, flow, damping);
-  const Real full = projection::few / (frame.per_full * moments.per_tent);
-  const V few = hn::Max(hn::NegMulAdd(places[0], set(1 / full), set(1)), set(0));
-  if (hn::AllFalse(Wide(), hn::Gt(few, set(0)))) return motion;
-  const V meeting = hn::Mul(few, closing_of(motion.fit, frame.per_length));
-  if (hn::AllFalse(Wide(), hn::Gt(meeting, set(0)))) return motion;
-  return motion_of(places, flow, hn::MulAdd(meeting, set(projection::few_damping), damping));
+  const auto at_solid = hn::And(hn::Ge(column, set(out.near_solid.begin)), hn::Lt(column, set(out.near_solid.end)));
+  const V few = hn::IfThenElse(at_solid, set(projection::few_at_solid), set(projection::few));
+  const V held = hn::Mul(places[0], set(out.frame.per_full * moments.per_tent));
+  const V missing = hn::Max(hn::Sub(set(1), hn::Div(held, few)), set(0));
+  if (hn::AllFalse(d, hn::Gt(missing, set(0)))) return motion;
+  const V closing = compression_of(motion.fit, out.frame.per_length);
+  const V told = hn::IfThenElse(at_solid, hn::Abs(closing), closing);
+  const V more = hn::Mul(missing, clamp(hn::MulSub(set(2), told, set(1)), 0, 1));
+  if (hn::AllFalse(d, hn::Gt(more, set(0)))) return motion;
+  return motion_of(places, flow, hn::MulAdd(more, set(projection::few_damping), damping));
 }
 
 HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {
@@ -136,7 +141,7 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
-    const auto [spread, fit] = motion_around(moments, out.frame, around.from(), around.from(10));
+    const auto [spread, fit] = motion_around(moments, out, part, around.from(), around.from(10));
     write(fit, holds_any(moments, part), part.of(out.fit));
     Real* const places = part.of(out.spread);
     write(spread.per_n, places, 0);

@@ -2,10 +2,8 @@
 // water that meets a wall gains no energy, and a drop that is stretched keeps it.
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "support/cloud.hpp"
 #include "support/kept_run.hpp"
@@ -237,70 +235,6 @@ TEST(Impact, OfWaterOnAWallGivesItNoEnergyInAnyStep) {
       EXPECT_LT(least, 0.5 * before);
       EXPECT_LT(rise, 0.05 * before) << water << rate;
     }
-  }
-}
-
-// ---- little water
-// -----------------------------------------------------------------------------------------------------
-
-struct Block {
-  Eigen::Array3i particles;
-  Vec3 middle;
-  Real degrees;  // about y
-  Vec3 velocity;
-  Real gravity;
-};
-
-Cloud cloud_of(const Block& block) {
-  const Eigen::Matrix3d rotation =
-      Eigen::AngleAxisd(block.degrees * std::numbers::pi / 180, Vec3::UnitY()).toRotationMatrix();
-  const Vec3 first = -0.5 * (block.particles - 1).matrix().cast<Real>();
-  Cloud cloud;
-  for (GlobalId k = 0; k < block.particles.prod(); ++k) {
-    const Eigen::Array3i place(static_cast<int>(k) % block.particles.x(),
-                               static_cast<int>(k) / block.particles.x() % block.particles.y(),
-                               static_cast<int>(k) / (block.particles.x() * block.particles.y()));
-    cloud.add(k, block.middle + 0.1 * (rotation * (first + place.matrix().cast<Real>())), block.velocity);
-  }
-  return cloud;
-}
-
-// The largest rise of kinetic and potential energy over the least before, in units of that at the start.
-Real rise_of(const Block& block, int rate) {
-  const std::string box = tank_text({.max = "2.4, 2.4, 2.4",  // the block takes the place of the water
-                                     .water = {{"0, 0, 0", "0.1, 0.1, 0.1"}},
-                                     .dt = fmt::format("{}", 1.0 / rate)});
-  const Scene scene = scene_with(box + (block.gravity > 0 ? "[gravity]\n" : ""), {});
-  const std::unique_ptr<Solver> solver = solver_of(world, scene, cloud_of(block));
-  const auto energy = [&] {
-    const Cloud now = gathered(world, solver->particles());
-    Real sum = 0;
-    for (std::size_t i = 0; i < now.id.size(); ++i)
-      sum += 0.5 * now.velocity[i].squaredNorm() + block.gravity * now.position[i].z();
-    return sum;
-  };
-  const Real before = energy();
-  Real least = before, rise = 0;
-  for (int k = 0; k < 4 * rate / 5; ++k) {
-    solver->step();
-    const Real now = energy();
-    least = std::min(least, now);
-    rise = std::max(rise, now - least);
-  }
-  return rise / before;
-}
-
-// Cells on a wall with a few particles hardly say how the water moves towards it, and corners press on what is in them
-// also where nothing moves.
-TEST(LittleWater, GainsNoEnergyInAnyStep) {
-  constexpr Real g = 9.81;
-  const std::vector<Block> blocks = {{{10, 2, 2}, {1.3, 1.1, 0.9}, -45, {3, 0, 0}, 0},
-                                     {{10, 2, 2}, {1.3, 1.1, 0.9}, -45, {3, 0, 0}, g},
-                                     {{4, 4, 4}, {1.2, 1.2, 0.2}, 0, {0, 0, 0}, g},
-                                     {{2, 10, 8}, {0.1, 1.1, 0.4}, 0, {0, 0, 0}, g}};
-  for (const Block& block : blocks) {
-    for (const int rate : {60, 240, 960})
-      EXPECT_LT(rise_of(block, rate), 0.05) << block.particles.transpose() << ", " << rate;
   }
 }
 
