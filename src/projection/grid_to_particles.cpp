@@ -200,10 +200,9 @@ Vec3 GridToParticles::by_open_faces(std::size_t at, const Faces& faces) const {
   return pushed;
 }
 
-// Nothing where the surface has no direction. A sheet one cell deep on a solid, what is in a cell of which little is
-// open, and water at a body that moves freely are bounded as water at walls is: the slope beside a light body that
-// rises is steep, and throws what is few. `own`: the cell whose particles they are, `at` or the dry one above that
-// follows it.
+// Nothing where the surface has no direction. A sheet one cell deep on a solid, and water at a body that moves freely,
+// are bounded as water at walls is: the slope beside a light body that rises is steep, and throws what is few. `own`:
+// the cell whose particles they are, `at` or the dry one above that follows it.
 std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, std::size_t own,
                                                                             const Faces& faces,
                                                                             const Vec3& pushed) const {
@@ -232,8 +231,8 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   if (size < min_wall) return std::nullopt;
   const Vec3 n = area / size;
   Real into = (flux - cuts.open(at) * divergence) / size + n.dot(pushed - solid);
-  const bool is_thin = (surface_.is_top(at) && cuts.face(2, at) == 0) || cuts.open(at) < small_cell;
-  if (const ParticlesToGrid::Means held = water.means(own); (is_thin || cuts.floats(at)) && held.n > 0) {
+  const bool is_sheet = surface_.is_top(at) && cuts.face(2, at) == 0;
+  if (const ParticlesToGrid::Means held = water.means(own); (is_sheet || cuts.floats(at)) && held.n > 0) {
     const Vec3 mean = Vec3(held.u[grid.axis(0)], held.u[grid.axis(1)], held.u[grid.axis(2)]) / held.n;
     into = bounded(into, n.dot(mean + pushed - solid));
   }
