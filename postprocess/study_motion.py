@@ -8,7 +8,7 @@ meeting           blocks that meet in the air, above a pool: momentum to 1e-9
 drop              that is stretched without gravity: energy to 1 %, its length to 1 %
 jet               level, 4 m/s: as wide after 2.4 m as at the start, to 15 %
 plate             a plane jet on a plate: 0.95 of the speed of its total head, its force to 3 %
-slope             a block that is let go on a smooth one: 0.95 of the momentum down it with 16 layers
+slope             a block let go on a smooth one: 0.95 of the momentum with 16 layers; little water: energy to 0.2
 rotation          in an upright cylinder: 0.98 of the angular momentum after one turn, the paraboloid to 5 %; closed and
                   without gravity 0.99
 rotation, long    the same for ten turns: 0.9
@@ -130,6 +130,19 @@ def slopes(runs=((0.05, 60), (0.05, 240), (0.025, 120)), angles=(10, 20, 30)):
                        known_slope.slope(rate, angle, spacing),
                        (Mark("momentum_ratio", 0.95, 1.02),) if spacing <= 0.025 else (),
                        {"spacing": spacing, "steps_per_second": rate, "angle": angle})
+
+
+def little_on_slopes(angles=(10, 20, 30, 45), rates=(60, 240, 960)):
+    for angle in angles:
+        for rate in rates:
+            parameters = {"spacing": 0.05, "steps_per_second": rate, "angle": angle}
+            mark = Mark("energy_rise", most=0.2)
+            for layers in (1, 2):
+                yield Case("slope", f"{angle} degrees, sheet of {layers}, {at(rate)}",
+                           known_slope.slope(rate, angle, length=2.0, height=layers * 0.05, seconds=0.4), (mark,),
+                           parameters)
+            yield Case("slope", f"{angle} degrees, particle, {at(rate)}",
+                       known_slope.slope(rate, angle, length=0.05, height=0.05, seconds=0.6), (mark,), parameters)
 
 
 def rotations(spacings=(0.05, 0.025), rates=(60, 240, 480), starts=("lattice", "rings")):
@@ -289,8 +302,9 @@ def spheres(rates=(60,), runs=((0.1, 0.5), (0.05, 0.25), (0.05, 0.5))):
 
 
 def all_cases():
-    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *slopes(), *rotations(), *tanks(),
-            *shears(), *vortices(), *waves(), *rests(), *leaning(), *counts(), *spheres(), *long_rotations()]
+    return [*flights(), *balls(), *meetings(), *drops(), *jets(), *plates(), *slopes(), *little_on_slopes(),
+            *rotations(), *tanks(), *shears(), *vortices(), *waves(), *rests(), *leaning(), *counts(), *spheres(),
+            *long_rotations()]
 
 
 def chosen(cases, only, large):

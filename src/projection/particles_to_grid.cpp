@@ -301,11 +301,24 @@ void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   }
 }
 
+// For MotionFits, until the next call. It asks of no cell above one: how many columns there are is no matter.
+const Real* ParticlesToGrid::cells_at_solids(const CutCells& cuts, LocalId k, LocalId r) const {
+  static thread_local std::vector<Real> at_solid;
+  at_solid.assign(static_cast<std::size_t>(grid_.columns()) + EightCells::count, 0.0);
+  const Range cells = filled(k, r);
+  const auto is_cut = [&](std::size_t at) { return cuts.open(at) > 0 && cuts.open(at) < 1; };
+  for (LocalId c = cells.begin; c < cells.end; ++c) {
+    const std::size_t at = grid_.index(k, r, c);
+    if (is_cut(at) || (c > 0 && is_cut(at - 1))) at_solid[static_cast<std::size_t>(c)] = 1;
+  }
+  return at_solid.data();
+}
+
 void ParticlesToGrid::fit_row(TentMemory& memory, const CutCells* cuts, LocalId k, LocalId r) {
   fit_.clear_around(k, r, filled(k, r));
-  const Range near_solid = cuts != nullptr ? cuts->columns_near_cut(k, r) : Range{0, 0};
+  const Real* const at_solid = cuts != nullptr && cuts->cuts_row(k, r) ? cells_at_solids(*cuts, k, r) : nullptr;
   fit_motion(rows_around(grid_, sums_, {k, r, filled(k, r)}, memory),
-             {fit_.row(k, r), spread_.row(k, r), frame_, near_solid});
+             {fit_.row(k, r), spread_.row(k, r), frame_, at_solid});
 }
 
 // Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far

@@ -156,6 +156,7 @@ class ParticlesToGrid {
     return field.cell<T>(k, grid_.row_beside(r), static_cast<LocalId>(at % grid_.step(1)) - 1);
   }
   void find_filled(LocalId k, LocalId r);
+  const Real* cells_at_solids(const CutCells& cuts, LocalId k, LocalId r) const;
   void fit_row(TentMemory& memory, const CutCells* cuts, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
   // Beside obstacles, and faces without particles on either side; see particles_to_grid_cut.cpp.

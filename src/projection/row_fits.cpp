@@ -108,9 +108,9 @@ HWY_INLINE V compression_of(const FitVectors& fit, const ByAxis& per_length) {
 HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const MotionFits& out, const Part& part,
                                        const Numbers<>& places, const Numbers<>& flow) {
   const Wide d;
-  const V damping = set(projection::fit_damping), column = hn::Iota(d, static_cast<Real>(part.begin));
+  const V damping = set(projection::fit_damping);
   const MotionVectors motion = motion_of(places, flow, damping);
-  const auto at_solid = hn::And(hn::Ge(column, set(out.near_solid.begin)), hn::Lt(column, set(out.near_solid.end)));
+  const auto at_solid = hn::Gt(out.at_solid != nullptr ? load(out.at_solid, part) : set(0), set(0));
   const V few = hn::IfThenElse(at_solid, set(projection::few_at_solid), set(projection::few));
   const V held = hn::Mul(places[0], set(out.frame.per_full * moments.per_tent));
   const V missing = hn::Max(hn::Sub(set(1), hn::Div(held, few)), set(0));

@@ -68,11 +68,12 @@ RowsAround rows_around(const ProjectionGrid& grid, const CellFields& field, RowP
 
 /// Fits of the moments around cells, and their spread, where `more` is Σ |u|². A cell without particles has neither.
 /// Of the numbers::map that a cell has room for a spread takes the first. Of the frame the size of cells is used, and
-/// what a full cell holds. `near_solid`: the columns of cells that are cut, or beside ones that are.
+/// what a full cell holds. `at_solid`: 1 for each cell that is cut, or stands on one that is, else 0; null where none
+/// is.
 struct MotionFits {
   RowToWrite fit, spread;
   const CellFrame& frame;
-  Range near_solid;
+  const Real* at_solid;
 };
 void fit_motion(const RowsAround& moments, const MotionFits& out);
 
