@@ -37,6 +37,8 @@ class CutCells {
   bool is_near(std::size_t at) const { return cells_[at].open < 1 || cells_[at].capacity != 1; }
   /// That frame for particles of cell (k, r, c): they stay on their own side of a sheet.
   CellFrame beside_solids(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
+  /// Whether a solid closes a part of the cell, but not all of it.
+  bool is_cut(std::size_t at) const { return open(at) > 0 && open(at) < 1; }
   /// Whether a solid closes a part of the cell or of one of its faces.
   bool closes_any(const ProjectionGrid& grid, std::size_t at) const {
     const auto closes = [&](std::size_t a) { return face(a, at) < 1 || face(a, at + grid.step(a)) < 1; };

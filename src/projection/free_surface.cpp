@@ -30,7 +30,7 @@ void FreeSurface::keep_wet() {
 Real FreeSurface::resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const {
   if (!upright()) return mass_[wet];
   if (a == 2) return mass_[wet] * (wet < dry ? above_middle(wet) : 1);
-  if (is_cut(wet)) return mass_[wet] * out_of_slope(a, wet, dry);
+  if (is_cut(wet)) return mass_[wet] * part_down_slope(a, wet, dry);
   if (is_cut(dry) || is_emptied(dry)) return mass_[wet];
   return is_top(dry - 1) ? mass_[wet] * part_in_water(wet, dry) : weight_at_side(a, wet, dry);
 }
@@ -43,13 +43,16 @@ Real FreeSurface::part_in_water(std::size_t wet, std::size_t dry) const {
   return in / std::max(in + 1.5 - height_[dry - 1], min_rise);
 }
 
-// Of the way from the middle of a wet cell on a slope to that of a dry one beside it down the slope, what the surface
-// is away along it: the pressure of a sheet has its gradient along the normal of the solid.
-Real FreeSurface::out_of_slope(std::size_t a, std::size_t wet, std::size_t dry) const {
+// Of the way from the middle of a wet cell on a slope to that of a dry one beside it, down the slope, the part to the
+// surface, where that is as steep as the slope: the pressure of a sheet acts along the normal of the solid. Where the
+// surface falls less, water lies against the slope, as in a vessel.
+Real FreeSurface::part_down_slope(std::size_t a, std::size_t wet, std::size_t dry) const {
   if (!is_top(wet) || cuts()->floats(wet) || is_emptied(dry)) return 1;
   const auto area = [&](std::size_t b) { return cuts()->face(b, wet + grid().step(b)) - cuts()->face(b, wet); };
-  const Real up = area(2), out = dry > wet ? area(a) : -area(a);
-  return up > 0 && out > 0 ? std::clamp(above_middle(wet) * up / out, min_height, 1.0) : 1;
+  const Real up = area(2), down = dry > wet ? area(a) : -area(a), above = above_middle(wet);
+  if (up <= 0 || down <= 0) return 1;
+  const bool falls_less = is_top(dry - 1) && (above + 1.5 - height_[dry - 1]) * up < down;
+  return falls_less ? 1 : std::clamp(above * up / down, min_height, 1.0);
 }
 
 // Of the particles of the wet cell, which are displaced, at its face, over that in full water: a particle counts 1 in

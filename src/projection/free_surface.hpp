@@ -56,9 +56,7 @@ class FreeSurface {
   /// Whether the cell is solid; it is wet where the water below it has no surface under it.
   bool is_solid(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->open(at) == 0; }
   /// Whether a solid closes a part of the cell.
-  bool is_cut(std::size_t at) const {
-    return from_.cuts != nullptr && from_.cuts->open(at) > 0 && from_.cuts->open(at) < 1;
-  }
+  bool is_cut(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->is_cut(at); }
   /// Fraction of the cell that is not solid; its fill is a fraction of that.
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
@@ -113,7 +111,7 @@ class FreeSurface {
   bool is_under(std::size_t at, LocalId c, const Passes& passes) const;
   void exchange(Halo& halo, Borrowed<Real>& field) const;
   Real resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const;
-  Real out_of_slope(std::size_t a, std::size_t wet, std::size_t dry) const;
+  Real part_down_slope(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real weight_at_side(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real part_in_water(std::size_t wet, std::size_t dry) const;
   template <class Level>

@@ -147,7 +147,7 @@ bool FreeSurface::is_pocket(const Place& place) const {
       const std::size_t beside = upper ? at + grid().step(a) : at - grid().step(a);
       if (wet_[beside] == dry_cell) return false;
       if (deep || !is_wet(beside) || (upright() && (a == 2 || open(at) == 1))) continue;
-      deep = !upright() || is_under(beside, c, [&](std::size_t above) { return open(above) > 0 && open(above) < 1; });
+      deep = !upright() || is_under(beside, c, [&](std::size_t above) { return is_cut(above); });
     }
   }
   return deep;

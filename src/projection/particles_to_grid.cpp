@@ -306,10 +306,9 @@ const Real* ParticlesToGrid::cells_at_solids(const CutCells& cuts, LocalId k, Lo
   static thread_local std::vector<Real> at_solid;
   at_solid.assign(static_cast<std::size_t>(grid_.columns()) + EightCells::count, 0.0);
   const Range cells = filled(k, r);
-  const auto is_cut = [&](std::size_t at) { return cuts.open(at) > 0 && cuts.open(at) < 1; };
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = grid_.index(k, r, c);
-    if (is_cut(at) || (c > 0 && is_cut(at - 1))) at_solid[static_cast<std::size_t>(c)] = 1;
+    if (cuts.is_cut(at) || (c > 0 && cuts.is_cut(at - 1))) at_solid[static_cast<std::size_t>(c)] = 1;
   }
   return at_solid.data();
 }

@@ -18,12 +18,11 @@ constexpr Real min_second_moment = 0.5, deficient_moment = 0.05;
 // Of the sums in water however disordered, over nu/M Σ_lattice F: 1.1 to 2.1.
 constexpr Real largest_eigenvalue = 2.3;
 
-// velocity_i += factor Σ, the sums being those of a pair loop.
-template <class T, class Loop>
-void add_sums(const Neighbourhood<T>& near, const Loop& loop, Real factor, std::vector<Vec3>& velocity) {
+// use(i, Σ) for each own particle i, the sums being those of a pair loop.
+template <class T, class Loop, class Use>
+void for_each_vector(const Neighbourhood<T>& near, const Loop& loop, const Use& use) {
   for_each_sum<Vec4<T>>(near.all(), loop, [&](Range here, const Vec4<T>* sum) {
-    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
-      velocity[static_cast<std::size_t>(i)] += factor * vector_of(*sum);
+    for (LocalId i = here.begin; i < here.end; ++i, ++sum) use(static_cast<std::size_t>(i), vector_of(*sum));
   });
 }
 
@@ -64,7 +63,7 @@ void XsphViscosity<T>::apply(Neighbourhood<T>& near, Particles& particles, Real)
   const Borrowed<Vec4<T>> velocities = all_velocities(near, particles.velocity);
   const Pairs<T> pairs = pairs_of(near);
   const auto smoothing = [&](Range part, Vec4<T>* out) { loops_.smoothing(pairs, part, velocities.data(), out); };
-  add_sums(near, smoothing, factor_, particles.velocity);
+  for_each_vector(near, smoothing, [&](std::size_t i, const Vec3& sum) { particles.velocity[i] += factor_ * sum; });
   log_work(event_, static_cast<double>(near.list().pairs()) * 22, bytes_of_passes(near, 1));
 }
 
@@ -116,10 +115,7 @@ void KinematicViscosity<T>::for_each_laplacian(Neighbourhood<T>& near, const std
   const auto friction = [&](Range part, Vec4<T>* out) {
     loops_.friction(pairs, part, velocities, {x.data(), y.data(), z.data()}, out);
   };
-  for_each_sum<Vec4<T>>(near.all(), friction, [&](Range here, const Vec4<T>* sum) {
-    for (LocalId i = here.begin; i < here.end; ++i, ++sum)
-      use(static_cast<std::size_t>(i), vector_of(*sum) / (2 * moment_));
-  });
+  for_each_vector(near, friction, [&](std::size_t i, const Vec3& sum) { use(i, sum / (2 * moment_)); });
 }
 
 template <class T>
