@@ -103,8 +103,18 @@ HWY_INLINE V compression_of(const FitVectors& fit, const ByAxis& per_length) {
   return hn::Div(hn::Sub(set(0), hn::Add(xx, hn::Add(yy, zz))), strain);
 }
 
+// How flat the places of a fit lie, by the inverse of the sum of the inverses of their variances along the principal
+// axes: 0 where that is projection::flat_variance or more, 1 where it is half of it or less. In a layer they all lie in
+// its plane.
+HWY_INLINE V flatness_of(const SpreadVectors& spread, bool is_layer) {
+  const Symmetric& p = spread.inverse;
+  const V in_plane = hn::Add(p[0], p[2]), trace = is_layer ? in_plane : hn::Add(in_plane, p[1]);
+  return clamp(hn::MulSub(trace, set(projection::flat_variance), set(1)), 0, 1);
+}
+
 // Few particles that meet say little of how the faces of their cell close, at solids nor of how they open (see
-// projection::few_damping): from nothing where half of the strain is that, or less, to all where all of it is.
+// projection::few_damping): from nothing where half of the strain is that, or less, to all where all of it is. Beside
+// no solid those in a plane, or on a line, say little across it (projection::flat_damping).
 HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const MotionFits& out, const Part& part,
                                        const Numbers<>& places, const Numbers<>& flow) {
   const Wide d;
@@ -117,9 +127,11 @@ HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const MotionFi
   if (hn::AllFalse(d, hn::Gt(missing, set(0)))) return motion;
   const V closing = compression_of(motion.fit, out.frame.per_length);
   const V told = hn::IfThenElse(at_solid, hn::Abs(closing), closing);
-  const V more = hn::Mul(missing, clamp(hn::MulSub(set(2), told, set(1)), 0, 1));
+  const V by_strain = hn::Mul(set(projection::few_damping), clamp(hn::MulSub(set(2), told, set(1)), 0, 1));
+  const V flatness = hn::IfThenZeroElse(at_solid, flatness_of(motion.spread, moments.is_layer));
+  const V more = hn::Mul(missing, hn::Max(by_strain, hn::Mul(set(projection::flat_damping), flatness)));
   if (hn::AllFalse(d, hn::Gt(more, set(0)))) return motion;
-  return motion_of(places, flow, hn::MulAdd(more, set(projection::few_damping), damping));
+  return motion_of(places, flow, hn::Add(more, damping));
 }
 
 HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {

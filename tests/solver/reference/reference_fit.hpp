@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -59,6 +60,31 @@ inline ReferenceFit fit_of(const std::vector<Sample>& samples, Real penalty) {
   fit.b = found.bottomRows<3>().transpose();
   fit.rest2 = std::max(right.cwiseProduct(rest).sum() / total, 0.0);
   return fit;
+}
+
+/// How flat the places lie: 0 where Σ 1/m, of their variances m along the principal axes, is 1/0.03 or less, 1 where it
+/// is twice that. 1/m is what fit_of makes of it with the penalty 1e-3. In two dimensions y is no matter.
+inline Real flatness_of(const std::vector<Sample>& samples, int dimensions) {
+  constexpr Real penalty = 1e-3;
+  Real total = 0, trace = 0;
+  Vec3 mean = Vec3::Zero();
+  for (const Sample& one : samples) {
+    total += one.weight;
+    mean += one.weight * one.y;
+  }
+  mean /= total;
+  Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
+  for (const Sample& one : samples) variance += one.weight / total * (one.y - mean) * (one.y - mean).transpose();
+  if (dimensions == 2) {
+    variance.row(1).setZero();
+    variance.col(1).setZero();
+    trace = -3 / penalty;  // what y adds
+  }
+  for (const Real m : Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(variance).eigenvalues()) {
+    const Real left = penalty / (std::max(m, 0.0) + penalty);
+    trace += left / penalty * (1 + left + left * left);
+  }
+  return std::clamp(0.03 * trace - 1, 0.0, 1.0);
 }
 
 }  // namespace trevi::test

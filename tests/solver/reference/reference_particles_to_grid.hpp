@@ -153,16 +153,18 @@ class ReferenceParticlesToGrid {
   /// Whether no water is near.
   bool is_air(const Cell& c) const { return !cells_.repeats(2) && c.z() >= (*near_)[Cell(c.x(), c.y(), 0)]; }
 
-  /// Of what all particles around a cell have as `u` at y, which is counted from the corners of their own cells. A cell
-  /// without particles has no fit.
-  ReferenceFit fit_around(const Cell& c, const std::vector<Vec3>& y, const std::vector<Vec3>& u,
-                          Real penalty = 1e-3) const {
+  /// What all particles around a cell have as `u` at y, which is counted from the corners of their own cells. A cell
+  /// without particles has nothing to fit.
+  std::vector<Sample> samples_around(const Cell& c, const std::vector<Vec3>& y, const std::vector<Vec3>& u) const {
     std::vector<Sample> samples;
-    if ((*members_)[c].empty()) return {};
+    if ((*members_)[c].empty()) return samples;
     for_each_around(c, [&](const Cell& cell, const Vec3& offset, Real weight) {
       for (const std::size_t i : (*members_)[cell]) samples.push_back({weight, y[i] + offset, u[i]});
     });
-    return fit_of(samples, penalty);
+    return samples;
+  }
+  ReferenceFit fit_around(const Cell& c, const std::vector<Vec3>& y, const std::vector<Vec3>& u, Real penalty) const {
+    return fit_of(samples_around(c, y, u), penalty);
   }
   /// Of a fit that closes its cell, from 0 where half of its strain is compression, or less, to 1 where all of it is.
   Real closing(const ReferenceFit& fit) const {
@@ -176,11 +178,15 @@ class ReferenceParticlesToGrid {
       u.push_back(i.way);
     }
     fit_.emplace(cells_, ReferenceFit{});
-    // With less than three eighths of the water of full cells, and where the cell closes, slopes are penalised more.
+    // With less than three eighths of the water of full cells, slopes are penalised more where the cell closes, and
+    // where particles lie in a plane or on a line.
     for_each_cell([&](const Cell& c) {
-      ReferenceFit& fit = (*fit_)[c] = fit_around(c, y, u);
+      const std::vector<Sample> samples = samples_around(c, y, u);
+      ReferenceFit& fit = (*fit_)[c] = fit_of(samples, 1e-3);
       const Real filled = fit.held / std::pow(1.5, dimensions_) * std::pow(s_, 3) / size_.prod();
-      if (filled < 0.375) fit = fit_around(c, y, u, 1e-3 + 0.2 * (1 - filled / 0.375) * closing(fit));
+      if (samples.empty() || filled >= 0.375) return;
+      const Real more = std::max(0.2 * closing(fit), 0.1 * flatness_of(samples, dimensions_));
+      fit = fit_of(samples, 1e-3 + (1 - filled / 0.375) * more);
     });
   }
 

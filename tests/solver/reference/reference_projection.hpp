@@ -51,7 +51,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
         }
       });
       kept[c] = 1 - std::clamp(((n > 0 ? sum / n : 0) - 0.004) / (0.008 - 0.004), 0.0, 1.0);
-      if (wet(c) || wet(c - unit(2))) fits[c] = fit_around(c, y, u);
+      if (wet(c) || wet(c - unit(2))) fits[c] = fit_around(c, y, u, 1e-3);
     });
     std::vector<Vec3> smooth;
     for (std::size_t i = 0; i < p.size(); ++i) {
