@@ -135,7 +135,8 @@ bool FreeSurface::is_at_solid(std::size_t at) const {
 }
 
 // A cell at a solid among water that is deeper than it: no air is there, whatever the cell holds. Water stands above
-// it, or above the cells beside it, and none around it is dry but such as are at the solid, too.
+// it, or above the cells beside it, and none around it is dry but such as are at the solid, too. Beside solids that do
+// not float that water is two cells deep at least: what falls on a solid has air beneath it.
 bool FreeSurface::is_pocket(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
@@ -153,12 +154,16 @@ bool FreeSurface::is_pocket(const Place& place) const {
   return deep;
 }
 
-// Whether the first of the cells above that one of which this does not hold is water, or a solid that lies on it.
+// Whether the first of the cells above that one of which this does not hold is water deep enough, or a solid that lies
+// on it.
 template <class Passes>
 bool FreeSurface::is_under(std::size_t at, LocalId c, const Passes& passes) const {
+  const bool floats = cuts()->floats(at);
   while (++c < grid().columns() && !is_wet(++at) && passes(at)) {
   }
-  return c < grid().columns() && (is_wet(at) || is_solid(at));
+  if (c == grid().columns()) return false;
+  if (is_solid(at) || !is_wet(at)) return is_solid(at);
+  return floats || c + 1 == grid().columns() || is_wet(at + 1) || is_solid(at + 1);  // the last one is at the ceiling
 }
 
 // Whether a cell holds more than what the particles of the water below it reach up there.

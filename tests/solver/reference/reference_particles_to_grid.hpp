@@ -185,7 +185,7 @@ class ReferenceParticlesToGrid {
       ReferenceFit& fit = (*fit_)[c] = fit_of(samples, 1e-3);
       const Real filled = fit.held / std::pow(1.5, dimensions_) * std::pow(s_, 3) / size_.prod();
       if (samples.empty() || filled >= 0.375) return;
-      const Real more = std::max(0.2 * closing(fit), 0.1 * flatness_of(samples, dimensions_));
+      const Real more = std::max(0.2 * closing(fit), 0.05 * flatness_of(samples, dimensions_));
       fit = fit_of(samples, 1e-3 + (1 - filled / 0.375) * more);
     });
   }
