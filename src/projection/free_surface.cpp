@@ -45,12 +45,14 @@ Real FreeSurface::part_in_water(std::size_t wet, std::size_t dry) const {
 
 // Of the way from the middle of a wet cell on a slope to that of a dry one beside it, down the slope, the part to the
 // surface, where that is as steep as the slope: the pressure of a sheet acts along the normal of the solid. Where the
-// surface falls less, water lies against the slope, as in a vessel.
+// surface falls less, water lies against the slope, as in a vessel. The fall of the slope across the cell is told by
+// what is open of the face to the dry cell, of the cell and of its floor: the face at its other side may be beyond the
+// ghost cells.
 Real FreeSurface::part_down_slope(std::size_t a, std::size_t wet, std::size_t dry) const {
   if (!is_top(wet) || cuts()->floats(wet) || is_emptied(dry)) return 1;
-  const auto area = [&](std::size_t b) { return cuts()->face(b, wet + grid().step(b)) - cuts()->face(b, wet); };
-  const Real up = area(2), down = dry > wet ? area(a) : -area(a), above = above_middle(wet);
-  if (up <= 0 || down <= 0) return 1;
+  const Real up = cuts()->face(2, wet + 1) - cuts()->face(2, wet), side = cuts()->face(a, std::max(wet, dry));
+  if (up <= 0 || side <= open(wet)) return 1;
+  const Real down = std::min(2 * (side - open(wet)) / up, side), above = above_middle(wet);
   const bool falls_less = is_top(dry - 1) && (above + 1.5 - height_[dry - 1]) * up < down;
   return falls_less ? 1 : std::clamp(above * up / down, min_height, 1.0);
 }
