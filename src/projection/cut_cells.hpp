@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <memory>
 #include <span>
 #include <vector>
@@ -45,7 +46,10 @@ class CutCells {
     return open(at) < 1 || closes(0) || closes(1) || closes(2);
   }
   /// Fraction of the area of face (a, at) that is open.
-  Real face(std::size_t a, std::size_t at) const { return cells_[at].face[a]; }
+  Real face(std::size_t a, std::size_t at) const {
+    assert(at < cells_.size());  // what is beyond the ghost cells nobody knows
+    return cells_[at].face[a];
+  }
   /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
   ByAxis middle_of_face(std::size_t a, std::size_t at) const {
     ByAxis middle{0.5, 0.5, 0.5};
