@@ -140,7 +140,8 @@ bool FreeSurface::is_at_solid(std::size_t at) const {
 bool FreeSurface::is_pocket(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
-  bool deep = upright() && is_under(at, c, [&](std::size_t above) { return wet_[above] == dry_at_solid; });
+  const int deep_enough = cuts()->floats(at) ? 1 : 2;  // cells
+  bool deep = upright() && is_under(at, c, deep_enough, [&](std::size_t above) { return wet_[above] == dry_at_solid; });
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       if (cuts()->face(a, upper ? at + grid().step(a) : at) == 0) continue;
@@ -148,22 +149,21 @@ bool FreeSurface::is_pocket(const Place& place) const {
       const std::size_t beside = upper ? at + grid().step(a) : at - grid().step(a);
       if (wet_[beside] == dry_cell) return false;
       if (deep || !is_wet(beside) || (upright() && (a == 2 || open(at) == 1))) continue;
-      deep = !upright() || is_under(beside, c, [&](std::size_t above) { return is_cut(above); });
+      deep = !upright() || is_under(beside, c, deep_enough, [&](std::size_t above) { return is_cut(above); });
     }
   }
   return deep;
 }
 
-// Whether the first of the cells above that one of which this does not hold is water deep enough, or a solid that lies
-// on it.
+// Whether the first of the cells above that one of which this does not hold is water of one or two cells, or a solid
+// that lies on it. Water in the last cell reaches the ceiling.
 template <class Passes>
-bool FreeSurface::is_under(std::size_t at, LocalId c, const Passes& passes) const {
-  const bool floats = cuts()->floats(at);
+bool FreeSurface::is_under(std::size_t at, LocalId c, int cells, const Passes& passes) const {
   while (++c < grid().columns() && !is_wet(++at) && passes(at)) {
   }
   if (c == grid().columns()) return false;
   if (is_solid(at) || !is_wet(at)) return is_solid(at);
-  return floats || c + 1 == grid().columns() || is_wet(at + 1) || is_solid(at + 1);  // the last one is at the ceiling
+  return cells == 1 || c + 1 == grid().columns() || is_wet(at + 1) || is_solid(at + 1);
 }
 
 // Whether a cell holds more than what the particles of the water below it reach up there.
