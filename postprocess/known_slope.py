@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 import known_motion as known
-from study import GRAVITY, energies, mass_of
+from study import GRAVITY, energies, largest_rise, mass_of
 
 SLOPE = "[[obstacle]]\ntype = \"box\"\ncenter = {center}\nsize = [9, 3]\nrotate = [0, {angle}, 0]\n"
 
@@ -36,7 +36,5 @@ def slope_figures(down, lean, spacing, run):
     later = time > time[-1] / 2
     mass = mass_of(run.columns, spacing)
     exact = mass * GRAVITY * math.sin(lean) * time
-    energy = np.asarray(energies(run.columns))
-    rise = np.max(energy - np.minimum.accumulate(energy))
     return {"momentum_ratio": np.mean(along[later] / exact[later]), "momentum_ratio_end": along[-1] / exact[-1],
-            "energy_rise": rise * 2 * mass / exact[-1]**2}
+            "energy_rise": largest_rise(energies(run.columns)) * 2 * mass / exact[-1]**2}

@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from itertools import accumulate
 from pathlib import Path
 
 import h5py
@@ -99,6 +100,11 @@ def mean(values):
 
 def energies(columns):
     return [k + p for k, p in zip(columns["kinetic_energy"], columns["potential_energy"])]
+
+
+def largest_rise(energy):
+    """Above its lowest so far, of an energy that should never rise."""
+    return max(now - lowest for now, lowest in zip(energy, accumulate(energy, min)))
 
 
 def mass_of(columns, spacing=0.1, rest_density=1000.0):

@@ -20,7 +20,7 @@ import numpy as np
 
 from known_floating import decay
 from make_gallery import duck_distance
-from study import GRAVITY, ROOT, columns_of, in_turn, launch, parser_of
+from study import GRAVITY, ROOT, columns_of, in_turn, largest_rise, launch, parser_of
 
 RESULTS = Path(__file__).resolve().parent / "results"
 SCENE = """
@@ -194,7 +194,7 @@ def energy(series, found, mass, moments):
 def rises(total, time, rest):
     """Of an energy that should never rise: its largest rise above what it was before, and its trend from `rest` on, J/s."""
     late = time > rest
-    return [("largest rise of the energy in all above its lowest so far", "J", 0, np.max(total - np.minimum.accumulate(total))),
+    return [("largest rise of the energy in all above its lowest so far", "J", 0, largest_rise(total)),
             (f"trend of the energy in all from {rest} s on", "J/s", 0, np.polyfit(time[late], total[late], 1)[0]),
             ("loss of it by then", "J", math.nan, total[0] - total[late][0])]
 

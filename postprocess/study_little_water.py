@@ -15,10 +15,9 @@ import statistics
 import sys
 import tempfile
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 
-from study import columns_of, energies, in_turn, launch, parser_of, write_table
+from study import energies, in_turn, largest_rise, parser_of, simulate, write_table
 
 SPACING, SIDE, ABOVE = 0.1, 2.4, 1.3  # m; ABOVE all solids
 SETS = {"box": 60, "plane": 40, "solids": 60}
@@ -100,13 +99,13 @@ def blocks_of(kind, seed):
 
 def rise_of(trevi, text):
     with tempfile.TemporaryDirectory() as folder:
-        scene, output = Path(folder) / "scene.toml", Path(folder) / "run"
+        scene = Path(folder) / "scene.toml"
         scene.write_text(text, encoding="utf-8")
-        code, message = launch(trevi, scene, output, [], 600)
-        if code != 0:
-            sys.exit(f"{message}\n{text}")
-        energy = energies(columns_of(output / "series.csv"))
-    return max(now - least for now, least in zip(energy, accumulate(energy, min))) / energy[0]
+        columns, code, message = simulate(trevi, scene, time_limit=600)
+    if code != 0:
+        sys.exit(f"{message}\n{text}")
+    energy = energies(columns)
+    return largest_rise(energy) / energy[0]
 
 
 def main():
