@@ -64,7 +64,7 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   const Real share = std::min((1 - alone.face[a]) / (1 - face(a, at)), 1.0);
   if (!(share > 0)) return {at, a, 0, p, 0, 0};
   const Body& other = obstacles_.body(nearest_at(p, others).body);
-  const Vec3 path = p - other.before().into_world(other.now().into_body(p));
+  const Vec3 path = other.displacement_at(p);
   return {at, a, nearest.body, middle_of_closed(a, cell, alone), share, (1 - share) * path[axis_[a]]};
 }
 
@@ -108,7 +108,7 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
       const std::size_t at = grid.index(k, r, c), nearest = cells_[at].nearest;
       if (open(at) == 1 || !bodies.holds(nearest)) continue;
       const std::size_t body = nearest - bodies.first();
-      const Vec3 arm = (middle_of_solid({k, r, c}, at) - bodies.body(body).end_position()) / size_.maxCoeff();
+      const Vec3 arm = (middle_of_solid({k, r, c}, at) - bodies.body(body).midway_position()) / size_.maxCoeff();
       const Real volume = 1 - open(at), surface = area(at);
       GlobalId* sum = &sums.mine()[sums_of_body * body];
       for (const Real one : {volume, surface, open(at) > 0 ? volume : 0, volume * arm.x(), volume * arm.y(),

@@ -24,7 +24,7 @@ constexpr Real flat = 0.9;
 bool CutCells::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const {
   for (const std::size_t k : bodies) {
     const Body& body = obstacles_.body(k);
-    const Vec3 begin = body.now().into_body(from), end = body.now().into_body(to);
+    const Vec3 begin = body.midway().into_body(from), end = body.midway().into_body(to);
     if (!body.may_cross(begin, end)) continue;
     const auto part = body.first_contact({{begin, from}, {end, to}});
     if (!part) continue;
@@ -81,7 +81,7 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   const bool is_alone = bodies.size() == 1;
   if (!is_alone) std::fill(distance.begin(), distance.end(), INFINITY);
   for (const std::size_t body : bodies) {
-    const Pose& pose = obstacles_.body(body).now();
+    const Pose& pose = obstacles_.body(body).midway();
     // What each coordinate in the world adds to those of the body: Pose::into_body(), in its order. Direction 2 is z.
     std::array<std::array<Vec3, samples>, 3> part;
     for (std::size_t b = 0; b < 3; ++b) {

@@ -199,7 +199,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
       const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;
       const Vec3 corner = corner_of(grid, cell[0], cell[1], cell[2]), p = place(corner + half);
       const auto displacement = [&](const Body& body, const Vec3& place) {
-        return (place - body.before().into_world(body.now().into_body(place)))[axis_[a]];
+        return body.displacement_at(place)[axis_[a]];
       };
       if (floating != nullptr) {
         const BodyFace own = body_face_beside(a, cell, corner, at, near.of_row, grid.step(a));

@@ -70,7 +70,7 @@ class CutCells {
   void move_faces(const Visit& visit) {
     for (const BodyFace& face : body_faces_) {
       const Body& body = obstacles_.body(face.body);
-      const Vec3 path = face.p - body.before().into_world(body.now().into_body(face.p));
+      const Vec3 path = body.displacement_at(face.p);
       float& moved = moved_[face.at][face.a];
       const auto now = static_cast<float>(face.share * path[axis_[face.a]] + face.others);
       const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
@@ -204,7 +204,7 @@ class CutCells {
     return std::min(std::max(place, inner_.min[axis]), inner_.max[axis]);
   }
   Vec3 in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
-  Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.now().into_body(p)); }
+  Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.midway().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.

@@ -225,7 +225,7 @@ void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) 
     if (!body.moves()) continue;
     const Pose from = body.motion().at(begin, offsets_[k]), to = body.motion().at(end, body.paddle_offset());
     const Eigen::AngleAxisd rotation(to.turn * from.turn.transpose());
-    const Vec3 pivot = to.into_body(body.pivot()), shift = to.into_world(pivot) - from.into_world(pivot);
+    const Vec3 pivot = body.midway().into_body(body.pivot()), shift = to.into_world(pivot) - from.into_world(pivot);
     supplied_.add(per * (impulses[k].shift.dot(shift) + impulses[k].moment.dot(rotation.angle() * rotation.axis())));
   }
 }

@@ -29,6 +29,21 @@ TEST(Pose, TurnsAreThoseOfTheLibraryToRounding) {
   EXPECT_EQ(sine_cosine_of_turns(-1.5).cosine, -1);
 }
 
+TEST(Pose, MidwayIsHalfOfTheWayAndOfTheTurn) {
+  ObstacleSettings settings = box({1, 1, 1});
+  settings.velocity = {1, -2, 3};
+  settings.angular_velocity = {0.4, 1.3, -0.7};
+  const BodyMotion motion(settings);
+  for (const Real time : {0.0, 0.01, 0.3, 1.1, 1.9}) {  // s; at the last it has turned by 2.91
+    const Pose found = midway_between(motion.at(0), motion.at(time)), exact = motion.at(time / 2);
+    EXPECT_LT((found.center - exact.center).norm(), 1e-15);
+    EXPECT_LT((found.turn - exact.turn).norm(), 1e-14) << time;
+  }
+  settings.rotate = {12, 34, 56};
+  const Pose start = BodyMotion(settings).at(0);
+  EXPECT_EQ(midway_between(start, start).turn, start.turn);
+}
+
 TEST(Pose, RotateTurnsAboutXThenYThenZ) {
   ObstacleSettings settings = box({1, 1, 1});
   settings.center = {1, 2, 3};

@@ -85,6 +85,48 @@ TEST(CutCells, OfSolidsThatMoveAreThoseCutAtOnce) {
   EXPECT_GT(cut, 50);
 }
 
+// Where it is at the end of the substep it would be half a path ahead of the water, whose motion is seen midway.
+TEST(CutCells, ASolidThatMovesIsSeenMidwayAndGoesAllOfItsWay) {
+  Settings settings;
+  settings.domain = {Vec3::Zero(), Vec3(12 * h, 2.4, 2.4)};
+  settings.fluid.spacing = h / 2;
+  ObstacleSettings ball;
+  ball.shape = ShapeKind::sphere;
+  ball.radius = 0.5;
+  ball.center = {1.1, 1.2, 1.25};
+  ball.velocity = {0.9, -0.7, 0.8};
+  settings.obstacles.push_back(ball);
+  settings = resolved(settings);
+  const AnalyticWallDensity law{settings.domain, kernels_of(settings.fluid).density, h / 2, h, WallSlope::of_positions};
+  Obstacles obstacles{settings, Walls(settings.domain, settings.walls, 1e-6 * h), law};
+  ProjectionGrid grid{CellGrid(settings.domain.min, settings.domain.max, h, 0), settings.domain};
+  grid.resize(window_of(grid, 12 / size_of(world)), 12);
+  constexpr Real dt = 0.1;
+  obstacles.move(0, dt);
+  CutCells cuts(obstacles);
+  cuts.measure(world, grid, settings.domain, frame_of(grid));
+  std::array<Real, 4> own{}, all{};
+  for (LocalId k = 1; k <= grid.planes(); ++k) {
+    for (LocalId r = 0; r < grid.rows(); ++r) {
+      for (LocalId c = 0; c < grid.columns(); ++c) {
+        const std::size_t at = grid.index(k, r, c);
+        const Real solid = 1 - cuts.open(at);
+        const Vec3 moment = solid * cuts.middle(k, r, c);
+        for (std::size_t a = 0; a < 3; ++a) {
+          own[a] += moment[static_cast<Eigen::Index>(a)];
+          if (cuts.open(at) < 1 && cuts.face(a, at) < 1) {
+            ASSERT_NEAR(cuts.moved(a, at), dt * ball.velocity[grid.axis(a)], 1e-6);
+          }
+        }
+        own[3] += solid;
+      }
+    }
+  }
+  MPI_Allreduce(own.data(), all.data(), 4, MPI_DOUBLE, MPI_SUM, world);
+  const Vec3 midway = ball.center + dt / 2 * ball.velocity;
+  for (Eigen::Index a = 0; a < 3; ++a) EXPECT_NEAR(all[static_cast<std::size_t>(a)] / all[3], midway[a], 0.005);
+}
+
 // A vessel in which water turns as a rigid body, about the upright axis through its centre.
 struct Vessel {
   static constexpr LocalId planes = 12;

@@ -1,5 +1,6 @@
 #include "boundary/geometry/pose.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -45,6 +46,14 @@ Rotation start_of(const ObstacleSettings& obstacle) {
 }
 
 }  // namespace
+
+Pose midway_between(const Pose& from, const Pose& to) {
+  const Vec3 center = (from.center + to.center) / 2;
+  if (from.turn == to.turn) return {center, to.turn};
+  const Eigen::Quaterniond start(from.turn), end(to.turn);
+  const Real sign = start.dot(end) < 0 ? -1 : 1;
+  return {center, Eigen::Quaterniond(start.coeffs() + sign * end.coeffs()).normalized().toRotationMatrix()};
+}
 
 SineCosine sine_cosine_of_turns(Real turns) {
   const Real quarters = std::floor(4 * turns + 0.5);

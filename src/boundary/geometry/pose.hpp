@@ -23,6 +23,10 @@ struct Pose {
   Vec3 into_world(const Vec3& body) const { return center + turn * body; }
 };
 
+/// In the middle between two, turned half as far as from one to the other, the short way; the pose itself where they
+/// are the same.
+Pose midway_between(const Pose& from, const Pose& to);
+
 struct SineCosine {
   Real sine, cosine;
 };

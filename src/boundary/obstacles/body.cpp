@@ -62,6 +62,7 @@ Box Body::box_at(const Pose& pose, Real margin) const {
 void Body::place(const Pose& before, const Pose& now) {
   before_ = before;
   now_ = now;
+  midway_ = midway_between(before, now);
   turned_ = (now_.turn - before_.turn).norm();
   const auto on_way = [&](Real margin) {
     const Box near = box_at(now_, margin), was = box_at(before_, margin);

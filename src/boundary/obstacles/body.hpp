@@ -61,14 +61,21 @@ class Body {
   /// At the end of the substep and at its start.
   const Pose& now() const { return now_; }
   const Pose& before() const { return before_; }
+  /// Midway in the substep: the projection sees it there, as it sees the motion of particles.
+  const Pose& midway() const { return midway_; }
+  /// Displacement in the substep of the point of it that is at p midway, m.
+  Vec3 displacement_at(const Vec3& p) const {
+    const Vec3 there = midway_.into_body(p);
+    return now_.into_world(there) - before_.into_world(there);
+  }
   /// About what moments of forces are taken: the centre, of a flap its hinge. The centre of its box is the length of
   /// the tank away: what its arc is longer than its chord, times the force, would be more than the work.
-  const Vec3& pivot() const { return hinge_ ? *hinge_ : now_.center; }
+  const Vec3& pivot() const { return hinge_ ? *hinge_ : midway_.center; }
   const Shape& shape() const { return *shape_; }
   const VolumeMap& map() const { return *map_; }
   const BodyMotion& motion() const { return motion_; }
-  /// Where the surface is, now.
-  Box surface_box() const { return box_at(now_, 0); }
+  /// Where the surface is midway.
+  Box surface_box() const { return box_at(midway_, 0); }
   Real radius() const { return radius_; }  ///< of the ball around the centre that holds the surface, m
   bool moves() const { return moves_; }
   bool is_vessel() const { return vessel_; }
@@ -176,7 +183,7 @@ class Body {
   Real wall_extension_;  // at the walls, where solids go on as inside it
   Box inner_;            // the box without it
   Real across_;          // the diagonal of the box, m
-  Pose before_, now_;
+  Pose before_, midway_, now_;
   Real offset_before_ = 0, offset_now_ = 0;  // of a paddle that absorbs, m
   Real turned_ = 0, went_ = 0;               // in the substep, by more than the angle, and of the centre, m
   const Box& bounds_of(Extent extent) const { return bounds_[static_cast<std::size_t>(extent)]; }

@@ -150,7 +150,7 @@ class Obstacles {
   void record_projection(std::size_t account, const Vec3& shift, const Vec3& p);
 
   /// From the centre of an obstacle to its pivot, m; zero of bodies that float, whose moments are about their own.
-  Vec3 lever(std::size_t k) const { return bodies_[k]->pivot() - bodies_[k]->now().center; }
+  Vec3 lever(std::size_t k) const { return bodies_[k]->pivot() - bodies_[k]->midway().center; }
 
   /// Of the water at rest density that a particle stands for, kg: forces are those of such water, while the mass of
   /// particles is calibrated to their kernel.

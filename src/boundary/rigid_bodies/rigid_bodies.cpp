@@ -134,19 +134,19 @@ Six RigidBodies::impulse_of(const TotalImpulse& given) const {
   return plus({}, six_of(given.shift, given.moment), -water_mass_ / dt_);
 }
 
-Six RigidBodies::about_end(std::size_t k, const Six& impulse) const {
+Six RigidBodies::about_midway(std::size_t k, const Six& impulse) const {
   return six_of(along_of(impulse), about_of(impulse) - moved_[k].cross(along_of(impulse)));
 }
 
 Six RigidBodies::take_pressure(std::size_t k, const TotalImpulse& pushes) {
-  const Six found = about_end(k, impulse_of(pushes));
+  const Six found = about_midway(k, impulse_of(pushes));
   spurious_[k] = bodies_[k].about_axes_of_revolution(about_of(found));
   return six_of(along_of(found), about_of(found) - spurious_[k]);
 }
 
 void RigidBodies::give(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    moved_[k] = bodies_[k].end_position() - bodies_[k].state().position;
+    moved_[k] = bodies_[k].midway_position() - bodies_[k].state().position;
     given_[k] = impulse_of(all[first_ + k]);
     bodies_[k].give(given_[k]);
   }
@@ -180,7 +180,7 @@ void RigidBodies::hear(std::span<const Six> pressure) {
 void RigidBodies::finish(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Six total = impulse_of(all[first_ + k]);
-    bodies_[k].give(about_end(k, plus(total, given_[k], -1)));
+    bodies_[k].give(about_midway(k, plus(total, given_[k], -1)));
     bodies_[k].give(six_of(Vec3::Zero(), -spurious_[k]));
     bodies_[k].finish(dot(total, total) > 0 || contacts_.touches(k));
   }

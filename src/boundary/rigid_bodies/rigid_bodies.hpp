@@ -74,7 +74,7 @@ class RigidBodies {
  private:
   // Of an account of the ledger, about the centre at the start of the substep.
   Six impulse_of(const TotalImpulse& given) const;
-  Six about_end(std::size_t k, const Six& impulse) const;
+  Six about_midway(std::size_t k, const Six& impulse) const;
   void place();
 
   const std::vector<std::unique_ptr<Body>>* all_;
@@ -86,7 +86,7 @@ class RigidBodies {
   std::vector<RigidBody> bodies_;
   std::vector<Real> arm_unit_;  // m, in which arms of what they meet are counted
   std::vector<Six> given_;      // by the ledger before the projection
-  std::vector<Vec3> moved_;     // of the centres in the substep, as cells are cut, m
+  std::vector<Vec3> moved_;     // of the centres to where cells are cut, m
   std::vector<Vec3> spurious_;  // moments of the last pressure about axes of revolution, N m s
   std::vector<Six> expected_;   // twists without the particles that bounce
   Contacts contacts_;

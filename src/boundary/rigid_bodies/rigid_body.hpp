@@ -29,6 +29,7 @@ class RigidBody {
   Pose end_pose() const { return pose_of(end_position(), end_orientation_); }
   /// The same without the spin about axes of revolution, which does not change where the surface is.
   Pose end_pose_without_spin() const;
+  Vec3 midway_position() const { return state_.position + dt_ / 2 * along_of(twist_); }
   Vec3 end_position() const { return state_.position + dt_ * along_of(twist_); }
   /// Kinetic, potential and of the mooring, J.
   Real energy() const;
