@@ -41,18 +41,15 @@ void FreePlaces::add(int number, const ObstacleSettings& solid, const Pose& pose
 }
 
 bool FreePlaces::is_free(const Vec3& p) const {
-  const Real gap = (0.5 - rounding) * spacing_;
-  return std::none_of(solids_.begin(), solids_.end(), [&](const Solid& solid) {
-    return is_body(solid.number) ? displaces(solid, p) : is_nearer(solid, p, gap);
-  });
+  return std::none_of(solids_.begin(), solids_.end(), [&](const Solid& solid) { return displaces(solid, p); });
 }
 
 bool FreePlaces::is_nearer(const Solid& solid, const Vec3& p, Real gap) const {
   return solid.test->is_nearer(solid.pose.into_body(p), gap);
 }
 
-// Of places on its surface it takes as many as there is of the solid around them, half of those on a face: a body whose
-// faces are planes of the lattice displaces its volume, too.
+// Of places on its surface it takes as many as there is of the solid around them, half of those on a face: a solid
+// whose faces are planes of the lattice displaces its volume, too.
 bool FreePlaces::displaces(const Solid& solid, const Vec3& p) const {
   if (is_nearer(solid, p, -rounding * spacing_)) return true;
   if (!is_nearer(solid, p, rounding * spacing_)) return false;

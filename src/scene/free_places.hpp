@@ -1,6 +1,6 @@
-// Where water can be at the start, or when a run goes on: not in an obstacle, nor nearer to one than half a spacing, as
-// at the walls of the box. A body leaves out just the water that it displaces, and of places on its surface as much as
-// it fills of the space around them: water that falls into a gap around it takes it along. Not collective.
+// Where water can be at the start, or when a run goes on. An obstacle or a body leaves out just the water that it
+// displaces, and of places on its surface as much as it fills of the space around them: a vessel holds its volume, and
+// there is no gap into which water falls. Not collective.
 #pragma once
 
 #include <memory>
@@ -34,7 +34,7 @@ class FreePlaces {
   void add(int number, const ObstacleSettings& solid, const Pose& pose);
   bool is_body(int solid) const { return solid >= obstacles_; }
   bool is_nearer(const Solid& solid, const Vec3& p, Real gap) const;
-  bool displaces(const Solid& body, const Vec3& p) const;
+  bool displaces(const Solid& solid, const Vec3& p) const;
 
   Real spacing_;
   std::vector<Solid> solids_;

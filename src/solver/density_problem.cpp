@@ -226,9 +226,19 @@ void DensityProblem<T>::move_in(const OpenSpace& open, Range few, Real relaxatio
     const auto i = static_cast<std::size_t>(left[k]);
     const Vec3 before = p[i], way = vector_of(shifts[first + i]);
     p[i] = boundary_.collide(p[i], relaxation * way);
+    note_collision(first + i, before, p[i] - before - relaxation * way);
     near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
     if (way.isZero(0) && p[i] != before) swept_.move(few.begin + left[k]);  // out of a solid
   }
+}
+
+// What a shift that a solid changes has of angular momentum is told about where it began, and the velocity that comes
+// of it begins with the substep.
+template <class T>
+void DensityProblem<T>::note_collision(std::size_t i, const Vec3& began, const Vec3& change) const {
+  Obstacles* const obstacles = boundary_.obstacles();
+  if (obstacles == nullptr || !obstacles->records_impulses()) return;
+  obstacles->record_rest({Vec3::Zero(), (particles_->position[i] - began).cross(change)});
 }
 
 template <class T>

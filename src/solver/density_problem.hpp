@@ -133,6 +133,7 @@ class DensityProblem {
   static constexpr LocalId moved_at_once = Obstacles::at_once;
   // Moves a few particles, most of them in that box, in which they meet nothing.
   void move_in(const OpenSpace& open, Range few, Real relaxation);
+  void note_collision(std::size_t i, const Vec3& began, const Vec3& change) const;
   // Of the cells inside of a window of the own ones, or outside of it.
   void separate_coincident(const CellWindow& window, bool inside);
   void note_sweep();

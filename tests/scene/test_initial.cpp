@@ -60,7 +60,7 @@ TEST(InitialParticles, FillABlockUpToItsSurface) {
     const Lattice lattice(scene_with(tank, {}).particles[0], 0.1);
     for (GlobalId n = 0; n < 2000; ++n) {
       const Vec3 p = lattice.point(n % 20, n / 20 % 10, n / 200);
-      if (p.z() <= surface(p) && (obstacle.empty() || (p - Vec3(1, 0.5, 0.3)).norm() >= 0.25)) expected.insert(n);
+      if (p.z() <= surface(p) && (obstacle.empty() || (p - Vec3(1, 0.5, 0.3)).norm() >= 0.2)) expected.insert(n);
     }
     EXPECT_EQ(std::set<GlobalId>(water.id.begin(), water.id.end()), expected);
     EXPECT_EQ(water.id.size(), expected.size());

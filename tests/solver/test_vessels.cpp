@@ -187,7 +187,8 @@ inside = true
 }
 
 // About as calm after 8 s as a pool that has to settle in the plain box (1.1e-4 m²/s²): 5.2e-4, and less than 8e-4; and
-// its centre of mass is within 0.2 spacings of that of 0.816 m³ in such a box.
+// its centre of mass is within 0.2 spacings of that of as much in such a box, which is the block's part of it: 0.985 m³
+// but for what a lattice that lies anyhow to its walls has by chance.
 TEST(Vessels, WaterRestsInATurnedBox) {
   VesselRun run(world, tank_with_gravity({.min = "-1.2, -1.2, 0",
                                           .max = "1.2, 1.2, 2.4",
@@ -204,9 +205,9 @@ inside = true
   const Diagnostics& row = run.rows.back();
   const Real energy = row.kinetic_energy / (static_cast<Real>(row.particles) * water_mass(run.scene.fluid));
   if (rank_of(world) == 0) std::printf("kinetic energy %.2e m2/s2, centre of mass %.4f m\n", energy, row.com.z());
-  EXPECT_EQ(row.particles, 816);
+  EXPECT_EQ(row.particles, 972);
   EXPECT_LT(energy, 8e-4);
-  EXPECT_NEAR(row.com.z(), 0.7220, 0.02);
+  EXPECT_NEAR(row.com.z(), 0.7737, 0.02);
   EXPECT_GT(run.nearest(), -1e-9);
 }
 

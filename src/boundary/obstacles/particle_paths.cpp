@@ -183,7 +183,7 @@ Vec3 Obstacles::among(Vec3& p, const Vec3& v, Real dt) {
 Vec3 Obstacles::collide(const Vec3& p, const Vec3& shift) {
   Vec3 target = walls_.collide(p, shift);
   if (!target.allFinite()) return target;
-  if (target != p + shift) record(box_account(), target - (p + shift), target);
+  if (target != p + shift) record_bounce(box_account(), target - (p + shift), target, p);
   const bool meets = index_->any(along(p, target), [&](std::size_t k) {
     const Body& body = *bodies_[k];
     return !body.is_passed_by(p, target) && body.may_meet(body.now().into_body(p), body.now().into_body(target));
@@ -206,7 +206,7 @@ Vec3 Obstacles::collide(const Vec3& p, const Vec3& shift) {
       target = walls_.clamp(body.now().into_world(segment.from.in_body + Body::along(rest, normal)));
     }
     leg.aim(target);
-    record(contact.body, target - last, leg.here());
+    record_bounce(contact.body, target - last, leg.here(), p);
   }
   return target;
 }
