@@ -172,12 +172,11 @@ def jet_figures(x, since, radius, run):
 # Rotation.
 
 def disc(radius, spacing, start):
-    """Places (x, y) in a disc: of a lattice, half a spacing from the rim at least as a block leaves them, which is some
-    per cent less than fills it; or in rings, which fill it."""
+    """Places (x, y) in a disc: of a lattice, as a block leaves them in a vessel; or in rings, which fill it evenly."""
     n = round(radius / spacing)
     if start == "lattice":
         place = np.stack(np.meshgrid(*2 * [(np.arange(-n, n) + 0.5) * spacing], indexing="ij"), -1).reshape(-1, 2)
-        return place[np.hypot(*place.T) <= radius - 0.4999 * spacing]
+        return place[np.hypot(*place.T) < radius]
     rings = []
     for k in range(n):
         count = round(2 * math.pi * (k + 0.5))

@@ -146,7 +146,7 @@ def little_on_slopes(angles=(10, 20, 30, 45), rates=(60, 240, 960)):
 
 
 def rotations(spacings=(0.05, 0.025), rates=(60, 240, 480), starts=("lattice", "rings")):
-    """The lattice leaves out what is within half a spacing of the wall; rings fill the cylinder."""
+    """The lattice fills the cylinder as a block does, raggedly at the wall; rings do so evenly."""
     marks = Mark("angular_1", 0.98), Mark("paraboloid", 0.95, 1.05)
     for spacing in spacings:
         for rate in rates:
