@@ -309,7 +309,7 @@ TEST(AddedMass, StaysPositiveAndBounded) {
         body.hear(six(answered));
         body.set_twist(plus(body.twist(), six(1e-3)));
       }
-      body.finish(true);
+      body.finish(RigidBody::Push::full);
       ASSERT_GT(values().minCoeff(), 0.019 * first) << answered << ' ' << k;
       ASSERT_LT(values().maxCoeff(), 5000 * wide) << answered << ' ' << k;
     }

@@ -98,7 +98,7 @@ TEST(Flight, IsAParabolaWithTheAngularMomentumOfTheStart) {
   Real lowest = 5;
   for (int k = 0; k < 600; ++k) {
     body.begin(dt * (1 + k % 2));
-    body.finish(false);
+    body.finish(RigidBody::Push::none);
     lowest = std::min(lowest, (rotation_of(body.state().orientation).transpose() * body.state().angular_velocity).x());
   }
   const Real t = 900 * dt;
@@ -120,7 +120,7 @@ TEST(Flight, TurnsAsFastAsItSays) {
     const int steps = k == 0 ? 100 : 200;
     for (int n = 0; n < steps; ++n) {
       body.begin(1.0 / steps);
-      body.finish(false);
+      body.finish(RigidBody::Push::none);
     }
     off[k] = std::abs(2 * std::atan2(body.state().orientation[3], body.state().orientation[0]) - 2);
   }
@@ -136,7 +136,7 @@ TEST(Flight, ALockedAxisDoesNotMove) {
   const BodyState start = body.state();
   for (int k = 0; k < 100; ++k) {
     body.begin(0.01);
-    body.finish(false);
+    body.finish(RigidBody::Push::none);
   }
   EXPECT_EQ(body.state().position.head<2>(), start.position.head<2>());
   EXPECT_NEAR(body.state().position.z(), start.position.z() - 4.9, 1e-10);

@@ -125,6 +125,18 @@ TEST(Submerged, ABallOfTheWatersDensityGoesWithSloshingWater) {
   EXPECT_NEAR(run.bodies()[0].position.z(), 0.5, 0.012);
 }
 
+// Water that falls presses nothing, and a ball in it falls as it does: in any step it was ahead by g dt t/2.
+TEST(Submerged, ABallOfTheWatersDensityFallsWithIt) {
+  BodyRun run(world,
+              "[domain]\nmin = [0, 0, 0]\nmax = [1.6, 1.6, 3]\n[fluid]\nspacing = 0.05\n[gravity]\n[time]\n"
+              "dt = 0.0166666667\nend = 1\n[[particles]]\nmin = [0.4, 0.4, 2]\nmax = [1.2, 1.2, 2.8]\n[[body]]\n"
+              "type = 'sphere'\nradius = 0.2\ndensity = 1000\ncenter = [0.81, 0.78, 2.4]\n");
+  run.steps(30);
+  const Real time = 30 * run.scene.dt;
+  EXPECT_NEAR(run.bodies()[0].position.z(), 2.4 + (*run.scene.gravity).z() * time * time / 2, 0.1 * 0.05);
+  EXPECT_NEAR(run.bodies()[0].velocity.z(), (*run.scene.gravity).z() * time, 0.02);
+}
+
 // By less and less as it gets faster and nears the surface, from (rho - rho_b)/(rho_b + rho/2) g on (Lamb,
 // Hydrodynamics, 6th ed., §92), less in a narrow tank. It was thrown back by as much in the 14th step, and twice as far
 // on in the 15th.

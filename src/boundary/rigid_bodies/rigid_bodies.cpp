@@ -19,6 +19,13 @@ constexpr int fine = 30;
 constexpr Real longest_arm = 64;
 Real arm_unit_of(Real radius, Real h) { return std::ldexp(h, std::max(0, std::ilogb(radius / (longest_arm * h)) + 1)); }
 
+// What the water of a drop, or water that falls around it, gives to a body leaves it in free fall.
+RigidBody::Push push_of(const Six& given, Real by_weight) {
+  constexpr Real little = 0.1;  // of what its weight gives it
+  if (dot(given, given) == 0) return RigidBody::Push::none;
+  return along_of(given).norm() < little * by_weight ? RigidBody::Push::little : RigidBody::Push::full;
+}
+
 }  // namespace
 
 RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all,
@@ -182,7 +189,7 @@ void RigidBodies::finish(std::span<const TotalImpulse> all) {
     const Six total = impulse_of(all[first_ + k]);
     bodies_[k].give(about_midway(k, plus(total, given_[k], -1)));
     bodies_[k].give(six_of(Vec3::Zero(), -spurious_[k]));
-    bodies_[k].finish(dot(total, total) > 0 || contacts_.touches(k));
+    bodies_[k].finish(contacts_.touches(k) ? RigidBody::Push::full : push_of(total, bodies_[k].weight() * dt_));
   }
 }
 

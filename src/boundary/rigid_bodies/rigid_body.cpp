@@ -278,9 +278,9 @@ void RigidBody::take_momentum() {
   state_.angular_velocity = about_of(now);
 }
 
-void RigidBody::finish(bool touched) {
-  const bool swings = mooring_ && !touched;
-  const Vec3 fall = touched || mooring_ ? Vec3(Vec3::Zero()) : Vec3(gravity_ * (dt_ * dt_ / 2));
+void RigidBody::finish(Push push) {
+  const bool swings = mooring_ && push == Push::none;
+  const Vec3 fall = push == Push::full || mooring_ ? Vec3(Vec3::Zero()) : Vec3(gravity_ * (dt_ * dt_ / 2));
   if (swings) set_twist(mean_twist());
   for (int a = 0; a < 3; ++a)
     state_.position[a] +=

@@ -1,9 +1,9 @@
 // One rigid body: its mass, its state, and its motion in a substep, which the water is asked for (rigid_bodies.hpp).
 // The state holds momenta, so that what no torque acts on keeps its angular momentum to rounding; the orientation
 // follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In
-// the air the path is the parabola itself, with a mooring that of two half kicks (velocity Verlet); in the water
-// gravity acts as it does on particles, at the start of a substep, as the two would otherwise not balance. Arithmetic
-// alone: the same bits on any rank and processor. Not collective.
+// the air, and in water that falls, the path is the parabola itself, with a mooring that of two half kicks (velocity
+// Verlet); in the water gravity acts as it does on particles, at the start of a substep, as the two would otherwise not
+// balance. Arithmetic alone: the same bits on any rank and processor. Not collective.
 #pragma once
 
 #include "boundary/geometry/mass_properties.hpp"
@@ -23,6 +23,7 @@ class RigidBody {
   void set_state(const BodyState& state) { state_ = state; }
   Real mass() const { return mass_; }
   Real volume() const { return volume_; }
+  Real weight() const { return mass_ * gravity_.norm(); }  ///< N
   const std::array<bool, 6>& free() const { return free_; }
   /// Where the frame of the shape is; at the start of a substep, and at its end by the present twist.
   Pose pose() const { return pose_of(state_.position, state_.orientation); }
@@ -60,8 +61,10 @@ class RigidBody {
   bool is_moored() const { return mooring_.has_value(); }
   /// The least mass against which the mooring pulls, kg: that of the body at its centre, less off it, as it turns.
   Real mass_at_mooring() const;
-  /// Ends the substep: momentum() has all that was given. `touched`: by anything but gravity.
-  void finish(bool touched);
+  /// By anything but gravity and the mooring: nothing, so little that it falls freely, or more.
+  enum class Push { none, little, full };
+  /// Ends the substep: momentum() has all that was given.
+  void finish(Push push);
 
  private:
   Pose pose_of(const Vec3& position, const std::array<Real, 4>& orientation) const;
