@@ -154,7 +154,7 @@ void Scratch::end_loan(const std::byte* memory) {
 void Scratch::join() {
   if (borrowed_ > 0 || pieces_.size() < 2) return;
   // The first piece was too small, by how much is not known: arrays that found no gap would have, one after the other.
-  constexpr std::size_t fraction = 16;
+  constexpr std::size_t fraction = 64;
   const std::size_t size = rounded(std::max(most_, joined_) + most_ / fraction, alignment);
   joined_ = size;
   for (const Piece& piece : pieces_) show(piece.memory, piece.size);
