@@ -226,7 +226,8 @@ void DensityProblem<T>::move_in(const OpenSpace& open, Range few, Real relaxatio
     const auto i = static_cast<std::size_t>(left[k]);
     const Vec3 before = p[i], way = vector_of(shifts[first + i]);
     p[i] = boundary_.collide(p[i], relaxation * way);
-    note_collision(first + i, before, p[i] - before - relaxation * way);
+    if (const Vec3 straight = before + relaxation * way; p[i] != straight)
+      note_collision(first + i, before, p[i] - straight);
     near_.encode(particles_->predicted, {few.begin + left[k], few.begin + left[k] + 1});
     if (way.isZero(0) && p[i] != before) swept_.move(few.begin + left[k]);  // out of a solid
   }

@@ -265,18 +265,14 @@ bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::functio
     shared_ = 0;
     return false;
   }
-  joined_.clear();
-  const bool is_whole = size_of(comm) == 1 && order.size() == order.owned();  // without a copy of its own ends
-  if (!is_whole) {
-    Labels labels(static_cast<std::size_t>(order.size()), touching);
-    for (std::size_t run = 0; run < own_.size(); ++run) {
-      const Range& particles = own_[run]->particles;
-      std::fill(labels.begin() + particles.begin, labels.begin() + particles.end, label(run));
-    }
-    exchange(labels);
-    if (!any) find_runs(order, true);
-    join_ranks(comm, joints(order, labels));
+  Labels labels(static_cast<std::size_t>(order.size()), touching);
+  for (std::size_t run = 0; run < own_.size(); ++run) {
+    const Range& particles = own_[run]->particles;
+    std::fill(labels.begin() + particles.begin, labels.begin() + particles.end, label(run));
   }
+  exchange(labels);
+  if (!any) find_runs(order, true);
+  join_ranks(comm, joints(order, labels));
   find_pieces(order);
   return max_over_ranks(comm, count() > 0 ? 1.0 : 0.0) > 0;
 }

@@ -212,7 +212,7 @@ inside = true
 }
 
 // A block begins without gaps at solids that lie anyhow in it. Into those of half a spacing around them water fell with
-// up to 1 m/s, and had 4e-3 J/kg after a second.
+// up to 0.87 m/s, and had 3.5e-3 m²/s² after a second.
 TEST(Vessels, WaterBesideSolidsBeginsCalm) {
   VesselRun run(world, tank_with_gravity({.max = "2.4, 2.4, 1.6", .water = {{"0, 0, 0", "2.4, 2.4, 0.8"}}}) + R"(
 [[obstacle]]
