@@ -8,9 +8,11 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 #include "base/cores.hpp"
 #include "base/simd.hpp"
@@ -29,6 +31,37 @@ void agree_on_instruction_set(MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, &sets, 1, MPI_INT64_T, MPI_BAND, comm);
   restrict_instruction_sets(sets);
 }
+
+// A process that no launcher has started has no other to talk to, so it needs no daemon, no search for networks and no
+// folder for messages in /tmp. They are two thirds of the time that Open MPI takes to start. Besides, of several such
+// processes one that ends may remove the folder in which another is about to make its own, which then fails. What the
+// user has set stays, and what is set here is taken back after the start, as programs that this one starts inherit it.
+class StartAlone {
+ public:
+  StartAlone() {
+    for (const char* launched : {"PMIX_NAMESPACE", "PMIX_RANK", "PMI_FD", "PMI_RANK", "OMPI_COMM_WORLD_SIZE"}) {
+      if (std::getenv(launched) != nullptr) return;
+    }
+    for (std::size_t k = 0; k < settings.size(); ++k) {
+      set_[k] = std::getenv(settings[k].first) == nullptr && setenv(settings[k].first, settings[k].second, 0) == 0;
+    }
+  }
+  ~StartAlone() {
+    for (std::size_t k = 0; k < settings.size(); ++k) {
+      if (set_[k]) unsetenv(settings[k].first);
+    }
+  }
+  StartAlone(const StartAlone&) = delete;
+  StartAlone& operator=(const StartAlone&) = delete;
+
+ private:
+  static constexpr std::array<std::pair<const char*, const char*>, 3> settings = {{
+      {"OMPI_MCA_ess_singleton_isolated", "1"},
+      {"OMPI_MCA_orte_create_session_dirs", "0"},
+      {"OMPI_MCA_pml", "ob1"},
+  }};
+  std::array<bool, settings.size()> set_ = {};
+};
 
 // Libraries run threads of their own (ZeroMQ, MPI's progress), while Trevi calls MPI from the main thread only.
 void require_threads() {
@@ -77,7 +110,9 @@ Mpi::Mpi(int& argc, char**& argv) {
   MPI_Initialized(&begun);
   owner_ = begun == 0;
   int provided = 0;  // tested by the Session, which can report an error
-  if (owner_) MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  if (!owner_) return;
+  const StartAlone settings;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }
 
 Mpi::~Mpi() {

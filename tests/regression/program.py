@@ -46,9 +46,11 @@ class ProgramTest(unittest.TestCase):
 
     def run_trevi(self, ranks, *arguments, folder=None):
         command = [self.mpirun, "-np", ranks] if ranks > 1 else []
-        return subprocess.run([str(word) for word in [*command, self.trevi, *arguments]], cwd=folder or self.folder,
-                              env={**os.environ, **MPI_SETTINGS}, capture_output=True, text=True, timeout=TIME_LIMIT,
-                              check=False)
+        # Of runs side by side one that ends may remove the folder in which another mpirun is about to make its own.
+        with tempfile.TemporaryDirectory() as sessions:
+            return subprocess.run([str(word) for word in [*command, self.trevi, *arguments]],
+                                  cwd=folder or self.folder, capture_output=True, text=True, timeout=TIME_LIMIT,
+                                  env={**os.environ, **MPI_SETTINGS, "OMPI_MCA_orte_tmpdir_base": sessions}, check=False)
 
     def run_well(self, ranks, *arguments):
         result = self.run_trevi(ranks, *arguments, "--progress", "none")
