@@ -97,15 +97,18 @@ class SolitaryPiston:
     """By Goring's equation, as the program moves it (paddle_motion.cpp); places from the middle of the stroke."""
 
     def __init__(self, height, depth):
-        self.kappa, self.celerity = math.sqrt(3 * height / (4 * depth**3)), math.sqrt(GRAVITY * (depth + height))
-        self.duration = 2 / (self.kappa * self.celerity) * (3.8 + height / depth)
-        self.stroke, self.amplitude = math.sqrt(16 * height * depth / 3), height / (self.kappa * depth)
+        e = height / depth
+        self.kappa = math.sqrt(3 * e / 4) * (1 - 5 * e / 8 + 71 * e**2 / 128) / depth
+        self.celerity = math.sqrt(GRAVITY * depth * (1 + e - e**2 / 20 - 3 * e**3 / 70))
+        self.parts = e, -e**2 / 4 - 17 * e**3 / 80, 101 * e**3 / 400
+        self.duration, self.stroke = 2 / (self.kappa * self.celerity) * (3.8 + e), 2 * sum(self.parts) / self.kappa
 
     def solved(self, way):
+        a, b, c = self.parts
         x = 0.0
         for _ in range(40):
             t = math.tanh(self.kappa * (way - x))
-            x -= (x - self.amplitude * t) / (1 + self.amplitude * self.kappa * (1 - t * t))
+            x -= (x - (a * t + b * t**3 + c * t**5) / self.kappa) / (1 + (a + 3 * b * t**2 + 5 * c * t**4) * (1 - t * t))
         return x
 
     def place(self, time):

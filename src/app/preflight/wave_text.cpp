@@ -33,9 +33,9 @@ Real stroke_of(WavemakerSettings w) {
 Expected expected_of(const WavemakerSettings& w) {
   constexpr Real two_pi = 2 * std::numbers::pi;
   if (w.wave == WaveKind::solitary) {
-    const auto [kappa, celerity] = solitary_wave(w.height, w.depth, w.gravity);
-    const Real width = two_pi / kappa;  // 99.6 % of its volume
-    return {kappa, width, celerity, solitary_stroke(w.height, w.depth)};
+    const SolitaryWave wave(w.height, w.depth, w.gravity);
+    const Real width = two_pi / wave.kappa;  // 99.6 % of its volume
+    return {wave.kappa, width, wave.celerity, wave.stroke()};
   }
   const Real k = wave_number(two_pi / w.period, w.depth, w.gravity);
   return {k, two_pi / k, two_pi / k / w.period, stroke_of(w)};
@@ -58,7 +58,7 @@ std::string text_of(std::size_t n, const WavemakerSettings& w, Real spacing) {
         "waves {:<5} a solitary wave of {:.4g} m on {:.4g} m, {:.4g} m/s, {:.4g} m long; {}\n"
         "  {:<9} {:.4g} m in {:.4g} s from {:.4g} m\n",
         n, w.height, w.depth, e.celerity, e.length, resolved, paddle, e.stroke,
-        solitary_duration(w.height, w.depth, w.gravity), w.position);
+        SolitaryWave(w.height, w.depth, w.gravity).duration(), w.position);
   const bool irregular = w.wave == WaveKind::irregular;
   return fmt::format(
       "waves {:<5} {} = {:.4g} m, {} = {:.4g} s on {:.4g} m: k = {:.4g} 1/m, L = {:.4g} m, H/L = {:.3f}{}, {:.4g} m/s; "

@@ -41,29 +41,24 @@ Real PaddleMotion::displacement(Real time) const {
   return wavemaker_.ramp > 0 ? smooth_step(time / wavemaker_.ramp) * sum : sum;
 }
 
-// Goring's equation: the paddle goes with the water of the wave that passes it, kappa (c t − xi) being what the wave is
-// behind. It starts where tanh is −0.999, and the rest of the stroke is scaled up so that there is no jump. The middle
-// of the stroke is its rest. Newton's method converges from the last two digits on by itself.
+// Goring's equation, dxi/dt = c eta/(d + eta): the paddle goes with the water of the wave that passes it, so that xi is
+// way(tanh kappa (c t − xi)). It starts where tanh is −0.999, and the rest of the stroke is scaled up so that there is
+// no jump. The middle of the stroke is its rest. Newton's method converges from the last two digits on by itself.
 Real PaddleMotion::solitary(Real time) const {
-  const Real height = wavemaker_.height, depth = wavemaker_.depth;
-  const auto [kappa, celerity] = solitary_wave(height, depth, wavemaker_.gravity);
-  const Real duration = solitary_duration(height, depth, wavemaker_.gravity);
-  const Real stroke = solitary_stroke(height, depth);
-  if (time <= 0) return -stroke / 2;
-  if (time >= duration) return stroke / 2;
-  const Real amplitude = height / (kappa * depth), way = celerity * (time - duration / 2);
-  Real x = 0;
-  constexpr int enough = 40;
-  for (int n = 0; n < enough; ++n) {
-    const Real t = elementary::tanh(kappa * (way - x));
-    x -= (x - amplitude * t) / (1 + amplitude * kappa * (1 - t * t));
-  }
-  Real last = amplitude;  // what x is at the end, found in the same way
-  for (int n = 0; n < enough; ++n) {
-    const Real t = elementary::tanh(kappa * (celerity * duration / 2 - last));
-    last -= (last - amplitude * t) / (1 + amplitude * kappa * (1 - t * t));
-  }
-  return x * (stroke / 2) / last;
+  const SolitaryWave wave(wavemaker_.height, wavemaker_.depth, wavemaker_.gravity);
+  const Real duration = wave.duration(), half = wave.stroke() / 2;
+  if (time <= 0) return -half;
+  if (time >= duration) return half;
+  const auto place_after = [&](Real seconds) {  // from the middle of the stroke on
+    Real x = 0;
+    constexpr int enough = 40;
+    for (int n = 0; n < enough; ++n) {
+      const Real t = elementary::tanh(wave.kappa * (wave.celerity * seconds - x));
+      x -= (x - wave.way(t)) / (1 + wave.level(t));
+    }
+    return x;
+  };
+  return place_after(time - duration / 2) * half / place_after(duration / 2);
 }
 
 Pose PaddleMotion::pose(const Pose& rest, Real displacement) const {
@@ -92,7 +87,8 @@ Vec3 hinge_of(const WavemakerSettings& flap) {
 }
 
 Real paddle_reach(const WavemakerSettings& wavemaker) {
-  if (wavemaker.wave == WaveKind::solitary) return solitary_stroke(wavemaker.height, wavemaker.depth) / 2;
+  if (wavemaker.wave == WaveKind::solitary)
+    return SolitaryWave(wavemaker.height, wavemaker.depth, wavemaker.gravity).stroke() / 2;
   Real sum = 0, squares = 0;
   for (const PaddleComponent& part : paddle_components(wavemaker)) {
     sum += std::abs(part.amplitude);

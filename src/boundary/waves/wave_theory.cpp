@@ -69,18 +69,21 @@ Real stokes_second_amplitude(Real height, Real k, Real depth) {
   return k * height * height / 16 * c * (2 + elementary::cosh(2 * k * depth)) / (s * s * s);
 }
 
-SolitaryWave solitary_wave(Real height, Real depth, Real gravity) {
-  return {std::sqrt(3 * height / (4 * depth * depth * depth)), std::sqrt(gravity * (depth + height))};
+// Grimshaw's equations for the level and the speed, and the integral of the level.
+SolitaryWave::SolitaryWave(Real height, Real depth, Real gravity) : steepness(height / depth) {
+  const Real e = steepness;
+  kappa = std::sqrt(3 * e / 4) * (1 - 5 * e / 8 + 71 * e * e / 128) / depth;
+  celerity = std::sqrt(gravity * depth * (1 + e - e * e / 20 - 3 * e * e * e / 70));
+  a = e;
+  b = -e * e / 4 - 17 * e * e * e / 80;
+  c = 101 * e * e * e / 400;
 }
 
 // tanh 3.8 is 0.999.
-Real solitary_duration(Real height, Real depth, Real gravity) {
+Real SolitaryWave::duration() const {
   constexpr Real half_width = 3.8;
-  const auto [kappa, celerity] = solitary_wave(height, depth, gravity);
-  return 2 / (kappa * celerity) * (half_width + height / depth);
+  return 2 / (kappa * celerity) * (half_width + steepness);
 }
-
-Real solitary_stroke(Real height, Real depth) { return std::sqrt(16 * height * depth / 3); }
 
 Real spectral_shape(WaveSpectrum spectrum, Real peak_enhancement, Real ratio) {
   const Real square = ratio * ratio, fifth = square * square * ratio;

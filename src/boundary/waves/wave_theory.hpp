@@ -1,6 +1,7 @@
 // What linear and second-order theory say of waves on water of constant depth and of the paddles that make them. Pure
 // functions of their arguments with the same bits on any processor (elementary.hpp). SI units. Sources: Biésel, La
-// Houille Blanche 6 (1951); Madsen, J. Geophys. Res. 76 (1971); Goring, Caltech KH-R-38 (1978); Goda, Random seas and
+// Houille Blanche 6 (1951); Madsen, J. Geophys. Res. 76 (1971); Goring, Caltech KH-R-38 (1978);
+// Grimshaw, J. Fluid Mech. 46 (1971); Goda, Random seas and
 // design of maritime structures. Not collective.
 #pragma once
 
@@ -28,15 +29,29 @@ Real madsen_correction(Real height, Real k_depth, Real depth);
 /// Amplitude of the second harmonic of a Stokes wave, m.
 Real stokes_second_amplitude(Real height, Real k, Real depth);
 
-/// kappa, 1/m, and celerity, m/s, of a solitary wave eta = H sech²(kappa (x − c t)) of first order.
+/// A solitary wave of third order (Grimshaw), in T = tanh(kappa (x − c t)).
 struct SolitaryWave {
-  Real kappa, celerity;
-};
-SolitaryWave solitary_wave(Real height, Real depth, Real gravity);
+  SolitaryWave(Real height, Real depth, Real gravity);
 
-/// How long the paddle of a solitary wave moves, s, and how far, m (Goring).
-Real solitary_duration(Real height, Real depth, Real gravity);
-Real solitary_stroke(Real height, Real depth);
+  /// From the middle of its way to where the wave has that T the water goes so far, m: the integral of eta/d along the
+  /// wave, as what is beneath a stretch of the wave is what its water leaves behind.
+  Real way(Real tanh) const {
+    return (a * tanh + b * tanh * tanh * tanh + c * tanh * tanh * tanh * tanh * tanh) / kappa;
+  }
+  /// eta/d, which is d way/d x.
+  Real level(Real tanh) const {
+    const Real square = tanh * tanh;
+    return (a + 3 * b * square + 5 * c * square * square) * (1 - square);
+  }
+  /// How long the paddle moves that makes it, s (Goring), and how far, m: to where T is 0.999, and on to 1.
+  Real duration() const;
+  Real stroke() const { return 2 * way(1); }
+
+  Real kappa;      ///< 1/m
+  Real celerity;   ///< m/s
+  Real steepness;  ///< H/d
+  Real a, b, c;
+};
 
 /// A part a sin(2 pi (frequency t + phase)) of the motion of a paddle at the surface of the still water.
 struct PaddleComponent {
