@@ -14,13 +14,22 @@ constexpr Real min_pivot = 1e-10;
 
 }  // namespace
 
-void MultigridLevel::resize(const LevelShape& shape, Scratch& scratch) {
-  shape_ = shape;
-  give_back();
-  for (auto* field : {&phi, &link[0], &link[1], &link[2], &dirichlet, &rhs, &next, &per_pivot}) {
-    *field = scratch.borrow_briefly<Real>(shape.cells());
+void MultigridLevel::borrow(std::initializer_list<Borrowed<Real>*> fields, Scratch& scratch) const {
+  for (auto* field : fields) {
+    *field = scratch.borrow_briefly<Real>(shape_.cells());
     field->fill(0);
   }
+}
+
+void MultigridLevel::borrow_equation(Scratch& scratch) {
+  borrow({&phi, &link[0], &link[1], &link[2], &dirichlet, &rhs}, scratch);
+}
+
+void MultigridLevel::borrow_for_cycles(Scratch& scratch) { borrow({&next, &per_pivot}, scratch); }
+
+void MultigridLevel::resize(const LevelShape& shape) {
+  shape_ = shape;
+  give_back();
   const std::size_t rows = (static_cast<std::size_t>(shape.planes) + 2) * static_cast<std::size_t>(shape.rows);
   top_.assign(rows, 0);
   used_.assign(rows, static_cast<std::size_t>(shape.columns));

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -54,8 +55,12 @@ struct LevelShape {
 
 class MultigridLevel {
  public:
-  /// All values are 0 in memory that is borrowed until give_back().
-  void resize(const LevelShape& shape, Scratch& scratch);
+  /// Without memory.
+  void resize(const LevelShape& shape);
+  /// The equation and phi, or what the cycles need besides; all values are 0, in memory that is borrowed until
+  /// give_back().
+  void borrow_equation(Scratch& scratch);
+  void borrow_for_cycles(Scratch& scratch);
   /// All but phi, or that, too.
   void give_back_all_but_phi();
   void give_back();
@@ -101,6 +106,7 @@ class MultigridLevel {
     std::size_t first;
     Real rows, planes;
   };
+  void borrow(std::initializer_list<Borrowed<Real>*> fields, Scratch& scratch) const;
   Children children_of(const LevelShape& coarse, LocalId k, LocalId r) const;
   Real fraction_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const;
   LocalId parent_of(const LevelShape& coarse, LocalId k) const;

@@ -39,8 +39,8 @@ void Multigrid::resize(const CellCuts& cuts, LocalId rows, LocalId columns, int 
                            .all_planes = all_planes,
                            .repeats = repeats_,
                            .first_row = own.rows.begin,
-                           .all_rows = rows},
-                          *scratch_);
+                           .all_rows = rows});
+  levels_[0].cells.borrow_equation(*scratch_);
   for (std::size_t l = 0; l < levels_.size(); ++l) place_level(l, same_cuts);
 }
 
@@ -70,7 +70,7 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
                      .all_rows = rows};
     shape.width = LocalId{1} << number;
     shape.last_width = {cuts_.planes.back() - (planes - 1) * shape.width, all_rows_ - (rows - 1) * shape.width};
-    level.cells.resize(shape, *scratch_);
+    level.cells.resize(shape);
   }
   if (!same_cuts || level.gathered != was_gathered) {
     level.peers = level.gathered ? CellPeers{} : cell_peers(cuts_, rank_of(comm_), number, {repeats_[0], repeats_[1]});
@@ -142,6 +142,11 @@ void Multigrid::complete(std::size_t l, std::initializer_list<Borrowed<Real>*> f
 }
 
 void Multigrid::solve(Halo& halo, int cycles) {
+  finest().borrow_for_cycles(*scratch_);
+  for (std::size_t l = 1; l < levels_.size(); ++l) {
+    levels_[l].cells.borrow_equation(*scratch_);
+    levels_[l].cells.borrow_for_cycles(*scratch_);
+  }
   join_levels(halo);
   finest().repeat(finest().phi);
   if (finest().shape().rows_are_cut()) exchange(levels_[0], halo, finest().phi);

@@ -30,10 +30,10 @@ std::vector<Six> BodyCoupling::pressed(const Water& water) {
   return impulses;
 }
 
-void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Pressure::Step& step, const Water& water) {
+void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Water& water) {
   RigidBodies& bodies = *obstacles_.floating();
   const FreeSurface& surface = water.surface;
-  pressure.begin(surface, halo, step);
+  pressure.begin(halo);
   pressure.show(surface, halo);
   std::vector<Six> pressure_on = pressed(water);
   for (int iteration = 0; iteration < projection::max_coupling_iterations; ++iteration) {

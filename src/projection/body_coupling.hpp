@@ -24,8 +24,8 @@ class BodyCoupling {
     const RecordBeside& beside;
     const CellOrder& order;
   };
-  /// Pressure and bodies.
-  void solve(Pressure& pressure, Halo& halo, const Pressure::Step& step, const Water& water);
+  /// Pressure, of which the equation is assembled, and bodies.
+  void solve(Pressure& pressure, Halo& halo, const Water& water);
 
  private:
   std::vector<Six> pressed(const Water& water);

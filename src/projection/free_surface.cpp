@@ -22,7 +22,6 @@ void FreeSurface::borrow() {
 }
 
 void FreeSurface::keep_wet() {
-  fill_.give_back();
   height_.give_back();
   mass_.give_back();
 }

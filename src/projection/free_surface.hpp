@@ -29,8 +29,10 @@ class FreeSurface {
   };
   explicit FreeSurface(const Sources& sources) : from_(sources) {}
 
-  /// Borrows memory for the grid as it is now. When nothing is needed any more but is_wet(); when that is not, either.
+  /// Borrows memory for the grid as it is now. When nobody asks any more how full cells are; when nothing is needed but
+  /// is_wet(); when that is not, either.
   void borrow();
+  void give_back_fill() { fill_.give_back(); }
   void keep_wet();
   void give_back() { wet_.give_back(); }
   /// Cells that it drains are dry from now on.

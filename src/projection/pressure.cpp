@@ -7,11 +7,12 @@ namespace trevi {
 using namespace projection;
 
 void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
-  begin(surface, halo, step);
+  assemble(surface, halo, step);
+  begin(halo);
   finish(surface, halo);
 }
 
-void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
+void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
@@ -30,8 +31,9 @@ void Pressure::begin(const FreeSurface& surface, Halo& halo, const Step& step) {
   }
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
-  multigrid_.solve(halo, closed_ ? closed_cycles : cycles);
 }
+
+void Pressure::begin(Halo& halo) { multigrid_.solve(halo, closed_ ? closed_cycles : cycles); }
 
 void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
   const Real source = change / surface.grid().size()[static_cast<Eigen::Index>(a)];
@@ -246,7 +248,6 @@ void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, Loc
   MultigridLevel& cells = multigrid_.finest();
   const Real step = g_dt2 * grid.size()[2];
   const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns(k, r));
-  for (std::size_t at = floor; at < ceiling; ++at) cells.phi[at] = cells.next[at] = 0;
   if (!surface.upright()) return;
   std::size_t end = floor;
   while (end < ceiling && surface.is_drained(end)) ++end;

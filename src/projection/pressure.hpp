@@ -39,8 +39,10 @@ class Pressure {
     int depth;
   };
   void solve(const FreeSurface& surface, Halo& halo, const Step& step);
-  /// solve() in parts: the equation and its first cycles; more cycles; and what of the pressure is left.
-  void begin(const FreeSurface& surface, Halo& halo, const Step& step);
+  /// solve() in parts: the equation, after which nobody asks how full cells are; its first cycles; more cycles; and
+  /// what of the pressure is left.
+  void assemble(const FreeSurface& surface, Halo& halo, const Step& step);
+  void begin(Halo& halo);
   void improve(Halo& halo, int more) { multigrid_.improve(halo, more); }
   /// What displacement() needs before finish().
   void show(const FreeSurface& surface, Halo& halo) { surface.grid().complete(halo, multigrid_.finest().phi); }

@@ -46,11 +46,16 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
                     : nullptr) {}
 
 void Projection::solve(const CellOrder& order, Halo& halo, const Pressure::Step& step) {
-  if (!coupling_) return pressure_.solve(surface_, halo, step);
+  pressure_.assemble(surface_, halo, step);
+  surface_.give_back_fill();
+  if (!coupling_) {
+    pressure_.begin(halo);
+    return pressure_.finish(surface_, halo);
+  }
   const RecordForces forces(surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2);
   const RecordBeside beside({surface_, pressure_, grid_to_particles_, forces, particles_to_grid_.frame()}, *obstacles_,
                             model_.spacing, step.g_dt2);
-  coupling_->solve(pressure_, halo, step, {surface_, forces, beside, order});
+  coupling_->solve(pressure_, halo, {surface_, forces, beside, order});
 }
 
 void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion& motion) {
@@ -115,7 +120,8 @@ void Projection::record_forces(const CellOrder& order, Real g_dt2, const Motion&
 void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   constexpr LocalId step = 4;
   rows_.measure(order, halo);
-  const LocalId highest = grid_.repeats()[2] ? grid_.count(2) : (rows_.max_columns() + step - 1) / step * step;
+  const LocalId highest =
+      grid_.repeats()[2] ? grid_.count(2) : std::min((rows_.max_columns() + step - 1) / step * step, grid_.count(2));
   grid_.resize(order.window(), highest);
   // The ghosts, too: where the box ends nothing is received.
   for_each_row(grid_.rows_and_ghosts_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
