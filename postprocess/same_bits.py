@@ -21,6 +21,8 @@ def rows_of_series(run):
 
 
 def last_particles(run):
+    if not run.checkpoints:
+        sys.exit(f"same_bits.py: {run.directory}: has no checkpoint; run it with [output.checkpoint]")
     frame = run.checkpoints[-1]
     return {name: getattr(frame, name) for name in frame.fields}
 

@@ -44,6 +44,17 @@ struct Memory {
   static sf_count_t tell(void* self) { return of(self).at; }
 };
 
+// A WAV file says in its bytes 4 to 7 how many follow; 0 or the largest number where its recorder did not come back.
+void check_whole(const std::string& name, const std::string& bytes) {
+  constexpr std::size_t head = 8;
+  if (bytes.size() < head + 4 || !bytes.starts_with("RIFF") || bytes.compare(head, 4, "WAVE") != 0) return;
+  std::size_t told = 0;
+  for (std::size_t k = 4; k-- > 0;) told = 256 * told + static_cast<unsigned char>(bytes[4 + k]);
+  if (told == 0 || told == 0xFFFFFFFF || told + head <= bytes.size()) return;
+  throw InputError(name + ": holds " + std::to_string(bytes.size()) + " bytes of the " + std::to_string(told + head) +
+                   " that it says it has, so it is cut short; copy it again");
+}
+
 /// The mean of all channels, and the loudest channel alone.
 struct Mixes {
   std::vector<float> mean, loudest;
@@ -87,6 +98,7 @@ Recording heard_of(const std::string& name, SNDFILE* file, const SF_INFO& info) 
 
 Recording decode(const std::string& name, const std::string& bytes) {
   if (bytes.empty()) throw InputError(name + ": byte 0: the sound file is empty; record or export it again");
+  check_whole(name, bytes);
   Memory memory{bytes};
   SF_VIRTUAL_IO calls = {&Memory::length, &Memory::seek, &Memory::read, &Memory::write, &Memory::tell};
   SF_INFO info = {};

@@ -26,13 +26,14 @@ LiveSound::LiveSound(MPI_Comm comm, int descriptor, Real rate)
   int usable = 1;
   if (rank_of(comm_) == 0) {
     struct stat status = {};
-    usable = fstat(descriptor_, &status) == 0 && isatty(descriptor_) == 0 ? 1 : 0;
+    usable = fstat(descriptor_, &status) == 0 && isatty(descriptor_) == 0 && !S_ISDIR(status.st_mode) ? 1 : 0;
     plain_file_ = S_ISREG(status.st_mode);
   }
   MPI_Bcast(&usable, 1, MPI_INT, 0, comm_);
   if (usable == 0) {
     throw InputError(
-        "[[fountain]] music = \"-\": standard input is a terminal or closed; pipe raw PCM into it, for example "
+        "[[fountain]] music = \"-\": standard input is a terminal, a folder or closed; pipe raw PCM into it, for "
+        "example "
         "arecord -t raw -f S16_LE -c 1 -r 44100 | trevi SCENE.toml");
   }
 }

@@ -85,17 +85,17 @@ bool may_follow(const ObstacleKnot& last, const ObstacleKnot& next) {
          (next.center - last.center).cwiseAbs().maxCoeff() <= fastest_obstacle * (next.time - last.time);
 }
 
-// Of a list of lists of four numbers; none for anything else.
-std::vector<ObstacleKnot> knots_of(const toml::node& node) {
+// Of a list of lists of a time and a place; none for anything else. In two dimensions a place may be [x, z].
+std::vector<ObstacleKnot> knots_of(const toml::node& node, bool in_plane) {
   std::vector<ObstacleKnot> knots;
   const toml::array* rows = node.as_array();
   if (rows == nullptr || rows->size() < 2) return {};
   for (const toml::node& row : *rows) {
     const toml::array* numbers = row.as_array();
-    if (numbers == nullptr || numbers->size() != 4) return {};
+    if (numbers == nullptr || (numbers->size() != 4 && !(in_plane && numbers->size() == 3))) return {};
     std::array<Real, 4> value{};
-    for (std::size_t k = 0; k < 4; ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
-    const Vec3 center(value[1], value[2], value[3]);
+    for (std::size_t k = 0; k < numbers->size(); ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
+    const Vec3 center = numbers->size() == 4 ? Vec3(value[1], value[2], value[3]) : Vec3(value[1], 0, value[2]);
     if (!std::isfinite(value[0]) || !is_place(center) ||
         (!knots.empty() && !may_follow(knots.back(), {value[0], center})))
       return {};
@@ -140,9 +140,13 @@ void read_motion(Section& section, const Scene& scene, ObstacleSettings& obstacl
   } else if (node->is_table()) {
     read_oscillation(section.child("motion"), obstacle);
   } else {
-    obstacle.knots = knots_of(*node);
+    const bool in_plane = scene.fluid.dimensions == 2;
+    obstacle.knots = knots_of(*node, in_plane);
     if (obstacle.knots.empty())
-      return section.refuse(motion, "must be two times and places or more, in order, at most 10000 m/s apart");
+      return section.refuse(motion,
+                            fmt::format("must be two times and places or more, {} each, in order, at most 10000 "
+                                        "m/s apart",
+                                        in_plane ? "[time, x, z]" : "[time, x, y, z]"));
   }
   section.check("motion", !section.given("velocity"), "velocity is given, too; keep one of them");
   section.check("motion", !node->is_table() || !section.given("angular_velocity"),

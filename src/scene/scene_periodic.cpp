@@ -37,7 +37,8 @@ void read_periodic(Section& domain, Scene& scene) {
   for (const std::string& axis : axes) {
     const std::size_t a = axis.size() == 1 ? std::string("xyz").find(axis) : std::string::npos;
     if (domain.check("periodic", a < 3, fmt::format("unknown axis \"{}\"; choose from x, y, z", printable(axis))))
-      scene.periodic[a] = true;
+      if (domain.check("periodic", !scene.periodic[a], fmt::format("names \"{}\" twice; name it once", axis)))
+        scene.periodic[a] = true;
   }
 }
 

@@ -73,8 +73,8 @@ std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Set
   const int axis = walls.front().axis;
   const Real length =
       walls.front().at_max ? settings.domain.max[axis] - drain.min[axis] : drain.max[axis] - settings.domain.min[axis];
-  const Real least = min_length * settings.fluid.spacing;
-  if (!(length >= least))
+  const Real least = min_length * settings.fluid.spacing, rounding = 1e-9 * least;
+  if (!(length >= least - rounding))
     return WallRefusal{
         key, fmt::format("needs a box that reaches {:.6g} m or more into the water, to see its level", least)};
   if (drain.level && !(*drain.level > drain.min.z() + settings.fluid.spacing && *drain.level < drain.max.z()))

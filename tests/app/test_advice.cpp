@@ -52,6 +52,30 @@ TEST(Advice, ThinWallsOfABasin) {
   expect_said("walls of the basin", basin, {"obstacle.0.wall=0.3"});
 }
 
+TEST(Advice, SheetsThatCellsSeeBothSidesOf) {
+  const std::string sheet = pool + "[[obstacle]]\ntype = 'box'\ncenter = [1.2, 0.8, 0.8]\nsize = [0.08, 1.6, 1.6]\n";
+  expect_said("the box of line 14 is 0.08 m thick", sheet, {});
+  EXPECT_EQ(said(sheet, {"obstacle.0.size=[0.2, 1.6, 1.6]"}), "");
+  EXPECT_EQ(said(sheet, {"obstacle.0.size=[0.08, 0.08, 1.6]"}), "");  // a pole
+  const std::string boat = pool + "[[body]]\ntype = 'basin'\ncenter = [1.2, 0.8, 0.7]\nsize = [0.8, 0.8, 0.4]\n";
+  expect_said("walls of the basin of line 14", boat + "density = 500\nwall = 0.08\n", {});
+}
+
+TEST(Advice, RowsOfGaugesWithoutGauges) {
+  expect_said("[output.gauges]", pool + "[output.gauges]\nevery = 0.1\n", {});
+  EXPECT_EQ(said(pool + "[output.gauges]\nevery = 0.1\n[[gauge]]\ntype = 'height'\ncenter = [1, 1, 0]\n"), "");
+}
+
+// A row of 100 gauges is two kilobytes long.
+TEST(Advice, TablesAreAmongTheBytesOfTheOutput) {
+  const Scene plain = parse_scene("scene.toml", pool + "every_steps = 1\n", {});
+  const Scene gauged = parse_scene("scene.toml",
+                                   pool + "every_steps = 1\n[[gauge]]\ntype = 'height'\ncenter = [0.2, 0.8, 0]\n"
+                                          "to = [2.2, 0.8, 0]\ncount = 100\n",
+                                   {});
+  EXPECT_NEAR(output_bytes(gauged, 1) - output_bytes(plain, 1), 61 * 100 * 20, 1);
+}
+
 TEST(Advice, Overlap) {
   expect_said("overlap", pool, {"particles.1.min=[1,1,0.3]", "particles.1.max=[1.4,1.4,1]"});
   EXPECT_EQ(said(pool, {"particles.1.min=[1,1,0.6]", "particles.1.max=[1.4,1.4,1]"}), "");

@@ -43,6 +43,10 @@ TEST(Clock, OutputsAreDueByTheRule) {
   }
 }
 
+TEST(Clock, HoweverOftenIsEachStep) {
+  for (const Real every : {1e-19, 1e-20, 1e-300}) EXPECT_EQ(due_steps({every, 0}, 0.01, 100).size(), 101u) << every;
+}
+
 TEST(Clock, StepsBeatSeconds) {
   EXPECT_EQ(due_steps({0.05, 4}, 0.01, 10), (std::vector<std::int64_t>{0, 4, 8}));
   EXPECT_TRUE(due_steps({0, 0}, 0.01, 100).empty());

@@ -193,6 +193,27 @@ TEST_F(Gauges, AHeightCountsWholeParticlesAtTheFloorAndAtWalls) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(row[k + 2], 1.2, 1e-8) << k;
 }
 
+// Cut at its foot, a gauge on the floor of a vessel read 0.2 spacings too little in water that moves.
+TEST_F(Gauges, AHeightOnTheFloorOfAVesselCountsWholeParticles) {
+  const Scene scene = parse_scene(
+      "test.toml",
+      "[domain]\nmin = [-0.2, -0.2, -0.3]\nmax = [2.2, 1.4, 2]\n[fluid]\nspacing = 0.1\n[time]\ndt = 0.01\nend = 0.01\n"
+      "[[particles]]\nmin = [0, 0, 0]\nmax = [2, 1.2, 1.2]\n[[obstacle]]\ntype = 'box'\ninside = true\n"
+      "center = [1, 0.6, 1]\nsize = [2, 1.2, 2]\nmotion = { type = 'sine', amplitude = [0.05, 0, 0], period = 2 }\n"
+      "[output.series]\nevery_steps = 1\n[[gauge]]\ntype = 'height'\ncenter = [0.5, 0.6, 0]\n"
+      "[[gauge]]\ntype = 'height'\ncenter = [1.137, 0.622, 0]\n[[gauge]]\ntype = 'height'\ncenter = [0.5, 0.6, 0.1]\n",
+      {});
+  Particles particles = initial_particles(world, scene);
+  for (Vec3& p : particles.position)
+    if (p.z() < scene.fluid.spacing) p.z() -= 0.4 * scene.fluid.spacing;
+  GaugeSeries gauges(world, {folder(), *scene.output.series, {}}, scene);
+  gauges.observe({Clock{0, scene.dt}, particles, {}, nullptr, {}});
+  if (rank_of(world) != 0) return;
+  const std::vector<Real> row = rows_of(folder()).front();
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(row[k + 2], 1.2, 1e-8) << k;
+  EXPECT_NEAR(row[4], 1.1, 1e-8);  // with its foot in the water
+}
+
 // Water in which particles are as often at any place beside a wall as far from it shows its depth there, too: moved
 // into the box as they are, cubes are too many from half a spacing to one off the wall and too few next to it.
 TEST_F(Gauges, AHeightBesideWallsIsThatOfWaterWithoutLayers) {

@@ -103,6 +103,10 @@ TEST(Sound, EmptySilentAndForeignFilesAreErrors) {
   EXPECT_NE(refused(wav(std::vector<Real>(8000, 0.0), 8000)).find("silent in all its 1.0"), std::string::npos);
   EXPECT_NE(refused("no sound at all").find("cannot read it"), std::string::npos);
   EXPECT_NE(refused(wav(sung(60, 0.5, 8000), 10)).find("10 Hz"), std::string::npos);
+  const std::string whole = wav(sung(60, 0.5, 8000), 8000);
+  EXPECT_EQ(refused(whole), "");
+  EXPECT_NE(refused(whole.substr(0, 1000)).find("v.wav: holds 1000 bytes of the 8044 "), std::string::npos)
+      << refused(whole.substr(0, 1000));
 }
 
 TEST(Sound, WithoutAVoiceThereIsNoPitch) {

@@ -44,6 +44,10 @@ class BadFlow(RefusedTest):
                ("short", drain.replace("[1.1,", "[1.9,"), ["[[drain]] level: needs a box that reaches 0.8 m"]),
                ("a level outside", drain.replace("= 0.5", "= 0.95"), ["[[drain]] level: must be in the box"])]
         self.assert_all_refused([(name, text, ["scene.toml"], words) for name, text, words in bad], rank_counts=(1, 2))
+        # 4 - 3.2 is a rounding error less than 0.8.
+        long_enough = drain.replace("max = [2, 1, 1]", "max = [4, 1, 1]").replace("[1.1,", "[3.2,")
+        (self.folder / "scene.toml").write_text(long_enough.replace("[2, 1, 0.9]", "[4, 1, 0.9]"))
+        self.run_well(1, "scene.toml", "--dry-run")
 
 
 if __name__ == "__main__":

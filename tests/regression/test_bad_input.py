@@ -216,6 +216,12 @@ class BadInput(RefusedTest):
                     "element face 12\nproperty list uchar int vertex_indices\nend_header\n")
             return "".join([head, *(f"{x} {y} {z}\n" for x, y, z in points), f"3 0 1 {corner}\n",
                             *(f"3 {a} {b} {c}\n" for a, b, c in faces[1:])]).encode()
+
+        def bytes_of_ply(count):
+            head = ply(count, 3).split(b"end_header")[0].replace(b"ascii", b"binary_little_endian")
+            numbers = numpy.zeros((12, 13), numpy.uint8)
+            numbers[:, 0], numbers[:, 1:] = 3, numpy.array(faces, "<i4").view(numpy.uint8)
+            return head + b"end_header\n" + numpy.array(corners, "<f4").tobytes() + numbers.tobytes()
         text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'mesh'\npath = '{}'\n"
 
         def case(name, data, words):
@@ -224,15 +230,30 @@ class BadInput(RefusedTest):
         self.assert_all_refused([
             case("nan.obj", obj(broken), ["nan.obj:4: a vertex is not three finite numbers"]),
             case("far.obj", obj(far), ["far.obj:4: a vertex is not three finite numbers"]),
-            case("nan.ply", ply(8, 3, broken), ["a corner of triangle 0 is no finite number"]),
+            case("word.obj", obj(corners).replace(b"v 0.7", b" v\tO.7", 1), ["word.obj:5: a vertex is not three"]),
+            case("tail.obj", obj(corners).replace(b"0.4\n", b"0.4x\n", 1), ["tail.obj:2: a vertex is not three"]),
+            case("nan.ply", ply(8, 3, broken), ["vertex 3 (line 13) has x = nan, which is no finite number"]),
+            case("word.ply", ply(8, 3).replace(b"0.3 0.3 0.1", b"abc 0.3 0.1"), ['line 10: "abc" is no number']),
+            case("short.ply", ply(8, 3)[:-3] + b"\n", ["line 29 ends before all of face 11 is told"]),
+            case("long.ply", ply(8, "3 4"), ["line 18 has more than face 0"]),
+            case("many.ply", ply(8, 3).replace(b"3 0 1 3", b"200 0 1 3"), ["line 18 ends before all of face 0"]),
+            case("fewer.ply", ply(8, 3)[:-16], ['it ends after 10 of the 12 of "element face"']),
+            case("more.ply", ply(7, 3, corners[:7]), ["vertex_indices = 7, which is no vertex of it"]),
+            case("rest.ply", ply(8, 3).replace(b"face 12", b"face 9"), ["more in it than the 8 vertices and 9 faces"]),
+            case("flat.ply", ply(8, 3).replace(b"property float z\n", b""), ["its vertices have no z"]),
+            case("listed.ply", ply(8, 3).replace(b"float z", b"list uchar int w\nproperty float z"), ['a list, "w"']),
+            case("bytes.ply", ply(8, 3).replace(b"ascii", b"binary_little_endian"), ["cannot be read as a mesh"]),
+            case("half.ply", bytes_of_ply(8)[:-10], ['it ends after 11 of the 12 of "element face"']),
+            case("crowd_of_bytes.ply", bytes_of_ply(9), ["cannot be read as a mesh"]),
+            case("fewer.stl", stl(10), ["says that it has 10 triangles", "bytes for 12;"]),
             case("false.stl", stl(4_000_000_000), ["says that it has 4000000000 triangles", "bytes for 12;"]),
-            case("cut.stl", stl(12)[:-70], ["says that it has 12 triangles", "bytes for 10;"]),
+            case("cut.stl", stl(12)[:-70], ["says that it has 12 triangles", "bytes for 10 and a part;"]),
             case("crowd.ply", ply(4_000_000_000, 3), ['its "element vertex 4000000000" is more than its']),
             case("less.ply", ply(-8, 3), ['its "element vertex -8"']),
-            case("far.ply", ply(8, 77), ["names a corner that is not there"]),
+            case("far.ply", ply(8, 77), ["face 0 (line 18) has vertex_indices = 77, which is no vertex of it"]),
             case("text.ply", b"hello\n", ["cannot be read as a mesh"]),
             case("empty.ply", b"", ["cannot be read as a mesh: it does not begin as a PLY file"]),
-            case("headless.ply", b"ply\nformat ascii 1.0\nend_header\n", ["does not begin as a PLY file"]),
+            case("headless.ply", b"ply\nformat ascii 1.0\nend_header\n", ["not one of vertices and then of faces"]),
             case("open.obj", obj(corners)[:-8], ["not closed: 3 open edges"]),
             case("sheet.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n", ["encloses no volume"]),
             case("empty.obj", b"", ["holds no triangles"])], rank_counts=(2,))
@@ -251,9 +272,11 @@ class BadInput(RefusedTest):
             refused = self.run_trevi(2, "scene.toml")
             self.assertEqual(refused.returncode, 2, refused.stderr)
             self.assertIn(f"scene.toml:16: [[obstacle]] path: {name}: {words}", refused.stderr)
-        (self.folder / "whole.stl").write_bytes(stl(12))
-        (self.folder / "scene.toml").write_text(text.format("whole.stl"))
-        self.run_well(2, "scene.toml")
+        for name, data in (("whole.stl", stl(12)), ("whole.ply", ply(8, 3)), ("bytes.ply", bytes_of_ply(8)),
+                           ("whole.obj", obj(corners))):
+            (self.folder / name).write_bytes(data)
+            (self.folder / "scene.toml").write_text(text.format(name))
+            self.run_well(2, "scene.toml", "--output", name + ".out")
 
     def test_motions(self):
         text = ("\n".join(GOOD) + "\n[[obstacle]]\ntype = 'sphere'\ncenter = [0.5, 0.5, 0.3]\nradius = 0.2\n"

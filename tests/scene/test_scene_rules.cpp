@@ -38,6 +38,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{3, "max = [2, 1, 0]", "3: [domain] max", "must be greater than min"},
         BadScene{3, "max = [1e300, 1, 1]", "3: [domain] max", "million kernel radii"},
         BadScene{3, "max = [2, 1, 1]\nperiodic = ['x', 'w']", "4: [domain] periodic", "unknown axis \"w\""},
+        BadScene{3, "max = [2, 1, 1]\nperiodic = ['x', 'x']", "4: [domain] periodic", "names \"x\" twice"},
         BadScene{3, "max = [2.1, 1, 1]\nperiodic = ['x']", "4: [domain] periodic", "make it 2 or 2.2 m"},
         BadScene{3, "max = [2, 1, 1]\nperiodic = 'x'", "4: [domain] periodic", "list of texts"},
         BadScene{3, "max = [2, 1, 1]\nperiodic = ['z']\n[walls]\nfloor_friction = 0.1", "4: [domain] periodic",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "boundary/geometry/pose.hpp"
@@ -74,15 +75,31 @@ void look_at_overlaps(const Scene& scene, Advice& advice) {
 }
 
 // Of cells as wide as the kernel radius the diagonal is 1.7 times as long.
-void look_at_walls(const Scene& scene, std::size_t k, Advice& advice) {
-  const ObstacleSettings& obstacle = scene.obstacles[k];
+void look_at_walls(const Scene& scene, const char* list, std::size_t k, const ObstacleSettings& obstacle,
+                   Advice& advice) {
   const Real least = std::sqrt(3.0) * scene.fluid.kernel_radius;
   if (obstacle.shape != ShapeKind::basin || obstacle.wall >= least) return;
   advice.push_back(
       fmt::format("the walls of the basin of line {} are {:.3g} m thick, and cells of the coarse grid see both sides "
                   "of them, which "
                   "crushes the water beside them; set wall = {:.3g} or more",
-                  line_of(scene, "obstacle", k), obstacle.wall, 2 * scene.fluid.kernel_radius));
+                  line_of(scene, list, k), obstacle.wall, 2 * scene.fluid.kernel_radius));
+}
+
+// A box two cells wide or more, and thinner than a cell.
+void look_at_sheet(const Scene& scene, const char* list, std::size_t k, const ObstacleSettings& obstacle,
+                   Advice& advice) {
+  if (obstacle.shape != ShapeKind::box || obstacle.inside) return;
+  const Real h = scene.fluid.kernel_radius;
+  std::array<Real, 3> size{obstacle.size.x(), obstacle.size.y(), obstacle.size.z()};
+  if (scene.fluid.dimensions == 2) size[1] = INFINITY;
+  std::sort(size.begin(), size.end());
+  if (size[0] >= 0.75 * h || size[1] < 2 * h) return;
+  advice.push_back(
+      fmt::format("the box of line {} is {:.3g} m thick, and cells of the coarse grid see both sides of it: "
+                  "water beside it does not come to rest, and levels are up to 2 % off; make it {:.3g} m "
+                  "thick or more",
+                  line_of(scene, list, k), size[0], h));
 }
 
 // A mesh in millimetres that nobody scaled, for instance.
@@ -225,8 +242,15 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   look_at_colours(scene, advice);
   for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
     look_at_obstacle(scene, k, advice);
-    look_at_walls(scene, k, advice);
+    look_at_walls(scene, "obstacle", k, scene.obstacles[k], advice);
+    if (!scene.obstacles[k].wavemaker) look_at_sheet(scene, "obstacle", k, scene.obstacles[k], advice);
   }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    look_at_walls(scene, "body", k, scene.bodies[k], advice);
+    look_at_sheet(scene, "body", k, scene.bodies[k], advice);
+  }
+  if (output.gauges && scene.gauges.empty())
+    advice.emplace_back("[output.gauges]: there is no [[gauge]], so it writes nothing; add one, or leave it out");
   constexpr Real longest_cfl = 2;  // to which the default method was found stable
   if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
     advice.push_back(

@@ -219,6 +219,9 @@ std::string output_text(const Scene& scene, const std::string& directory, double
   std::string text = fmt::format("output      {}\n", directory);
   const OutputSettings& output = scene.output;
   if (output.series) text += fmt::format("  series.csv  {}\n", schedule_text(*output.series));
+  if (const std::optional<Schedule>& rows = output.gauges ? output.gauges : output.series;
+      rows && !scene.gauges.empty())
+    text += fmt::format("  gauges.csv  {}, {} gauges\n", schedule_text(*rows), scene.gauges.size());
   if (output.vtu) text += fmt::format("  VTU         {}\n", schedule_text(output.vtu->schedule));
   if (output.vtkhdf) text += fmt::format("  VTKHDF      {}\n", schedule_text(output.vtkhdf->schedule));
   for (std::size_t k = 0; k < output.frames.size(); ++k) text += frame_set_text(scene, k, particles);

@@ -99,7 +99,19 @@ double output_bytes(const Scene& scene, double particles) {
     const double kept = std::min(outputs(output.checkpoint->schedule, scene), output.checkpoint->keep + 1.0);
     bytes += kept * particles * (scene.colour == Colour::rainbow_x ? 60 : 56);
   }
-  if (output.series) bytes += outputs(*output.series, scene) * 500;
+  // Of tables, numbers of a row; in the mean they are so many letters.
+  constexpr double letters = 20, of_series = 25, of_solid = 6, of_body = 26, of_velocity = 3;
+  if (output.series) {
+    double numbers = of_series;
+    if (!scene.obstacles.empty()) numbers += of_solid * static_cast<double>(scene.obstacles.size());
+    numbers += of_body * static_cast<double>(scene.bodies.size());
+    bytes += outputs(*output.series, scene) * numbers * letters;
+  }
+  if (const std::optional<Schedule>& rows = output.gauges ? output.gauges : output.series; rows) {
+    double numbers = 0;
+    for (const GaugeSettings& gauge : scene.gauges) numbers += gauge.kind == GaugeKind::velocity ? of_velocity : 1;
+    bytes += outputs(*rows, scene) * numbers * letters;
+  }
   return bytes;
 }
 

@@ -13,7 +13,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -23,6 +23,7 @@
 #include <system_error>
 
 #include "base/memory.hpp"
+#include "io/frames/ply_file.hpp"
 #include "io/frames/vtk_error_text.hpp"
 #include "trevi/error.hpp"
 
@@ -53,7 +54,8 @@ vtkSmartPointer<vtkPolyData> read_by(const std::string& path) {
   return triangles->GetOutput();
 }
 
-// 80 bytes of any text, the number of triangles, and 50 bytes for each of them.
+// 80 bytes of any text, the number of triangles, and 50 bytes for each of them. A file of text begins with "solid", as
+// may one of bytes.
 void check_binary_stl(const std::string& path) {
   constexpr std::uintmax_t head = 84, triangle = 50;
   std::ifstream file(path, std::ios::binary);
@@ -62,48 +64,30 @@ void check_binary_stl(const std::string& path) {
   std::uintmax_t count = 0;
   for (std::size_t k = 4; k-- > 0;) count = 256 * count + bytes[80 + k];
   const std::uintmax_t size = std::filesystem::file_size(path);
-  if (size < head + triangle * count) {
+  if (size != head + triangle * count) {
+    const std::uintmax_t there = size - head;
     throw InputError(path + ": says that it has " + std::to_string(count) + " triangles, and has bytes for " +
-                     std::to_string((size - head) / triangle) + "; copy or save it again");
-  }
-}
-
-// Lines "element vertex 8" and "element face 12" of the head; each takes some bytes below it.
-void check_ply(const std::string& path) {
-  constexpr std::size_t longest_head = 100'000;
-  const std::uintmax_t size = std::filesystem::file_size(path);
-  std::ifstream file(path, std::ios::binary);
-  std::string head(longest_head, '\0'), line, word, name;
-  file.read(head.data(), static_cast<std::streamsize>(longest_head));
-  head.resize(std::min(static_cast<std::size_t>(file.gcount()), head.find("end_header")));
-  const auto has = [&](const char* words) { return head.find(words) != std::string::npos; };
-  if (!head.starts_with("ply") || head.size() == static_cast<std::size_t>(file.gcount()) || !has("element vertex") ||
-      !has("element face"))
-    throw InputError(path +
-                     ": cannot be read as a mesh: it does not begin as a PLY file of vertices and faces does; "
-                     "save it again");
-  std::istringstream lines(head);
-  while (std::getline(lines, line)) {
-    std::istringstream words(line);
-    std::int64_t count = 0;
-    if (!(words >> word >> name) || word != "element") continue;
-    if (!(words >> count) || count < 0 || static_cast<std::uintmax_t>(count) > size) {
-      throw InputError(path + ": its \"" + line + "\" is more than its " + std::to_string(size) +
-                       " bytes can hold, or no count; copy or save it again");
-    }
+                     std::to_string(there / triangle) + (there % triangle > 0 ? " and a part" : "") +
+                     "; copy or save it again");
   }
 }
 
 // VTK takes what it cannot read of a vertex for 0, and what is too large for the largest number.
 void check_obj(const std::string& path) {
-  constexpr Real largest = 1e30;
+  constexpr double largest = 1e30;
   std::ifstream file(path);
-  std::string line;
+  std::string line, word;
   for (int number = 1; std::getline(file, line); ++number) {
-    if (line.rfind("v ", 0) != 0) continue;
-    std::array<double, 3> p{};
-    const bool read = std::sscanf(line.c_str(), "v %lf %lf %lf", &p[0], &p[1], &p[2]) == 3;
-    if (!read || !std::all_of(p.begin(), p.end(), [](double x) { return std::abs(x) < largest; }))
+    std::istringstream words(line);
+    if (!(words >> word) || word != "v") continue;
+    int count = 0;
+    bool are_numbers = true;
+    while (words >> word && word.front() != '#') {
+      char* end = nullptr;
+      are_numbers = are_numbers && std::abs(std::strtod(word.c_str(), &end)) < largest && *end == '\0';
+      ++count;
+    }
+    if (!are_numbers || count < 3)
       throw InputError(path + ":" + std::to_string(number) + ": a vertex is not three finite numbers; mend the file");
   }
 }

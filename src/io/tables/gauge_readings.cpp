@@ -73,6 +73,17 @@ Box walls_of(const Settings& settings) {
   return walls;
 }
 
+// At the start: whether there is a solid below, and none above.
+bool stands_on_solid(const Vec3& foot, const Settings& settings) {
+  const Vec3 way = settings.fluid.spacing / 4 * Vec3::UnitZ();
+  const auto is_solid = [&](const Vec3& p) {
+    return std::any_of(settings.obstacles.begin(), settings.obstacles.end(), [&](const ObstacleSettings& obstacle) {
+      return make_shape(obstacle)->distance(BodyMotion(obstacle).at(0).into_body(p)) < 0;
+    });
+  };
+  return is_solid(foot - way) && !is_solid(foot + way);
+}
+
 }  // namespace
 
 GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
@@ -93,19 +104,22 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       if (!solids) solids.emplace(settings);
       open_.back().emplace(gauge, *solids, settings);
     }
+    stands_on_solid_.push_back(gauge.kind == GaugeKind::height && stands_on_solid(gauge.center, settings));
     run_ups_.emplace_back(gauge, settings);
     flows_.emplace_back(gauge, settings);
   }
 }
 
-// Each particle is a cube of one spacing that lies in the box, cut at the foot of the gauge. A wire that is wetted
+// Each particle is a cube of one spacing that lies in the box, and above a solid on which the gauge stands, cut at its
+// foot. A wire that is wetted
 // measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on
 // it would miss a part, and crests press more of them there: waves were 2.4 % too low. Along walls the disc's weight is
 // its mean over the spacing next to them: where in that the cubes lie tells little of the water.
 void GaugeReadings::add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const {
   const Real half = spacing_ / 2, reach = gauges_[g].radius + half + spacing_;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
-  const Real above = std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
+  const bool lies_on_solid = stands_on_solid_[g] && from.z() > -spacing_ / 4;
+  const Real above = lies_on_solid ? 1 : std::clamp(from.z() / spacing_ + 0.5, 0.0, 1.0);
   if (above == 0) return;
   const Real weight = weight_of_cube(g, from);
   if (weight == 0) return;

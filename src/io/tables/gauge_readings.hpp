@@ -54,6 +54,7 @@ class GaugeReadings {
   std::vector<RectangleFlow> flows_;
   std::vector<SeenFrom> seen_;
   std::vector<std::optional<OpenDisc>> open_;  // of gauges of height
+  std::vector<char> stands_on_solid_;          // whether a gauge of height does
   PerThread<std::vector<std::int64_t>> sums_;
 };
 
