@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <system_error>
@@ -81,8 +82,11 @@ void check(const std::string& directory, const std::optional<std::string>& resta
 void make(const std::string& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
-  if (error) throw_file_error(directory, "make this folder", error.value());
-  if (::access(directory.c_str(), W_OK | X_OK) != 0) throw_file_error(directory, "write into this folder", errno);
+  const auto refuse = [&](const char* action, int problem) {
+    throw InputError(directory + ": cannot " + action + ": " + std::strerror(problem) + "; choose another --output");
+  };
+  if (error) refuse("make this folder", error.value());
+  if (::access(directory.c_str(), W_OK | X_OK) != 0) refuse("write into this folder", errno);
 }
 
 }  // namespace
