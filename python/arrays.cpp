@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "parallel/collective.hpp"
 #include "solver.hpp"
 #include "trevi/error.hpp"
 
@@ -34,14 +35,57 @@ void receive_in_parts(T* data, std::size_t count, int from, MPI_Comm comm, MPI_D
              MPI_STATUS_IGNORE);
 }
 
+// An array of real numbers. Complex ones would lose a part, text and masked rows be taken as some number.
+py::array numbers_of(const py::object& given, const char* name) {
+  py::array array;
+  try {
+    array = py::module_::import("numpy").attr("asanyarray")(given);
+  } catch (const py::error_already_set& error) {
+    throw InputError(
+        fmt::format("{}: must be an array of numbers: {}", name, py::str(error.value()).cast<std::string>()));
+  }
+  if (std::strchr("fiu", array.dtype().kind()) == nullptr)
+    throw InputError(fmt::format("{}: must be an array of real numbers, not of {}", name,
+                                 py::str(py::object(array.dtype())).cast<std::string>()));
+  if (py::module_::import("numpy.ma").attr("is_masked")(array).cast<bool>())
+    throw InputError(fmt::format("{}: some entries are masked; leave their rows out, or fill them", name));
+  return array;
+}
+
+template <class T>
+using Dense = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+template <class T>
+std::vector<GlobalId> as_ids(const Dense<T>& numbers) {
+  constexpr auto end = static_cast<T>(GlobalId{1} << 62);
+  std::vector<GlobalId> ids(static_cast<std::size_t>(numbers.size()));
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const T number = numbers.data()[k];
+    const bool fits = number >= 0 && number < end;
+    if (fits) ids[k] = static_cast<GlobalId>(number);
+    if (!fits || static_cast<T>(ids[k]) != number)
+      throw InputError(fmt::format("ids: row {} is {}, but ids are whole numbers from 0 and below 2^62", k, number));
+  }
+  return ids;
+}
+
 }  // namespace
 
-std::vector<Vec3> rows_of(const Rows& array, const char* name) {
+std::vector<Vec3> rows_of(const py::object& given, const char* name) {
+  const Dense<double> array = numbers_of(given, name);
   if (array.ndim() != 2 || array.shape(1) != 3)
     throw InputError(fmt::format("{}: must be an array of shape (n, 3)", name));
   std::vector<Vec3> rows(static_cast<std::size_t>(array.shape(0)));
   if (!rows.empty()) std::memcpy(rows[0].data(), array.data(), rows.size() * sizeof(Vec3));
   return rows;
+}
+
+std::vector<GlobalId> ids_of(const py::object& given) {
+  const py::array array = numbers_of(given, "ids");
+  if (array.ndim() != 1) throw InputError("ids: must be an array of shape (n)");
+  if (array.dtype().kind() == 'f') return as_ids<double>(array);
+  if (array.dtype().kind() == 'u') return as_ids<std::uint64_t>(array);
+  return as_ids<std::int64_t>(array);
 }
 
 py::array view_of(const std::vector<Vec3>& rows, const py::object& owner, bool writable) {
@@ -56,6 +100,7 @@ py::array view_of(const std::vector<GlobalId>& rows, const py::object& owner, bo
 }
 
 py::object gathered(const PySolver& self, const std::vector<Vec3> Particles::*field) {
+  self.refuse_within_forcing("a gather");
   const Particles& particles = self.get().particles();
   const std::vector<Vec3>& own = particles.*field;
   std::int64_t count = std::ssize(own);
@@ -86,21 +131,36 @@ py::object gathered(const PySolver& self, const std::vector<Vec3> Particles::*fi
 
 void begin_change(PySolver& self) {
   if (self.change) throw RunError("solver.change(): a change has begun already", Reach::all_ranks);
+  self.refuse_within("change()");
   const Particles& particles = self.get().particles();
   const auto copy = [](const py::array& view) { return view.attr("copy")(); };
-  self.change =
-      Change{copy(view_of(particles.position, py::none(), true)), copy(view_of(particles.velocity, py::none(), true)),
-             copy(view_of(particles.id, py::none(), true))};
+  const py::object positions = copy(view_of(particles.position, py::none(), true)),
+                   velocities = copy(view_of(particles.velocity, py::none(), true)),
+                   ids = copy(view_of(particles.id, py::none(), true));
+  self.change = Change{positions, velocities, ids, {positions, velocities, ids}};
 }
 
 void end_change(PySolver& self, bool keep) {
   const std::optional<Change> change = std::exchange(self.change, std::nullopt);
-  if (!keep || !change) return;
+  if (!change) return;
+  for (const py::object& array : change->lent) array.attr("flags").attr("writeable") = false;
+  const bool failed = self.agree(keep ? 0 : 1) != 0;
+  if (!keep) return;
+  if (failed)
+    throw RunError("the block of \"with solver.change():\" failed on another rank; nothing is changed",
+                   Reach::all_ranks);
+  Particles changed;
+  all_or_none(self.comm(), [&] {
+    changed.position = rows_of(change->positions, "positions");
+    changed.velocity = rows_of(change->velocities, "velocities");
+    changed.id = ids_of(change->ids);
+    if (changed.velocity.size() != changed.position.size() || changed.id.size() != changed.position.size())
+      throw InputError("positions, velocities and ids must have a row for each particle");
+  });
   self.get().change_particles([&](Particles& particles) {
-    particles.position = rows_of(change->positions.cast<Rows>(), "positions");
-    particles.velocity = rows_of(change->velocities.cast<Rows>(), "velocities");
-    const auto ids = change->ids.cast<Ids>();
-    particles.id.assign(ids.data(), ids.data() + ids.size());
+    particles.position = std::move(changed.position);
+    particles.velocity = std::move(changed.velocity);
+    particles.id = std::move(changed.id);
     if (particles.has_hue) particles.hue.resize(particles.id.size());
   });
 }

@@ -26,6 +26,7 @@ void bind_settings(py::module_& module);
 void bind_solids(py::module_& module);
 void bind_flow(py::module_& module);
 void bind_output(py::module_& module);
+void bind_forcing(py::module_& module);
 void bind_solver(py::module_& module);
 
 /// That of an mpi4py communicator, or of all ranks for None.

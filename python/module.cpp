@@ -64,6 +64,7 @@ PYBIND11_MODULE(_trevi, module) {
   module.attr("rank") = rank_of(MPI_COMM_WORLD);
   module.attr("size") = size_of(MPI_COMM_WORLD);
   bind_settings(module);
+  bind_forcing(module);
   bind_solver(module);
   module.def("use_threads", &Session::use_threads, py::arg("count"),
              "Threads that share the loops of this rank, from the next solver on; results do not depend on it. Before "

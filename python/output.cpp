@@ -1,4 +1,6 @@
 // The output of the settings: which files a solver writes, and when (postprocess/README.md).
+#include <pybind11/stl/filesystem.h>
+
 #include "binding_helpers.hpp"
 
 namespace trevi::python {
@@ -64,7 +66,10 @@ void bind_output(py::module_& m) {
 
   py::class_<OutputSettings> output(m, "OutputSettings", "[output]; a part that is None is not written");
   output.def(py::init<>())
-      .def_readwrite("directory", &OutputSettings::directory, "of the files; empty: none are written")
+      .def_property(
+          "directory", [](const OutputSettings& one) { return one.directory; },
+          [](OutputSettings& one, const std::filesystem::path& path) { one.directory = path.string(); },
+          "of the files, a string or a path; empty: none are written")
       .def_readwrite("vtu", &OutputSettings::vtu, "FrameSettings, or None; set as a whole")
       .def_readwrite("vtkhdf", &OutputSettings::vtkhdf, "FrameSettings, or None; set as a whole")
       .def_readwrite("frames", &OutputSettings::frames, "list of FrameSetSettings; set as a whole")

@@ -1,7 +1,8 @@
 #include "solver.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
-#include <numeric>
 
 #include "base/simd.hpp"
 #include "trevi/error.hpp"
@@ -11,85 +12,18 @@ namespace trevi::python {
 
 namespace {
 
-/// What a callable sees of the particles: valid during the call.
-struct Water {
-  Particles* particles;
-};
-
-class OwnForcing : public Forcing {
- public:
-  OwnForcing(py::function call, Real fastest) : call_(std::move(call)), fastest_(fastest) {}
-  void apply(Particles& particles, const StepInfo& step) override {
-    const Denormals denormals(false);  // numpy counts as it does elsewhere
-    call_(Water{&particles}, step);
-  }
-  Real fastest(const TimeSpan&) const override { return fastest_; }
-
- private:
-  py::function call_;
-  Real fastest_;
-};
-
 std::vector<PySolver*> alive;  // in the order in which they were made
 
-// Ids that follow one another over the ranks, where the caller gives none.
-std::vector<GlobalId> consecutive_ids(MPI_Comm comm, std::size_t count) {
-  auto before = static_cast<GlobalId>(count);
-  MPI_Exscan(MPI_IN_PLACE, &before, 1, MPI_INT64_T, MPI_SUM, comm);
-  std::vector<GlobalId> ids(count);
-  std::iota(ids.begin(), ids.end(), rank_of(comm) == 0 ? 0 : before);
-  return ids;
-}
-
-Particles particles_of(MPI_Comm comm, const Rows& positions, const py::object& velocities, const py::object& ids) {
-  Particles particles;
-  particles.position = rows_of(positions, "positions");
-  const std::size_t count = particles.position.size();
-  particles.velocity =
-      velocities.is_none() ? std::vector<Vec3>(count, Vec3::Zero()) : rows_of(velocities.cast<Rows>(), "velocities");
-  if (ids.is_none()) {
-    particles.id = consecutive_ids(comm, count);
-  } else {
-    const auto array = ids.cast<Ids>();
-    particles.id.assign(array.data(), array.data() + array.size());
-  }
-  return particles;
-}
-
-std::unique_ptr<PySolver> make(const Settings& settings, const Scene* scene, const py::object& positions,
-                               const py::object& velocities, const py::object& ids, const py::list& forcings,
-                               const py::object& rows, const py::object& comm_object) {
-  const MPI_Comm comm = comm_of(comm_object);
-  SolverExtras extras;
-  Particles particles;
-  if (!positions.is_none()) {
-    particles = particles_of(comm, positions.cast<Rows>(), velocities, ids);
-  } else if (scene != nullptr) {
-    particles = initial_particles(comm, *scene);
-  }
-  for (const auto& one : forcings) {
-    const Real fastest = py::hasattr(one, "fastest") ? one.attr("fastest").cast<Real>() : 0;
-    extras.forcings.push_back(make_forcing(py::reinterpret_borrow<py::function>(one), fastest));
-  }
-  std::optional<Schedule> schedule = settings.output.series;
-  if (!rows.is_none()) schedule = Schedule{0, rows.cast<std::int64_t>()};
-  auto solver = std::make_unique<PySolver>(comm, settings, scene, std::move(particles), std::move(extras), schedule);
-  if (scene != nullptr) solver->end = scene->end;
-  return solver;
-}
-
-py::object positions_of(const py::object& self) {
+template <class Row>
+py::object view(const py::object& self, py::object Change::*changed, const std::vector<Row> Particles::*field) {
   const auto& solver = self.cast<const PySolver&>();
-  return solver.change ? solver.change->positions : view_of(solver.get().particles().position, self, false);
+  solver.refuse_within_forcing("an array of the particles");
+  if (solver.change) return (*solver.change).*changed;
+  return view_of(solver.get().particles().*field, solver.keeper(self), false);
 }
-py::object velocities_of(const py::object& self) {
-  const auto& solver = self.cast<const PySolver&>();
-  return solver.change ? solver.change->velocities : view_of(solver.get().particles().velocity, self, false);
-}
-py::object ids_of(const py::object& self) {
-  const auto& solver = self.cast<const PySolver&>();
-  return solver.change ? solver.change->ids : view_of(solver.get().particles().id, self, false);
-}
+py::object positions_of(const py::object& self) { return view(self, &Change::positions, &Particles::position); }
+py::object velocities_of(const py::object& self) { return view(self, &Change::velocities, &Particles::velocity); }
+py::object ids_of_particles(const py::object& self) { return view(self, &Change::ids, &Particles::id); }
 
 void set_in_change(PySolver& self, py::object Change::*what, const py::object& value) {
   if (!self.change) throw InputError("particles are changed within \"with solver.change():\" only");
@@ -97,10 +31,6 @@ void set_in_change(PySolver& self, py::object Change::*what, const py::object& v
 }
 
 }  // namespace
-
-std::unique_ptr<Forcing> make_forcing(py::function call, Real fastest) {
-  return std::make_unique<OwnForcing>(std::move(call), fastest);
-}
 
 PySolver::PySolver(MPI_Comm comm, const Settings& settings, const Scene* scene, Particles particles,
                    SolverExtras extras, std::optional<Schedule> rows)
@@ -126,15 +56,48 @@ PySolver::~PySolver() {
   }
 }
 
+void PySolver::refuse_within_forcing(const char* call) const {
+  if (is_in_step_)
+    throw RunError(fmt::format("{} is used within a forcing of the same solver; use it after the step", call));
+}
+
+void PySolver::refuse_within(const char* call) const {
+  refuse_within_forcing(call);
+  if (change)
+    throw InputError(fmt::format("{} is used within \"with solver.change():\"; use it after the block", call));
+}
+
 void PySolver::step() {
+  refuse_within("step()");
+  Solver& solver = get();
   is_fine_ = false;
-  get().step();
+  {
+    const auto leave = [](bool* is_in_step) { *is_in_step = false; };
+    const std::unique_ptr<bool, decltype(leave)> entered(&is_in_step_, leave);
+    is_in_step_ = true;
+    solver.step();
+  }
   is_fine_ = true;
 }
 
 void PySolver::close() {
   const std::unique_ptr<Solver> solver = std::move(solver_);
-  if (solver != nullptr && has_files_ && is_fine_) solver->finish();
+  if (solver == nullptr) return;
+  const auto keep = [&](Solver* one) {
+    if (kept_.use_count() > 1) *kept_ = one->take_particles();
+  };
+  const std::unique_ptr<Solver, decltype(keep)> kept(solver.get(), keep);
+  if (has_files_ && is_fine_) solver->finish();
+}
+
+std::int64_t PySolver::agree(std::int64_t mine) const {
+  if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT64_T, MPI_MAX, comm_);
+  return mine;
+}
+
+py::object PySolver::keeper(const py::object& self) const {
+  using Keeper = std::pair<py::object, std::shared_ptr<Particles>>;
+  return py::capsule(new Keeper(self, kept_), [](void* keeper) { delete static_cast<Keeper*>(keeper); });
 }
 
 Solver& PySolver::get() const {
@@ -147,26 +110,6 @@ void close_all_solvers() {
 }
 
 void bind_solver(py::module_& m) {
-  py::class_<StepInfo>(m, "StepInfo", "The part of a step that is about to be made.")
-      .def_readonly("step", &StepInfo::step, "steps done before")
-      .def_readonly("substep", &StepInfo::substep)
-      .def_readonly("time", &StepInfo::time, "at its start, s")
-      .def_readonly("dt", &StepInfo::dt, "its length, s");
-
-  py::class_<Water>(m, "Water", "This rank's particles as a forcing sees them, valid during the call.")
-      .def_property_readonly(
-          "positions", [](const Water& w) { return view_of(w.particles->position, py::none(), true); }, "(n, 3), m")
-      .def_property(
-          "velocities", [](const Water& w) { return view_of(w.particles->velocity, py::none(), true); },
-          [](const Water& w, const Rows& rows) {
-            std::vector<Vec3> values = rows_of(rows, "velocities");
-            if (values.size() != w.particles->velocity.size())
-              throw InputError("velocities: must have a row for each particle");
-            w.particles->velocity = std::move(values);
-          },
-          "(n, 3), m/s; to be changed")
-      .def_property_readonly("ids", [](const Water& w) { return view_of(w.particles->id, py::none(), false); });
-
   py::class_<PySolver>(m, "Solver", "A solver on the ranks of its communicator, which all make the same calls.")
       .def("step", &PySolver::step, py::call_guard<Denormals>(), "One step of length dt. Collective.")
       .def_property_readonly(
@@ -187,7 +130,8 @@ void bind_solver(py::module_& m) {
           [](PySolver& self, const py::object& value) { set_in_change(self, &Change::velocities, value); },
           "(n, 3), m/s; the same.")
       .def_property(
-          "ids", &ids_of, [](PySolver& self, const py::object& value) { set_in_change(self, &Change::ids, value); },
+          "ids", &ids_of_particles,
+          [](PySolver& self, const py::object& value) { set_in_change(self, &Change::ids, value); },
           "(n), unique over all ranks; the same.")
       .def(
           "gather_positions", [](const PySolver& self) { return gathered(self, &Particles::position); },
@@ -214,18 +158,25 @@ void bind_solver(py::module_& m) {
       .def_readonly("_end", &PySolver::end)
       .def("_begin_change", &begin_change)
       .def("_end_change", &end_change, py::call_guard<Denormals>())
-      .def("close", &PySolver::close, py::call_guard<Denormals>(),
-           "Ends its files, and frees it; all ranks in the same order.");
+      .def("_agree", &PySolver::agree)
+      .def("_refuse_within", &PySolver::refuse_within)
+      .def(
+          "close",
+          [](PySolver& self) {
+            self.refuse_within("close()");
+            self.close();
+          },
+          py::call_guard<Denormals>(),
+          "Ends its files, and frees it but for arrays that are still held; all ranks in the same order.");
 
   m.def(
       "_make_solver",
-      [](const py::object& what, const py::object& positions, const py::object& velocities, const py::object& ids,
-         const py::list& forcings, const py::object& rows, const py::object& comm) {
-        const Scene* scene = py::isinstance<Scene>(what) ? what.cast<const Scene*>() : nullptr;
-        return make(what.cast<const Settings&>(), scene, positions, velocities, ids, forcings, rows, comm);
+      [](const py::object& settings, const py::object& positions, const py::object& velocities, const py::object& ids,
+         const py::object& forcings, const py::object& rows, const py::object& comm, const Marks& marks) {
+        return make_py_solver({settings, positions, velocities, ids, forcings, rows, comm}, marks);
       },
       py::call_guard<Denormals>(), py::arg("settings"), py::arg("positions"), py::arg("velocities"), py::arg("ids"),
-      py::arg("forcings"), py::arg("rows"), py::arg("comm"));
+      py::arg("forcings"), py::arg("rows"), py::arg("comm"), py::arg("marks"));
 }
 
 }  // namespace trevi::python

@@ -1,10 +1,12 @@
 // The solver as Python holds it, and the rows that it keeps.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bindings.hpp"
@@ -22,14 +24,13 @@ struct Record {
 std::unique_ptr<Observer> make_recorder(MPI_Comm comm, const Settings& settings, const Schedule& schedule,
                                         std::shared_ptr<Record> record);
 
-/// A callable f(water, step) as a forcing, which pushes up to that speed, m/s.
-std::unique_ptr<Forcing> make_forcing(py::function call, Real fastest);
+/// Callables f(water, step) as forcings; InputError for what is none.
+std::vector<std::unique_ptr<Forcing>> forcings_of(const py::object& calls);
 
-using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Ids = py::array_t<GlobalId, py::array::c_style | py::array::forcecast>;
-
-/// A copy of an array, which must be (n, 3).
-std::vector<Vec3> rows_of(const Rows& array, const char* name);
+/// A copy of an array, which must be of real numbers and of shape (n, 3); InputError otherwise.
+std::vector<Vec3> rows_of(const py::object& array, const char* name);
+/// A copy of an array (n) of whole numbers from 0 and below 2^62; InputError otherwise.
+std::vector<GlobalId> ids_of(const py::object& array);
 
 /// An array (n, 3) or (n) over memory of somebody else's.
 py::array view_of(const std::vector<Vec3>& rows, const py::object& owner, bool writable);
@@ -38,6 +39,7 @@ py::array view_of(const std::vector<GlobalId>& rows, const py::object& owner, bo
 /// Arrays to be changed between two steps; the solver takes them over at the end of a with block.
 struct Change {
   py::object positions, velocities, ids;
+  std::array<py::object, 3> lent;  ///< the same, until the script puts its own in their place
 };
 
 /// A solver, its rows, and the change that Python makes to its particles. Collective, but for what is const.
@@ -50,9 +52,18 @@ class PySolver {
   PySolver& operator=(const PySolver&) = delete;
   ~PySolver();
 
+  /// RunError within a forcing of its own, InputError within a change.
   void step();
-  /// Files get their end, but for those of a run that failed.
+  /// Files get their end, but for those of a run that failed. Views of the particles stay valid.
   void close();
+  /// RunError within a forcing of this solver, which has lent its particles.
+  void refuse_within_forcing(const char* call) const;
+  /// The same, and InputError within a change.
+  void refuse_within(const char* call) const;
+  /// The largest of what the ranks give.
+  std::int64_t agree(std::int64_t mine) const;
+  /// What a view of the particles must hold: the solver, and their memory once that is closed.
+  py::object keeper(const py::object& self) const;
   /// RunError for a solver that is closed.
   Solver& get() const;
   const Settings& settings() const { return settings_; }
@@ -69,14 +80,26 @@ class PySolver {
   std::shared_ptr<Record> record_;
   int rank_, size_;
   MPI_Comm comm_;
-  bool has_files_ = false, is_fine_ = true;
+  bool has_files_ = false, is_fine_ = true, is_in_step_ = false;
   std::unique_ptr<Solver> solver_;
+  std::shared_ptr<Particles> kept_ = std::make_shared<Particles>();  ///< when it is closed, for views
 };
+
+/// What make_solver() of Python is called with.
+struct SolverArguments {
+  py::object settings, positions, velocities, ids, forcings, rows, comm;
+};
+
+/// What must be the same on all ranks, by its name, as a number.
+using Marks = std::vector<std::pair<std::string, std::int64_t>>;
+
+/// InputError on all ranks alike for what is wrong on any. Collective.
+std::unique_ptr<PySolver> make_py_solver(const SolverArguments& given, const Marks& marks);
 
 /// On rank 0 the rows of all particles in the order of their ids; None on the others. Collective.
 py::object gathered(const PySolver& self, const std::vector<Vec3> Particles::*field);
 
-/// What `with solver.change():` does before and after its block. The latter is collective.
+/// What `with solver.change():` does before and after its block; keep: unless it failed here. The latter is collective.
 void begin_change(PySolver& self);
 void end_change(PySolver& self, bool keep);
 

@@ -42,6 +42,8 @@ class Solver {
   /// Particles::predicted is not read. Ids stay unique over all ranks. Collective; throws BlowUp on all ranks alike for
   /// a particle outside the box, RunError for arrays of different lengths.
   virtual void change_particles(const std::function<void(Particles&)>& change) = 0;
+  /// Those of this rank, in the memory where they were; the solver is of no use from then on. Not collective.
+  virtual Particles take_particles() = 0;
 
   /// Work and traffic of this rank so far, for run.json.
   struct Counters {

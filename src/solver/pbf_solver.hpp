@@ -84,6 +84,7 @@ class PbfSolver : public Solver {
   const Clock& clock() const override { return parts_.clock; }
   const Particles& particles() const override { return parts_.particles; }
   void change_particles(const std::function<void(Particles&)>& change) override;
+  Particles take_particles() override { return std::move(parts_.particles); }
   Counters counters() const override;
   std::vector<FountainState> fountains() const override { return reporter_.fountain_states(clock().time()); }
   std::array<LocalId, 3> first_cell() const override { return parts_.first_cell; }

@@ -18,7 +18,7 @@ foreach(name IN LISTS program_tests)
   set_tests_properties(${name} PROPERTIES TIMEOUT 300 PROCESSORS 2 LABELS program SKIP_RETURN_CODE 77)
 endforeach()
 if(TARGET trevi_python)
-  foreach(name python python_solids notebooks studies)
+  foreach(name python python_misuse python_solids notebooks studies)
     add_test(NAME ${name} COMMAND ${PROJECT_SOURCE_DIR}/tests/regression/test_${name}.py $<TARGET_FILE:trevi>
                                   ${MPIEXEC_EXECUTABLE})
     set_tests_properties(${name} PROPERTIES TIMEOUT 300 PROCESSORS 2 LABELS program
