@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <string_view>
 
 #include "base/damaged_file.hpp"
+#include "io/frames/frame_list_file.hpp"
+#include "io/run_directory/files.hpp"
 #include "io/run_directory/output_directory.hpp"
 #include "parallel/collective.hpp"
 #include "scene/free_places.hpp"
@@ -42,6 +45,30 @@ Restart from_newest_good(MPI_Comm comm, const std::string& directory) {
   throw InputError(directory + ": holds no good checkpoint; name another with --restart FILE" + spoilt);
 }
 
+// Lists of frames that the run will set aside.
+std::string damaged_lists(const std::string& directory) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> lists;
+  std::error_code ignored;
+  std::vector<std::string> folders = frame_set_folders(directory);
+  folders.push_back(directory);
+  for (const std::string& folder : folders) {
+    for (const fs::directory_entry& file : fs::directory_iterator(folder, ignored))
+      if (file.path().extension() == ".pvd" || file.path().extension() == ".series")
+        lists.push_back(file.path().string());
+  }
+  std::sort(lists.begin(), lists.end());
+  std::string told;
+  for (const std::string& list : lists) {
+    try {
+      read_frame_list(list);
+    } catch (const InputError& error) {
+      told += std::string("\n  set aside as .stale, what can be read of it is listed anew: ") + error.what();
+    }
+  }
+  return told;
+}
+
 // Water of the checkpoint may not end up in the stone of obstacles that are no longer as they were. What is hardly in
 // it is put outside by the first step.
 void check_water(MPI_Comm comm, const Scene& scene, const Restart& restart) {
@@ -70,6 +97,7 @@ std::optional<Restart> find_restart(const Session& session, const Scene& scene, 
   Restart restart =
       wanted == "latest" ? from_newest_good(comm, directory) : Restart{wanted, read_checkpoint(comm, wanted), ""};
   restart.message = "goes on from " + restart.file + ", step " + std::to_string(restart.state->step) + restart.message;
+  if (session.rank() == 0) restart.message += damaged_lists(directory);
   const std::vector<std::string> changes = scene_changes(restart.state->info, restart.file, scene, now);
   const auto of_obstacle = [](const std::string& change) { return change.starts_with("obstacle."); };
   if (std::any_of(changes.begin(), changes.end(), of_obstacle)) check_water(comm, scene, restart);

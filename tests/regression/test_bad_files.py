@@ -8,11 +8,12 @@ and 2 ranks alike. Those of older versions go on. usage: test_bad_files.py [RANK
 import re
 import shutil
 import sys
+from pathlib import Path
 
 import h5py
 import numpy
 import runs
-from runs import CHECKPOINTS, CUBE, FLOW, Folder
+from runs import CHECKPOINTS, CUBE, FLOW, FRAMES, Folder
 
 COUNT = 600
 CLOUD = CUBE[:CUBE.index("[[particles]]")] + '[[particles]]\ntype = "file"\npath = "cloud.h5"\n' + CUBE[CUBE.index("[time]"):]
@@ -259,12 +260,33 @@ def check_checkpoints_of_2_0_0(folder, ranks):
         yield f"checkpoint of 2.0.0, {n} ranks", [] if same else [f"exit code {code}: {told}; or other positions"]
 
 
+def check_lists_of_frames(folder, ranks):
+    """One that is cut is told of and set aside, and its whole lines stay."""
+    scene = folder.scene(CUBE + FRAMES + CHECKPOINTS.format(10, 10))
+    for n in ranks:
+        output = folder.path(f"frames {n}")
+        runs.run_well(1, scene, output, "--steps", 20)
+        lists = [*output.glob("*.pvd"), *output.glob("*.series")]
+        for path in lists:  # the line of step 20 is cut
+            text = path.read_text()
+            path.write_text(text[:text.index("000020")])
+        code, told = runs.run(n, scene, output, "--steps", 30, "--restart", "latest")
+        found = [f"exit code {code}: {told}"] if code != 0 or not lists else []
+        for path in lists:
+            steps = sorted(set(re.findall(r"particles_(\d{6})\.", path.read_text())))
+            if f"set aside as .stale, what can be read of it is listed anew: {path}: damaged" not in told:
+                found.append(f"{path} is not told of: {told}")
+            if steps != ["000000", "000010", "000030"] or not Path(f"{path}.stale").exists():
+                found.append(f"{path} has the steps {steps}, or was not set aside")
+        yield f"lists of frames, {n} ranks", found
+
+
 def main():
     ranks = [int(word) for word in sys.argv[1:]] or [1, 2]
     failed = count = 0
     with Folder() as folder:
         for check in (check_particle_files, check_checkpoints, check_checkpoints_of_1_0_0,
-                      check_checkpoints_of_2_0_0):
+                      check_checkpoints_of_2_0_0, check_lists_of_frames):
             for case, found in check(folder, ranks):
                 count += 1
                 failed += bool(found)

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 
 #include "io/run_directory/files.hpp"
 #include "trevi/error.hpp"
@@ -74,6 +75,21 @@ std::vector<FrameEntry> read_series(const std::string& path) {
   }
 }
 
+// Of a file that was cut short those whose lines are whole.
+std::vector<FrameEntry> whole_lines(const std::string& text) {
+  std::vector<FrameEntry> entries;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto json = Json::parse(line.substr(0, line.find_last_of('}') + 1), nullptr, false);
+    if (!json.is_object() || !json.contains("name") || !json.contains("time") || !json["name"].is_string() ||
+        !json["time"].is_number())
+      continue;
+    const std::string name = json["name"];
+    entries.push_back({step_of(name), json["time"].get<double>(), name, {}});
+  }
+  return entries;
+}
+
 // One frame a line in both formats, for people and diff.
 std::string pvd_text(const std::vector<FrameEntry>& entries) {
   std::string text =
@@ -110,8 +126,12 @@ std::vector<FrameEntry> read_frame_list(const std::string& path) {
 FrameListFile::FrameListFile(const std::string& path, std::optional<std::int64_t> restart_step) : path_(path) {
   if (!restart_step || !fs::exists(path)) return;
   try {
-    entries_ = is_pvd(path) ? pvd_entries(path, read_text(path)) : read_series(path);
+    entries_ = read_frame_list(path);
   } catch (const InputError&) {  // a run must not fail for its list; the damaged one stays to be looked at
+    try {
+      entries_ = is_pvd(path) ? pvd_entries(path, read_text(path)) : whole_lines(read_text(path));
+    } catch (const InputError&) {  // nothing of it can be read
+    }
     fs::rename(path, path + ".stale");
   }
   std::erase_if(entries_, [&](const FrameEntry& entry) { return entry.step < 0 || entry.step > *restart_step; });

@@ -25,7 +25,8 @@ std::vector<FrameEntry> read_frame_list(const std::string& path);
 
 class FrameListFile {
  public:
-  /// The entries up to `restart_step` stay when it is given and the file exists; otherwise the list starts empty.
+  /// The entries up to `restart_step` stay when it is given and the file exists; otherwise the list starts empty. Of a
+  /// damaged file those stay that can be read, and it is set aside as .stale.
   FrameListFile(const std::string& path, std::optional<std::int64_t> restart_step);
 
   /// Adds a frame, with what else there is at its time, and rewrites the file.

@@ -83,7 +83,7 @@ void make(const std::string& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
   const auto refuse = [&](const char* action, int problem) {
-    throw InputError(directory + ": cannot " + action + ": " + std::strerror(problem) + "; choose another --output");
+    throw RunError(directory + ": cannot " + action + ": " + std::strerror(problem) + "; choose another --output");
   };
   if (error) refuse("make this folder", error.value());
   if (::access(directory.c_str(), W_OK | X_OK) != 0) refuse("write into this folder", errno);
