@@ -31,7 +31,7 @@ struct Schedule {
  private:
   std::int64_t outputs_until(std::int64_t step, Real dt) const {
     // The small allowance keeps a due time that is hit to rounding (every = n dt + dt/2) on the earlier step.
-    constexpr Real most = 1e18;  // so often is each step
+    constexpr Real most = 1e18;  // more often than this is each step
     const Real until = std::floor((static_cast<Real>(step) + 0.5) * dt / every + 1e-9);
     return until < most ? static_cast<std::int64_t>(until) : static_cast<std::int64_t>(most) + step;
   }

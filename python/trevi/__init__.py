@@ -141,7 +141,7 @@ def _steps_asked_for(self, until, steps):
         end = self._end if until is None else until
         if end is None:
             raise InputError("run(): give until or steps, as settings have no end")
-        if not _fits(math.isfinite, end):
+        if not _fits(lambda time: math.isfinite(time / self.dt), end):
             raise InputError("run(): until must be a time, s")
         return max(0, round(end / self.dt) - self.steps)
     if not _fits(lambda number: operator.index(number) >= 0, steps):
@@ -157,7 +157,7 @@ def _agreed_steps(self, until, steps):
         self._agree(1)
         raise
     if self._agree(0):
-        raise InputError("run(): until or steps cannot be on another rank")
+        raise InputError("run(): until or steps are wrong on another rank")
     if -self._agree(-steps) != self._agree(steps):
         raise InputError("run(): until or steps differ between ranks; give the same on all of them")
     return steps

@@ -45,25 +45,28 @@ Restart from_newest_good(MPI_Comm comm, const std::string& directory) {
   throw InputError(directory + ": holds no good checkpoint; name another with --restart FILE" + spoilt);
 }
 
-// Lists of frames that the run will set aside.
+// Of lists of frames in the folder those that are damaged: a run that adds to one sets it aside.
 std::string damaged_lists(const std::string& directory) {
   namespace fs = std::filesystem;
   std::vector<std::string> lists;
-  std::error_code ignored;
+  std::error_code problem;
   std::vector<std::string> folders = frame_set_folders(directory);
   folders.push_back(directory);
   for (const std::string& folder : folders) {
-    for (const fs::directory_entry& file : fs::directory_iterator(folder, ignored))
-      if (file.path().extension() == ".pvd" || file.path().extension() == ".series")
-        lists.push_back(file.path().string());
+    for (fs::directory_iterator file(folder, problem), end; !problem && file != end; file.increment(problem)) {
+      const fs::path ending = file->path().extension();
+      if (ending == ".pvd" || ending == ".series") lists.push_back(file->path().string());
+    }
   }
   std::sort(lists.begin(), lists.end());
   std::string told;
   for (const std::string& list : lists) {
     try {
       read_frame_list(list);
-    } catch (const InputError& error) {
-      told += std::string("\n  set aside as .stale, what can be read of it is listed anew: ") + error.what();
+    } catch (const Error& error) {
+      told +=
+          std::string("\n  a run that adds to it sets it aside as .stale, and lists anew what can be read of it: ") +
+          error.what();
     }
   }
   return told;

@@ -37,7 +37,7 @@ class Multigrid {
   void give_back_all_but_phi();
   void give_back() { levels_[0].cells.give_back(); }
 
-  /// Improves phi of the finest level, ghost planes included. Once for each resize().
+  /// Improves phi of the finest level, ghost planes included; in memory that give_back_all_but_phi() gives back.
   void solve(Halo& halo, int cycles);
   /// The same once more, where nothing but the right-hand side is another.
   void improve(Halo& halo, int cycles);

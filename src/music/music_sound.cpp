@@ -44,13 +44,15 @@ struct Memory {
   static sf_count_t tell(void* self) { return of(self).at; }
 };
 
-// A WAV file says in its bytes 4 to 7 how many follow; 0 or the largest number where its recorder did not come back.
+// A WAV file says in its bytes 4 to 7 how many follow; 0 or some 2 or 4 GB where its recorder could not come back, as
+// into a pipe. The last byte may be one that fills up an even number.
 void check_whole(const std::string& name, const std::string& bytes) {
   constexpr std::size_t head = 8;
   if (bytes.size() < head + 4 || !bytes.starts_with("RIFF") || bytes.compare(head, 4, "WAVE") != 0) return;
   std::size_t told = 0;
   for (std::size_t k = 4; k-- > 0;) told = 256 * told + static_cast<unsigned char>(bytes[4 + k]);
-  if (told == 0 || told == 0xFFFFFFFF || told + head <= bytes.size()) return;
+  constexpr std::size_t unknown = 0x7FFFF000;
+  if (told == 0 || told >= unknown || told + head <= bytes.size() + 1) return;
   throw InputError(name + ": holds " + std::to_string(bytes.size()) + " bytes of the " + std::to_string(told + head) +
                    " that it says it has, so it is cut short; copy it again");
 }

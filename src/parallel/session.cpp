@@ -35,11 +35,13 @@ void agree_on_instruction_set(MPI_Comm comm) {
 // A process that no launcher has started has no other to talk to, so it needs no daemon, no search for networks and no
 // folder for messages in /tmp. They are two thirds of the time that Open MPI takes to start. Besides, of several such
 // processes one that ends may remove the folder in which another is about to make its own, which then fails. What the
-// user has set stays, and what is set here is taken back after the start, as programs that this one starts inherit it.
+// environment has stays, and what is set here is taken back after the start, as programs that this one starts inherit
+// it.
 class StartAlone {
  public:
   StartAlone() {
-    for (const char* launched : {"PMIX_NAMESPACE", "PMIX_RANK", "PMI_FD", "PMI_RANK", "OMPI_COMM_WORLD_SIZE"}) {
+    for (const char* launched :
+         {"PMIX_NAMESPACE", "PMIX_RANK", "PMI_FD", "PMI_RANK", "OMPI_COMM_WORLD_SIZE", "SLURM_STEP_NUM_TASKS"}) {
       if (std::getenv(launched) != nullptr) return;
     }
     for (std::size_t k = 0; k < settings.size(); ++k) {

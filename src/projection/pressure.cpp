@@ -6,12 +6,6 @@ namespace trevi {
 
 using namespace projection;
 
-void Pressure::solve(const FreeSurface& surface, Halo& halo, const Step& step) {
-  assemble(surface, halo, step);
-  begin(halo);
-  finish(surface, halo);
-}
-
 void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();

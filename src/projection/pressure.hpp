@@ -38,8 +38,7 @@ class Pressure {
     Real g_dt2, return_fraction;
     int depth;
   };
-  void solve(const FreeSurface& surface, Halo& halo, const Step& step);
-  /// solve() in parts: the equation, after which nobody asks how full cells are; its first cycles; more cycles; and
+  /// The equation, after which nobody asks how full cells are; its first cycles; more cycles; and
   /// what of the pressure is left.
   void assemble(const FreeSurface& surface, Halo& halo, const Step& step);
   void begin(Halo& halo);

@@ -95,7 +95,7 @@ std::vector<ObstacleKnot> knots_of(const toml::node& node, bool in_plane) {
     if (numbers == nullptr || (numbers->size() != 4 && !(in_plane && numbers->size() == 3))) return {};
     std::array<Real, 4> value{};
     for (std::size_t k = 0; k < numbers->size(); ++k) value[k] = numbers->get(k)->value<double>().value_or(NAN);
-    const Vec3 center = numbers->size() == 4 ? Vec3(value[1], value[2], value[3]) : Vec3(value[1], 0, value[2]);
+    const Vec3 center = in_plane ? Vec3(value[1], 0, value[numbers->size() - 1]) : Vec3(value[1], value[2], value[3]);
     if (!std::isfinite(value[0]) || !is_place(center) ||
         (!knots.empty() && !may_follow(knots.back(), {value[0], center})))
       return {};

@@ -118,6 +118,10 @@ TEST(Waves, APistonIsShiftedAndAFlapTurnsAboutItsHinge) {
 TEST(Waves, ASolitaryPaddleGoesWithItsWave) {
   WavemakerSettings maker = regular_waves();
   maker.wave = WaveKind::solitary;
+  const SolitaryWave known(0.3, 1, 9.8);
+  EXPECT_NEAR(known.kappa, 0.86242 * std::sqrt(0.225), 1e-5);
+  EXPECT_NEAR(known.celerity * known.celerity, 9.8 * 1.294343, 1e-5);
+  EXPECT_NEAR(known.stroke(), 2 * 0.27858 / known.kappa, 1e-5);
   for (const Real steepness : {0.2, 0.5, 0.75}) {
     maker.height = steepness * maker.depth;
     const PaddleMotion paddle(maker);

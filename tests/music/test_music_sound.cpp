@@ -105,6 +105,11 @@ TEST(Sound, EmptySilentAndForeignFilesAreErrors) {
   EXPECT_NE(refused(wav(sung(60, 0.5, 8000), 10)).find("10 Hz"), std::string::npos);
   const std::string whole = wav(sung(60, 0.5, 8000), 8000);
   EXPECT_EQ(refused(whole), "");
+  for (const char* const size : {"\0\0\0", "\xFF\xFF\xFF\xFF", "\x24\0\0\x80", "\x24\xF0\xFF\x7F"}) {  // of streams
+    std::string streamed = whole;
+    streamed.replace(4, 4, size, 4);
+    EXPECT_EQ(refused(streamed), "");
+  }
   EXPECT_NE(refused(whole.substr(0, 1000)).find("v.wav: holds 1000 bytes of the 8044 "), std::string::npos)
       << refused(whole.substr(0, 1000));
 }

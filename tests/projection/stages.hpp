@@ -92,7 +92,9 @@ struct Stages {
   }
   void solve(Real g_dt2) {
     transfer.keep_means();
-    pressure.solve(*surface, water.near.halo(), {g_dt2, 0, rows.depth()});
+    pressure.assemble(*surface, water.near.halo(), {g_dt2, 0, rows.depth()});
+    pressure.begin(water.near.halo());
+    pressure.finish(*surface, water.near.halo());
   }
 
   template <class Visit>

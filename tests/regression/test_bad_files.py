@@ -274,7 +274,7 @@ def check_lists_of_frames(folder, ranks):
         found = [f"exit code {code}: {told}"] if code != 0 or not lists else []
         for path in lists:
             steps = sorted(set(re.findall(r"particles_(\d{6})\.", path.read_text())))
-            if f"set aside as .stale, what can be read of it is listed anew: {path}: damaged" not in told:
+            if f"sets it aside as .stale, and lists anew what can be read of it: {path}: damaged" not in told:
                 found.append(f"{path} is not told of: {told}")
             if steps != ["000000", "000010", "000030"] or not Path(f"{path}.stale").exists():
                 found.append(f"{path} has the steps {steps}, or was not set aside")

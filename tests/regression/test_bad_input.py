@@ -245,6 +245,10 @@ class BadInput(RefusedTest):
             case("bytes.ply", ply(8, 3).replace(b"ascii", b"binary_little_endian"), ["cannot be read as a mesh"]),
             case("half.ply", bytes_of_ply(8)[:-10], ['it ends after 11 of the 12 of "element face"']),
             case("crowd_of_bytes.ply", bytes_of_ply(9), ["cannot be read as a mesh"]),
+            case("solid.stl", b"solid" + stl(10)[5:], ["says that it has 10 triangles", "bytes for 12;"]),
+            case("hole.obj", obj(corners).replace(b"0.4\n", b"\0\0\0\n", 1), ["hole.obj:2: a vertex is not three"]),
+            case("hole.ply", ply(8, 3).replace(b"0.3 0.3 0.1", b"\0\0\0 0.3 0.1"), ["is no number"]),
+            case("part.ply", ply(8, 2.5), ["vertex_indices = 2.5, which is no whole number"]),
             case("fewer.stl", stl(10), ["says that it has 10 triangles", "bytes for 12;"]),
             case("false.stl", stl(4_000_000_000), ["says that it has 4000000000 triangles", "bytes for 12;"]),
             case("cut.stl", stl(12)[:-70], ["says that it has 12 triangles", "bytes for 10 and a part;"]),
@@ -272,7 +276,7 @@ class BadInput(RefusedTest):
             refused = self.run_trevi(2, "scene.toml")
             self.assertEqual(refused.returncode, 2, refused.stderr)
             self.assertIn(f"scene.toml:16: [[obstacle]] path: {name}: {words}", refused.stderr)
-        for name, data in (("whole.stl", stl(12)), ("whole.ply", ply(8, 3)), ("bytes.ply", bytes_of_ply(8)),
+        for name, data in (("whole.stl", stl(12)), ("whole.ply", ply(8, 3)), ("bytes.ply", bytes_of_ply(8) + b"\n"), ("solid.stl", b"solid" + stl(12)[5:]),
                            ("whole.obj", obj(corners))):
             (self.folder / name).write_bytes(data)
             (self.folder / "scene.toml").write_text(text.format(name))

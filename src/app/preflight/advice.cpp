@@ -86,7 +86,7 @@ void look_at_walls(const Scene& scene, const char* list, std::size_t k, const Ob
                   line_of(scene, list, k), obstacle.wall, 2 * scene.fluid.kernel_radius));
 }
 
-// A box two cells wide or more, and thinner than a cell.
+// A box two cells wide or more, and thinner than three quarters of a cell, beside which water was found not to rest.
 void look_at_sheet(const Scene& scene, const char* list, std::size_t k, const ObstacleSettings& obstacle,
                    Advice& advice) {
   if (obstacle.shape != ShapeKind::box || obstacle.inside) return;

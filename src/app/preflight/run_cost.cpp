@@ -99,11 +99,11 @@ double output_bytes(const Scene& scene, double particles) {
     const double kept = std::min(outputs(output.checkpoint->schedule, scene), output.checkpoint->keep + 1.0);
     bytes += kept * particles * (scene.colour == Colour::rainbow_x ? 60 : 56);
   }
-  // Of tables, numbers of a row; in the mean they are so many letters.
+  // Of tables: numbers of a row, each of some 20 letters with its comma.
   constexpr double letters = 20, of_series = 25, of_solid = 6, of_body = 26, of_velocity = 3;
   if (output.series) {
     double numbers = of_series;
-    if (!scene.obstacles.empty()) numbers += of_solid * static_cast<double>(scene.obstacles.size());
+    numbers += of_solid * static_cast<double>(scene.obstacles.size());
     numbers += of_body * static_cast<double>(scene.bodies.size());
     bytes += outputs(*output.series, scene) * numbers * letters;
   }

@@ -79,7 +79,7 @@ SolitaryWave::SolitaryWave(Real height, Real depth, Real gravity) : steepness(he
   c = 101 * e * e * e / 400;
 }
 
-// tanh 3.8 is 0.999.
+// From T = −0.999 to 0.999, about.
 Real SolitaryWave::duration() const {
   constexpr Real half_width = 3.8;
   return 2 / (kappa * celerity) * (half_width + steepness);

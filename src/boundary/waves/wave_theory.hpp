@@ -1,4 +1,4 @@
-// What linear and second-order theory say of waves on water of constant depth and of the paddles that make them. Pure
+// What theory says of waves on water of constant depth and of the paddles that make them. Pure
 // functions of their arguments with the same bits on any processor (elementary.hpp). SI units. Sources: Biésel, La
 // Houille Blanche 6 (1951); Madsen, J. Geophys. Res. 76 (1971); Goring, Caltech KH-R-38 (1978);
 // Grimshaw, J. Fluid Mech. 46 (1971); Goda, Random seas and
@@ -33,8 +33,8 @@ Real stokes_second_amplitude(Real height, Real k, Real depth);
 struct SolitaryWave {
   SolitaryWave(Real height, Real depth, Real gravity);
 
-  /// From the middle of its way to where the wave has that T the water goes so far, m: the integral of eta/d along the
-  /// wave, as what is beneath a stretch of the wave is what its water leaves behind.
+  /// How far the water has gone from the middle of its way when the wave that passes it has that T there, m: the
+  /// integral of eta/d along the wave.
   Real way(Real tanh) const {
     return (a * tanh + b * tanh * tanh * tanh + c * tanh * tanh * tanh * tanh * tanh) / kappa;
   }
@@ -43,14 +43,14 @@ struct SolitaryWave {
     const Real square = tanh * tanh;
     return (a + 3 * b * square + 5 * c * square * square) * (1 - square);
   }
-  /// How long the paddle moves that makes it, s (Goring), and how far, m: to where T is 0.999, and on to 1.
+  /// How long the paddle that makes it moves, s, and how far, m (Goring).
   Real duration() const;
   Real stroke() const { return 2 * way(1); }
 
   Real kappa;      ///< 1/m
   Real celerity;   ///< m/s
   Real steepness;  ///< H/d
-  Real a, b, c;
+  Real a, b, c;    ///< of T, T³ and T⁵ in kappa way
 };
 
 /// A part a sin(2 pi (frequency t + phase)) of the motion of a paddle at the surface of the still water.

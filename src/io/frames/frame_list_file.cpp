@@ -34,16 +34,17 @@ std::string attribute(const std::string& element, const std::string& name) {
   return std::regex_search(element, found, std::regex("\\b" + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
 }
 
-// Of a file that was cut short those that are whole.
-std::vector<FrameEntry> pvd_entries(const std::string& path, const std::string& text) {
+// Of a damaged file those that are whole, where `keep_going`.
+std::vector<FrameEntry> pvd_entries(const std::string& path, const std::string& text, bool keep_going) {
   std::vector<FrameEntry> entries;
   static const std::regex data_set("<DataSet\\b[^>]*>");
   for (std::sregex_iterator it(text.begin(), text.end(), data_set), end; it != end; ++it) {
     const std::string time = attribute(it->str(), "timestep"), file = attribute(it->str(), "file");
     char* rest = nullptr;
     const double seconds = std::strtod(time.c_str(), &rest);
-    if (file.empty() || time.empty() || *rest != '\0')
-      throw InputError(path + ": damaged: " + it->str() + " has no time or no file; use another copy");
+    const bool is_whole = !file.empty() && !time.empty() && *rest == '\0';
+    if (!is_whole && keep_going) continue;
+    if (!is_whole) throw InputError(path + ": damaged: " + it->str() + " has no time or no file; use another copy");
     const std::string part = attribute(it->str(), "part");
     if (part.empty() || part == "0" || entries.empty()) {
       entries.push_back({step_of(file), seconds, file, {}});
@@ -58,7 +59,7 @@ std::vector<FrameEntry> read_pvd(const std::string& path) {
   const std::string text = read_text(path);
   if (text.find("</VTKFile>") == std::string::npos)
     throw InputError(path + ": damaged or cut short (no </VTKFile>); use another copy, or the .hdf.series beside it");
-  return pvd_entries(path, text);
+  return pvd_entries(path, text, false);
 }
 
 std::vector<FrameEntry> read_series(const std::string& path) {
@@ -127,10 +128,10 @@ FrameListFile::FrameListFile(const std::string& path, std::optional<std::int64_t
   if (!restart_step || !fs::exists(path)) return;
   try {
     entries_ = read_frame_list(path);
-  } catch (const InputError&) {  // a run must not fail for its list; the damaged one stays to be looked at
+  } catch (const Error&) {  // a run must not fail for its list; the damaged one stays to be looked at
     try {
-      entries_ = is_pvd(path) ? pvd_entries(path, read_text(path)) : whole_lines(read_text(path));
-    } catch (const InputError&) {  // nothing of it can be read
+      entries_ = is_pvd(path) ? pvd_entries(path, read_text(path), true) : whole_lines(read_text(path));
+    } catch (const Error&) {  // nothing of it can be read
     }
     fs::rename(path, path + ".stale");
   }

@@ -55,16 +55,19 @@ vtkSmartPointer<vtkPolyData> read_by(const std::string& path) {
 }
 
 // 80 bytes of any text, the number of triangles, and 50 bytes for each of them. A file of text begins with "solid", as
-// may one of bytes.
+// may one of bytes, in whose number of triangles there is a byte of 0.
 void check_binary_stl(const std::string& path) {
   constexpr std::uintmax_t head = 84, triangle = 50;
   std::ifstream file(path, std::ios::binary);
   std::array<unsigned char, head> bytes{};
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), head) || std::memcmp(bytes.data(), "solid", 5) == 0) return;
+  const auto is_text = [](const auto& begin) {
+    return std::memcmp(begin.data(), "solid", 5) == 0 && std::find(begin.begin(), begin.end(), 0) == begin.end();
+  };
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), head) || is_text(bytes)) return;
   std::uintmax_t count = 0;
   for (std::size_t k = 4; k-- > 0;) count = 256 * count + bytes[80 + k];
   const std::uintmax_t size = std::filesystem::file_size(path);
-  if (size != head + triangle * count) {
+  if (size < head + triangle * count || size >= head + triangle * (count + 1)) {
     const std::uintmax_t there = size - head;
     throw InputError(path + ": says that it has " + std::to_string(count) + " triangles, and has bytes for " +
                      std::to_string(there / triangle) + (there % triangle > 0 ? " and a part" : "") +
@@ -83,8 +86,8 @@ void check_obj(const std::string& path) {
     int count = 0;
     bool are_numbers = true;
     while (words >> word && word.front() != '#') {
-      char* end = nullptr;
-      are_numbers = are_numbers && std::abs(std::strtod(word.c_str(), &end)) < largest && *end == '\0';
+      double value = 0;
+      are_numbers = are_numbers && is_number(word, value) && std::abs(value) < largest;
       ++count;
     }
     if (!are_numbers || count < 3)

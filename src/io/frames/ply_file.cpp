@@ -78,7 +78,7 @@ class Check {
     }
     if (elements_.size() > 2) return;
     while (std::getline(file_, line_)) {
-      if (!text_ || line_.find_first_not_of(" \t\r") != std::string::npos)
+      if (line_.find_first_not_of(" \t\r") != std::string::npos)
         refuse(fmt::format("there is more in it than the {} vertices and {} faces of its head", vertices.count,
                            faces.count));
     }
@@ -126,7 +126,7 @@ class Check {
           refuse(fmt::format("line {}, \"{}\", is no property", number_, line_));
         elements_.back().properties.push_back(property);
       } else if (word != "comment" && word != "obj_info" && !word.empty()) {
-        refuse(fmt::format("line {}, \"{}\", is none of a head", number_, line_.substr(0, 80)));
+        refuse(fmt::format("line {}, \"{}\", does not belong in a head", number_, line_.substr(0, 80)));
       }
     }
     text_ = kind == "ascii";
@@ -146,6 +146,9 @@ class Check {
 
   void check(const Element& element, std::int64_t n, const Property& property, double value) const {
     const bool is_corner = &property == corners_;
+    if (!property.type.real && value != std::floor(value))
+      refuse(
+          fmt::format("{} {}{} has {} = {}, which is no whole number", element.name, n, place(), property.name, value));
     if (std::abs(value) < largest && (!is_corner || (value >= 0 && value < static_cast<double>(elements_[0].count))))
       return;
     refuse(fmt::format("{} {}{} has {} = {}, which is {}", element.name, n, place(), property.name, value,
@@ -153,9 +156,10 @@ class Check {
   }
   std::int64_t checked_count(const Element& element, std::int64_t n, const Property& property, double count) const {
     const int least = &property == corners_ ? 3 : 0;
-    if (count >= least && count <= static_cast<double>(max_corners)) return static_cast<std::int64_t>(count);
-    refuse(fmt::format("{} {}{} has a list of {}, which is not from {} to {}", element.name, n, place(), count, least,
-                       max_corners));
+    if (count >= least && count <= static_cast<double>(max_corners) && count == std::floor(count))
+      return static_cast<std::int64_t>(count);
+    refuse(fmt::format("{} {}{} has a list of {}, which is no number from {} to {}", element.name, n, place(), count,
+                       least, max_corners));
   }
   std::string place() const { return text_ ? fmt::format(" (line {})", number_) : ""; }
 
@@ -169,9 +173,9 @@ class Check {
     std::string word;
     const auto next = [&] {
       if (!(words >> word)) refuse(fmt::format("line {} ends before all of {} {} is told", number_, element.name, n));
-      char* end = nullptr;
-      const double value = std::strtod(word.c_str(), &end);
-      if (*end != '\0') refuse(fmt::format("line {}: \"{}\" is no number", number_, word.substr(0, 80)));
+      double value = 0;
+      if (!is_number(word, value))
+        refuse(fmt::format("line {}: \"{}\" is no number", number_, word.substr(0, 80).c_str()));
       return value;
     };
     for (const Property& property : element.properties) {
@@ -219,6 +223,12 @@ class Check {
 };
 
 }  // namespace
+
+bool is_number(const std::string& word, double& value) {
+  char* end = nullptr;
+  value = std::strtod(word.c_str(), &end);
+  return !word.empty() && end == word.c_str() + word.size();
+}
 
 void check_ply(const std::string& path) { Check(path).run(); }
 

@@ -27,7 +27,7 @@ void write_holder(int descriptor) {
 std::string read_holder(int descriptor) {
   std::array<char, 300> text{};
   const ssize_t count = ::pread(descriptor, text.data(), text.size(), 0);
-  return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "it has just begun";
+  return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "which has not said yet who it is";
 }
 
 bool lock_file(int descriptor, const std::string& directory) {

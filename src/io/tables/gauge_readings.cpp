@@ -73,15 +73,22 @@ Box walls_of(const Settings& settings) {
   return walls;
 }
 
-// At the start: whether there is a solid below, and none above.
-bool stands_on_solid(const Vec3& foot, const Settings& settings) {
+// Of gauges of height, at the start: whether there is a solid below the foot, and none above.
+std::vector<char> stand_on_solids(const std::vector<GaugeSettings>& gauges, const Settings& settings) {
+  std::vector<char> stand(gauges.size(), 0);
   const Vec3 way = settings.fluid.spacing / 4 * Vec3::UnitZ();
-  const auto is_solid = [&](const Vec3& p) {
-    return std::any_of(settings.obstacles.begin(), settings.obstacles.end(), [&](const ObstacleSettings& obstacle) {
-      return make_shape(obstacle)->distance(BodyMotion(obstacle).at(0).into_body(p)) < 0;
-    });
-  };
-  return is_solid(foot - way) && !is_solid(foot + way);
+  std::vector<char> above(gauges.size(), 0);
+  for (const ObstacleSettings& obstacle : settings.obstacles) {
+    const std::unique_ptr<Shape> shape = make_shape(obstacle);
+    const Pose pose = BodyMotion(obstacle).at(0);
+    for (std::size_t g = 0; g < gauges.size(); ++g) {
+      if (gauges[g].kind != GaugeKind::height) continue;
+      if (shape->distance(pose.into_body(gauges[g].center - way)) < 0) stand[g] = 1;
+      if (shape->distance(pose.into_body(gauges[g].center + way)) < 0) above[g] = 1;
+    }
+  }
+  for (std::size_t g = 0; g < gauges.size(); ++g) stand[g] = stand[g] != 0 && above[g] == 0 ? 1 : 0;
+  return stand;
 }
 
 }  // namespace
@@ -94,6 +101,7 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       walls_(walls_of(settings)),
       middles_{walls_.min.array() + spacing_ / 2, walls_.max.array() - spacing_ / 2},
       in_layer_(settings.fluid.dimensions == 2),
+      stands_on_solid_(stand_on_solids(gauges_, settings)),
       pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
   std::optional<StandingSolids> solids;
   for (const GaugeSettings& gauge : gauges_) {
@@ -104,17 +112,16 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       if (!solids) solids.emplace(settings);
       open_.back().emplace(gauge, *solids, settings);
     }
-    stands_on_solid_.push_back(gauge.kind == GaugeKind::height && stands_on_solid(gauge.center, settings));
     run_ups_.emplace_back(gauge, settings);
     flows_.emplace_back(gauge, settings);
   }
 }
 
-// Each particle is a cube of one spacing that lies in the box, and above a solid on which the gauge stands, cut at its
-// foot. A wire that is wetted
-// measures the same: air in the water does not count. Of particles nearer to the floor than half a spacing a gauge on
-// it would miss a part, and crests press more of them there: waves were 2.4 % too low. Along walls the disc's weight is
-// its mean over the spacing next to them: where in that the cubes lie tells little of the water.
+// Each particle is a cube of one spacing that lies in the box, and above a solid on which the gauge stands; it is cut
+// at the foot. A wire that is wetted measures the same: air in the water does not count. Of particles nearer to the
+// floor than half a spacing a gauge on it would miss a part, and crests press more of them there: waves were 2.4 % too
+// low. Along walls the disc's weight is its mean over the spacing next to them: where in that the cubes lie tells
+// little of the water.
 void GaugeReadings::add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const {
   const Real half = spacing_ / 2, reach = gauges_[g].radius + half + spacing_;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
