@@ -217,11 +217,12 @@ class BadInput(RefusedTest):
             return "".join([head, *(f"{x} {y} {z}\n" for x, y, z in points), f"3 0 1 {corner}\n",
                             *(f"3 {a} {b} {c}\n" for a, b, c in faces[1:])]).encode()
 
-        def bytes_of_ply(count):
-            head = ply(count, 3).split(b"end_header")[0].replace(b"ascii", b"binary_little_endian")
+        def bytes_of_ply(count, order="<"):
+            kind = b"binary_little_endian" if order == "<" else b"binary_big_endian"
+            head = ply(count, 3).split(b"end_header")[0].replace(b"ascii", kind)
             numbers = numpy.zeros((12, 13), numpy.uint8)
-            numbers[:, 0], numbers[:, 1:] = 3, numpy.array(faces, "<i4").view(numpy.uint8)
-            return head + b"end_header\n" + numpy.array(corners, "<f4").tobytes() + numbers.tobytes()
+            numbers[:, 0], numbers[:, 1:] = 3, numpy.array(faces, order + "i4").view(numpy.uint8)
+            return head + b"end_header\n" + numpy.array(corners, order + "f4").tobytes() + numbers.tobytes()
         text = "\n".join(GOOD) + "\n[[obstacle]]\ntype = 'mesh'\npath = '{}'\n"
 
         def case(name, data, words):
@@ -276,7 +277,8 @@ class BadInput(RefusedTest):
             refused = self.run_trevi(2, "scene.toml")
             self.assertEqual(refused.returncode, 2, refused.stderr)
             self.assertIn(f"scene.toml:16: [[obstacle]] path: {name}: {words}", refused.stderr)
-        for name, data in (("whole.stl", stl(12)), ("whole.ply", ply(8, 3)), ("bytes.ply", bytes_of_ply(8) + b"\n"), ("solid.stl", b"solid" + stl(12)[5:]),
+        for name, data in (("whole.stl", stl(12)), ("solid.stl", b"solid" + stl(12)[5:]), ("whole.ply", ply(8, 3)),
+                           ("bytes.ply", bytes_of_ply(8) + b"\n"), ("turned.ply", bytes_of_ply(8, ">")),
                            ("whole.obj", obj(corners))):
             (self.folder / name).write_bytes(data)
             (self.folder / "scene.toml").write_text(text.format(name))

@@ -190,8 +190,10 @@ class Check {
       std::array<char, 8> bytes{};
       if (!file_.read(bytes.data(), static_cast<std::streamsize>(type.bytes)))
         refuse(fmt::format("it ends after {} of the {} of \"element {}\"", n, element.count, element.name));
-      if (swapped_) std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(type.bytes));
-      return value_of(type, bytes);
+      if (!swapped_) return value_of(type, bytes);
+      std::array<char, 8> turned{};
+      for (std::size_t k = 0; k < type.bytes; ++k) turned[k] = bytes[type.bytes - 1 - k];
+      return value_of(type, turned);
     };
     for (const Property& property : element.properties) {
       const std::int64_t count = property.is_list() ? checked_count(element, n, property, next(property.count)) : 1;
