@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parallel/collective.hpp"
+#include "parallel/reductions.hpp"
 #include "solver.hpp"
 #include "trevi/error.hpp"
 #include "trevi/session.hpp"
@@ -56,11 +57,7 @@ Input read(const SolverArguments& given) {
 }
 
 /// Whether it is so on any rank. Collective.
-bool on_any(MPI_Comm comm, bool here) {
-  int any = here ? 1 : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm);
-  return any != 0;
-}
+bool on_any(MPI_Comm comm, bool here) { return max_over_ranks(comm, here ? 1 : 0) > 0; }
 
 void check_same(MPI_Comm comm, const Marks& marks) {
   std::vector<std::int64_t> least, most;

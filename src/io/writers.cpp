@@ -38,8 +38,7 @@ std::shared_ptr<const ObstacleSurfaces> obstacle_surfaces(const Settings& settin
 
 void add_tables(MPI_Comm comm, const Settings& settings, const WriterOptions& options,
                 std::vector<std::unique_ptr<Observer>>& writers) {
-  const std::optional<Schedule> gauges = settings.output.gauges ? settings.output.gauges : settings.output.series;
-  if (!settings.gauges.empty() && gauges)
+  if (const std::optional<Schedule> gauges = schedule_of_gauges(settings))
     writers.push_back(
         std::make_unique<GaugeSeries>(comm, TableOptions{options.directory, *gauges, options.restart_step}, settings));
   if (!settings.output.series) return;
@@ -124,6 +123,11 @@ std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, co
   std::vector<std::unique_ptr<Observer>> writers = make_writers(comm, settings, options);
   writers.push_back(std::move(lock));
   return writers;
+}
+
+std::optional<Schedule> schedule_of_gauges(const Settings& settings) {
+  if (settings.gauges.empty()) return std::nullopt;
+  return settings.output.gauges ? settings.output.gauges : settings.output.series;
 }
 
 bool needs_vtk(const OutputSettings& output) {

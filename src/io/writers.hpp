@@ -32,6 +32,9 @@ std::vector<std::unique_ptr<Observer>> make_writers(MPI_Comm comm, const Setting
 std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, const Settings& settings,
                                                                const WriterOptions& options);
 
+/// Of rows of gauges.csv; none where nothing asks for them.
+std::optional<Schedule> schedule_of_gauges(const Settings& settings);
+
 /// Whether frames in VTU are asked for.
 bool needs_vtk(const OutputSettings& output);
 

@@ -15,6 +15,7 @@
 #include "fluid/filters/xsph_viscosity.hpp"
 #include "fluid/forcings/inlet.hpp"
 #include "io/frames/frame_sets.hpp"
+#include "io/writers.hpp"
 #include "parallel/reductions.hpp"
 #include "scene/initial_particles.hpp"
 #include "scene/lattice.hpp"
@@ -219,8 +220,7 @@ std::string output_text(const Scene& scene, const std::string& directory, double
   std::string text = fmt::format("output      {}\n", directory);
   const OutputSettings& output = scene.output;
   if (output.series) text += fmt::format("  series.csv  {}\n", schedule_text(*output.series));
-  if (const std::optional<Schedule>& rows = output.gauges ? output.gauges : output.series;
-      rows && !scene.gauges.empty())
+  if (const std::optional<Schedule> rows = schedule_of_gauges(scene))
     text += fmt::format("  gauges.csv  {}, {} gauges\n", schedule_text(*rows), scene.gauges.size());
   if (output.vtu) text += fmt::format("  VTU         {}\n", schedule_text(output.vtu->schedule));
   if (output.vtkhdf) text += fmt::format("  VTKHDF      {}\n", schedule_text(output.vtkhdf->schedule));

@@ -9,6 +9,7 @@
 #include "app/build.hpp"
 #include "fluid/in_two_dimensions.hpp"
 #include "io/frames/frame_sets.hpp"
+#include "io/writers.hpp"
 #include "scene/lattice.hpp"
 
 namespace trevi {
@@ -100,14 +101,13 @@ double output_bytes(const Scene& scene, double particles) {
     bytes += kept * particles * (scene.colour == Colour::rainbow_x ? 60 : 56);
   }
   // Of tables: numbers of a row, each of some 20 letters with its comma.
-  constexpr double letters = 20, of_series = 25, of_solid = 6, of_body = 26, of_velocity = 3;
+  constexpr double letters = 20, of_series = 25, of_solid = 6, of_body = 19, of_velocity = 3;
   if (output.series) {
-    double numbers = of_series;
-    numbers += of_solid * static_cast<double>(scene.obstacles.size());
-    numbers += of_body * static_cast<double>(scene.bodies.size());
+    const double numbers = of_series + of_solid * static_cast<double>(scene.obstacles.size()) +
+                           of_body * static_cast<double>(scene.bodies.size());
     bytes += outputs(*output.series, scene) * numbers * letters;
   }
-  if (const std::optional<Schedule>& rows = output.gauges ? output.gauges : output.series; rows) {
+  if (const std::optional<Schedule> rows = schedule_of_gauges(scene)) {
     double numbers = 0;
     for (const GaugeSettings& gauge : scene.gauges) numbers += gauge.kind == GaugeKind::velocity ? of_velocity : 1;
     bytes += outputs(*rows, scene) * numbers * letters;
