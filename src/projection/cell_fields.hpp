@@ -1,6 +1,6 @@
 // Numbers of the cells of the projection's grid, several of each cell, laid out for loops over the cells of a row: of a
-// row eight cells after another, of these first the first number of all, then the second of all. Planes, and the ring
-// of rows around each, are those of ProjectionGrid, the memory of eights that of RowStorage, which has none where there
+// row four cells after another, of these first the first number of all, then the second of all. Planes, and the ring
+// of rows around each, are those of ProjectionGrid, the memory of fours that of RowStorage, which has none where there
 // is no water: such cells are 0. Whoever writes a row writes all of its cells that there is memory for, or clears them.
 // Not collective.
 #pragma once
@@ -16,61 +16,55 @@
 
 namespace trevi {
 
-/// One number of eight cells of a row.
-struct alignas(64) EightCells {
-  static constexpr std::size_t count = 8;
-  Real of[count];
-};
-
 /// A struct that is nothing but numbers, as these in their order.
 template <class T>
 using NumbersOf = std::array<Real, sizeof(T) / sizeof(Real)>;
 
 /// The first numbers of a cell of a row, of `numbers` each, as those of a T.
 template <class T>
-T cell_of(const EightCells* row, std::size_t numbers, LocalId c) {
-  constexpr LocalId eight = EightCells::count;
+T cell_of(const FourCells* row, std::size_t numbers, LocalId c) {
+  constexpr LocalId four = FourCells::count;
   NumbersOf<T> value;
-  const EightCells* const from = row + static_cast<std::size_t>(c / eight) * numbers;
-  for (std::size_t q = 0; q < value.size(); ++q) value[q] = from[q].of[c % eight];
+  const FourCells* const from = row + static_cast<std::size_t>(c / four) * numbers;
+  for (std::size_t q = 0; q < value.size(); ++q) value[q] = from[q].of[c % four];
   return std::bit_cast<T>(value);
 }
 
-/// The eights of a row of cells. There may be no memory for an eight: then it is 0, and must not be written.
+/// The fours of a row of cells. There may be no memory for a four: then it is 0, and must not be written.
 template <class Cells>
-struct EightsOfRow {
+struct FoursOfRow {
   Cells* values;
   const std::uint32_t* places;
   std::uint32_t nowhere;
   std::size_t numbers;  // of a cell
 
-  bool has(std::size_t eight) const { return places[eight] != nowhere; }
-  /// The first number of the cells of an eight.
-  Cells* operator[](std::size_t eight) const { return values + places[eight] * numbers; }
-  /// Those from an eight on.
-  EightsOfRow from(std::size_t eight) const { return {values, places + eight, nowhere, numbers}; }
+  bool has(std::size_t four) const { return places[four] != nowhere; }
+  /// The first number of the cells of a four.
+  Cells* operator[](std::size_t four) const { return values + places[four] * numbers; }
+  /// Those from a four on.
+  FoursOfRow from(std::size_t four) const { return {values, places + four, nowhere, numbers}; }
   /// Their numbers from one on.
-  EightsOfRow from_number(std::size_t q) const { return {values + q, places, nowhere, numbers}; }
+  FoursOfRow from_number(std::size_t q) const { return {values + q, places, nowhere, numbers}; }
   /// The same to read.
-  operator EightsOfRow<const Cells>() const { return {values, places, nowhere, numbers}; }
+  operator FoursOfRow<const Cells>() const { return {values, places, nowhere, numbers}; }
 };
-using RowToRead = EightsOfRow<const EightCells>;
-using RowToWrite = EightsOfRow<EightCells>;
+using RowToRead = FoursOfRow<const FourCells>;
+using RowToWrite = FoursOfRow<FourCells>;
 
 /// Number q of cell c of a row.
 template <class Cells>
-auto* number_of(const EightsOfRow<Cells>& row, LocalId c, std::size_t q = 0) {
-  constexpr LocalId eight = EightCells::count;
-  return &row[static_cast<std::size_t>(c / eight)][q].of[c % eight];
+auto* number_of(const FoursOfRow<Cells>& row, LocalId c, std::size_t q = 0) {
+  constexpr LocalId four = FourCells::count;
+  return &row[static_cast<std::size_t>(c / four)][q].of[c % four];
 }
 
 /// Clears the cells [columns) of a row of which there is memory.
 inline void clear_cells(const RowToWrite& row, Range columns) {
-  constexpr LocalId eight = EightCells::count;
+  constexpr LocalId four = FourCells::count;
   for (LocalId c = columns.begin; c < columns.end;) {
-    const LocalId end = std::min(columns.end, (c / eight + 1) * eight);
-    const auto e = static_cast<std::size_t>(c / eight);
-    for (std::size_t q = 0; q < row.numbers && row.has(e); ++q) std::fill_n(row[e][q].of + c % eight, end - c, 0.0);
+    const LocalId end = std::min(columns.end, (c / four + 1) * four);
+    const auto f = static_cast<std::size_t>(c / four);
+    for (std::size_t q = 0; q < row.numbers && row.has(f); ++q) std::fill_n(row[f][q].of + c % four, end - c, 0.0);
     c = end;
   }
 }
@@ -82,11 +76,11 @@ class CellFields {
 
   /// Memory for the grid as it is now, until give_back(): 0 in planes that neighbours exchange; else not yet written.
   void borrow(Scratch& scratch, const RowStorage& storage) {
-    borrow(storage, [&](std::size_t size) { return scratch.borrow<EightCells>(size); });
+    borrow(storage, [&](std::size_t size) { return scratch.borrow<FourCells>(size); });
   }
   /// The same for a stage that ends before any loan does.
   void borrow_briefly(Scratch& scratch, const RowStorage& storage) {
-    borrow(storage, [&](std::size_t size) { return scratch.borrow_briefly<EightCells>(size); });
+    borrow(storage, [&](std::size_t size) { return scratch.borrow_briefly<FourCells>(size); });
   }
   void give_back() { values_.give_back(); }
 
@@ -103,18 +97,18 @@ class CellFields {
   /// Clears the cells of a row but for `kept`.
   void clear_around(LocalId k, LocalId r, Range kept) {
     clear_cells(row(k, r), {0, kept.begin});
-    clear_cells(row(k, r), {kept.end, eight_cells * static_cast<LocalId>(storage_->per_row())});
+    clear_cells(row(k, r), {kept.end, four_cells * static_cast<LocalId>(storage_->per_row())});
   }
   /// Clears a row.
   void clear(LocalId k, LocalId r) { clear_around(k, r, {0, 0}); }
   /// The first numbers of a cell as those of a T.
   template <class T>
   T cell(LocalId k, LocalId r, LocalId c) const {
-    return cell_of<T>(row(k, r)[eight(c)], 0, static_cast<LocalId>(lane(c)));
+    return cell_of<T>(row(k, r)[four(c)], 0, static_cast<LocalId>(lane(c)));
   }
   template <class T>
   void set(LocalId k, LocalId r, LocalId c, const T& value) {
-    EightCells* const to = row(k, r)[eight(c)];
+    FourCells* const to = row(k, r)[four(c)];
     const auto all = std::bit_cast<NumbersOf<T>>(value);
     for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
   }
@@ -130,7 +124,7 @@ class CellFields {
     });
     if (!halo.rows_are_cut()) return;
     halo.start_rows(
-        {planes, storage_->per_row() * in_exchanged_ * sizeof(EightCells)},
+        {planes, storage_->per_row() * in_exchanged_ * sizeof(FourCells)},
         [this](LocalId k, LocalId r, int) { return values_.data() + storage_->places(k, r)[0] * in_exchanged_; });
   }
   std::size_t numbers() const { return numbers_; }
@@ -142,18 +136,18 @@ class CellFields {
     rest_ = (storage_->exchanged() + 1) * (in_exchanged_ - numbers_);
     values_.give_back();
     values_ = memory(rest_ + storage_->size() * numbers_);
-    // With the eight that stands for all others, which has as many numbers, too.
+    // With the four that stands for all others, which has as many numbers, too.
     const std::size_t first = (storage_->exchanged() + 1) * in_exchanged_;
     for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
   }
-  static constexpr LocalId eight_cells = EightCells::count;
-  static std::size_t eight(LocalId c) { return static_cast<std::size_t>(c / eight_cells); }
-  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % EightCells::count; }
+  static constexpr LocalId four_cells = FourCells::count;
+  static std::size_t four(LocalId c) { return static_cast<std::size_t>(c / four_cells); }
+  static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % FourCells::count; }
 
   std::size_t numbers_, in_exchanged_;
   std::size_t rest_ = 0;  // where places in rows that are not exchanged are counted from
   const RowStorage* storage_ = nullptr;
-  Borrowed<EightCells> values_;
+  Borrowed<FourCells> values_;
 };
 
 /// work(state, k, r) for the rows of all own planes, those of the planes at either end first, and those at cuts: send()

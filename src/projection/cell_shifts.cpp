@@ -67,15 +67,15 @@ HWY_INLINE V3 load_path(const Motion& shifts, std::size_t i) {
 template <std::size_t count, class Of>
 HWY_INLINE std::array<Real, count> sum_cell(const CellParticles& cell, const Of& of) {
   alignas(64) Real lanes[count][virtual_lanes];
-  const auto add_eight = [&]<bool first>(std::size_t i) {
+  const auto add_vector = [&]<bool first>(std::size_t i) {
     for (std::size_t lane = 0; lane < virtual_lanes; lane += hn::Lanes(Wide())) {
       const std::array<V, count> terms = of(i + lane);
       for (std::size_t q = 0; q < count; ++q) add_to_lanes<first>(&lanes[q][lane], terms[q]);
     }
   };
-  add_eight.template operator()<true>(cell.begin);
+  add_vector.template operator()<true>(cell.begin);
   for (std::size_t i = cell.begin + virtual_lanes; i < cell.end; i += virtual_lanes)
-    add_eight.template operator()<false>(i);
+    add_vector.template operator()<false>(i);
   std::array<Real, count> sums;
   fold_all<count>(lanes, sums.data());
   return sums;

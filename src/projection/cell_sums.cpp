@@ -36,7 +36,7 @@ HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
 }
 
 // The part of each particle's volume below the cell along a, in it and above it.
-HWY_INLINE V3 parts(const CellFrame& frame, const Particles8& particles, const ByAxis& corner, std::size_t a) {
+HWY_INLINE V3 parts(const CellFrame& frame, const ParticleVectors& particles, const ByAxis& corner, std::size_t a) {
   const V mid = clamp(particles.surface[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
   const V below = frame.floor[a] < corner[a] ? part_beyond(frame, mid, a) : set(0);
   const V above = frame.ceiling[a] > corner[a] + 1 ? part_beyond(frame, hn::Sub(set(1), mid), a) : set(0);
@@ -49,7 +49,7 @@ HWY_INLINE void add(Lanes& lanes, std::size_t quantity, std::size_t lane, V v) {
 }
 
 template <bool first>
-HWY_INLINE void add_motion(const Particles8& particles, hn::Mask<Wide> valid, std::size_t lane, Lanes& lanes) {
+HWY_INLINE void add_motion(const ParticleVectors& particles, hn::Mask<Wide> valid, std::size_t lane, Lanes& lanes) {
   V3 y = zeros(), u = zeros();
   for (std::size_t a = 0; a < 3; ++a) {
     y[a] = hn::IfThenElseZero(valid, particles.y[a]);
@@ -74,7 +74,7 @@ HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, cons
   for (std::size_t lane = 0; lane < virtual_lanes; lane += hn::Lanes(d)) {
     const std::size_t begin = i + lane, count = cell.end > begin ? cell.end - begin : 0;
     const auto valid = hn::FirstN(d, std::min(count, hn::Lanes(d)));
-    const Particles8 particles = load(frame, motion, cell, begin);
+    const ParticleVectors particles = load(frame, motion, cell, begin);
     add_motion<first>(particles, valid, lane, lanes);
     if constexpr (volumes) {
       V3 x = parts(frame, particles, cell.place.corner, 0);
@@ -112,7 +112,7 @@ MotionSums sum_motion_of(const CellFrame& frame, const Motion& motion, const Cel
   return std::bit_cast<MotionSums>(sums);
 }
 
-HWY_INLINE Vec4s displacements(const Particles8& particles, const CellParticles& cell, const CellDisplacement& by) {
+HWY_INLINE Vec4s displacements(const ParticleVectors& particles, const CellParticles& cell, const CellDisplacement& by) {
   const V above = hn::Sub(particles.surface[2], set(by.surface - cell.place.corner[2]));
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
   Vec4s out{zeros(), hn::Mul(faded, set(by.act))};

@@ -19,7 +19,7 @@ namespace trevi {
 namespace HWY_NAMESPACE {
 
 // A vector of particles of a cell; lanes of `valid` hold one.
-struct Particles8 {
+struct ParticleVectors {
   V3 path;     // p − x, m
   V3 surface;  // surface position, in cells from the corner of the cell
   V3 y, half;  // MotionSums; half of the path, in cells
@@ -38,10 +38,10 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
   return v;
 }
 
-HWY_INLINE Particles8 load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
+HWY_INLINE ParticleVectors load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
   constexpr Real max_half = projection::max_half_path, most = projection::max_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
-  Particles8 particles{zeros(), zeros(), zeros(), zeros()};
+  ParticleVectors particles{zeros(), zeros(), zeros(), zeros()};
   V longest = set(most);
   for (std::size_t a = 0; a < 3; ++a)
     longest = hn::Max(longest, hn::Abs(hn::Mul(hn::Sub(p[a], x[a]), set(frame.per_length[a]))));
@@ -105,53 +105,28 @@ HWY_INLINE void fold_two(const Real (*lanes)[virtual_lanes], std::size_t q, doub
   hn::StoreU(hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)), d, out);
 }
 
-using Four = hn::CappedTag<double, 4>;
 // Of two quantities: even and odd lanes of the one, then of the other.
-HWY_INLINE auto even_and_odd(const double* one, const double* other) {
-  const Four d;
-  const auto a = hn::Add(hn::Load(d, one), hn::Load(d, one + 4));
-  const auto b = hn::Add(hn::Load(d, other), hn::Load(d, other + 4));
+HWY_INLINE V even_and_odd(const double* one, const double* other) {
+  const Wide d;
+  const V a = hn::Add(hn::Load(d, one), hn::Load(d, one + 4));
+  const V b = hn::Add(hn::Load(d, other), hn::Load(d, other + 4));
   return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
 }
 HWY_INLINE void fold_four(const Real (*lanes)[virtual_lanes], std::size_t q, double* out) {
-  if constexpr (hn::MaxLanes(Four()) < 4) {
+  if constexpr (hn::MaxLanes(Wide()) < 4) {
     fold_two(lanes, q, out);
     fold_two(lanes, q + 2, out + 2);
   } else {
-    const Four d;
-    const auto first = even_and_odd(lanes[q], lanes[q + 2]);
-    const auto second = even_and_odd(lanes[q + 1], lanes[q + 3]);
-    hn::StoreU(hn::Add(hn::InterleaveLower(d, first, second), hn::InterleaveUpper(d, first, second)), d, out);
-  }
-}
-
-// Of two quantities: the sums of lanes that are four apart, of the one and then of the other.
-HWY_INLINE V halves(const double* one, const double* other) {
-  const Wide d;
-  const V a = hn::Load(d, one), b = hn::Load(d, other);
-  return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
-}
-// Even and odd lanes of four quantities: the first of a, the first of b, the second of a, the second of b.
-HWY_INLINE V quarters(V a, V b) {
-  return hn::Add(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a), hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a)));
-}
-HWY_INLINE void fold_eight(const Real (*lanes)[virtual_lanes], std::size_t q, double* out) {
-  if constexpr (hn::MaxLanes(Wide()) < virtual_lanes) {
-    fold_four(lanes, q, out);
-    fold_four(lanes, q + 4, out + 4);
-  } else {
     const Wide d;
-    const auto of = [&](std::size_t i) { return halves(lanes[q + i], lanes[q + i + 4]); };
-    const V first = quarters(of(0), of(2)), second = quarters(of(1), of(3));
+    const V first = even_and_odd(lanes[q], lanes[q + 2]), second = even_and_odd(lanes[q + 1], lanes[q + 3]);
     hn::StoreU(hn::Add(hn::InterleaveLower(d, first, second), hn::InterleaveUpper(d, first, second)), d, out);
   }
 }
 
 template <std::size_t count>
 HWY_INLINE void fold_all(const Real (*lanes)[virtual_lanes], double* out) {
-  constexpr std::size_t eights = count / 8 * 8, fours = count / 4 * 4;
-  for (std::size_t q = 0; q < eights; q += 8) fold_eight(lanes, q, out + q);
-  if constexpr (fours > eights) fold_four(lanes, eights, out + eights);
+  constexpr std::size_t fours = count / 4 * 4;
+  for (std::size_t q = 0; q < fours; q += 4) fold_four(lanes, q, out + q);
   if constexpr (count % 4 >= 2) fold_two(lanes, fours, out + fours);
   if constexpr (count % 2 == 1) {
     const auto last = folded(lanes[count - 1]);

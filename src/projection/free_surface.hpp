@@ -55,6 +55,10 @@ class FreeSurface {
     if (openings_ != nullptr && openings_->closes(a, at)) return 0;
     return from_.cuts != nullptr ? from_.cuts->face(a, at) : 1;
   }
+  /// Whether nothing passes a face of cell (k, r, c): in a wall of the box, or of solids.
+  bool is_closed(const CellFace& of, LocalId k, LocalId r, LocalId c) const {
+    return grid().is_wall(of, k, r, c) || face(of.a, grid().index_of(of, grid().index(k, r, c))) == 0;
+  }
   /// Whether the cell is solid; it is wet where the water below it has no surface under it.
   bool is_solid(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->open(at) == 0; }
   /// Whether a solid closes a part of the cell.

@@ -23,6 +23,12 @@
 
 namespace trevi {
 
+/// The lower or the upper face of a cell in direction a.
+struct CellFace {
+  std::size_t a;
+  bool upper;
+};
+
 class ProjectionGrid {
  public:
   /// Arrays over cells are borrowed from `scratch`.
@@ -119,6 +125,15 @@ class ProjectionGrid {
     if (a == 0) return (wall_below() && k == 1) || (wall_above() && k == planes() + 1);
     const LocalId row = first_row() + r;
     return !repeats_[a] && (a == 1 ? row == 0 || row == count_[1] : c == 0 || c == count_[2]);
+  }
+  /// Whether a face of cell (k, r, c) is in a wall.
+  bool is_wall(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
+    const auto& [a, upper] = face;
+    return is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c + (upper && a == 2));
+  }
+  /// The index of the face of a cell.
+  std::size_t index_of(const CellFace& face, std::size_t cell) const {
+    return cell + (face.upper ? step(face.a) : 0);
   }
   /// Whether the cell below cell (k, r, c) in direction a has an index: those below the ghost planes and rows have
   /// none.

@@ -72,6 +72,7 @@ bool GridToParticles::is_near_surface(std::size_t floor, LocalId c) const {
 
 void GridToParticles::prepare(Halo& halo, const Step& step) {
   step_ = step;
+  closed_.find(surface_);
   if (!surface_.upright()) return;
   const ProjectionGrid& grid = surface_.grid();
   if (surface_.cuts() != nullptr) cut_fit_.borrow_briefly(grid.scratch(), grid.storage());
@@ -101,7 +102,7 @@ void GridToParticles::fit_noise(TentMemory& memory, LocalId k, LocalId r) {
   const Range cells = water.filled(k, r);
   const std::size_t floor = grid.index(k, r, 0);
   static thread_local std::vector<Real> rates;
-  rates.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
+  rates.assign(static_cast<std::size_t>(grid.columns()) + FourCells::count, 0.0);
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (water.all_moments().number(0, k, r, c) > 0 && (surface_.is_wet(at) || follows(at)))
@@ -153,32 +154,35 @@ Real GridToParticles::moved(std::size_t a, std::size_t face) const {
 
 // What takes the particles of a cell along with a wall, or with a solid. They move towards it as the linear mean at its
 // face does.
-Real GridToParticles::through_closed(std::size_t a, std::size_t face, std::size_t at) const {
-  const Real wall = moved(a, face);
+Real GridToParticles::through_closed(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const std::size_t at = grid.index(k, r, c);
+  const Real wall = moved(face.a, grid.index_of(face, at)), by_wall = wall - closed_.displacement(face, k, r, c);
   const ParticlesToGrid::Means held = surface_.water().means(at);
-  if (held.n == 0) return wall - surface_.water().displacement(a, face);
-  return bounded(wall - surface_.water().displacement(a, face), wall - held.u[surface_.grid().axis(a)] / held.n);
+  return held.n == 0 ? by_wall : bounded(by_wall, wall - held.u[grid.axis(face.a)] / held.n);
 }
 
 GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r,
                                                     LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
-  const std::size_t at = grid.index(k, r, c), above = at + grid.step(a);
+  const std::size_t at = grid.index(k, r, c);
   FacePair pair;
   if (a == 1 && grid.is_layer()) return {0, 0, true, true, true, true};
-  pair.low_wall = grid.is_wall(a, k, r, c);
-  pair.high_wall = grid.is_wall(a, k + (a == 0), r + (a == 1), c + (a == 2));
-  pair.low_closed = pair.low_wall || surface_.face(a, at) == 0;
-  pair.high_closed = pair.high_wall || surface_.face(a, above) == 0;
+  const CellFace lower{a, false}, upper{a, true};
+  pair.low_wall = grid.is_wall(lower, k, r, c);
+  pair.high_wall = grid.is_wall(upper, k, r, c);
+  pair.low_closed = surface_.is_closed(lower, k, r, c);
+  pair.high_closed = surface_.is_closed(upper, k, r, c);
   const bool wet = surface_.is_wet(at);
-  const auto through = [&](std::size_t face, bool closed, bool& known) {
+  const auto through = [&](const CellFace& of, bool closed, bool& known) {
+    const std::size_t face = grid.index_of(of, at);
     known = closed ? wet : surface_.is_wet(face) || surface_.is_wet(face - grid.step(a));
     if (!known) return 0.0;
-    return closed ? through_closed(a, face, at) : pressure.displacement(surface_, a, face);
+    return closed ? through_closed(of, k, r, c) : pressure.displacement(surface_, a, face);
   };
   bool low_known = false, high_known = false;
-  pair.low = through(at, pair.low_closed, low_known);
-  pair.high = through(above, pair.high_closed, high_known);
+  pair.low = through(lower, pair.low_closed, low_known);
+  pair.high = through(upper, pair.high_closed, high_known);
   // A face between two dry cells has no phi on either side; under gravity it takes that of the opposite face.
   if (surface_.upright() && !low_known) pair.low = pair.high;
   if (surface_.upright() && !high_known) pair.high = pair.low;

@@ -26,6 +26,7 @@
 
 #include <optional>
 
+#include "projection/closed_faces.hpp"
 #include "projection/pressure.hpp"
 
 namespace trevi {
@@ -46,13 +47,13 @@ class GridToParticles {
   struct Step {
     Real g_dt2, time;
   };
-  /// Finds noise and its fits, in memory that is borrowed until give_back(). Not needed without gravity: nothing makes
-  /// noise there.
+  /// Finds how the water moves into closed faces, of which displacements are not needed any more, and noise and its
+  /// fits, in memory that is borrowed until give_back(), but without gravity: nothing makes noise there.
   void prepare(Halo& halo, const Step& step);
   /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
   /// part of a loop of threads, in which rows come in their order.
   struct Damping {
-    std::vector<EightCells> row;
+    std::vector<FourCells> row;
     std::array<TentMemory, 3> memories;  // of the fits of noise, of the motion, and of that in cut cells
   };
   void find_damping(Damping& damping, LocalId k, LocalId r) const;
@@ -66,6 +67,7 @@ class GridToParticles {
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles are displaced.
   void give_back() { cut_fit_.give_back(); }
+  std::size_t bytes() const { return closed_.bytes(); }
 
  private:
   // The lower and the upper displacement in each direction, and whether the face is closed.
@@ -87,7 +89,7 @@ class GridToParticles {
   void slip(std::size_t at, std::size_t own, Faces& faces) const;
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
-  Real through_closed(std::size_t a, std::size_t face, std::size_t at) const;
+  Real through_closed(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
   Real rate(Real rest2) const;
   Real part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const;
   bool is_near_surface(std::size_t floor, LocalId c) const;
@@ -98,6 +100,7 @@ class GridToParticles {
   const FreeSurface& surface_;
   Real spacing_, h_;
   Step step_{};
+  ClosedFaces closed_;
   CellFields noise_{numbers::flow};   // what the filter's first pass leaves
   CellFields& noise_fit_;             // the fit of that, times the rate of its cell
   CellFields cut_fit_{numbers::map};  // in cut cells that of the motion itself, times its rate

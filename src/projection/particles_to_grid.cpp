@@ -71,7 +71,7 @@ Real largest_from_one_side(const ProjectionGrid& grid, const CellFrame& frame, R
 class FaceMiddles {
  public:
   void find(std::size_t a, std::size_t first, std::size_t count, const CutCells* cuts) {
-    for (auto& of_axis : middle_) of_axis.assign(count + 2 * EightCells::count, 0.5);
+    for (auto& of_axis : middle_) of_axis.assign(count + 2 * FourCells::count, 0.5);
     if (cuts == nullptr) return;
     for (std::size_t c = 0; c < count; ++c) {
       const ByAxis middle = cuts->middle_of_face(a, first + c);
@@ -121,7 +121,6 @@ void ParticlesToGrid::keep_means() {
 
 void ParticlesToGrid::keep_fits() {
   for (CellFields* field : {&sums_, &means_, &spread_}) field->give_back();
-  for (Borrowed<Real>& u : displacement_) u.give_back();
 }
 
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
@@ -248,7 +247,7 @@ void ParticlesToGrid::add_ghost_row(LocalId k, std::size_t side) {
       Real* const volume = number_of(volumes_of_row, repeats ? (column + columns) % columns : column);
       const auto j = static_cast<std::size_t>(column - c + 1);
       for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane * EightCells::count] += volumes_beside[3 * plane + j];
+        volume[plane * FourCells::count] += volumes_beside[3 * plane + j];
     }
   }
 }
@@ -275,7 +274,7 @@ void ParticlesToGrid::add_volume(const RowsToAdd& to, LocalId c, const CellSums&
       Real* const volume = number_of(to.volumes[i], repeats ? (column + columns) % columns : column);
       const Real* const of_column = of_row + (column - (c - 1));
       for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane * EightCells::count] += of_column[plane * next_plane];
+        volume[plane * FourCells::count] += of_column[plane * next_plane];
     }
   }
 }
@@ -304,7 +303,7 @@ void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
 // For MotionFits, until the next call. It asks of no cell above one: how many columns there are is no matter.
 const Real* ParticlesToGrid::cells_at_solids(const CutCells& cuts, LocalId k, LocalId r) const {
   static thread_local std::vector<Real> at_solid;
-  at_solid.assign(static_cast<std::size_t>(grid_.columns()) + EightCells::count, 0.0);
+  at_solid.assign(static_cast<std::size_t>(grid_.columns()) + FourCells::count, 0.0);
   const Range cells = filled(k, r);
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     const std::size_t at = grid_.index(k, r, c);
@@ -331,14 +330,14 @@ void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutC
     const LocalId row_below = a != 1 ? row : grid_.row_beside(row - 1);
     const Range cells = joined(filled(k, row), filled(plane_below, row_below));
     if (cells.size() == 0) continue;
-    constexpr LocalId eight = EightCells::count;
+    constexpr LocalId four = FourCells::count;
     const bool whole = a == 2 && grid_.repeats()[2];
-    const LocalId begin = whole ? 0 : cells.begin / eight * eight, end = whole ? grid_.columns() : cells.end;
+    const LocalId begin = whole ? 0 : cells.begin / four * four, end = whole ? grid_.columns() : cells.end;
     const auto count = static_cast<std::size_t>(end - begin + (a == 2 ? 1 : 0));
     const std::size_t first = grid_.index(k, row, begin);
     middles.find(a, first, count, cuts_faces ? cuts : nullptr);
     const auto beside = [&](LocalId plane, LocalId of) {
-      const auto lowest = static_cast<std::size_t>(begin / eight);
+      const auto lowest = static_cast<std::size_t>(begin / four);
       return RowBeside{sums_.row(plane, of).from(lowest), fit_.row(plane, of).from(lowest)};
     };
     displace_faces({beside(plane_below, row_below), beside(k, row), grid_.axis(a), middles.rows(), a == 2, whole},

@@ -52,13 +52,13 @@ class ParticlesToGrid {
   /// use(c, particles) for the cells of a row that hold any, in their order.
   template <class Use>
   void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
-    constexpr LocalId eight = EightCells::count;
+    constexpr LocalId four = FourCells::count;
     const LocalId columns = grid_.columns(k, r), row = r * order.grid().columns(), ghosts = order.low_ghosts();
     CellParticles cell{0, 0, grid_.place_of(k, r, 0)};
-    for (LocalId first = 0; first < columns; first += eight) {
-      if (!grid_.storage().has(k, r, static_cast<std::size_t>(first / eight))) continue;
+    for (LocalId first = 0; first < columns; first += four) {
+      if (!grid_.storage().has(k, r, static_cast<std::size_t>(first / four))) continue;
       LocalId begin = order.start(k, row + first);
-      for (LocalId c = first; c < std::min(first + eight, columns); ++c) {
+      for (LocalId c = first; c < std::min(first + four, columns); ++c) {
         const LocalId end = order.start(k, row + c + 1);
         if (begin < end) {
           cell.begin = static_cast<std::size_t>(begin - ghosts);
@@ -110,8 +110,11 @@ class ParticlesToGrid {
   /// Displacement of the water at face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
-  /// Where volumes have been read: they are not needed again.
+  /// Where volumes, or displacements, have been read: they are not needed again.
   void give_back_volumes() { volumes_.give_back(); }
+  void give_back_displacements() {
+    for (Borrowed<Real>& u : displacement_) u.give_back();
+  }
 
   std::size_t bytes() const;
 

@@ -48,6 +48,7 @@ Projection::Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, cons
 void Projection::solve(const CellOrder& order, Halo& halo, const Pressure::Step& step) {
   pressure_.assemble(surface_, halo, step);
   surface_.give_back_fill();
+  particles_to_grid_.give_back_displacements();
   if (!coupling_) {
     pressure_.begin(halo);
     return pressure_.finish(surface_, halo);
@@ -172,7 +173,8 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
 
 std::size_t Projection::bytes() const {
   return rows_.bytes() + grid_.bytes() + (openings_ != nullptr ? openings_->bytes() : 0) +
-         (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + pressure_.bytes();
+         (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + pressure_.bytes() +
+         grid_to_particles_.bytes();
 }
 
 template void Projection::displacements(const CellOrder&, Real, const Motion&, std::span<Vec4<float>>);

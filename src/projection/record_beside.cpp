@@ -43,11 +43,11 @@ Vec3 RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, Loc
 }
 
 // Of its open part, m.
-Vec3 RecordBeside::middle_of(const Face& face, LocalId k, LocalId r, LocalId c) const {
+Vec3 RecordBeside::middle_of(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
   const auto [a, upper] = face;
   const ProjectionGrid& grid = from_.surface.grid();
   const CutCells& cuts = *from_.surface.cuts();
-  const ByAxis middle = cuts.middle_of_face(a, grid.index(k, r, c) + (upper ? grid.step(a) : 0));
+  const ByAxis middle = cuts.middle_of_face(a, grid.index_of(face, grid.index(k, r, c)));
   Vec3 place = cuts.middle(k, r, c);
   for (std::size_t b = 0; b < 3; ++b) {
     const auto axis = static_cast<Eigen::Index>(grid.axis(b));
@@ -59,12 +59,12 @@ Vec3 RecordBeside::middle_of(const Face& face, LocalId k, LocalId r, LocalId c) 
 
 // By how much the pressure on the open part of a face is above what the cell has by itself, which adds up to nothing
 // with that on closed parts, but for the weight of its water: in the mean of the cells on both sides.
-Real RecordBeside::beyond_own(const Face& face, LocalId k, LocalId r, LocalId c) const {
+Real RecordBeside::beyond_own(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
   const auto [a, upper] = face;
   const FreeSurface& surface = from_.surface;
   const ProjectionGrid& grid = surface.grid();
-  if (grid.is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c + (upper && a == 2))) return 0;
-  const std::size_t here = grid.index(k, r, c), at = here + (upper ? grid.step(a) : 0);
+  if (grid.is_wall(face, k, r, c)) return 0;
+  const std::size_t here = grid.index(k, r, c), at = grid.index_of(face, here);
   const std::size_t beyond = upper ? at : here - grid.step(a);
   if (a < 2) return (from_.forces.on_side(beyond) - from_.forces.on_side(here)) / 2;
   const Real beside = from_.pressure.phi_so_far(beyond) - from_.pressure.phi_so_far(here);
@@ -80,9 +80,9 @@ TotalImpulse RecordBeside::of_pressure(LocalId k, LocalId r, LocalId c, bool acr
   for (std::size_t a = 0; a < (across ? 2 : 3); ++a) {
     if (a == 1 && grid.is_layer()) continue;
     for (const bool upper : {false, true}) {
-      const Real open = from_.surface.face(a, here + (upper ? grid.step(a) : 0));
+      const CellFace face{a, upper};
+      const Real open = from_.surface.face(a, grid.index_of(face, here));
       if (open == 0) continue;
-      const Face face{a, upper};
       const Real push = beyond_own(face, k, r, c) * open * particles / grid.size()[static_cast<Eigen::Index>(a)];
       const Vec3 normal = Vec3::Unit(static_cast<Eigen::Index>(grid.axis(a)));
       sum += obstacles_.about_middle((upper ? push : -push) * normal, middle_of(face, k, r, c));

@@ -40,12 +40,8 @@ class RecordBeside {
   TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                             bool across) const;
   TotalImpulse of_pressure(LocalId k, LocalId r, LocalId c, bool across) const;
-  struct Face {
-    std::size_t a;
-    bool upper;
-  };
-  Vec3 middle_of(const Face& face, LocalId k, LocalId r, LocalId c) const;
-  Real beyond_own(const Face& face, LocalId k, LocalId r, LocalId c) const;
+  Vec3 middle_of(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
+  Real beyond_own(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
 
   Sources from_;
   Obstacles& obstacles_;

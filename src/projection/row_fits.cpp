@@ -149,7 +149,7 @@ HWY_INLINE V holds_any(const RowsAround& moments, const Part& part) {
 }
 
 void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
-  const TenCells* const sums = sum_across<MomentSums>(moments);
+  const SixCells* const sums = sum_across<MomentSums>(moments);
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
@@ -164,7 +164,7 @@ void fit_motion_of(const RowsAround& moments, const MotionFits& out) {
 }
 
 void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
-  const TenCells* const sums = sum_across<MomentSums>(moments);
+  const SixCells* const sums = sum_across<MomentSums>(moments);
   for (Part part = cells_of(moments); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<MomentSums> around(sums, part);
@@ -175,7 +175,7 @@ void fit_shifts_of(const RowsAround& moments, const ShiftFits& out) {
 }
 
 void filter_motion_of(const RowsAround& maps, const RowToRead& moments, const RowToWrite& flow) {
-  const TenCells* const sums = sum_across<MapSums>(maps);
+  const SixCells* const sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(maps); part.begin < part.end; ++part) {
     if (!part.is_in(flow)) continue;
     const TentSums<MapSums> around(sums, part);
@@ -198,7 +198,7 @@ void filter_motion_of(const RowsAround& maps, const RowToRead& moments, const Ro
 }
 
 void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
-  const TenCells* const sums = sum_across<FlowSums>(flow);
+  const SixCells* const sums = sum_across<FlowSums>(flow);
   for (Part part = cells_of(flow); part.begin < part.end; ++part) {
     if (!part.is_in(out.fit)) continue;
     const TentSums<FlowSums> around(sums, part);
@@ -210,8 +210,8 @@ void fit_flow_of(const RowsAround& flow, const FlowFits& out) {
   }
 }
 
-void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
-  const TenCells *const noise_sums = sum_across<MapSums>(noise), *const map_sums = sum_across<MapSums>(maps);
+void damp_noise_of(const RowsAround& noise, const RowsAround& maps, FourCells* damping) {
+  const SixCells *const noise_sums = sum_across<MapSums>(noise), *const map_sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(noise); part.begin < part.end; ++part) {
     if (!part.is_in(noise.rows[1][1])) continue;
     const TentSums<MapSums> second(noise_sums, part), first(map_sums, part);
@@ -223,8 +223,8 @@ void damp_noise_of(const RowsAround& noise, const RowsAround& maps, EightCells* 
   }
 }
 
-void add_maps_of(const RowsAround& maps, EightCells* sum) {
-  const TenCells* const sums = sum_across<MapSums>(maps);
+void add_maps_of(const RowsAround& maps, FourCells* sum) {
+  const SixCells* const sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(maps); part.begin < part.end; ++part) {
     if (!part.is_in(maps.rows[1][1])) continue;
     const TentSums<MapSums> around(sums, part);
@@ -234,8 +234,8 @@ void add_maps_of(const RowsAround& maps, EightCells* sum) {
   }
 }
 
-void average_maps_of(const RowsAround& maps, const Real* factor, EightCells* mean) {
-  const TenCells* const sums = sum_across<MapSums>(maps);
+void average_maps_of(const RowsAround& maps, const Real* factor, FourCells* mean) {
+  const SixCells* const sums = sum_across<MapSums>(maps);
   for (Part part = cells_of(maps); part.begin < part.end; ++part) {
     if (!part.is_in(maps.rows[1][1])) continue;
     const TentSums<MapSums> around(sums, part);
@@ -295,11 +295,11 @@ void filter_motion(const RowsAround& maps, const RowToRead& moments, const RowTo
   HWY_DYNAMIC_DISPATCH(filter_motion_of)(maps, moments, flow);
 }
 void fit_flow(const RowsAround& flow, const FlowFits& out) { HWY_DYNAMIC_DISPATCH(fit_flow_of)(flow, out); }
-void damp_noise(const RowsAround& noise, const RowsAround& maps, EightCells* damping) {
+void damp_noise(const RowsAround& noise, const RowsAround& maps, FourCells* damping) {
   HWY_DYNAMIC_DISPATCH(damp_noise_of)(noise, maps, damping);
 }
-void add_maps(const RowsAround& maps, EightCells* sum) { HWY_DYNAMIC_DISPATCH(add_maps_of)(maps, sum); }
-void average_maps(const RowsAround& maps, const Real* factor, EightCells* mean) {
+void add_maps(const RowsAround& maps, FourCells* sum) { HWY_DYNAMIC_DISPATCH(add_maps_of)(maps, sum); }
+void average_maps(const RowsAround& maps, const Real* factor, FourCells* mean) {
   HWY_DYNAMIC_DISPATCH(average_maps_of)(maps, factor, mean);
 }
 

@@ -3,7 +3,7 @@
 // projection::tent along each axis: first across the planes, then across the rows of the plane, then along the row.
 // Each cell is worked on by itself, in the same operations on every processor: the same bits on any ranks and threads.
 // Of cells beyond a wall there is nothing; where the box repeats they are those at its other end, and ghost planes must
-// have come. Of eights of cells for which the row has no memory, as they hold no particles, nothing is found. Not
+// have come. Of fours of cells for which the row has no memory, as they hold no particles, nothing is found. Not
 // collective, on this thread.
 #pragma once
 
@@ -15,15 +15,15 @@ namespace trevi {
 /// around, as far as they have been asked for. One for each field, and for each part of a loop of threads.
 class TentMemory {
  public:
-  /// Of row r of plane k, of the eights that are known.
+  /// Of row r of plane k, of the fours that are known.
   struct Row {
     LocalId k = -1, r = -1;
     std::vector<char> is_known;
-    std::vector<EightCells> values;
+    std::vector<FourCells> values;
   };
-  /// Eight cells of a row, with those before and after them.
-  struct alignas(64) TenCells {
-    Real of[2 * EightCells::count];
+  /// Four cells of a row, with those before and after them.
+  struct alignas(64) SixCells {
+    Real of[2 * FourCells::count];
   };
   /// Memory for that row, or what it holds already, with as many `numbers` of each cell.
   Row& row(LocalId k, LocalId r, std::size_t numbers, std::size_t columns) {
@@ -31,21 +31,21 @@ class TentMemory {
     if (row.k != k || row.r != r) {
       row.k = k;
       row.r = r;
-      row.is_known.assign(eights(columns), 0);
+      row.is_known.assign(fours(columns), 0);
     }
-    row.values.resize(eights(columns) * numbers);
+    row.values.resize(fours(columns) * numbers);
     return row;
   }
   /// Of the row that is worked on.
-  std::vector<TenCells>& sums(std::size_t numbers, std::size_t columns) {
-    sums_.resize(eights(columns) * numbers);
+  std::vector<SixCells>& sums(std::size_t numbers, std::size_t columns) {
+    sums_.resize(fours(columns) * numbers);
     return sums_;
   }
 
  private:
-  static std::size_t eights(std::size_t columns) { return (columns + EightCells::count - 1) / EightCells::count; }
+  static std::size_t fours(std::size_t columns) { return (columns + FourCells::count - 1) / FourCells::count; }
   std::array<Row, 3> rows_;
-  std::vector<TenCells> sums_;
+  std::vector<SixCells> sums_;
 };
 
 /// The cells [begin, end) of row (k, r), and the rows around it.
@@ -99,11 +99,11 @@ void fit_flow(const RowsAround& flow, const FlowFits& out);
 
 /// −F F u of particles: −(a2 + B2 y − weight2 F u), where `noise` has the fits of F u and `maps` those of u; as a map,
 /// of which the weight is what a particle loses of its own motion.
-void damp_noise(const RowsAround& noise, const RowsAround& maps, EightCells* damping);
+void damp_noise(const RowsAround& noise, const RowsAround& maps, FourCells* damping);
 /// Adds the sum of maps around to a map, per weight of a whole tent.
-void add_maps(const RowsAround& maps, EightCells* sum);
+void add_maps(const RowsAround& maps, FourCells* sum);
 /// The mean of the maps around, times `factor`.
-void average_maps(const RowsAround& maps, const Real* factor, EightCells* mean);
+void average_maps(const RowsAround& maps, const Real* factor, FourCells* mean);
 
 /// A row of cells at one side of faces across the coordinate `axis`.
 struct RowBeside {

@@ -5,10 +5,16 @@
 
 namespace trevi {
 
+namespace {
+
+constexpr LocalId four = FourCells::count;
+
+}  // namespace
+
 void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns) {
   shape_ = shape;
   const CellRows& cells = shape_.cells;
-  whole_ = static_cast<std::size_t>(cells.columns + 7) / 8;
+  whole_ = static_cast<std::size_t>(cells.columns + four - 1) / four;
   const std::size_t rows = row_index(cells.planes.end, -1);
   places_.resize(rows * whole_);
   held_.resize(rows * whole_);
@@ -16,13 +22,13 @@ void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<c
   for_each_row(cells, [&](LocalId k, LocalId r) { find_held(order, k, r, columns[row_index(k, r)]); });
   place_exchanged();
   for_each_row(cells, [&](LocalId k, LocalId r) {
-    for (std::size_t e = 0; e < whole_; ++e) begin_[row_index(k, r)] += is_needed(k, r, e) ? 1U : 0U;
+    for (std::size_t f = 0; f < whole_; ++f) begin_[row_index(k, r)] += is_needed(k, r, f) ? 1U : 0U;
   });
   find_begins();
   for_each_row(cells, [&](LocalId k, LocalId r) { place_row(k, r); });
 }
 
-// From how many eights each row needs.
+// From how many fours each row needs.
 void RowStorage::find_begins() {
   std::uint32_t next = nowhere_ + 1;
   std::vector<std::uint32_t> shared(static_cast<std::size_t>(shape_.window), 0);  // what a plane of them takes at most
@@ -59,8 +65,8 @@ void RowStorage::place_exchanged() {
       if (!are_cut() || !is_exchanged(k, r)) std::fill_n(&places_[row_index(k, r) * whole_], whole_, nowhere_);
     if (!is_exchanged(k) || are_cut()) continue;
     for (LocalId r = 0; r < shape_.cells.rows; ++r) {
-      for (std::size_t e = 0; e < whole_; ++e)
-        if (!is_held(k, r, e, true)) places_[row_index(k, r) * whole_ + e] = nowhere_;
+      for (std::size_t f = 0; f < whole_; ++f)
+        if (!is_held(k, r, f, true)) places_[row_index(k, r) * whole_ + f] = nowhere_;
     }
   }
 }
@@ -69,8 +75,8 @@ void RowStorage::place_exchanged_plane(LocalId k) {
   const std::size_t before = nowhere_;
   const LocalId ring = are_cut() ? 1 : 0;
   for (LocalId r = -ring; r < shape_.cells.rows + ring; ++r) {
-    for (std::size_t e = 0; e < whole_; ++e)
-      if (are_cut() || is_held(k, r, e, true)) places_[row_index(k, r) * whole_ + e] = nowhere_++;
+    for (std::size_t f = 0; f < whole_; ++f)
+      if (are_cut() || is_held(k, r, f, true)) places_[row_index(k, r) * whole_ + f] = nowhere_++;
   }
   planes_[static_cast<std::size_t>(k)] = {before, nowhere_ - before};
 }
@@ -78,7 +84,7 @@ void RowStorage::place_exchanged_plane(LocalId k) {
 void RowStorage::place_whole_rows(LocalId k) {
   if (is_exchanged(k) || !are_cut()) return;
   for (LocalId r = -1; r <= shape_.cells.rows; ++r) {
-    for (std::size_t e = 0; e < whole_ && is_exchanged(k, r); ++e) places_[row_index(k, r) * whole_ + e] = nowhere_++;
+    for (std::size_t f = 0; f < whole_ && is_exchanged(k, r); ++f) places_[row_index(k, r) * whole_ + f] = nowhere_++;
   }
 }
 
@@ -91,19 +97,19 @@ void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId
   if (is_exchanged(k)) columns = all;
   for (LocalId c = 0; c < columns; ++c) {
     if (order.start(k, first + c) == order.start(k, first + c + 1)) continue;
-    held[c / 8] = 1;
+    held[c / four] = 1;
     for (const LocalId beside : {c - 1, c + 1}) {
-      if (beside_it) held[(shape_.repeats[2] ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / 8] = 1;
+      if (beside_it) held[(shape_.repeats[2] ? (beside + all) % all : std::clamp(beside, 0, all - 1)) / four] = 1;
     }
   }
 }
 
-// Whether a cell of the eight holds particles, or with `beside` one that is next to it in its plane.
-bool RowStorage::is_held(LocalId k, LocalId r, std::size_t eight, bool beside) const {
-  if (!beside) return held_[row_index(k, r) * whole_ + eight] != 0;
+// Whether a cell of the four holds particles, or with `beside` one that is next to it in its plane.
+bool RowStorage::is_held(LocalId k, LocalId r, std::size_t f, bool beside) const {
+  if (!beside) return held_[row_index(k, r) * whole_ + f] != 0;
   const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] && !are_cut() ? 1 : 0;
   for (LocalId row = std::max(r - 1, -beyond); row <= std::min(r + 1, rows - 1 + beyond); ++row)
-    if (held_[row_index(k, (row + rows) % rows) * whole_ + eight] != 0) return true;
+    if (held_[row_index(k, (row + rows) % rows) * whole_ + f] != 0) return true;
   return false;
 }
 
@@ -111,7 +117,7 @@ void RowStorage::place_row(LocalId k, LocalId r) {
   if (is_exchanged(k, r)) return;
   std::uint32_t next = begin_[row_index(k, r)];
   std::uint32_t* const places = &places_[row_index(k, r) * whole_];
-  for (std::size_t e = 0; e < whole_; ++e) places[e] = is_needed(k, r, e) ? next++ : nowhere_;
+  for (std::size_t f = 0; f < whole_; ++f) places[f] = is_needed(k, r, f) ? next++ : nowhere_;
 }
 
 }  // namespace trevi

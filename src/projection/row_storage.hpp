@@ -1,7 +1,7 @@
-// Where CellFields keep the cells of rows, counted in eights of cells: there is memory for eights that hold a cell with
-// particles, or for some fields also one beside such a cell in its plane, and all others are one and the same eight,
+// Where CellFields keep the cells of rows, counted in fours of cells: there is memory for fours that hold a cell with
+// particles, or for some fields also one beside such a cell in its plane, and all others are one and the same four,
 // which is 0 and never written. Planes at ends beyond which other ranks go on, the last own one and the ghost plane,
-// which neighbours exchange, come first, one after another, and have memory for the eights beside cells with particles,
+// which neighbours exchange, come first, one after another, and have memory for the fours beside cells with particles,
 // too. Ranks agree on them without a word, as both know the particles of all cells of these planes. Where slabs are cut
 // inside, that is not so at the corners: there those planes have memory for all of their cells and for a ring of rows
 // around them, and of the other planes the rows that are exchanged, the last own one and the ghost row. Not collective.
@@ -16,6 +16,12 @@
 #include "particles/cell_order.hpp"
 
 namespace trevi {
+
+/// One number of four cells of a row.
+struct alignas(32) FourCells {
+  static constexpr std::size_t count = 4;
+  Real of[count];
+};
 
 class RowStorage {
  public:
@@ -35,17 +41,17 @@ class RowStorage {
   /// above them do not count.
   void lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns);
 
-  /// Of row (k, r) the places of its eights in the memory; −1 and rows() are the rows of the ring.
+  /// Of row (k, r) the places of its fours in the memory; −1 and rows() are the rows of the ring.
   const std::uint32_t* places(LocalId k, LocalId r) const { return &places_[row_index(k, r) * whole_]; }
-  /// Whether there is memory for an eight of it.
-  bool has(LocalId k, LocalId r, std::size_t eight) const { return places(k, r)[eight] != nowhere_; }
-  /// The place of the eight that stands for all that there is no memory for.
+  /// Whether there is memory for a four of it.
+  bool has(LocalId k, LocalId r, std::size_t f) const { return places(k, r)[f] != nowhere_; }
+  /// The place of the four that stands for all that there is no memory for.
   std::uint32_t nowhere() const { return nowhere_; }
-  /// Eights of a whole row, of all planes and rows that are exchanged, and of all.
+  /// Fours of a whole row, of all planes and rows that are exchanged, and of all.
   std::size_t per_row() const { return whole_; }
   std::size_t exchanged() const { return nowhere_; }
   std::size_t size() const { return size_; }
-  /// Eights one after another.
+  /// Fours one after another.
   struct Run {
     std::size_t first = 0, count = 0;
   };
@@ -74,9 +80,9 @@ class RowStorage {
   }
   bool are_cut() const { return shape_.rows_exchanged[0] || shape_.rows_exchanged[1]; }
   void find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns);
-  bool is_held(LocalId k, LocalId r, std::size_t eight, bool beside) const;
-  bool is_needed(LocalId k, LocalId r, std::size_t eight) const {
-    return !is_exchanged(k, r) && is_held(k, r, eight, shape_.beside);
+  bool is_held(LocalId k, LocalId r, std::size_t f, bool beside) const;
+  bool is_needed(LocalId k, LocalId r, std::size_t f) const {
+    return !is_exchanged(k, r) && is_held(k, r, f, shape_.beside);
   }
   void place_exchanged();
   void place_exchanged_plane(LocalId k);
@@ -93,7 +99,7 @@ class RowStorage {
   std::size_t whole_ = 0, size_ = 0;
   std::uint32_t nowhere_ = 0;
   std::vector<std::uint32_t> places_;
-  std::vector<char> held_;            // of each eight, whether particles in or beside it are in its row
+  std::vector<char> held_;            // of each four, whether particles in or beside it are in its row
   std::vector<std::uint32_t> begin_;  // of each row, the first place
   std::vector<Run> planes_;           // of each plane that is exchanged, where rows are not cut
 };

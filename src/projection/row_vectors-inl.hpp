@@ -19,17 +19,19 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-/// The next cells of a row, as many as a vector has lanes. Where a row is one of EightCells, whole vectors are written.
+static_assert(max_lanes == FourCells::count);
+
+/// The next cells of a row, as many as a vector has lanes. Where a row is one of FourCells, whole vectors are written.
 struct Part {
   std::size_t begin, end;
   HWY_INLINE Part& operator++() {
     begin += hn::Lanes(Wide());
     return *this;
   }
-  HWY_INLINE const Real* of(const EightCells* row, std::size_t numbers) const {
+  HWY_INLINE const Real* of(const FourCells* row, std::size_t numbers) const {
     return row[begin / max_lanes * numbers].of + begin % max_lanes;
   }
-  HWY_INLINE Real* of(EightCells* row, std::size_t numbers) const {
+  HWY_INLINE Real* of(FourCells* row, std::size_t numbers) const {
     return row[begin / max_lanes * numbers].of + begin % max_lanes;
   }
   HWY_INLINE const Real* of(const RowToRead& row) const { return row[begin / max_lanes]->of + begin % max_lanes; }
@@ -123,51 +125,51 @@ HWY_INLINE void add_beside(std::size_t axis, const Cells& cells) {
   return axis == 0 ? Sums::template add<0>(cells) : Sums::template add<1>(cells);
 }
 
-using TenCells = TentMemory::TenCells;
-constexpr std::size_t in_ten = sizeof(TenCells) / sizeof(Real);
+using SixCells = TentMemory::SixCells;
+constexpr std::size_t in_six = sizeof(SixCells) / sizeof(Real);
 
-/// Whole eights of cells are worked on.
+/// Whole fours of cells are worked on.
 HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / max_lanes * max_lanes, rows.end}; }
-/// With one more at either end, and all of the last eight.
+/// With one more at either end, and all of the last four.
 HWY_INLINE Part cells_around(const RowsAround& rows) {
   const std::size_t begin = rows.begin - (rows.begin > 0 ? 1 : 0), end = std::min(rows.end + 1, rows.columns);
   return {begin / max_lanes * max_lanes, (end + max_lanes - 1) / max_lanes * max_lanes};
 }
 
-// Whether the sums of an eight are asked for: its row holds something there, or in the eight beside it and the rows
+// Whether the sums of a four are asked for: its row holds something there, or in the four beside it and the rows
 // around hold something there, too.
-HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t e) {
+HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t f) {
   const std::size_t last = (rows.columns - 1) / max_lanes;
   const auto is_own = [&](std::size_t of) { return rows.rows[1][1].has(of); };
-  if (is_own(e)) return true;
-  const bool below = e > 0 ? is_own(e - 1) : rows.repeats && is_own(last);
-  const bool above = e < last ? is_own(e + 1) : rows.repeats && is_own(0);
+  if (is_own(f)) return true;
+  const bool below = f > 0 ? is_own(f - 1) : rows.repeats && is_own(last);
+  const bool above = f < last ? is_own(f + 1) : rows.repeats && is_own(0);
   if (!below && !above) return false;
   for (const auto& of_row : rows.rows) {
     for (const RowToRead& row : of_row)
-      if (row.has(e)) return true;
+      if (row.has(f)) return true;
   }
   return false;
 }
 
-// Of an eight of row i of those around, across the planes.
+// Of a four of row i of those around, across the planes.
 template <class Sums>
-HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, std::size_t e, EightCells* out) {
+HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, std::size_t f, FourCells* out) {
   const std::array<RowToRead, 3>& planes = rows.rows[i];
-  if (!planes[0].has(e) && !planes[1].has(e) && !planes[2].has(e)) {
-    std::fill_n(out + e * Sums::count, Sums::count, EightCells{});
+  if (!planes[0].has(f) && !planes[1].has(f) && !planes[2].has(f)) {
+    std::fill_n(out + f * Sums::count, Sums::count, FourCells{});
     return;
   }
-  for (Part part{e * max_lanes, (e + 1) * max_lanes}; part.begin < part.end; ++part) {
+  for (Part part{f * max_lanes, (f + 1) * max_lanes}; part.begin < part.end; ++part) {
     const auto of_plane = [&](std::size_t j) { return Numbers<>{part.of(planes[j])}; };
     add_beside<Sums>(rows.axis[0],
                      Beside<max_lanes, max_lanes>{of_plane(0), of_plane(1), of_plane(2), part.of(out, Sums::count)});
   }
 }
 
-// What eight cells need of those before and after them, and of the other end where the row repeats.
+// What four cells need of those before and after them, and of the other end where the row repeats.
 template <std::size_t count>
-HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
+HWY_INLINE void join_fours(const RowsAround& rows, SixCells* sums) {
   const Part cells = cells_around(rows);
   const std::size_t first = cells.begin / max_lanes, end = cells.end / max_lanes;
   for (std::size_t j = first; j < end; ++j) {
@@ -184,34 +186,34 @@ HWY_INLINE void join_eights(const RowsAround& rows, TenCells* sums) {
   }
 }
 
-/// Sums over the rows around, of the eights in which the row holds something; null where no cell is asked for.
+/// Sums over the rows around, of the fours in which the row holds something; null where no cell is asked for.
 template <class Sums>
-HWY_INLINE const TenCells* sum_across(const RowsAround& rows) {
+HWY_INLINE const SixCells* sum_across(const RowsAround& rows) {
   if (rows.begin == rows.end) return nullptr;
   std::array<TentMemory::Row*, 3> across;
   for (std::size_t i = 0; i < 3; ++i)
     across[i] = &rows.memory.row(rows.k, rows.r + static_cast<LocalId>(i) - 1, Sums::count, rows.columns);
-  TenCells* const sums = rows.memory.sums(Sums::count, rows.columns).data();
+  SixCells* const sums = rows.memory.sums(Sums::count, rows.columns).data();
   const Part around = cells_around(rows);
-  for (std::size_t e = around.begin / max_lanes; e < around.end / max_lanes; ++e) {
-    if (!is_asked(rows, e)) {
-      std::fill_n(sums + e * Sums::count, Sums::count, TenCells{});
+  for (std::size_t f = around.begin / max_lanes; f < around.end / max_lanes; ++f) {
+    if (!is_asked(rows, f)) {
+      std::fill_n(sums + f * Sums::count, Sums::count, SixCells{});
       continue;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      if ((rows.is_layer && i != 1) || across[i]->is_known[e] != 0) continue;  // beside a layer all is 0
-      sum_planes<Sums>(rows, i, e, across[i]->values.data());
-      across[i]->is_known[e] = 1;
+      if ((rows.is_layer && i != 1) || across[i]->is_known[f] != 0) continue;  // beside a layer all is 0
+      sum_planes<Sums>(rows, i, f, across[i]->values.data());
+      across[i]->is_known[f] = 1;
     }
-    for (Part part{e * max_lanes, (e + 1) * max_lanes}; part.begin < part.end; ++part) {
+    for (Part part{f * max_lanes, (f + 1) * max_lanes}; part.begin < part.end; ++part) {
       const auto of_row = [&](std::size_t i) {
-        return Numbers<>{part.of(static_cast<const EightCells*>(across[i]->values.data()), Sums::count)};
+        return Numbers<>{part.of(static_cast<const FourCells*>(across[i]->values.data()), Sums::count)};
       };
-      Real* const out = sums[e * Sums::count].of + part.begin % max_lanes + 1;
-      add_beside<Sums>(rows.axis[1], Beside<max_lanes, in_ten>{of_row(0), of_row(1), of_row(2), out});
+      Real* const out = sums[f * Sums::count].of + part.begin % max_lanes + 1;
+      add_beside<Sums>(rows.axis[1], Beside<max_lanes, in_six>{of_row(0), of_row(1), of_row(2), out});
     }
   }
-  join_eights<Sums::count>(rows, sums);
+  join_fours<Sums::count>(rows, sums);
   return sums;
 }
 
@@ -219,9 +221,9 @@ HWY_INLINE const TenCells* sum_across(const RowsAround& rows) {
 template <class Sums>
 class TentSums {
  public:
-  HWY_INLINE TentSums(const TenCells* sums, const Part& part) {
+  HWY_INLINE TentSums(const SixCells* sums, const Part& part) {
     const Real* const low = sums[part.begin / max_lanes * Sums::count].of + part.begin % max_lanes;
-    Sums::template add<2>(Beside<in_ten, max_lanes>{{low}, {low + 1}, {low + 2}, value_});
+    Sums::template add<2>(Beside<in_six, max_lanes>{{low}, {low + 1}, {low + 2}, value_});
   }
   /// From number q on.
   HWY_INLINE Numbers<> from(std::size_t q = 0) const { return {value_ + q * max_lanes}; }

@@ -21,7 +21,7 @@ void ShiftFilter::borrow() {
   window_ = grid.storage_rolling().shape().window;
   fit_.borrow_briefly(grid.scratch(), grid.storage_rolling());
   const auto planes = static_cast<std::size_t>(window_) + 2;  // with the first and the last one
-  kept_ = grid.scratch().borrow_briefly<Real>(planes * grid.step(0) + EightCells::count);
+  kept_ = grid.scratch().borrow_briefly<Real>(planes * grid.step(0) + FourCells::count);
   kept_.fill(0);
   sums_.borrow_briefly(grid.scratch(), grid.storage_rolling());
 }
@@ -59,7 +59,7 @@ void ShiftFilter::fit_row(TentMemory& memory, const Input& input, LocalId k, Loc
   const std::size_t floor = grid.index(k, r, 0);
   Real* const kept = kept_of(k, r);
   static thread_local std::vector<Real> water;
-  water.assign(static_cast<std::size_t>(grid.columns()) + EightCells::count, 0.0);
+  water.assign(static_cast<std::size_t>(grid.columns()) + FourCells::count, 0.0);
   for (LocalId c = cells.begin; c < cells.end; ++c) {
     const auto i = static_cast<std::size_t>(c);
     water[i] = sums_.number(0, k, r, c) > 0 && is_water(floor + i) ? 1 : 0;

@@ -38,7 +38,7 @@ class ShiftFilter {
   /// What is taken off the shifts of the particles in a row of cells where the grid acts in full. One for each part of
   /// a loop of threads, in which rows come in their order.
   struct Smooth {
-    std::vector<EightCells> row;
+    std::vector<FourCells> row;
     TentMemory memory;
     AffineMap at(LocalId c) const { return cell_of<AffineMap>(row.data(), numbers::map, c); }
   };

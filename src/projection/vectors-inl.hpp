@@ -1,4 +1,4 @@
-// Vectors of the projection's loops: doubles, at most eight at a time. Included once per instruction set.
+// Vectors of the projection's loops: doubles, at most four at a time. Included once per instruction set.
 #if defined(TREVI_PROJECTION_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_PROJECTION_VECTORS_INL
 #undef TREVI_PROJECTION_VECTORS_INL
@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t max_lanes = 8;
+constexpr std::size_t max_lanes = 4;
 using Wide = hn::CappedTag<double, max_lanes>;
 using V = hn::Vec<Wide>;
 using V3 = std::array<V, 3>;

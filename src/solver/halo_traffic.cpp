@@ -50,7 +50,7 @@ class Sum {
     const Zones rows = zones(block_.planes, ringed(block_.rows));
     // Of planes that are whole the cells of the water and above it; where rows are cut, all cells.
     const Real held = block_.rows_are_cut ? columns_ : std::min(water_.wet_columns + 1, water_.columns);
-    add(rows.all() * 4 + zones(block_.planes, block_.rows).all() * 8 * std::ceil(held / 8) * number_bytes *
+    add(rows.all() * 4 + zones(block_.planes, block_.rows).all() * 4 * std::ceil(held / 4) * number_bytes *
                              (volumes + 2 * (moments + fit) + noise),
         messages_.all() * (water_.upright ? 7 : 5));
     add(rows.beside * number_bytes * ring, messages_.beside);

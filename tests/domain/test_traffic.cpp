@@ -16,8 +16,8 @@ namespace {
 // multiple of four, and a ring.
 constexpr int rows = 2, columns = 8, water_columns = 5, coarse_columns = (water_columns + 2 + 3) / 4 * 4;
 constexpr std::int64_t coarse_cells_per_plane = (rows + 2) * (coarse_columns + 2);
-// Fields of several numbers of a cell have no ring, and columns eight at a time, with the one above the water.
-constexpr std::int64_t field_cells_per_plane = rows * ((water_columns + 1 + 7) / 8 * 8);
+// Fields of several numbers of a cell have no ring, and columns four at a time, with the one above the water.
+constexpr std::int64_t field_cells_per_plane = rows * ((water_columns + 1 + 3) / 4 * 4);
 constexpr std::int64_t particles_per_plane = 8 * rows * water_columns;  // two layers of the lattice in each direction
 
 const std::string still_scene = tank_with_gravity({.min = "0.0, 0.0, 0.0",
@@ -61,7 +61,7 @@ std::int64_t formula_of_parts(int ranks, int parts, std::int64_t record, int ite
   const std::int64_t across = 4 * (slabs - 1) * (parts - 1);
   const std::int64_t beside_rows = in_slabs + across, around = to_slabs + beside_rows;
   const std::int64_t upper = to_slabs / 2 + in_slabs / 2 + across / 4;
-  const std::int64_t particles = 8 * water_columns, cells = coarse_columns + 2, eights = (coarse_columns + 7) / 8 * 8;
+  const std::int64_t particles = 8 * water_columns, cells = coarse_columns + 2, fours = (coarse_columns + 3) / 4 * 4;
   const std::int64_t records = (3 * (2 + iterations) + iterations) * particles * record / 4;
   constexpr int places = 10, flow = 12, fit = 13, volumes = 3, moments = places + flow + 1;
   const std::int64_t fields = 8 * (volumes + 2 * moments + 3 * fit + flow);
@@ -69,7 +69,7 @@ std::int64_t formula_of_parts(int ranks, int parts, std::int64_t record, int ite
   const std::int64_t once = to_slabs * 8 * cells + beside_rows * (72 * coarse_columns + cells + 4 * 8 * cells);
   // The pivot, the first phi and that of each sweep; what holds phi at 0, links, and residuals.
   const std::int64_t multigrid = 8 * cells * ((2 + 4 * cycles) * around + (4 + cycles) * upper);
-  return around * (4 * columns + records + 4 + eights * fields) + once + multigrid;
+  return around * (4 * columns + records + 4 + fours * fields) + once + multigrid;
 }
 
 class TrafficOf : public Output {

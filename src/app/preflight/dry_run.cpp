@@ -62,14 +62,14 @@ BytesEach bytes_each(const Scene& scene) {
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
   if (!scene.density.coarse_grid || !(gravity.isZero() || is_downward(gravity))) return 0;
-  // Moments, fits, noise and its fits; of these columns come eight at a time.
+  // Moments, fits, noise and its fits; of these columns come four at a time.
   constexpr double sums = (26 + 13 + 12 + 13) * 8, fields = 4 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
   Real top = scene.domain.min.z();
   for (const ParticleSource& source : scene.particles)
     top = std::max(top, source.type == ParticleSource::Type::block ? source.max.z() : scene.domain.max.z());
   const Real cell = (scene.domain.max.z() - scene.domain.min.z()) / grid.columns();
   const Real columns = std::min<Real>(std::ceil((top - scene.domain.min.z()) / cell) + 2, grid.columns());
-  return (grid.rows() + 2.0) * (8 * std::ceil(columns / 8) * sums + (columns + 2.0) * (fields + pressure));
+  return (grid.rows() + 2.0) * (4 * std::ceil(columns / 4) * sums + (columns + 2.0) * (fields + pressure));
 }
 
 // The most that the inlets add by the end of the run: what recycles is there already.
