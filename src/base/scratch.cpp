@@ -132,6 +132,11 @@ void Scratch::give_back(void* memory, std::size_t bytes) {
   }  // a loan that an exception has ended is not among them
 }
 
+void Scratch::give_back_end(void* memory, std::size_t bytes, std::size_t kept) {
+  const std::size_t begin = rounded(kept, alignment);
+  if (begin < bytes) give_back(static_cast<std::byte*>(memory) + begin, bytes - begin);
+}
+
 // Addresses of lent memory are those of numbers: what is left of it before the first whole unit is not used.
 void Scratch::lend(std::span<std::byte> memory) {
   void* first = memory.data();

@@ -70,6 +70,7 @@ class Scratch {
   static void leave(Piece& piece, const Run& left);
   void* take(std::size_t bytes, bool briefly);
   void give_back(void* memory, std::size_t bytes);
+  void give_back_end(void* memory, std::size_t bytes, std::size_t kept);
   void lend(std::span<std::byte> memory);
   void end_loan(const std::byte* memory);
 
@@ -115,6 +116,12 @@ class Borrowed {
     scratch_ = nullptr;
     data_ = nullptr;
     size_ = 0;
+  }
+  /// Gives back all but the first n values.
+  void shrink(std::size_t n) {
+    if (n >= size_) return;
+    scratch_->give_back_end(data_, size_ * sizeof(T), n * sizeof(T));
+    size_ = n;
   }
   /// Sets all values, by all threads.
   void fill(const T& value) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <span>
 
 #include "domain/halo.hpp"
@@ -83,6 +84,24 @@ class CellFields {
     borrow(storage, [&](std::size_t size) { return scratch.borrow_briefly<FourCells>(size); });
   }
   void give_back() { values_.give_back(); }
+  /// Takes the memory of other fields, of which those numbers are kept, in rising order, and gives back the rest of it.
+  template <std::size_t count>
+  void take(CellFields& other, const std::array<std::size_t, count>& kept) {
+    assert(count == numbers_ && count == in_exchanged_);
+    storage_ = other.storage_;
+    values_ = std::move(other.values_);
+    const auto from = [&other](std::size_t place) {
+      return place > other.storage_->exchanged() ? other.rest_ + place * other.numbers_ : place * other.in_exchanged_;
+    };
+    // At a time as many places as end before the first that is still to be read.
+    for (std::size_t begin = 0, end = 0; begin < storage_->size(); begin = end) {
+      end = std::min(std::max(begin + 1, from(begin) / count), storage_->size());
+      for_each_index({static_cast<LocalId>(begin), static_cast<LocalId>(end)}, [&](std::size_t place) {
+        for (std::size_t q = 0; q < count; ++q) values_[place * count + q] = values_[from(place) + kept[q]];
+      });
+    }
+    values_.shrink(storage_->size() * count);
+  }
 
   /// Row (k, r); −1 and rows() are the rows of the ring.
   RowToWrite row(LocalId k, LocalId r) {

@@ -112,7 +112,8 @@ MotionSums sum_motion_of(const CellFrame& frame, const Motion& motion, const Cel
   return std::bit_cast<MotionSums>(sums);
 }
 
-HWY_INLINE Vec4s displacements(const ParticleVectors& particles, const CellParticles& cell, const CellDisplacement& by) {
+HWY_INLINE Vec4s displacements(const ParticleVectors& particles, const CellParticles& cell,
+                               const CellDisplacement& by) {
   const V above = hn::Sub(particles.surface[2], set(by.surface - cell.place.corner[2]));
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
   Vec4s out{zeros(), hn::Mul(faded, set(by.act))};

@@ -38,7 +38,8 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
   return v;
 }
 
-HWY_INLINE ParticleVectors load(const CellFrame& frame, const Motion& motion, const CellParticles& cell, std::size_t i) {
+HWY_INLINE ParticleVectors load(const CellFrame& frame, const Motion& motion, const CellParticles& cell,
+                                std::size_t i) {
   constexpr Real max_half = projection::max_half_path, most = projection::max_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
   ParticleVectors particles{zeros(), zeros(), zeros(), zeros()};

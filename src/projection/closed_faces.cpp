@@ -9,8 +9,7 @@ void ClosedFaces::find(const FreeSurface& surface) {
   const ProjectionGrid& grid = surface.grid();
   rows_of_plane_ = grid.rows();
   rows_.resize(static_cast<std::size_t>(grid.planes()) * static_cast<std::size_t>(grid.rows()));
-  for_each_row(grid.rows_of({1, grid.planes() + 1}),
-               [&](LocalId k, LocalId r) { find_in_row(surface, k, r); });
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) { find_in_row(surface, k, r); });
   known_bytes_ = 0;
   for (const std::vector<Known>& row : rows_) known_bytes_ += row.capacity() * sizeof(Known);
 }
@@ -18,8 +17,8 @@ void ClosedFaces::find(const FreeSurface& surface) {
 void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   const ParticlesToGrid& water = surface.water();
-  std::vector<Known>& known = rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) +
-                                    static_cast<std::size_t>(r)];
+  std::vector<Known>& known =
+      rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r)];
   known.clear();
   const LocalId columns = grid.columns(k, r);
   for (LocalId c = 0; c < columns; ++c) {
@@ -37,8 +36,8 @@ void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 Real ClosedFaces::displacement(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
-  const std::vector<Known>& row = rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) +
-                                        static_cast<std::size_t>(r)];
+  const std::vector<Known>& row =
+      rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r)];
   const std::uint32_t number = number_of(face, c);
   const auto known = std::lower_bound(row.begin(), row.end(), number,
                                       [](const Known& one, std::uint32_t of) { return one.number < of; });

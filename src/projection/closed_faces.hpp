@@ -1,5 +1,6 @@
 // How far the water moves into the closed faces of its cells, as the prediction has it: all of the displacements of
-// faces that is needed once the equation stands (grid_to_particles.hpp), and far less memory than these. Not collective.
+// faces that is needed once the equation stands (grid_to_particles.hpp), and far less memory than these. Not
+// collective.
 #pragma once
 
 #include <cstdint>

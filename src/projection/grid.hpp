@@ -132,9 +132,7 @@ class ProjectionGrid {
     return is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c + (upper && a == 2));
   }
   /// The index of the face of a cell.
-  std::size_t index_of(const CellFace& face, std::size_t cell) const {
-    return cell + (face.upper ? step(face.a) : 0);
-  }
+  std::size_t index_of(const CellFace& face, std::size_t cell) const { return cell + (face.upper ? step(face.a) : 0); }
   /// Whether the cell below cell (k, r, c) in direction a has an index: those below the ghost planes and rows have
   /// none.
   static bool has_below(std::size_t a, LocalId k, LocalId r) { return (a != 0 || k > 0) && (a != 1 || r >= 0); }

@@ -105,18 +105,8 @@ void ParticlesToGrid::borrow() {
 }
 
 void ParticlesToGrid::keep_means() {
-  constexpr std::size_t u_of_moments = sizeof(Places) / sizeof(Real), n_and_y = 4;
-  means_.borrow_briefly(grid_.scratch(), grid_.storage());
-  for_each_row(grid_.rows_and_ghosts_of({0, grid_.planes() + 2}), [&](LocalId k, LocalId r) {
-    const RowToRead from = sums_.row(k, r);
-    const RowToWrite to = means_.row(k, r);
-    for (std::size_t e = 0; e < grid_.storage().per_row(); ++e) {
-      if (!to.has(e)) continue;
-      std::copy_n(from[e], n_and_y, to[e]);
-      std::copy_n(from[e] + u_of_moments, 3, to[e] + n_and_y);
-    }
-  });
-  sums_.give_back();
+  constexpr std::size_t u = sizeof(Places) / sizeof(Real);  // of Moments
+  means_.take(sums_, std::array<std::size_t, sizeof(Means) / sizeof(Real)>{0, 1, 2, 3, u, u + 1, u + 2});
 }
 
 void ParticlesToGrid::keep_fits() {
@@ -246,8 +236,7 @@ void ParticlesToGrid::add_ghost_row(LocalId k, std::size_t side) {
       if (!repeats && (column < 0 || column >= columns)) continue;
       Real* const volume = number_of(volumes_of_row, repeats ? (column + columns) % columns : column);
       const auto j = static_cast<std::size_t>(column - c + 1);
-      for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane * FourCells::count] += volumes_beside[3 * plane + j];
+      for (std::size_t plane = 0; plane < 3; ++plane) volume[plane * FourCells::count] += volumes_beside[3 * plane + j];
     }
   }
 }
@@ -273,8 +262,7 @@ void ParticlesToGrid::add_volume(const RowsToAdd& to, LocalId c, const CellSums&
     for (LocalId column = begin; column < end; ++column) {
       Real* const volume = number_of(to.volumes[i], repeats ? (column + columns) % columns : column);
       const Real* const of_column = of_row + (column - (c - 1));
-      for (std::size_t plane = 0; plane < 3; ++plane)
-        volume[plane * FourCells::count] += of_column[plane * next_plane];
+      for (std::size_t plane = 0; plane < 3; ++plane) volume[plane * FourCells::count] += of_column[plane * next_plane];
     }
   }
 }

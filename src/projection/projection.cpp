@@ -173,8 +173,7 @@ void Projection::carry_velocities(const CellOrder& order, const Swept<T>& swept,
 
 std::size_t Projection::bytes() const {
   return rows_.bytes() + grid_.bytes() + (openings_ != nullptr ? openings_->bytes() : 0) +
-         (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + pressure_.bytes() +
-         grid_to_particles_.bytes();
+         (cuts_ ? cuts_->bytes() : 0) + particles_to_grid_.bytes() + pressure_.bytes() + grid_to_particles_.bytes();
 }
 
 template void Projection::displacements(const CellOrder&, Real, const Motion&, std::span<Vec4<float>>);

@@ -98,7 +98,9 @@ class DensityProblem {
 
   const CellOrder& order() const { return near_.order(); }
   /// Brings numbers of all particles, ghosts included, from those that own them. Collective.
-  void exchange(std::vector<std::int64_t>& numbers) { near_.exchange(numbers); }
+  void exchange(Borrowed<std::int64_t>& numbers) { near_.exchange(numbers); }
+  /// Memory of the substep.
+  Scratch& scratch() const { return near_.scratch(); }
   /// All owned particles.
   Range all() const { return near_.all(); }
   /// Of the substep, s.

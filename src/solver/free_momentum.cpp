@@ -216,7 +216,7 @@ template <class T>
 SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
   Particles& particles = problem.particles();
   const bool any = pieces_.find(
-      comm_, problem.order(), [&](std::size_t i) { return touched(particles.predicted[i]); },
+      comm_, problem.order(), problem.scratch(), [&](std::size_t i) { return touched(particles.predicted[i]); },
       [&](WaterPieces::Labels& labels) { problem.exchange(labels); });
   if (!any) return solver_->solve(problem);
   let_fly(problem);

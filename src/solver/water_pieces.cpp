@@ -180,7 +180,7 @@ bool WaterPieces::find_ends(const CellOrder& order) {
 
 // What hangs together across cuts, as this rank sees it, each once: an own label, that beyond, and along which axes the
 // own one is touched here. Each label is an own one of the rank that it is of.
-WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& labels) {
+WaterPieces::Numbers WaterPieces::joints(const CellOrder& order, const Labels& labels) {
   std::vector<std::array<std::int64_t, 3>> found;
   visit_beyond(order, [&](const CellRun& own, const CellRun& ghost, const std::array<int, 2>&) {
     const std::int64_t a = label(own.number), b = labels[static_cast<std::size_t>(ghost.particles.begin)];
@@ -188,14 +188,14 @@ WaterPieces::Labels WaterPieces::joints(const CellOrder& order, const Labels& la
   });
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  Labels joints;
+  Numbers joints;
   for (const auto& joint : found) joints.insert(joints.end(), joint.begin(), joint.end());
   return joints;
 }
 
-void WaterPieces::join_ranks(MPI_Comm comm, const Labels& own_joints) {
-  const Labels joints = gather_over_ranks(comm, own_joints);
-  Labels all;
+void WaterPieces::join_ranks(MPI_Comm comm, const Numbers& own_joints) {
+  const Numbers joints = gather_over_ranks(comm, own_joints);
+  Numbers all;
   for (std::size_t k = 0; k < joints.size(); k += 3) all.insert(all.end(), {joints[k], joints[k + 1]});
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -217,7 +217,7 @@ void WaterPieces::join_ranks(MPI_Comm comm, const Labels& own_joints) {
 void WaterPieces::find_pieces(const CellOrder& order) {
   runs_.clear();
   touched_.clear();
-  Labels least;  // of pieces on several ranks
+  Numbers least;  // of pieces on several ranks
   for (const Joined& joined : joined_) {
     if (joined.label != joined.first || joined.label == touching) continue;
     least.push_back(joined.label);
@@ -252,8 +252,8 @@ void WaterPieces::find_pieces(const CellOrder& order) {
                             static_cast<LocalId>(cell % columns)});
 }
 
-bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::function<Axes(std::size_t)>& touches,
-                       const std::function<void(Labels&)>& exchange) {
+bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, Scratch& scratch,
+                       const std::function<Axes(std::size_t)>& touches, const std::function<void(Labels&)>& exchange) {
   find_runs(order, false);
   join_own(order);
   const bool any = find_touching(order, touches);
@@ -265,7 +265,8 @@ bool WaterPieces::find(MPI_Comm comm, const CellOrder& order, const std::functio
     shared_ = 0;
     return false;
   }
-  Labels labels(static_cast<std::size_t>(order.size()), touching);
+  Labels labels = scratch.borrow<std::int64_t>(static_cast<std::size_t>(order.size()));
+  labels.fill(touching);
   for (std::size_t run = 0; run < own_.size(); ++run) {
     const Range& particles = own_[run]->particles;
     std::fill(labels.begin() + particles.begin, labels.begin() + particles.end, label(run));

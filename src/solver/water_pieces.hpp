@@ -26,7 +26,7 @@ class WaterPieces {
   };
   /// By grid direction: plane, row, column.
   using Cell = std::array<LocalId, 3>;
-  using Labels = std::vector<std::int64_t>;
+  using Labels = Borrowed<std::int64_t>;
 
   /// Along which axes something may push, a bit for each.
   using Axes = unsigned char;
@@ -34,9 +34,9 @@ class WaterPieces {
 
   /// Finds the pieces that are not touched along all axes. `touches` is asked of owned particles, on any thread;
   /// `exchange` brings numbers of all particles, ghosts included, from those that own them, and is called, as ranks
-  /// gather what hangs together across cuts, where water ends on some rank without a wall there. Whether there are such
-  /// pieces on any rank. Collective.
-  bool find(MPI_Comm comm, const CellOrder& order, const std::function<Axes(std::size_t)>& touches,
+  /// gather what hangs together across cuts, where water ends on some rank without a wall there; these are borrowed
+  /// from `scratch`. Whether there are such pieces on any rank. Collective.
+  bool find(MPI_Comm comm, const CellOrder& order, Scratch& scratch, const std::function<Axes(std::size_t)>& touches,
             const std::function<void(Labels&)>& exchange);
 
   /// Of this rank.
@@ -73,8 +73,9 @@ class WaterPieces {
   using BeyondVisit = std::function<void(const CellRun& own, const CellRun& ghost, const std::array<int, 2>& ways)>;
   void visit_beyond(const CellOrder& order, const BeyondVisit& visit);
   bool find_ends(const CellOrder& order);
-  Labels joints(const CellOrder& order, const Labels& labels);
-  void join_ranks(MPI_Comm comm, const Labels& joints);
+  using Numbers = std::vector<std::int64_t>;
+  Numbers joints(const CellOrder& order, const Labels& labels);
+  void join_ranks(MPI_Comm comm, const Numbers& joints);
   void find_pieces(const CellOrder& order);
   std::size_t root(std::size_t run);
   std::int64_t label(std::size_t run) { return labels_[root(run)]; }
@@ -82,7 +83,7 @@ class WaterPieces {
   std::vector<std::vector<CellRun>> rows_;  // of own planes and rows, and those of ghosts around them
   std::vector<CellRun*> own_;               // runs of the own rows, in their order
   std::vector<std::size_t> parent_;         // of each own run; of a piece here the first run is the root
-  Labels labels_;               // of roots: the first cell in the box, -1 where it is touched along all axes
+  Numbers labels_;              // of roots: the first cell in the box, -1 where it is touched along all axes
   std::vector<Axes> of_roots_;  // along which axes they are touched here
   std::vector<Joined> joined_;  // by their labels
   std::vector<Run> runs_;

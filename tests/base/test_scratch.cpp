@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <numeric>
 #include <random>
 #include <span>
 #include <utility>
@@ -88,6 +89,22 @@ TEST(Scratch, ArraysMayBeGivenBackInAnyOrder) {
 }
 
 // An array that moves stays where it is, and what it is assigned to gives its own back.
+// What is left keeps its values, and its end is free for others.
+TEST(Scratch, TheEndOfAnArrayMayBeGivenBack) {
+  Scratch scratch;
+  Borrowed<int> first = scratch.borrow<int>(1000);
+  std::iota(first.begin(), first.end(), 0);
+  EXPECT_EQ(scratch.borrowed(), 4096U);  // in units of 128 bytes
+  first.shrink(100);
+  EXPECT_EQ(first.size(), 100U);
+  EXPECT_EQ(scratch.borrowed(), 512U);
+  const Borrowed<int> second = scratch.borrow<int>(800);
+  EXPECT_GE(second.data(), first.end());
+  EXPECT_LT(second.data(), first.data() + 1000);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(first[static_cast<std::size_t>(i)], i);
+  EXPECT_EQ(scratch.bytes(), 4096U);
+}
+
 TEST(Scratch, MovedArraysAreGivenBackOnce) {
   Scratch scratch;
   Borrowed<int> a = scratch.borrow<int>(10), b = scratch.borrow<int>(20);

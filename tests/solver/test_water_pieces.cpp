@@ -69,7 +69,7 @@ void expect_pieces(const Cloud& all, const CellGrid& grid, int parts) {
   near.rebuild(particles, slabs);
   WaterPieces pieces;
   const bool any = pieces.find(
-      world, near.order(), [&](std::size_t i) { return touched(particles.predicted[i]); },
+      world, near.order(), near.scratch(), [&](std::size_t i) { return touched(particles.predicted[i]); },
       [&](WaterPieces::Labels& labels) { near.exchange(labels); });
   EXPECT_EQ(any, !sizes.empty());
   std::map<GlobalId, std::optional<Piece>> found;
