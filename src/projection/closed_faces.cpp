@@ -10,8 +10,12 @@ void ClosedFaces::find(const FreeSurface& surface) {
   rows_of_plane_ = grid.rows();
   rows_.resize(static_cast<std::size_t>(grid.planes()) * static_cast<std::size_t>(grid.rows()));
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) { find_in_row(surface, k, r); });
-  known_bytes_ = 0;
-  for (const std::vector<Known>& row : rows_) known_bytes_ += row.capacity() * sizeof(Known);
+}
+
+std::size_t ClosedFaces::bytes() const {
+  std::size_t sum = rows_.capacity() * sizeof(rows_[0]);
+  for (const std::vector<Known>& row : rows_) sum += row.capacity() * sizeof(Known);
+  return sum;
 }
 
 void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) {
@@ -21,8 +25,13 @@ void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) 
       rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r)];
   known.clear();
   const LocalId columns = grid.columns(k, r);
+  // Where solids or drains may close a face; elsewhere walls do.
+  const Range near = surface.openings() != nullptr ? Range{0, columns}
+                     : surface.cuts() != nullptr   ? surface.cuts()->columns_near_cut(k, r)
+                                                   : Range{0, 0};
   for (LocalId c = 0; c < columns; ++c) {
     const std::size_t at = grid.index(k, r, c);
+    if ((c < near.begin || c >= near.end) && !grid.is_at_wall(k, r, c)) continue;
     if (!surface.is_wet(at)) continue;
     if (!water.holds_any(k, r, c) && (c + 1 == columns || !water.holds_any(k, r, c + 1))) continue;
     for (std::size_t a = 0; a < 3; ++a) {

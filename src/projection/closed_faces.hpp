@@ -16,7 +16,7 @@ class ClosedFaces {
   void find(const FreeSurface& surface);
   /// The displacement of the water at such a face, m.
   Real displacement(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
-  std::size_t bytes() const { return rows_.capacity() * sizeof(rows_[0]) + known_bytes_; }
+  std::size_t bytes() const;
 
  private:
   struct Known {
@@ -30,7 +30,6 @@ class ClosedFaces {
 
   LocalId rows_of_plane_ = 0;
   std::vector<std::vector<Known>> rows_;  // in the order of their numbers
-  std::size_t known_bytes_ = 0;
 };
 
 }  // namespace trevi
