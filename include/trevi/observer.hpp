@@ -66,8 +66,7 @@ struct ForceSums {
   std::int64_t pressure_steps = 0;  ///< number of steps in the sums of pressures
 };
 
-/// What an observer may read at the end of a step. Particles and density are those of owned particles only, in the same
-/// order.
+/// What an observer may read at the end of a step. Particles and density: owned ones only, in the same order.
 struct Frame {
   const Clock& clock;
   const Particles& particles;
@@ -105,8 +104,7 @@ class Observer {
   virtual bool wants_pressures() const { return wants_forces(); }
   /// Collective.
   virtual void observe(const Frame& frame) = 0;
-  /// Writes what a restart needs, on a request from outside (SIGUSR1, a request to stop), whether due or not.
-  /// Collective.
+  /// Writes what a restart needs, on a request from outside (SIGUSR1, a request to stop), due or not. Collective.
   virtual void save(const Frame&) {}
   /// Called once at the end of the run, whatever its reason. Collective.
   virtual void finish(const Frame&) {}

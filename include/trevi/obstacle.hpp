@@ -15,8 +15,7 @@
 
 namespace trevi {
 
-/// A basin is open at the top. Its upright walls and floor enclose a space that is a box or, without a size, a
-/// cylinder.
+/// A basin is open at the top. Its walls and floor enclose a space that is a box or, without a size, a cylinder.
 enum class ShapeKind { sphere, box, cylinder, capsule, torus, mesh, basin };
 
 /// A closed surface of triangles, each with its corners counterclockwise as seen from outside.
@@ -26,8 +25,7 @@ struct TriangleMesh {
   bool operator==(const TriangleMesh&) const = default;
 };
 
-/// Position of an obstacle's centre at a given time. Between two knots it moves along a cubic with a continuous
-/// velocity.
+/// Position of an obstacle's centre at a given time. Between knots it moves along a cubic with continuous velocity.
 struct ObstacleKnot {
   Real time = 0;  ///< s
   Vec3 center = Vec3::Zero();

@@ -22,8 +22,7 @@
 
 namespace trevi {
 
-/// A setting whose default follows from other settings. It has no value until one is assigned, by hand or by
-/// resolved().
+/// A setting whose default follows from other settings. It has no value until assigned, by hand or by resolved().
 template <class T>
 class Derived {
  public:
@@ -132,8 +131,7 @@ struct FountainSettings : PumpSettings {
   bool operator==(const FountainSettings&) const = default;
 };
 
-/// Speed of the water along an opening, m/s, as a function of height z, m, and time t, s. Profiles are equal if their
-/// texts are.
+/// Speed of the water along an opening, m/s, as a function of height z, m, and time t, s. Equal if the texts are.
 struct SpeedProfile {
   std::string text;
   std::function<Real(Real z, Real t)> speed;

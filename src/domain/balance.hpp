@@ -29,8 +29,8 @@ class Balance {
  public:
   static constexpr std::int64_t interval = 10;  ///< steps between two measurements of the weights
 
-  /// Cuts are moved when this lowers the imbalance by more than `min_gain`; each move sends at least a plane of
-  /// particles.
+  /// Cuts are moved when this lowers the imbalance by more than `min_gain`; each move sends a plane of particles or
+  /// more.
   Balance(MPI_Comm comm, Real min_gain) : comm_(comm), min_gain_(min_gain) {}
 
   /// Moves the cuts if a measurement is due at this step and the gain is large enough. It does not move particles.

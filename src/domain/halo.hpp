@@ -90,8 +90,7 @@ class Halo {
   /// where rows are cut, of these rows of it.
   using PlaneSlice = std::function<std::span<std::byte>(LocalId k, const Range& rows)>;
   void start_planes(LocalId planes, const PlaneSlice& slice) { start_planes(planes, slice, peers_); }
-  /// All cells around those of a grid, exchanged with `peers` instead of the neighbours; `grid` may have no owned
-  /// cells.
+  /// All cells around those of a grid, exchanged with `peers` instead of the neighbours; `grid` may own no cells.
   template <class Field>
   void start_cells(Field& grid, std::size_t per_plane, const CellPeers& peers) {
     start_plane_bytes(std::as_writable_bytes(std::span(grid.data(), grid.size())), per_plane * sizeof(grid[0]), peers);

@@ -36,8 +36,8 @@ class Neighbourhood {
   void arrange(Particles& particles, const Slabs& slabs, Velocities velocities);
   void search();
 
-  /// Writes the positions of the owned particles of the range into their records, on this thread, and sets the scalars
-  /// to zero.
+  /// Writes the positions of owned particles of the range into their records, on this thread, and sets the scalars to
+  /// 0.
   void encode(const std::vector<Vec3>& position, Range range);
 
   /// Record of owned particle i.
@@ -53,8 +53,7 @@ class Neighbourhood {
   const Halo& halo() const { return halo_; }
 
   /// Sends the positions in the records of the boundary and receives those of the ghosts, whose scalars become zero.
-  /// Where the box is periodic, ghosts from beyond its end, and copies, are moved to the place where they are
-  /// neighbours.
+  /// Where the box is periodic, ghosts from beyond its end, and copies, are moved to where they are neighbours.
   void start_positions() { halo_.template start_part<Coordinates>(records_, 0); }
   void finish_positions();
   /// The same for the scalars only.

@@ -26,8 +26,8 @@ class Multigrid {
                      std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
       : scratch_(std::move(scratch)), comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
-  /// Sets the levels for the window of this rank in planes of `rows` x `columns` cells, with water `depth` cells deep.
-  /// Not collective.
+  /// Sets the levels for this rank's window in planes of `rows` x `columns` cells; `depth` of the water in cells. Not
+  /// collective.
   void resize(const CellCuts& cuts, LocalId rows, LocalId columns, int depth);
   /// Holds the equation and the initial guess phi with its ghost planes. Links are also known in the plane above the
   /// owned ones. Where the box is periodic, halo exchanges are those of a ring.

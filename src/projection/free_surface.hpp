@@ -72,8 +72,7 @@ class FreeSurface {
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell, in cells; 1 except in top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
-  /// Height up to which water fills a cell, 0 to 1; also for the dry cell above a top cell, into which its water may
-  /// rise.
+  /// Height up to which water fills a cell, 0 to 1; also for the dry cell over a top cell, into which water may rise.
   Real filled_height(std::size_t at) const {
     return is_wet(at) ? std::min(height(at), 1.0) : std::clamp(height(at - 1) - 1, 0.0, 1.0);
   }

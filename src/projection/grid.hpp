@@ -86,8 +86,8 @@ class ProjectionGrid {
   /// or in those around them.
   LocalId columns(LocalId k, LocalId r) const { return reach_[row_index(k, r)]; }
   void set_columns(LocalId k, LocalId r, LocalId columns) { reach_[row_index(k, r)] = std::min(columns, columns_); }
-  /// Lays out memory for the particles of `order` in those columns, once these are set for all rows, ghost planes
-  /// included.
+  /// Lays out memory for the particles of `order` in those columns, once these are set for all rows, also of ghost
+  /// planes.
   void store_rows(const CellOrder& order) {
     const std::array<bool, 2> cut{rows_are_cut() && has_row(-1), rows_are_cut() && has_row(rows())};
     const CellRows all = rows_of({0, planes() + 2});
@@ -99,8 +99,7 @@ class ProjectionGrid {
   const RowStorage& storage() const { return storage_; }
   /// The storage that includes the cells beside those that hold particles, without whole rows.
   const RowStorage& storage_beside() const { return storage_beside_; }
-  /// The storage for fields of which only some planes are needed at a time, because planes are processed one after the
-  /// other.
+  /// The storage for fields of which only some planes are needed at a time, because planes are processed in turn.
   const RowStorage& storage_rolling() const { return storage_rolling_; }
   /// Number of planes that are then processed at a time: few, but with enough rows for all threads. It is all of them
   /// where rows are cut, because the ends of these are sent together.
@@ -172,13 +171,12 @@ class ProjectionGrid {
   const std::array<Real, 3>& per_length() const { return per_length_; }
   /// The distance of p from the corner of the box along direction a, in cells.
   Real cells_to(const Vec3& p, std::size_t a) const { return (p[axis_[a]] - origin_[axis(a)]) * per_length_[axis(a)]; }
-  /// The number along direction a of the cell of the box that contains p; a particle on an upper wall is in the last
+  /// The number along direction a of the cell of the box that contains p; for a particle on an upper wall, the last
   /// one.
   LocalId cell_of(const Vec3& p, std::size_t a) const {
     return std::min(static_cast<LocalId>(cells_to(p, a)), count_[a] - 1);
   }
-  /// Converts the number of a plane of the box to that among the owned planes, from 1, and that of a row likewise, from
-  /// 0.
+  /// The number of a plane of the box among the owned planes, from 1; the number of a row among the owned rows, from 0.
   LocalId own_plane(LocalId plane) const { return plane - first_plane() + 1; }
   LocalId own_row(LocalId row) const { return row - first_row(); }
   /// The position of cell (k, r, c). Its corner is relative to that of the box or, along periodic axes, where positions

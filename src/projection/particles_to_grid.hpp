@@ -38,8 +38,7 @@ class ParticlesToGrid {
 
   /// Borrows memory for the present grid; gather() gives back the part that is needed only until its end.
   void borrow();
-  /// To be called in this order when, of the moments, only means() are still needed; when only fits are; when no fit
-  /// is.
+  /// To be called in this order: when only means() of the moments are still needed; when only fits are; when no fit is.
   void keep_means();
   void keep_fits();
   void give_back() { fit_.give_back(); }
@@ -81,7 +80,7 @@ class ParticlesToGrid {
     const Real edge = frame_.reach[grid_.axis(2)];
     return volume < edge / 2 ? std::sqrt(2 * edge * volume) - edge / 2 : volume;
   }
-  /// The largest fill of a cell by particles on one side of it only, in cells. Up to this a cell without particles is
+  /// The largest fill of a cell by particles on one side of it only, in cells; up to this, a cell without particles is
   /// air.
   Real told_from_one_side() const { return told_from_one_side_; }
   /// Whether the cell, in an owned plane or row or in one beside it, holds particles.

@@ -35,8 +35,7 @@ class RowStorage {
     std::array<bool, 2> rows_exchanged;
     bool beside = false;  // whether there is memory for the cells beside those with particles
     /// Where planes are processed one after the other: the number of planes needed at a time. Each plane reuses the
-    /// memory of the plane this many before it, except exchanged planes and those beside them. 0: planes do not share
-    /// memory.
+    /// memory of the plane this many before it, except exchanged planes and those beside them. 0: planes share none.
     LocalId window = 0;
   };
   /// `columns`: number of columns in use in each row of each plane, including one row before and one after the owned

@@ -21,8 +21,7 @@ namespace HWY_NAMESPACE {
 
 static_assert(max_lanes == FourCells::count);
 
-/// The next cells of a row, as many as a vector has lanes. Where a row consists of FourCells, whole vectors are
-/// written.
+/// The next cells of a row, as many as a vector has lanes. If a row consists of FourCells, whole vectors are written.
 struct Part {
   std::size_t begin, end;
   HWY_INLINE Part& operator++() {

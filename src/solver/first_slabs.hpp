@@ -37,8 +37,7 @@ struct CellWeights {
   std::vector<Real> planes;
   std::function<RowWeights(const Slabs&)> rows;
 };
-/// Throws InputError if the method anderson has more unknowns than PETSc can count. `planes`: number of particles of
-/// each.
+/// Throws InputError if the method anderson has more unknowns than PETSc can count. `planes`: particles of each plane.
 void check_unknowns(const Settings& settings, const std::vector<Real>& planes);
 /// Bytes per particle of a plane at a cut in the largest message: its record, or with the projection its part of the
 /// data that a full cell sends.

@@ -21,8 +21,7 @@ struct FlowParts {
   std::shared_ptr<InflowOutflow> inlets_and_drains;  ///< null without any
 };
 
-/// Music that cannot be used. A program is told the member of its settings; a caller that has a scene can name the
-/// line.
+/// Music that cannot be used. A program is told the member of its settings; a caller with a scene can name the line.
 class MusicError : public InputError {
  public:
   /// `list`: as a scene names it, "fountain" or "inlet".

@@ -39,7 +39,7 @@ struct WallRefusal {
 /// For settings whose box and spacing are known; `inlet.direction` must have the length 1.
 std::optional<WallRefusal> why_not_in_wall(const InletSettings& inlet, const Settings& settings);
 std::optional<WallRefusal> why_not_in_wall(const DrainSettings& drain, const Settings& settings);
-/// For one inlet in addition to those of the settings: two overlapping inlets in a wall would bring water to the same
+/// For one inlet in addition to those of the settings: overlapping inlets in a wall would bring water to the same
 /// places.
 std::optional<WallRefusal> why_not_beside(const InletSettings& inlet, std::span<const InletSettings> others,
                                           const Settings& settings);
