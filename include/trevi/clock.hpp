@@ -1,5 +1,5 @@
-// Simulated time, and when something is due. Steps are counted, never accumulated, so that a restart sees the same
-// times. An output is due at the first step whose time is at least its due time − dt/2.
+// Simulated time, and schedules of output. The time follows from the number of steps and is never accumulated, so that
+// a restart sees the same times. An output is due at the first step whose time is at least its due time − dt/2.
 #pragma once
 
 #include <cmath>
@@ -10,13 +10,14 @@
 namespace trevi {
 
 struct Clock {
-  std::int64_t step = 0;  ///< steps done since the start of the run, restarts included
+  std::int64_t step = 0;  ///< steps completed since the start of the run, restarts included
   Real dt = 0;            ///< length of a step, s
-  int substeps = 1;       ///< equal parts the last step was split into
+  int substeps = 1;       ///< number of equal parts into which the last step was split
   Real time() const { return static_cast<Real>(step) * dt; }
 };
 
-/// Every so many seconds or every so many steps; `every_steps` wins when both are set; neither set: never due.
+/// An interval in seconds or in steps. Where both are set, `every_steps` takes precedence; where neither is, nothing is
+/// ever due.
 struct Schedule {
   Real every = 0;  ///< s
   std::int64_t every_steps = 0;
@@ -30,8 +31,8 @@ struct Schedule {
 
  private:
   std::int64_t outputs_until(std::int64_t step, Real dt) const {
-    // The small allowance keeps a due time that is hit to rounding (every = n dt + dt/2) on the earlier step.
-    constexpr Real most = 1e18;  // more often than this is each step
+    // The small allowance assigns a due time that is met only up to rounding (every = n dt + dt/2) to the earlier step.
+    constexpr Real most = 1e18;  // from this count on, each step is due
     const Real until = std::floor((static_cast<Real>(step) + 0.5) * dt / every + 1e-9);
     return until < most ? static_cast<std::int64_t>(until) : static_cast<std::int64_t>(most) + step;
   }

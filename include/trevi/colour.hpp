@@ -1,5 +1,5 @@
-// What the colour of a particle shows: the one list for colour.by of a scene, for the frames that a run writes, and for
-// --colour of trevi-view. Invariant: colour_list[k].colour is the k-th of the enumeration. Plain data.
+// The quantities that the colour of a particle may show. The list serves colour.by of a scene, the frames that a run
+// writes, and --colour of trevi-view. Invariant: colour_list[k].colour is the k-th of the enumeration. Plain data.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ struct ColourEntry {
 };
 
 inline constexpr std::array<ColourEntry, 8> colour_list = {{
-    {Colour::rainbow, "rainbow", false, true},  // in the viewer: the colours that the run gave, or by id
+    {Colour::rainbow, "rainbow", false, true},  // in the viewer: the colours of the run, or by id
     {Colour::rainbow_x, "rainbow_x", true, false},
     {Colour::rainbow_height, "rainbow_height", true, false},
     {Colour::rainbow_id, "rainbow_id", true, false},

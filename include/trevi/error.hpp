@@ -1,7 +1,7 @@
-// Errors that a user of Trevi can meet, each with the exit code of the program: 2 bad input, 3 a failed run. Input
-// errors are found by all ranks alike, before anything is written. A run error may occur on one rank alone; it carries
-// whether all ranks threw it (Reach), as only then may the program still communicate. Bugs of Trevi itself are asserts,
-// not errors.
+// Errors that a user of Trevi may encounter, each with the exit code of the program: 2 for bad input, 3 for a failed
+// run. Input errors are found by all ranks alike, before anything is written. A run error may occur on a single rank.
+// It records whether all ranks threw it (Reach), because only then may the program still communicate. Bugs of Trevi
+// itself are caught by asserts and are not errors in this sense.
 #pragma once
 
 #include <stdexcept>
@@ -26,27 +26,27 @@ class Error : public std::runtime_error {
   Reach reach_;
 };
 
-/// Bad input or usage: the message is for the user and names file, line, key and remedy where they are known.
+/// Bad input or usage. The message is for the user and names file, line, key and remedy where they are known.
 class InputError : public Error {
  public:
   explicit InputError(const std::string& message) : Error(ExitCode::bad_input, Reach::all_ranks, message) {}
 };
 
-/// The run failed (blow-up, disk, a library): the message names rank, step and particle where they are known.
+/// The run failed (blow-up, disk, a library). The message names rank, step and particle where they are known.
 class RunError : public Error {
  public:
   explicit RunError(const std::string& message, Reach reach = Reach::one_rank)
       : Error(ExitCode::run_failed, reach, message) {}
 };
 
-/// The run has become unstable. Thrown by all ranks alike; the solver still holds its particles, to be looked at.
+/// The run has become unstable. Thrown by all ranks alike; the solver still holds its particles for inspection.
 class BlowUp : public RunError {
  public:
   explicit BlowUp(const std::string& message) : RunError(message, Reach::all_ranks) {}
 };
 
-/// Throws RunError with the place of the call unless `condition` holds. Clang before 16 has no std::source_location,
-/// but what it is made of.
+/// Throws RunError with the location of the call unless `condition` holds. Clang before 16 lacks std::source_location,
+/// but has the built-in functions on which it rests.
 inline void require(bool condition, const std::string& message, const char* file = __builtin_FILE(),
                     int line = __builtin_LINE()) {
   if (!condition) throw RunError(message + " [" + file + ":" + std::to_string(line) + "]");

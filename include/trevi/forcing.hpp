@@ -1,7 +1,7 @@
-// What changes velocities before the prediction (Macklin & Müller 2013, Algorithm 1, line 2): a Forcing is called once
-// per substep for all particles of a rank. For the same bits on any rank count it treats each particle on its own and
-// draws random numbers from uniform(), whose arguments do not depend on the ranks. Collective: prepare() only, in which
-// a source that one rank alone can read (live sound) is shared with all ranks.
+// Forcings change velocities before the prediction (Macklin & Müller 2013, Algorithm 1, line 2). A Forcing is called
+// once per substep for all particles of a rank. To give the same bits on any rank count, it treats each particle
+// independently and draws random numbers from uniform(), whose arguments do not depend on the ranks. Collective:
+// prepare() only, in which a source that only one rank can read (live sound) is shared with all ranks.
 #pragma once
 
 #include <cmath>
@@ -13,9 +13,9 @@
 
 namespace trevi {
 
-/// The part of a step that is about to be made.
+/// The substep that is about to be computed.
 struct StepInfo {
-  std::int64_t step = 0;  ///< steps done before
+  std::int64_t step = 0;  ///< steps completed before
   int substep = 0;
   Real time = 0;  ///< at the start of the substep, s
   Real dt = 0;    ///< of the substep, s
@@ -26,10 +26,10 @@ struct TimeSpan {
   Real begin = 0, end = 0;
 };
 
-/// State of a fountain at a time, as series.csv reports it.
+/// State of a fountain at a given time, as series.csv reports it.
 struct FountainState {
-  Real note = NAN;  ///< MIDI number of the note that sounds, fractional for a voice; nan when none
-  Real speed = 0;   ///< pump speed without jitter, m/s; 0 when off
+  Real note = NAN;  ///< MIDI number of the note that sounds, fractional for a voice; nan for none
+  Real speed = 0;   ///< pump speed without jitter, m/s; 0 when the pump is off
 };
 
 class Forcing {
@@ -38,16 +38,17 @@ class Forcing {
   /// Called once before each step; `dt` is that of the whole step. Collective.
   virtual void prepare(const StepInfo&) {}
   virtual void apply(Particles& particles, const StepInfo& info) = 0;
-  /// For how long from the start of the substep on it alone decides how a particle at p moves, and gravity does not, s.
-  /// Asked for by several threads; does not throw.
+  /// For how long from the start of the substep, in s, this forcing alone determines the motion of a particle at p, and
+  /// gravity does not. Called by several threads at once; does not throw.
   virtual Real holds_for(GlobalId /*id*/, const Vec3& /*p*/, const StepInfo&) const { return 0; }
-  /// Highest speed it may give a particle within the times, m/s; for the choice of substeps.
+  /// Highest speed that it may give a particle within the time span, m/s; determines the number of substeps.
   virtual Real fastest(const TimeSpan&) const { return 0; }
-  /// State of a fountain at a time; no value for a forcing that is not a fountain.
+  /// State of a fountain at a given time; no value for a forcing that is not a fountain.
   virtual std::optional<FountainState> state(Real) const { return std::nullopt; }
 };
 
-/// Uniform in [0, 1), a pure function of its arguments (Random123's Philox); `stream` separates different users.
+/// A random number, uniform in [0, 1), as a pure function of the arguments (Random123's Philox); `stream` separates
+/// different users.
 Real uniform(std::uint64_t seed, GlobalId id, const StepInfo& info, int stream);
 
 }  // namespace trevi

@@ -1,8 +1,8 @@
-// The state of the particles that one rank owns: a structure of arrays, one contiguous array per field, all of one
+// The state of the particles that one rank owns: a structure of arrays, one contiguous array per field, all of the same
 // length. Invariant between prediction and the end of a step: cell order (cell plane, row, cell, then id), which is the
-// same on any rank count. Ghosts exist only in the packed records of the pair loops (packed.hpp), not here. The one
-// list of fields is for_each_field, which migration uses; sorting uses for_each_kept_field, as velocities are about to
-// be overwritten then. The fields that are written to files: src/io/frames/fields.hpp.
+// same on any rank count. Ghosts exist only in the packed records of the pair loops (packed.hpp), not here.
+// for_each_field is the only list of the fields; migration uses it. Sorting uses for_each_kept_field, because the
+// velocities are about to be overwritten then. The fields that are written to files are in src/io/frames/fields.hpp.
 #pragma once
 
 #include <cassert>
@@ -17,7 +17,7 @@ struct Particles {
   std::vector<Vec3> position;   ///< p at the start of the step, m
   std::vector<Vec3> predicted;  ///< p*, m
   std::vector<Vec3> velocity;   ///< v, m/s
-  std::vector<float> hue;       ///< x at the start as a fraction of the water's extent; empty unless colour.by needs it
+  std::vector<float> hue;       ///< initial x as a fraction of the extent of the water; empty unless colour.by needs it
   bool has_hue = false;
 
   LocalId size() const { return static_cast<LocalId>(id.size()); }

@@ -1,6 +1,6 @@
-// The few types that every layer shares.
-// Lengths are metres, times seconds, masses kilograms; the state of a particle is kept in double precision.
-// LocalId counts what one rank holds, GlobalId what all ranks hold together; the two are never mixed silently.
+// The few types that all modules share.
+// Lengths are in metres, times in seconds and masses in kilograms; the state of a particle is in double precision.
+// LocalId counts what one rank holds, and GlobalId what all ranks hold together; the two are never mixed silently.
 #pragma once
 
 #include <Eigen/Core>

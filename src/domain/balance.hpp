@@ -1,7 +1,7 @@
-// Keeps the work of all ranks even while the water falls and spreads: every few steps the cuts between slabs are moved
-// to where the present work in the planes puts them, and cuts inside the slabs to where that in their rows does. The
-// rule uses global numbers only, so every rank finds the same cuts, and results do not depend on the cuts, as sums are
-// formed plane by plane. Collective.
+// Load balance while the water falls and spreads: every few steps the cuts between slabs are moved according to the
+// present work in the planes, and the cuts inside slabs according to that in their rows. The rule uses only global
+// numbers, so every rank finds the same cuts. Results do not depend on the cuts, because sums are formed plane by
+// plane. Collective.
 #pragma once
 
 #include <mpi.h>
@@ -15,28 +15,28 @@
 
 namespace trevi {
 
-/// Work of the owned planes [k, l) of `order` in a step, in units of the work for one pair: the number of pairs, plus
-/// what is done for each particle. Measured (falling cube, basin at rest): a particle costs as much as about twenty
-/// pairs.
+/// Work of the owned planes [k, l) of `order` in a step, in units of the work for one pair: the number of pairs plus
+/// the work for each particle. Measured (falling cube, basin at rest): a particle costs about as much as twenty pairs.
 Real plane_work(const CellOrder& order, const NeighbourList& list, LocalId k, LocalId l);
-/// The same of owned particles.
+/// The same for a range of owned particles.
 Real work_of(const NeighbourList& list, Range particles);
 
-/// Cuts each slab into `parts` runs of rows, so that the largest weight of a run is as small as can be. `weights`: on
-/// the first rank of each slab those of its rows, on others nothing. Collective.
+/// Cuts each slab into `parts` runs of rows such that the largest weight of a run is as small as possible. `weights`:
+/// those of the rows on the first rank of each slab, empty on other ranks. Collective.
 void cut_rows(MPI_Comm comm, std::span<const Real> weights, int parts, Slabs& slabs);
 
 class Balance {
  public:
-  static constexpr std::int64_t interval = 10;  ///< steps between two looks at the weights
+  static constexpr std::int64_t interval = 10;  ///< steps between two measurements of the weights
 
-  /// Cuts move when that lowers the imbalance by more than `min_gain`; each move sends a plane or more of particles.
+  /// Cuts are moved when this lowers the imbalance by more than `min_gain`; each move sends a plane of particles or
+  /// more.
   Balance(MPI_Comm comm, Real min_gain) : comm_(comm), min_gain_(min_gain) {}
 
-  /// Moves the cuts if a look is due at this step and the gain is large enough. It leaves the particles where they are.
+  /// Moves the cuts if a measurement is due at this step and the gain is large enough. It does not move particles.
   void update(std::int64_t step, const CellOrder& order, const NeighbourList& list, Slabs& slabs);
 
-  /// Imbalance max/mean of the work at the looks so far, before a move; 1 is even.
+  /// Imbalance max/mean of the work at the measurements so far, before a move; 1 is even.
   struct History {
     std::int64_t looks = 0, moves = 0;
     Real sum = 0, max = 1;

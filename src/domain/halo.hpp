@@ -1,10 +1,10 @@
-// Ghost exchange with the ranks around. Particles are in cell order, so what is sent to a neighbour slab and what is
-// received are contiguous slices of an array [low ghosts | owned | high ghosts | ghosts of rows]: no index list, no
-// packing. Where slabs are cut inside, a row of each plane is sent to the neighbour beside, and what it answers stands
-// at the end. rebuild() finds the slices once a substep; then any array of that layout is exchanged by start() and
-// finish(), and work that needs no ghosts can be done in between. Of records that are not all read a part is packed,
-// sent and put in place. Cells of a grid are exchanged in the same way. Collective over neighbours: all ranks call the
-// same exchanges in the same order.
+// Ghost exchange with the surrounding ranks. Particles are in cell order, so the data sent to a neighbouring slab and
+// the data received from it are contiguous slices of an array [low ghosts | owned | high ghosts | ghosts of rows]:
+// there is no index list and no packing. Where slabs are cut inside, a row of each plane is sent to the adjacent rank,
+// and the rows received from it are stored at the end. rebuild() finds the slices once per substep. Any array of that
+// layout is then exchanged by start() and finish(), and work that needs no ghosts can be done in between. If only a
+// part of each record is needed, that part is packed, sent and put in place. Cells of a grid are exchanged in the same
+// way. Collective over neighbours: all ranks call the same exchanges in the same order.
 #pragma once
 
 #include <mpi.h>
@@ -29,8 +29,8 @@ namespace trevi {
 
 class Halo {
  public:
-  /// `ring`: the first slab is next to the last. A rank may then be its own neighbour. Until rebuild() is called slabs
-  /// are not cut.
+  /// `ring`: the first slab is adjacent to the last. A rank may then be its own neighbour. Until rebuild() is called,
+  /// slabs are not cut.
   explicit Halo(MPI_Comm comm, bool ring = false);
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
@@ -75,8 +75,8 @@ class Halo {
       });
     }
   }
-  /// The same for a grid of cell planes, [low ghost plane | owned ones | high ghost plane], `per_plane` values each, of
-  /// the cells beside the own rows. Where rows are cut a plane has one more at either end.
+  /// Starts the exchange of a grid of cell planes, [low ghost plane | owned planes | high ghost plane], of `per_plane`
+  /// values each, for the cells beside the owned rows. Where rows are cut, a plane has one more row at either end.
   template <class Field>
   void start_planes(Field& grid, std::size_t per_plane) {
     start_planes(std::span(grid.data(), grid.size()), per_plane);
@@ -86,26 +86,26 @@ class Halo {
     static_assert(std::is_trivially_copyable_v<T>);
     start_plane_bytes(std::as_writable_bytes(grid), per_plane * sizeof(T), peers_);
   }
-  /// The same of planes that have lengths of their own: slice(k, rows) is what there is of plane k, of `planes` own
-  /// ones, and where rows are cut, of these rows of it.
+  /// The same for planes of different lengths: slice(k, rows) gives the data of plane k, of `planes` owned ones, and
+  /// where rows are cut, of these rows of it.
   using PlaneSlice = std::function<std::span<std::byte>(LocalId k, const Range& rows)>;
   void start_planes(LocalId planes, const PlaneSlice& slice) { start_planes(planes, slice, peers_); }
-  /// All cells around those of a grid, between other ranks than the neighbours; `grid` may have no owned ones.
+  /// All cells around those of a grid, exchanged with `peers` instead of the neighbours; `grid` may own no cells.
   template <class Field>
   void start_cells(Field& grid, std::size_t per_plane, const CellPeers& peers) {
     start_plane_bytes(std::as_writable_bytes(std::span(grid.data(), grid.size())), per_plane * sizeof(grid[0]), peers);
     start_rows(grid, per_plane, peers);
   }
-  /// The rows beside the own ones, of ghost planes, too; nothing where rows are not cut.
+  /// The rows beside the owned ones, also of ghost planes; nothing where rows are not cut.
   template <class Field>
   void start_rows(Field& grid, std::size_t per_plane) {
     start_rows(grid, per_plane, peers_);
   }
-  /// The same where address(k, r, side) is that of row r of plane k; −1 and the number of rows are the ghost rows.
-  /// `side`: of the zone that is filled by that, −1 for rows before the own ones of who receives them.
+  /// The same, where address(k, r, side) is the address of row r of plane k; −1 and the number of rows are the ghost
+  /// rows. `side`: that of the zone that is filled, −1 for rows before the receiver's own.
   using RowAddress = std::function<void*(LocalId k, LocalId r, int side)>;
   struct RowShape {
-    LocalId planes;  ///< owned ones
+    LocalId planes;  ///< owned planes
     std::size_t bytes;
   };
   void start_rows(const RowShape& shape, const RowAddress& address) { start_rows(shape, address, peers_); }
@@ -119,17 +119,17 @@ class Halo {
 
   bool has_neighbours() const { return !peers_.from.empty(); }
   bool rows_are_cut() const { return peers_.rows_are_cut; }
-  /// Those of the last rebuild().
+  /// The cuts of the last rebuild().
   const CellCuts& cuts() const { return cuts_; }
 
   /// Number of bytes and of messages sent by this rank since the beginning.
   std::int64_t bytes() const { return bytes_; }
   std::int64_t messages() const { return messages_; }
-  /// Memory of what is packed.
+  /// Memory of packed data, in bytes.
   std::size_t memory() const;
 
  private:
-  // What a message takes along, as indices into an array with ghosts; and where it comes from.
+  // The contents of a message that is sent, as indices into an array with ghosts; and of one that is received.
   struct Boundary {
     CellPiece peer;
     std::vector<Range> slices;

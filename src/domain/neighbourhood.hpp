@@ -1,7 +1,7 @@
 // The neighbourhood of each particle in one substep: cell order, ghosts, packed records, neighbour list. rebuild() is
 // called after the prediction; list, ghosts and order then stay the same until the end of the substep. The records
-// follow the particles: write the owned ones, then exchange them by halo(). Work on interior planes may go on between
-// start() and finish() of the halo. Collective: rebuild and everything that exchanges.
+// follow the particles: the owned ones are written and then exchanged by halo(). Interior planes can be processed
+// between start() and finish() of the halo. Collective: rebuild() and everything that exchanges.
 #pragma once
 
 #include <mpi.h>
@@ -25,20 +25,19 @@ class Neighbourhood {
                 std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>());
 
   /// Sorts the particles into cell order by their predicted positions, fetches ghosts and finds neighbours. All
-  /// particles must be in this rank's window. Where a particle has too many neighbours
-  /// (list().first_overfull_particle(), on its rank alone), the rows of it and of those after it are empty; collective
-  /// calls remain possible.
+  /// particles must be in this rank's window. If a particle has too many neighbours (list().first_overfull_particle(),
+  /// on its rank only), its row and those after it are empty; collective calls remain possible.
   void rebuild(Particles& particles, const Slabs& slabs, Velocities velocities = Velocities::discard) {
     arrange(particles, slabs, velocities);
     search();
   }
-  /// The two parts of it, between which there is no list: the order, ghosts and records; the list of neighbours of the
-  /// positions that the records have.
+  /// The two parts of rebuild(), between which there is no list: arrange() makes the order, ghosts and records;
+  /// search() makes the list of neighbours from the positions in the records.
   void arrange(Particles& particles, const Slabs& slabs, Velocities velocities);
   void search();
 
-  /// Writes the positions of the owned particles of the range into their records, on this thread; the scalar is set to
-  /// zero.
+  /// Writes the positions of owned particles of the range into their records, on this thread, and sets the scalars to
+  /// 0.
   void encode(const std::vector<Vec3>& position, Range range);
 
   /// Record of owned particle i.
@@ -53,15 +52,14 @@ class Neighbourhood {
   Halo& halo() { return halo_; }
   const Halo& halo() const { return halo_; }
 
-  /// Sends the positions in the records of the boundary, and receives those of the ghosts, whose scalars become zero;
-  /// where the box is periodic, brings those from beyond its end, and the copies, to the place where they are
-  /// neighbours.
+  /// Sends the positions in the records of the boundary and receives those of the ghosts, whose scalars become zero.
+  /// Where the box is periodic, ghosts from beyond its end, and copies, are moved to where they are neighbours.
   void start_positions() { halo_.template start_part<Coordinates>(records_, 0); }
   void finish_positions();
-  /// The same for the scalars alone.
+  /// The same for the scalars only.
   void start_scalars() { halo_.template start_part<T>(records_, offsetof(Packed<T>, w)); }
   void finish_scalars();
-  /// Exchanges another field of all particles, and copies it; of vectors the three coordinates alone.
+  /// Exchanges another field of all particles and fills its periodic copies; for vectors, only the three coordinates.
   template <class Field>
   void exchange(Field& field) {
     halo_.exchange(field);
@@ -73,16 +71,16 @@ class Neighbourhood {
     copy(field);
   }
 
-  /// boundary(): the particles whose records the neighbour ranks hold, i.e. those of the first and the last plane, and
-  /// of the rows at cuts in the others; interior(): all others. In ranges as long as they get, in their order. With
-  /// `depth` so many planes and rows in place of one belong to the boundary.
+  /// boundary(): the particles whose records the neighbouring ranks hold, i.e. those of the first and the last plane,
+  /// and of the rows at cuts in the other planes; interior(): all others. The ranges are as long as possible and in
+  /// order. With `depth` this many planes and rows instead of one belong to the boundary.
   std::vector<Range> boundary(LocalId depth = 1) const;
   std::vector<Range> interior(LocalId depth = 1) const;
-  /// The planes and rows of the interior, counted from the own ones; empty where there are none.
+  /// The planes and rows of the interior, relative to the owned ones; empty if there are none.
   CellWindow interior_window(LocalId depth) const;
   Range all() const { return {0, order_.owned()}; }
 
-  /// With all that is borrowed from its Scratch.
+  /// Memory in bytes, including everything that is borrowed from its Scratch.
   std::size_t bytes() const {
     return scratch_->bytes() + records_.capacity() * sizeof(Packed<T>) + list_.bytes() + order_.bytes() +
            halo_.memory();

@@ -1,6 +1,6 @@
-// Sums over particles that do not depend on the ranks: those of a plane are added in the order of its particles, planes
-// in theirs (parallel/reductions.hpp). Where slabs are cut inside, the sums of its planes pass through the ranks of a
-// slab in the order of their rows, and each goes on where the one before has stopped. Collective.
+// Sums over particles that do not depend on the ranks: the particles of a plane are added in their order, then the
+// planes in theirs (parallel/reductions.hpp). Where slabs are cut inside, the sums of the planes of a slab pass through
+// its ranks in the order of their rows, and each rank continues where the previous one stopped. Collective.
 #pragma once
 
 #include <mpi.h>

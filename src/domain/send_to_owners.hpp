@@ -1,8 +1,8 @@
-// Sends particles to their owners over any distance in one exchange of all ranks with all, where migrate() would pass
-// them on from slab to slab: a restart, whose particles come in the order of their ids, and what else is far from home.
-// Each field goes by itself, straight to where it stays, so a rank receives what it will own and no more, and the
-// memory beside the particles is that of what leaves, for one field. Counts are of particles, so no number of bytes has
-// to fit into an int. Collective.
+// Sends particles to their owners over any distance in one all-to-all exchange, where migrate() would pass them on from
+// slab to slab: at a restart, whose particles come in the order of their ids, and for other particles that are far from
+// their owners. Each field is sent separately and directly to its destination, so a rank receives only what it will
+// own. The memory needed besides the particles is that of one field of those that leave. Counts are of particles, so
+// that no number of bytes has to fit into an int. Collective.
 #pragma once
 
 #include <mpi.h>
@@ -14,8 +14,8 @@
 
 namespace trevi {
 
-/// `owners[i]` is the rank that owns particle i. Those that stay keep their order and come first; the others follow by
-/// the rank that sent them. Returns the number of particles that this rank sent.
+/// `owners[i]` is the rank that owns particle i. Particles that stay keep their order and come first; the others follow
+/// in the order of the ranks that sent them. Returns the number of particles that this rank sent.
 GlobalId send_to_owners(MPI_Comm comm, Particles& particles, std::span<const int> owners);
 
 }  // namespace trevi

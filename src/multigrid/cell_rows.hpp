@@ -1,4 +1,4 @@
-// Loops of threads over the rows of cells of planes. Not collective.
+// Loops over the rows of cells of planes, shared by threads. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 
 namespace trevi {
 
-/// Rows that a thread works on at a time: some 4096 cells.
+/// Number of rows that a thread processes at a time: about 4096 cells.
 inline LocalId rows_at_a_time(LocalId columns) { return std::max(4096 / (columns + 2), 1); }
 
-/// Whether a grid goes on at its other end beyond the last plane, row and column.
+/// Whether a grid is periodic along planes, rows and columns.
 using Repeats = std::array<bool, 3>;
 
 /// Planes of `rows` rows of `columns` cells, from row number `first_row` on.
@@ -22,7 +22,7 @@ struct CellRows {
   LocalId first_row = 0;
 };
 
-/// work(k, r) for each row r of each plane k.
+/// Calls work(k, r) for each row r of each plane k.
 template <class Work>
 void for_each_row(const CellRows& cells, const Work& work) {
   const LocalId rows = cells.rows, first_row = cells.first_row;
@@ -32,7 +32,7 @@ void for_each_row(const CellRows& cells, const Work& work) {
   });
 }
 
-/// work(state, k, r) likewise, with a State of its own for rows that come one after the other.
+/// Calls work(state, k, r) likewise, where consecutive rows share a State.
 template <class State, class Work>
 void for_each_row_with(const CellRows& cells, const Work& work) {
   const LocalId rows = cells.rows, first_row = cells.first_row;
@@ -43,8 +43,8 @@ void for_each_row_with(const CellRows& cells, const Work& work) {
   });
 }
 
-/// Where rows repeat, beyond those at the ends of each plane: copies of those at its other end. `field`: planes of
-/// `rows` rows of `columns` cells with a ring of one around each.
+/// Where rows are periodic: fills the rows beyond the ends of each plane with copies of those at its other end.
+/// `field`: planes of `rows` rows of `columns` cells with a ring of one cell around each.
 template <class Field>
 void repeat_rows(Field& field, LocalId rows, LocalId columns) {
   const auto row = static_cast<std::ptrdiff_t>(columns) + 2, plane = (static_cast<std::ptrdiff_t>(rows) + 2) * row;
@@ -54,7 +54,7 @@ void repeat_rows(Field& field, LocalId rows, LocalId columns) {
   }
 }
 
-/// The same beyond the ends of the columns, of all rows that the field has.
+/// The same beyond the ends of the columns, for all rows of the field.
 template <class Field>
 void repeat_columns(Field& field, LocalId columns) {
   const auto row = static_cast<std::ptrdiff_t>(columns) + 2;

@@ -1,13 +1,13 @@
-// Multigrid for the pressure of the projection: a fixed number of V-cycles over levels that join columns of
-// cells by twos in either horizontal direction (level.hpp). As a sweep solves whole columns, the number of
-// cycles, of sweeps and of messages does not depend on the depth. On a level whose columns are wider than the water is
-// deep a column's own pressure decides nearly all, so the number of levels follows the depth and not the extent of the
-// water.
+// Multigrid for the pressure of the projection: a fixed number of V-cycles over levels that coarsen columns of cells by
+// two in both horizontal directions (level.hpp). As a sweep solves whole columns, the number of cycles, of sweeps and
+// of messages does not depend on the depth. On a level whose columns are wider than the depth of the water, the
+// pressure is determined almost entirely within a column, so the number of levels follows from the depth and not from
+// the extent of the water.
 //
-// Nothing here depends on the ranks: levels are counted from the start of the box, each cell has one formula, and no
-// sum goes over more than the cells that a coarse cell stands for. A level with few cells is gathered to all ranks in
-// the order of its planes, and it and those below are worked out by each of them; above that, ranks hold the cells
-// that begin in their window (cell_peers.hpp). Collective.
+// Nothing here depends on the ranks: planes and rows of levels are counted from the start of the box, each cell has one
+// formula, and no sum extends over more than the cells that a coarse cell represents. A level with few cells is
+// gathered to all ranks in the order of its planes, and each rank computes it and all coarser levels. On finer levels
+// ranks hold the cells that begin in their window (cell_peers.hpp). Collective.
 #pragma once
 
 #include <initializer_list>
@@ -26,20 +26,21 @@ class Multigrid {
                      std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
       : scratch_(std::move(scratch)), comm_(comm), repeats_(repeats), gathered_(gathered_cells) {}
 
-  /// For the window of this rank in planes of `rows` x `columns` cells, with water `depth` cells deep. Not collective.
+  /// Sets the levels for this rank's window in planes of `rows` x `columns` cells; `depth` of the water in cells. Not
+  /// collective.
   void resize(const CellCuts& cuts, LocalId rows, LocalId columns, int depth);
-  /// Holds the equation and the start, phi with its ghost planes. Links are known in the plane above the own ones, too.
-  /// Where the box repeats, halo exchanges are those of a ring.
+  /// Holds the equation and the initial guess phi with its ghost planes. Links are also known in the plane above the
+  /// owned ones. Where the box is periodic, halo exchanges are those of a ring.
   MultigridLevel& finest() { return levels_.front().cells; }
   const MultigridLevel& finest() const { return levels_.front().cells; }
 
-  /// Gives back the memory of all but phi of the finest level; and of that.
+  /// Give back the memory of everything except phi of the finest level, and the memory of this phi.
   void give_back_all_but_phi();
   void give_back() { levels_[0].cells.give_back(); }
 
-  /// Improves phi of the finest level, ghost planes included; in memory that give_back_all_but_phi() gives back.
+  /// Improves phi of the finest level, ghost planes included, in memory that give_back_all_but_phi() gives back.
   void solve(Halo& halo, int cycles);
-  /// The same once more, where nothing but the right-hand side is another.
+  /// The same once more if nothing but the right-hand side has changed.
   void improve(Halo& halo, int cycles);
 
   std::size_t bytes() const;
@@ -48,7 +49,7 @@ class Multigrid {
   struct Level {
     MultigridLevel cells;
     CellPeers peers;
-    CellRows made{};        // cells that this rank makes from the finer level
+    CellRows made{};        // cells that this rank computes from the finer level
     bool gathered = false;  // all cells are on all ranks
   };
   void place_level(std::size_t l, bool same_cuts);

@@ -1,7 +1,7 @@
-// Rigid bodies that move freely in the projection: their velocities are unknowns beside the pressure. A change of a
-// body's twist changes the flux through the closed parts of faces, which is the right-hand side; the pressure on its
-// surface changes the twist (RigidBodies::respond()). The two are brought together between the cycles of the multigrid,
-// on cells that stay as they were cut where the body was expected. Collective: solve().
+// Freely moving rigid bodies in the projection: their velocities are unknowns in addition to the pressure. A change of
+// the twist of a body changes the flux through the closed parts of faces, which is the right-hand side; the pressure on
+// its surface changes the twist (RigidBodies::respond()). The two are iterated between the cycles of the multigrid,
+// while the cells remain as they were cut at the expected position of the body. Collective: solve().
 #pragma once
 
 #include <vector>
@@ -16,15 +16,15 @@ class BodyCoupling {
   BodyCoupling(MPI_Comm comm, CutCells& cuts, Obstacles& obstacles, Real h)
       : comm_(comm), cuts_(cuts), obstacles_(obstacles), pushes_(obstacles.floating()->count(), h) {}
 
-  /// What moves the bodies: `forces` knows the pressure on cells, `beside` what else their closed faces give to the
-  /// water, which is where `order` has particles.
+  /// The water that moves the bodies: `forces` has the pressure on cells, and `beside` the further impulses that closed
+  /// faces give to the water, which is where `order` has particles.
   struct Water {
     const FreeSurface& surface;
     const RecordForces& forces;
     const RecordBeside& beside;
     const CellOrder& order;
   };
-  /// Pressure, of which the equation is assembled, and bodies.
+  /// Solves for the pressure, whose equation is assembled, and for the bodies.
   void solve(Pressure& pressure, Halo& halo, const Water& water);
 
  private:
@@ -34,7 +34,7 @@ class BodyCoupling {
   MPI_Comm comm_;
   CutCells& cuts_;
   Obstacles& obstacles_;
-  ImpulseLedger pushes_;  // of the pressure of the moment
+  ImpulseLedger pushes_;  // of the present pressure
 };
 
 }  // namespace trevi

@@ -1,8 +1,8 @@
-// Numbers of the cells of the projection's grid, several of each cell, laid out for loops over the cells of a row: of a
-// row four cells after another, of these first the first number of all, then the second of all. Planes, and the ring
-// of rows around each, are those of ProjectionGrid, the memory of fours that of RowStorage, which has none where there
-// is no water: such cells are 0. Whoever writes a row writes all of its cells that there is memory for, or clears them.
-// Not collective.
+// Fields with several numbers per cell of the projection's grid, laid out for loops over the cells of a row. A row is
+// divided into groups of four cells ("fours"); each group stores the first number of its four cells, then the second,
+// and so on. Planes, and the ring of rows around each, are those of ProjectionGrid. The memory of the groups is that of
+// RowStorage, which has none where there is no water: the cells there are 0. Code that writes a row writes or clears
+// all of its cells that have memory. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +17,11 @@
 
 namespace trevi {
 
-/// A struct that is nothing but numbers, as these in their order.
+/// The numbers of a struct that consists of numbers only, in their order.
 template <class T>
 using NumbersOf = std::array<Real, sizeof(T) / sizeof(Real)>;
 
-/// The first numbers of a cell of a row, of `numbers` each, as those of a T.
+/// The first numbers of cell c of a row, as a T. The row has `numbers` for each cell.
 template <class T>
 T cell_of(const FourCells* row, std::size_t numbers, LocalId c) {
   constexpr LocalId four = FourCells::count;
@@ -31,7 +31,7 @@ T cell_of(const FourCells* row, std::size_t numbers, LocalId c) {
   return std::bit_cast<T>(value);
 }
 
-/// The fours of a row of cells. There may be no memory for a four: then it is 0, and must not be written.
+/// The groups of four cells of a row. A group without memory is 0 and must not be written.
 template <class Cells>
 struct FoursOfRow {
   Cells* values;
@@ -40,13 +40,13 @@ struct FoursOfRow {
   std::size_t numbers;  // of a cell
 
   bool has(std::size_t four) const { return places[four] != nowhere; }
-  /// The first number of the cells of a four.
+  /// The first number of the cells of a group.
   Cells* operator[](std::size_t four) const { return values + places[four] * numbers; }
-  /// Those from a four on.
+  /// The groups from `four` on.
   FoursOfRow from(std::size_t four) const { return {values, places + four, nowhere, numbers}; }
-  /// Their numbers from one on.
+  /// The same groups with their numbers from q on.
   FoursOfRow from_number(std::size_t q) const { return {values + q, places, nowhere, numbers}; }
-  /// The same to read.
+  /// The same for reading.
   operator FoursOfRow<const Cells>() const { return {values, places, nowhere, numbers}; }
 };
 using RowToRead = FoursOfRow<const FourCells>;
@@ -59,7 +59,7 @@ auto* number_of(const FoursOfRow<Cells>& row, LocalId c, std::size_t q = 0) {
   return &row[static_cast<std::size_t>(c / four)][q].of[c % four];
 }
 
-/// Clears the cells [columns) of a row of which there is memory.
+/// Clears those of the cells [columns) of a row that have memory.
 inline void clear_cells(const RowToWrite& row, Range columns) {
   constexpr LocalId four = FourCells::count;
   for (LocalId c = columns.begin; c < columns.end;) {
@@ -72,14 +72,14 @@ inline void clear_cells(const RowToWrite& row, Range columns) {
 
 class CellFields {
  public:
-  /// `numbers` of each cell, and `more` of those in planes and rows that are exchanged.
+  /// `numbers` for each cell, and `more` for those in planes and rows that are exchanged.
   explicit CellFields(std::size_t numbers, std::size_t more = 0) : numbers_(numbers), in_exchanged_(numbers + more) {}
 
-  /// Memory for the grid as it is now, until give_back(): 0 in planes that neighbours exchange; else not yet written.
+  /// Borrows memory for the present grid until give_back(). It is 0 in exchanged planes and uninitialised elsewhere.
   void borrow(Scratch& scratch, const RowStorage& storage) {
     borrow(storage, [&](std::size_t size) { return scratch.borrow<FourCells>(size); });
   }
-  /// The same for a stage that ends before any loan does.
+  /// The same for a stage that ends before any other loan does.
   void borrow_briefly(Scratch& scratch, const RowStorage& storage) {
     borrow(storage, [&](std::size_t size) { return scratch.borrow_briefly<FourCells>(size); });
   }
@@ -110,17 +110,17 @@ class CellFields {
     return {values_.data() + rest_, storage_->places(k, r), storage_->nowhere(), numbers_};
   }
   RowToRead row(LocalId k, LocalId r) const { return const_cast<CellFields*>(this)->row(k, r); }
-  /// Number q of a cell; one that there is memory for, to write it.
+  /// Number q of a cell. To be written only if the cell has memory.
   Real& number(std::size_t q, LocalId k, LocalId r, LocalId c) { return *number_of(row(k, r), c, q); }
   Real number(std::size_t q, LocalId k, LocalId r, LocalId c) const { return *number_of(row(k, r), c, q); }
-  /// Clears the cells of a row but for `kept`.
+  /// Clears the cells of a row except `kept`.
   void clear_around(LocalId k, LocalId r, Range kept) {
     clear_cells(row(k, r), {0, kept.begin});
     clear_cells(row(k, r), {kept.end, four_cells * static_cast<LocalId>(storage_->per_row())});
   }
   /// Clears a row.
   void clear(LocalId k, LocalId r) { clear_around(k, r, {0, 0}); }
-  /// The first numbers of a cell as those of a T.
+  /// The first numbers of a cell, as a T.
   template <class T>
   T cell(LocalId k, LocalId r, LocalId c) const {
     return cell_of<T>(row(k, r)[four(c)], 0, static_cast<LocalId>(lane(c)));
@@ -132,9 +132,9 @@ class CellFields {
     for (std::size_t q = 0; q < all.size(); ++q) to[q].of[lane(c)] = all[q];
   }
 
-  /// Memory for `numbers` of the cells of one row.
+  /// FourCells that the `numbers` of all cells of one row take.
   std::size_t per_row() const { return storage_->per_row() * numbers_; }
-  /// Begins to exchange boundary planes, and rows where these are cut.
+  /// Starts the exchange of boundary planes and, where rows are cut, of boundary rows.
   void start(Halo& halo) {
     const LocalId planes = storage_->shape().cells.planes.end - 2;
     halo.start_planes(planes, [this](LocalId k, const Range& rows) {
@@ -155,7 +155,7 @@ class CellFields {
     rest_ = (storage_->exchanged() + 1) * (in_exchanged_ - numbers_);
     values_.give_back();
     values_ = memory(rest_ + storage_->size() * numbers_);
-    // With the four that stands for all others, which has as many numbers, too.
+    // Including the group that stands for all others, which has as many numbers.
     const std::size_t first = (storage_->exchanged() + 1) * in_exchanged_;
     for_each_index({0, static_cast<LocalId>(first)}, [&](std::size_t i) { values_[i] = {}; });
   }
@@ -164,18 +164,19 @@ class CellFields {
   static std::size_t lane(LocalId c) { return static_cast<std::size_t>(c) % FourCells::count; }
 
   std::size_t numbers_, in_exchanged_;
-  std::size_t rest_ = 0;  // where places in rows that are not exchanged are counted from
+  std::size_t rest_ = 0;  // offset of the places in rows that are not exchanged
   const RowStorage* storage_ = nullptr;
   Borrowed<FourCells> values_;
 };
 
-/// work(state, k, r) for the rows of all own planes, those of the planes at either end first, and those at cuts: send()
-/// then lets these travel to the neighbours while the others are worked on. A State as for_each_row_with() has it.
+/// Calls work(state, k, r) for the rows of all owned planes, first for the planes at either end and the rows at cuts.
+/// send() then starts to send these to the neighbours while the others are processed. State is as in
+/// for_each_row_with().
 template <class State, class Work, class Send>
 void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, const Work& work, const Send& send) {
   const LocalId rows = grid.rows(), last = grid.planes();
   if (!halo.has_neighbours()) return for_each_row_with<State>(grid.rows_of({1, last + 1}), work);
-  const LocalId ends = grid.rows_are_cut() ? std::min(rows, 2) : 0;  // rows of the planes between that travel
+  const LocalId ends = grid.rows_are_cut() ? std::min(rows, 2) : 0;  // rows of the planes between that are sent
   const LocalId of_planes = std::min(last, 2) * rows, between = std::max(last - 2, 0);
   constexpr LocalId part_size = 16;  // a plane has few rows for all threads
   for_each_part({0, of_planes + between * ends}, part_size, [&](Range part) {
@@ -183,7 +184,7 @@ void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, const Work& w
     for (LocalId i = part.begin; i < part.end; ++i) {
       const LocalId j = i - of_planes;
       if (j < 0) work(state, i < rows ? 1 : last, i % rows);
-      // First rows and then last ones, so that one comes beside the one before.
+      // First rows and then last ones, so that consecutive rows are adjacent.
       if (j >= 0) work(state, 2 + j % between, j < between ? 0 : rows - 1);
     }
   });
@@ -199,7 +200,7 @@ void for_each_row_and_send(const ProjectionGrid& grid, Halo& halo, CellFields& f
   for_each_row_and_send<State>(grid, halo, work, [&] { field.start(halo); });
 }
 
-/// work(state, k, r) for the own rows of a few planes, of which each thread gets some.
+/// Calls work(state, k, r) for the owned rows of a few planes, which are divided among the threads.
 template <class State, class Work>
 void for_each_row_of_few(const ProjectionGrid& grid, Range planes, const Work& work) {
   constexpr LocalId fewest = 8, parts_of_thread = 2;
@@ -212,13 +213,13 @@ void for_each_row_of_few(const ProjectionGrid& grid, Range planes, const Work& w
                 });
 }
 
-/// What is found for own planes in any order, and once for each: work(state, k, r) for their rows.
+/// Computes something for owned planes in any order, but only once for each: work(state, k, r) for their rows.
 template <class State, class Work>
 class PlanesOnce {
  public:
   PlanesOnce(const ProjectionGrid& grid, const Work& work)
       : grid_(grid), work_(work), found_(static_cast<std::size_t>(grid.planes()) + 1, 0) {}
-  /// For those of them that are own ones and have not been found.
+  /// For those of the planes that are owned and have not been processed yet.
   void find(Range planes) {
     planes = {std::max(planes.begin, 1), std::min(planes.end, grid_.planes() + 1)};
     if (planes.size() <= 0) return;
@@ -227,7 +228,7 @@ class PlanesOnce {
     });
     std::fill(found_.begin() + planes.begin, found_.begin() + planes.end, 1);
   }
-  /// For the plane of that number, from 1, at each end beyond which other ranks go on.
+  /// For the plane with this number, from 1, counted from each end that has a neighbouring rank.
   void find_at_ends(LocalId number) {
     const std::array<bool, 2>& exchanged = grid_.storage().shape().exchanged;
     const LocalId upper = grid_.planes() + 1 - number;
@@ -241,19 +242,19 @@ class PlanesOnce {
   std::vector<char> found_;
 };
 
-/// What is found for the rows of planes, work(state, k, r), and how it travels to the neighbours.
+/// The computation for the rows of planes, work(state, k, r), and the call that sends its result to the neighbours.
 template <class Work, class Send>
 struct PlaneStage {
   Work work;
   Send send;
 };
 template <class Work, class Send>
-PlaneStage(Work, Send) -> PlaneStage<Work, Send>;  // which clang finds itself from version 17 on
+PlaneStage(Work, Send) -> PlaneStage<Work, Send>;  // deduced by clang itself from version 17 on
 
-/// Two stages in memory of few planes (ProjectionGrid::storage_rolling()), of which the second needs what the first has
-/// found of the planes around, and then use(planes) for runs of own planes, one after the other, of which the second
-/// has found those around, too, but for what neighbours have sent, which is there after halo.finish(). What other ranks
-/// need is first; as planes at the ends do not share memory, it may be. Collective.
+/// Runs two stages in memory for few planes (ProjectionGrid::storage_rolling()). The second stage needs the result of
+/// the first for the surrounding planes. use(planes) is then called for consecutive runs of owned planes for which the
+/// result of the second stage is also known on the surrounding planes, including what neighbours have sent. Planes that
+/// other ranks need come first, which is possible because the planes at the ends do not share memory. Collective.
 template <class State, class First, class Second, class Use>
 void for_each_plane_in_turn(const ProjectionGrid& grid, Halo& halo, const First& first, const Second& second,
                             const Use& use) {

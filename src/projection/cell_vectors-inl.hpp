@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// A vector of particles of a cell; lanes of `valid` hold one.
+// A vector of particles of a cell; the lanes of `valid` hold a particle.
 struct ParticleVectors {
   V3 path;     // p − x, m
   V3 surface;  // surface position, in cells from the corner of the cell
@@ -29,7 +29,7 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
   V3 v = zeros();
   if (i + hn::Lanes(Wide()) <= field.size()) {
     hn::LoadInterleaved3(Wide(), field[i].data(), v[0], v[1], v[2]);
-  } else {  // whole vectors are read, so the last particles need something behind them
+  } else {  // whole vectors are read, so the last particles need padding behind them
     std::array<Vec3, max_lanes> last;
     last.fill(Vec3::Zero());
     if (i < field.size()) std::copy(field.begin() + static_cast<std::ptrdiff_t>(i), field.end(), last.begin());
@@ -86,14 +86,14 @@ HWY_INLINE void store_vectors(const Vec4s& v, std::size_t count, Vec4<T>* out) {
 // Particle k of a cell is added to lane k modulo 8, on every processor.
 constexpr std::size_t virtual_lanes = 8;
 
-// first: nothing has been added to these lanes before.
+// `first`: nothing has been added to these lanes before.
 template <bool first>
 HWY_INLINE void add_to_lanes(Real* at, V v) {
   const Wide d;
   hn::Store(first ? v : hn::Add(hn::Load(d, at), v), d, at);
 }
 
-// The sums over the virtual lanes of quantities, in the same order on every processor.
+// The sums of quantities over the virtual lanes, in the same order on every processor.
 using Two = hn::FixedTag<double, 2>;
 HWY_INLINE auto folded(const double* lane) {
   const Two d;
@@ -106,7 +106,7 @@ HWY_INLINE void fold_two(const Real (*lanes)[virtual_lanes], std::size_t q, doub
   hn::StoreU(hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)), d, out);
 }
 
-// Of two quantities: even and odd lanes of the one, then of the other.
+// For two quantities: the even and odd lanes of the first, then those of the second.
 HWY_INLINE V even_and_odd(const double* one, const double* other) {
   const Wide d;
   const V a = hn::Add(hn::Load(d, one), hn::Load(d, one + 4));

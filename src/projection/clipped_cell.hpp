@@ -17,8 +17,8 @@ struct SquarePart {
   std::array<Real, 2> moment{};
 };
 
-/// What of the square lies where distance + slope · place is positive: clipped by that half-plane (Sutherland &
-/// Hodgman, Commun. ACM 17, 1974).
+/// The part of the square where distance + slope · place is positive: the square clipped by this half-plane (Sutherland
+/// & Hodgman, Commun. ACM 17, 1974).
 inline SquarePart clipped_square(Real distance, const std::array<Real, 2>& slope) {
   constexpr std::array<std::array<Real, 2>, 4> corner{{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}};
   const Real reach = (std::abs(slope[0]) + std::abs(slope[1])) / 2;
@@ -44,9 +44,9 @@ inline SquarePart clipped_square(Real distance, const std::array<Real, 2>& slope
   return part;
 }
 
-/// The volume of a unit cube about the origin where distance + slope · place is positive: the corner that the plane
-/// cuts off all of space, less what of it lies beyond the faces of the cube (Scardovelli & Zaleski, J. Comput. Phys.
-/// 164, 2000, eq. 4). A plane along an edge is turned by a thousandth.
+/// The volume of the part of a unit cube about the origin where distance + slope · place is positive: the tetrahedron
+/// that the plane cuts off an octant of space, minus its parts beyond the faces of the cube (Scardovelli & Zaleski, J.
+/// Comput. Phys. 164, 2000, eq. 4). A plane parallel to an edge is tilted by a thousandth.
 inline Real clipped_cube(Real distance, const std::array<Real, 3>& slope) {
   std::array<Real, 3> n{};
   for (std::size_t a = 0; a < 3; ++a) n[a] = std::abs(slope[a]);
@@ -68,7 +68,8 @@ inline Real clipped_cube(Real distance, const std::array<Real, 3>& slope) {
   return std::clamp(sum / (6 * n[0] * n[1] * n[2]), 0.0, 1.0);
 }
 
-/// About where the middle of the rest of the cube lies, `part` of it; exact for planes along faces, and for corners.
+/// The approximate centroid of the rest of the cube, of which `part` is the volume; exact for planes parallel to faces,
+/// and for corners.
 inline std::array<Real, 3> middle_below(Real part, const std::array<Real, 3>& slope) {
   if (part == 1) return {};
   const Real steep = std::abs(slope[0]) + std::abs(slope[1]) + std::abs(slope[2]);

@@ -1,6 +1,6 @@
-// How far the water moves into the closed faces of its cells, as the prediction has it: all of the displacements of
-// faces that is needed once the equation stands (grid_to_particles.hpp), and far less memory than these. Not
-// collective.
+// The predicted displacements of the water into the closed faces of its cells. Once the equation is assembled, these
+// are the only displacements of faces that are still needed (grid_to_particles.hpp), and they take far less memory than
+// all of them. Not collective.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace trevi {
 
 class ClosedFaces {
  public:
-  /// Of the wet cells that hold particles, or are beneath a cell that does, in the own rows.
+  /// Finds them for the wet cells in the owned rows that hold particles or are below a cell that does.
   void find(const FreeSurface& surface);
   /// The displacement of the water at such a face, m.
   Real displacement(const CellFace& face, LocalId k, LocalId r, LocalId c) const;

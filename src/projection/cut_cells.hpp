@@ -1,9 +1,9 @@
-// What obstacles leave of the cells and the faces of the grid: fractions of volume and of area that are open to
-// water, from samples of the signed distance a quarter of a cell apart, linear about each (Batty et al. 2007), and how
-// far a moving solid goes through the rest of a face. A thin sheet between the middles of two cells closes the face
-// between them wherever it stands, as pressure must not pass it. Worked out once for obstacles that stand; in each
-// substep for cells near which others are, or were in the last one. Arrays are those of ProjectionGrid. Collective:
-// measure().
+// The open parts of the cells and faces of the grid beside obstacles: the fractions of volume and of area that are open
+// to water, from samples of the signed distance a quarter of a cell apart, linear about each (Batty et al. 2007), and
+// the displacement of a moving solid through the rest of a face. A thin sheet between the centres of two cells closes
+// the face between them, wherever it lies, because pressure must not pass it. All this is computed once for obstacles
+// at rest. For cells near moving obstacles, now or in the previous substep, it is computed in each substep. Arrays are
+// those of ProjectionGrid. Collective: measure().
 #pragma once
 
 #include <array>
@@ -23,22 +23,22 @@ class CutCells {
  public:
   explicit CutCells(const Obstacles& obstacles);
 
-  /// For the window and columns that `grid` has now; `frame` says how particles fill them.
+  /// Measures the cells in the present window and columns of `grid`; `frame` defines how particles fill them.
   void measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box, const CellFrame& frame);
 
-  /// Fraction of a cell's volume that is open; 0 where hardly any is, and all of its faces are closed then.
+  /// Fraction of a cell's volume that is open. It is 0 where hardly any is, and then all of its faces are closed.
   Real open(std::size_t at) const { return cells_[at].open; }
-  /// What uniform water fills of a cell, in cells, as particles are spread; more or less than what is open, as they
-  /// reach into solids and out of neighbours.
+  /// The volume of a cell that uniform water fills, in cells, as particles are spread. It may be more or less than the
+  /// open volume, because particles extend into solids and out of neighbouring cells.
   Real capacity(std::size_t at) const { return cells_[at].capacity; }
-  /// How far the middle of a cell lies from the mean place of the water that fills it, along a horizontal direction, in
-  /// cells: out of the water at walls that cut it.
+  /// The distance of the centre of a cell from the mean position of the water that fills it, along a horizontal
+  /// direction, in cells: out of the water at walls that cut it.
   Real aside(std::size_t a, std::size_t at) const { return cells_[at].aside[a]; }
-  /// Whether a solid changes what uniform water fills of a cell.
+  /// Whether a solid changes the volume of a cell that uniform water fills.
   bool is_near(std::size_t at) const { return cells_[at].open < 1 || cells_[at].capacity != 1; }
-  /// That frame for particles of cell (k, r, c): they stay on their own side of a sheet.
+  /// The frame for particles of cell (k, r, c), which stay on their own side of a sheet.
   CellFrame beside_solids(const CellFrame& frame, const ProjectionGrid& grid, const std::array<LocalId, 3>& cell) const;
-  /// Whether a solid closes a part of the cell, but not all of it.
+  /// Whether a solid closes a part of the cell but not all of it.
   bool is_cut(std::size_t at) const { return open(at) > 0 && open(at) < 1; }
   /// Whether a solid closes a part of the cell or of one of its faces.
   bool closes_any(const ProjectionGrid& grid, std::size_t at) const {
@@ -47,25 +47,26 @@ class CutCells {
   }
   /// Fraction of the area of face (a, at) that is open.
   Real face(std::size_t a, std::size_t at) const {
-    assert(at < cells_.size());  // what is beyond the ghost cells nobody knows
+    assert(at < cells_.size());  // nothing is known beyond the ghost cells
     return cells_[at].face[a];
   }
-  /// The middle of the open part of face (a, at), in cells from the cell's corner, by coordinate.
+  /// The centroid of the open part of face (a, at), in cells from the corner of the cell, by coordinate.
   ByAxis middle_of_face(std::size_t a, std::size_t at) const {
     ByAxis middle{0.5, 0.5, 0.5};
     for (std::size_t i = 0; i < 2; ++i)
       middle[static_cast<std::size_t>(axis_[(a + 1 + i) % 3])] = cells_[at].middle[a][i];
     return middle;
   }
-  /// The middle of the closed part of face (a, at) of cell (k, r, c), m.
+  /// The centroid of the closed part of face (a, at) of cell (k, r, c), m.
   Vec3 middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) const {
     return middle_of_closed(a, cell, cells_[at]);
   }
   bool moves() const { return !moved_.empty(); }
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
-  /// Bodies have other twists than when the cells were measured: visit(a, at, change of the displacement of the solid
-  /// times the closed part) for all faces that one of them closes in part, in the order of their cells.
+  /// To be called when the twists of bodies have changed since the cells were measured: calls visit(a, at, change of
+  /// the displacement of the solid times the closed part) for all faces that a body closes in part, in the order of
+  /// cells.
   template <class Visit>
   void move_faces(const Visit& visit) {
     for (const BodyFace& face : body_faces_) {
@@ -78,13 +79,13 @@ class CutCells {
       if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);
     }
   }
-  /// Whether a solid closes anything of a row's cells or of their faces.
+  /// Whether a solid closes any part of the cells of a row or of their faces.
   bool cuts_row(LocalId k, LocalId r) const { return cut_columns(k, r).size() != 0; }
-  /// All cells of a row of which that holds are among these columns.
+  /// Columns that contain all cells of the row for which this holds.
   Range cut_columns(LocalId k, LocalId r) const { return cut_columns_[row_index(k, r)]; }
-  /// Whether a solid cuts a cell of the row, or of one of those around it.
+  /// Whether a solid cuts a cell of the row or of one of the rows around it.
   bool is_near_cut(LocalId k, LocalId r) const { return columns_near_cut(k, r).size() != 0; }
-  /// All cells of a row that are cut, or beside ones that are, are among these columns.
+  /// Columns that contain all cells of the row that are cut or beside a cut cell.
   Range columns_near_cut(LocalId k, LocalId r) const {
     Range near{columns_, 0};
     for (LocalId i = k - 1; i <= k + 1; ++i) {
@@ -97,25 +98,25 @@ class CutCells {
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
-  /// Whether that is a body that moves freely.
+  /// Whether the nearest obstacle is a freely moving body.
   bool floats(std::size_t at) const { return any_floats() && obstacles_.floating()->holds(nearest(at)); }
   bool any_floats() const { return obstacles_.floating() != nullptr; }
-  /// Whether that moves by itself, as the scene says.
+  /// Whether it has a prescribed motion.
   bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
-  /// Whether it moves about in the water, freely or as the scene says, and does not hold it as a vessel does.
+  /// Whether it moves in the water, freely or as prescribed, and is not a vessel that holds the water.
   bool moves_in_water(std::size_t at) const {
     return floats(at) || (is_driven(at) && !obstacles_.body(nearest(at)).is_vessel());
   }
-  /// Volume of the solid in a cell of which it is the nearest, in cells. Of a body that floats it is what is not open.
-  /// Samples are flat, and make too much of what is round: where the cells see all of such a body, each takes so much
-  /// off its surface that the sum is the body's own, and so is their centre of volume.
+  /// Volume of the nearest solid in a cell, in cells. For a floating body it is the part that is not open. Samples are
+  /// flat and overestimate round shapes. Where the cells cover all of such a body, each removes a share from its
+  /// surface such that the total volume and its centroid are those of the body.
   Real solid(std::size_t at) const {
     if (!floats(at)) return cells_[at].solid;
     return 1 - open(at) - excess_[nearest(at)].volume * area(at);
   }
-  /// The middle of that volume, m.
+  /// The centroid of that volume, m.
   Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const;
-  /// Pressure in a cell, at its middle and as it grows downwards: m² and m.
+  /// Pressure in a cell: its value at the centre, m², and its growth downwards, m.
   struct CellPressure {
     Real phi, fall;
   };
@@ -124,15 +125,16 @@ class CutCells {
     std::size_t count = 0;
     void add(const Vec3& shift, const Vec3& place) { all[count++] = {shift, place}; }
   };
-  /// What the pressure of a cell gives to its water at each of its faces that a solid closes, m, with places for arms:
-  /// the middles of their closed parts, so that the work on any motion of a body is that on the flux of the cell. By
-  /// Gauss's theorem on the solid part of the cell, exact for water at rest however the solid lies.
+  /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
+  /// points of application are the centroids of the closed parts, so that the work on any motion of a body equals the
+  /// work on the flux of the cell. By Gauss's theorem on the solid part of the cell this is exact for water at rest,
+  /// whatever the position of the solid.
   Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
-  /// The same of water that stands up to `height` in the cell, in cells, from 0 to 1: `phi` is what its pressure has
-  /// beyond that of water at rest. Side faces have it up to that height, as they have the flux.
+  /// The same for water that reaches up to `height` in the cell, in cells, from 0 to 1. `phi` is the pressure in excess
+  /// of that of water at rest. It acts on side faces up to that height, like the flux.
   Pushes pushes_below(const std::array<LocalId, 3>& cell, std::size_t at, Real height,
                       const CellPressure& pressure) const;
-  /// The middle of a cell, m.
+  /// The centre of a cell, m.
   Vec3 middle(LocalId k, LocalId r, LocalId c) const;
 
   std::size_t bytes() const {
@@ -151,10 +153,10 @@ class CutCells {
     InCell solid_middle{0.5F, 0.5F, 0.5F};
     float capacity = 1;
     std::array<float, 2> aside{};
-    std::uint32_t body_faces = 0;  // the number of the first one of its lower faces in `body_faces_`, from 1; 0: none
+    std::uint32_t body_faces = 0;  // number of the first of its lower faces in `body_faces_`, from 1; 0: none
     std::uint32_t nearest : 30 = 0;
-    bool has_shares : 1 = false;  // of its own in `shares_`, as a solid is near
-    bool cut : 1 = false;         // whether not all of it and of its lower faces is open
+    bool has_shares : 1 = false;  // whether it has its own shares in `shares_`, because a solid is near
+    bool cut : 1 = false;         // whether a part of it or of its lower faces is closed
   };
   static void note_cut(Cell& cell) {
     cell.cut = cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
@@ -165,23 +167,23 @@ class CutCells {
     std::size_t body;
   };
   using Bodies = std::vector<std::size_t>;  // numbers of obstacles, in their order
-  // Shares of what is open of a cell in itself, (1, 1, 1), and in the 26 around it, in cells.
+  // The shares that the open part of a cell has in the cell itself, (1, 1, 1), and in the 26 around it, in cells.
   using Shares = std::array<float, 27>;
-  // Along a direction: those of a place in a cell in the cell below, itself, and the one above.
+  // Along one direction: the shares of a point of a cell in the cell below, the cell itself, and the cell above.
   using SharesAlong = std::array<Real, 3>;
-  // In each direction of a cell.
+  // Samples in each direction of a cell.
   static constexpr int samples = 4;
   using SharesOfSamples = std::array<SharesAlong, samples>;
-  // Those that matter to a row of cells and to a cell of it; ranges of its columns.
+  // Obstacles that matter to a row of cells and to one of its cells.
   struct Candidates {
     Bodies of_row, of_cell;
-    bool clear = false;  // as of the range
-    bool near = false;   // any of them to the cell
-    bool thick = false;  // those of the cell
+    bool clear = false;  // as for the range
+    bool near = false;   // whether any of them is near the cell
+    bool thick = false;  // whether those of the cell are thick
     Shares shares{};     // of the cell
     std::vector<Real> distance;
-    std::array<SharesOfSamples, 3> of_samples{};  // by direction, where they are not those of whole cells
-    std::vector<unsigned char> is_cut;            // any of the cells of a column and of those around it
+    std::array<SharesOfSamples, 3> of_samples{};  // by direction, where they differ from those of whole cells
+    std::vector<unsigned char> is_cut;            // whether any of the cells of a column and of those around it is cut
   };
   // Cells from `low` to `high` by direction, planes counted from the start of the box.
   struct Zone {
@@ -196,10 +198,10 @@ class CutCells {
   void find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const;
   void find_ranges_near(const ProjectionGrid& grid, const std::vector<Zone>& zones);
   static Real countable(Real in_cell);
-  // Along direction a.
+  // The position along direction a.
   Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
-  // At the walls a solid goes on as it is a little inside of them: one that stands on the floor closes its face there.
+  // At the walls a solid continues as it is slightly inside them, so that a solid on the floor closes its face there.
   Real in_box(Eigen::Index axis, Real place) const {
     return std::min(std::max(place, inner_.min[axis]), inner_.max[axis]);
   }
@@ -207,13 +209,14 @@ class CutCells {
   Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.midway().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
-  // How far from the middle of a cell one looks for solids, in cells: from a face of it a cell further, 1.66.
+  // Distance from the centre of a cell within which solids are searched, in cells: a cell beyond one of its
+  // faces, 1.66.
   static constexpr Real looked_at = 1.7;
   static constexpr std::array<Real, samples> sample_at{0.125, 0.375, 0.625, 0.875};  // in cells
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;
   using CubeOfDistances = std::array<Real, samples * samples * samples>;
-  // What samples of a cell say: planes of them across direction 2, then samples along 0 and 1.
+  // The values at the samples of a cell: planes of samples across direction 2, then samples along 0 and 1.
   struct Samples {
     CubeOfDistances distance, open;
     std::array<CubeOfDistances, 3> slope;
@@ -232,15 +235,16 @@ class CutCells {
   void measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cells);
   Cell cell_at(const Vec3& corner, Candidates& candidates) const;
   void measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const;
-  // visit(a, index beyond) for the upper faces of a cell that are in walls of the box, across rows and columns. The
-  // ring holds them as lower faces of the cells beyond, of which nothing else counts; of planes ghosts do.
+  // Calls visit(a, index beyond) for the upper faces of a cell that lie in walls of the box, across rows and columns.
+  // The ring holds them as lower faces of the cells beyond, whose other values are not used; for planes, ghost planes
+  // do.
   template <class Visit>
   static void for_each_upper_wall(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, const Visit& visit) {
     const std::size_t at = grid.index(k, r, c);
     if (r < grid.rows() && grid.is_wall(1, k, r + 1, c)) visit(std::size_t{1}, at + grid.step(1));
     if (grid.is_wall(2, k, r, c + 1)) visit(std::size_t{2}, at + grid.step(2));
   }
-  // Whether none of the solids is a sheet, nor goes on to a wall, as far as one looks from a cell.
+  // Whether none of the solids within the search distance of a cell is a sheet or extends to a wall.
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   bool are_clear(const Bodies& bodies) const;
   Real solid_part(const Vec3& corner, const Bodies& bodies) const;
@@ -259,20 +263,20 @@ class CutCells {
   Real off_solid(Real height, Real distance, Real slope) const;
   void use(const CellFrame& frame);
   void find_whole_shares(const ProjectionGrid& grid);
-  // Of the first, of others and of the last cell of a row.
+  // For the first cell of a row, for the others, and for the last.
   const Shares* whole_shares(const ProjectionGrid& grid, LocalId k, LocalId r) const;
   static std::size_t which_of(Real place, LocalId count) { return place == 0 ? 0 : place == count - 1 ? 2 : 1; }
-  // Of a corner counted from that of the first own cell, in cells from that of the box.
+  // Position of a corner, given relative to that of the first owned cell, in cells from the corner of the box.
   std::array<Real, 3> from_box(const Vec3& corner) const {
     return {corner[0] + (first_ - 1), corner[1] + first_row_, corner[2]};
   }
   bool is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const;
-  // The corner of cell (k, r, c), counted from that of the first own cell.
+  // The corner of cell (k, r, c), relative to that of the first owned cell.
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
   void measure_motion(const ProjectionGrid& grid);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
-  // Of the surface in a cell, in faces.
+  // Area of the solid surface in a cell, in faces.
   Real area(std::size_t at) const;
   template <class Use>
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
@@ -285,30 +289,30 @@ class CutCells {
   const Obstacles& obstacles_;
   Bodies all_bodies_;
   PerThread<Candidates> candidates_;
-  Box box_, inner_;  // inner_: a little inside
+  Box box_, inner_;  // inner_: slightly smaller
   std::array<int, 3> axis_{};
   Vec3 origin_ = Vec3::Zero(), size_ = origin_;  // by direction
   LocalId first_ = -1, planes_ = -1, first_row_ = -1, rows_ = 0, columns_ = 0;
   CellFrame frame_{};
-  std::array<Real, 2> less_in_layers_{};   // of a share in a cell beside, along each horizontal direction
-  std::array<Shares, 27> whole_shares_{};  // of cells without solids: the first, others and the last by direction
+  std::array<Real, 2> less_in_layers_{};   // reduction of a share in a cell beside, along each horizontal direction
+  std::array<Shares, 27> whole_shares_{};  // of cells without solids: the first, the others and the last by direction
   std::array<std::array<SharesOfSamples, 3>, 3> sample_shares_{};  // the same of samples along each direction
   std::array<LocalId, 3> count_{};                                 // of cells of the box
   std::vector<Cell> all_;                                          // of all columns of the box
-  std::unique_ptr<Shares[]> shares_;  // of cells near solids, by index; of others not written
+  std::unique_ptr<Shares[]> shares_;  // of cells near solids, by index; not written for others
   std::size_t shares_size_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::array<float, 3>> moved_;
-  std::vector<Zone> zones_;  // of what moves, as measured last
+  std::vector<Zone> zones_;  // of moving solids, as last measured
   struct RangeNear {
     LocalId k, r;
     Range columns;
-    Bodies bodies;  // that matter to it
-    bool clear;     // these are thick, and go on to no wall
+    Bodies bodies;  // solids that matter to it
+    bool clear;     // whether these are thick and extend to no wall
   };
-  std::vector<RangeNear> near_;  // the ranges in zones that are being measured, ghost rows included
-  // Which part of what is closed of a face a body that floats closes, the middle of that, and the displacement of what
-  // else does, times its own part, m.
+  std::vector<RangeNear> near_;  // the ranges in the zones that are being measured, ghost rows included
+  // The share of the closed part of a face that a floating body closes, the centroid of that share, and the
+  // displacement of the other solids that close the face times their share, m.
   struct BodyFace {
     std::size_t at, a, body;
     Vec3 p;
@@ -318,17 +322,18 @@ class CutCells {
   BodyFace body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
                             const Bodies& near, std::size_t stride) const;
   std::array<std::size_t, 3> step_{};
-  // Of each solid: cells for each face of its surface, and the way to the middle of its part in a cut cell, m.
+  // For each solid: excess volume in cells per face of its surface, and the offset of the centroid of its part in a cut
+  // cell, m.
   struct Excess {
     Real volume = 0;
     Vec3 middle = Vec3::Zero();
   };
   std::vector<Excess> excess_;
-  std::vector<BodyFace> body_faces_;  // of bodies that move freely
-  std::vector<Range> cut_columns_;    // of planes and rows with those beside them
+  std::vector<BodyFace> body_faces_;  // of freely moving bodies
+  std::vector<Range> cut_columns_;    // of all planes and rows, including those beside them
 };
 
-// visit(k, r, columns) for the ranges that find_ranges_near() has found.
+// Calls visit(k, r, columns) for the ranges that find_ranges_near() has found.
 template <class Visit>
 void CutCells::for_each_range_near(const Visit& visit) const {
   for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
@@ -337,7 +342,7 @@ void CutCells::for_each_range_near(const Visit& visit) const {
   });
 }
 
-// The same with the solids that matter to a range: visit(k, r, candidates, columns).
+// The same with the solids that matter to each range: visit(k, r, candidates, columns).
 template <class Visit>
 void CutCells::for_each_row_near(const Visit& visit) {
   for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {

@@ -1,8 +1,9 @@
-// Second stage of the projection: which cells hold water, and where its surface is.
+// Second stage of the projection: it determines which cells hold water, and where the free surface is.
 //
-// The surface of a column that stands on the floor lies where the volume of the whole column reaches: noise in the fill
-// of lower cells would otherwise count as missing weight, and waves would be 2 % slow. Without gravity no direction is
-// up: cells are wet or dry, and the surface is where the wet ones end. Collective: classify().
+// The surface of a column that stands on the floor lies at the height that the volume of the whole column reaches.
+// Otherwise noise in the fill of lower cells would count as missing weight, and waves would be 2 % too slow. Without
+// gravity there is no upward direction: cells are wet or dry, and the surface is where the wet ones end. Collective:
+// classify().
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace trevi {
 
 class FreeSurface {
  public:
-  /// Where all of this is from; `cuts` may be null. `upright`: whether gravity points down.
+  /// The input; `cuts` may be null. `upright`: whether gravity points down.
   struct Sources {
     const ProjectionGrid& grid;
     const ActiveRows& rows;
@@ -29,61 +30,62 @@ class FreeSurface {
   };
   explicit FreeSurface(const Sources& sources) : from_(sources) {}
 
-  /// Borrows memory for the grid as it is now. When nobody asks any more how full cells are; when nothing is needed but
-  /// is_wet(); when that is not, either.
+  /// Borrows memory for the present grid. The other three give it back step by step: when fill() is no longer needed,
+  /// when only is_wet() is still needed, and when nothing is.
   void borrow();
   void give_back_fill() { fill_.give_back(); }
   void keep_wet();
   void give_back() { wet_.give_back(); }
-  /// Cells that it drains are dry from now on.
+  /// From now on the cells that `openings` drain are dry.
   void open_to(Openings* openings) { openings_ = openings; }
   void classify(Halo& halo);
 
   const ProjectionGrid& grid() const { return from_.grid; }
   const ParticlesToGrid& water() const { return from_.water; }
-  /// Null where there are no obstacles.
+  /// Null if there are no obstacles.
   const CutCells* cuts() const { return from_.cuts; }
   bool upright() const { return from_.upright; }
-  /// Null where water neither enters nor leaves.
+  /// Null if water neither enters nor leaves.
   const Openings* openings() const { return openings_; }
-  /// Whether a drain takes what comes into the cell: it is dry.
+  /// Whether a drain takes the water that enters the cell, which is then dry.
   bool is_drained(std::size_t at) const { return openings_ != nullptr && openings_->is_drained(at); }
-  /// Whether a drain keeps it empty, as one that takes all of it does, too.
+  /// Whether a drain keeps the cell empty. This includes a drain that takes all of the cell.
   bool is_emptied(std::size_t at) const { return openings_ != nullptr && openings_->is_emptied(at); }
-  /// Fraction of face (a, at) that no solid closes, nor a drain that takes nothing through its side.
+  /// Open fraction of face (a, at): the part that is closed neither by a solid nor as the side of a drain.
   Real face(std::size_t a, std::size_t at) const {
     if (openings_ != nullptr && openings_->closes(a, at)) return 0;
     return from_.cuts != nullptr ? from_.cuts->face(a, at) : 1;
   }
-  /// Whether nothing passes a face of cell (k, r, c): in a wall of the box, or of solids.
+  /// Whether nothing passes a face of cell (k, r, c), because it lies in a wall of the box or is closed by solids.
   bool is_closed(const CellFace& of, LocalId k, LocalId r, LocalId c) const {
     return grid().is_wall(of, k, r, c) || face(of.a, grid().index_of(of, grid().index(k, r, c))) == 0;
   }
-  /// Whether the cell is solid; it is wet where the water below it has no surface under it.
+  /// Whether the cell is solid. Such a cell is wet where the water below it has no surface under it.
   bool is_solid(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->open(at) == 0; }
   /// Whether a solid closes a part of the cell.
   bool is_cut(std::size_t at) const { return from_.cuts != nullptr && from_.cuts->is_cut(at); }
-  /// Fraction of the cell that is not solid; its fill is a fraction of that.
+  /// Fraction of the cell that is not solid. The fill is a fraction of this.
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
   bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
-  /// Height of the water above the lower face of a wet cell, in cells; 1 in all but top cells.
+  /// Height of the water above the lower face of a wet cell, in cells; 1 except in top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
-  /// How far up a cell water fills it, 0 to 1; the dry cell over a top cell, too, into which that may rise.
+  /// Height up to which water fills a cell, 0 to 1; also for the dry cell over a top cell, into which water may rise.
   Real filled_height(std::size_t at) const {
     return is_wet(at) ? std::min(height(at), 1.0) : std::clamp(height(at - 1) - 1, 0.0, 1.0);
   }
   /// Height of the surface above the middle of a top cell, in cells, at least projection::min_height.
   Real above_middle(std::size_t at) const { return std::max(height_[at] - 0.5, projection::min_height); }
-  /// Mass of the water of a cell over that of a full one, 1 but where it is thin.
+  /// Mass of the water of a cell over that of a full cell; 1 except where the water is thin.
   Real mass(std::size_t at) const { return mass_[at]; }
-  /// What divides the difference of phi over face (a, at), beside which a cell is wet: the mass of the water there over
-  /// that in full cells, 1 but where it is thin (projection::thin_begins), times the distance, in cells, between the
-  /// points where phi is given: the middle of a wet cell, and that of the other, or where the surface is on the way to
-  /// it (ghost-fluid method, Gibou et al. 2002). At the side of water both are the weight of the wet cell's particles
-  /// there over that in full water: they so get the impulse that the pressure gives.
+  /// The divisor of the difference of phi across face (a, at), beside which at least one cell is wet. It is the mass of
+  /// the water there over that in full cells, 1 except where the water is thin (projection::thin_begins), times the
+  /// distance, in cells, between the points where phi is given. These are the centre of a wet cell and either the
+  /// centre of the other cell or the point where the surface lies on the way to it (ghost-fluid method, Gibou et al.
+  /// 2002). At the side of the water mass and distance are replaced by the weight of the wet cell's particles there
+  /// over that in full water, so that these get the impulse that the pressure gives.
   Real resistance(std::size_t a, std::size_t at) const {
     const std::size_t below = at - grid().step(a);
     const bool low = is_wet(below), high = is_wet(at);

@@ -1,10 +1,10 @@
-// The cells of the projection: those of the neighbour search (cell_grid.hpp) in the window that this rank owns, up to a
-// little above the highest cell that holds water. Directions are counted in the order in which cells are stored: 0
+// The cells of the projection: those of the neighbour search (cell_grid.hpp) in the window that this rank owns, up to
+// slightly above the highest cell that holds water. Directions are numbered in the order in which cells are stored: 0
 // along the slab axis, 1 along the rows of a plane, 2 along the columns of a row, which is upwards. Arrays over cells
-// have a ring of cells around each plane and a ghost plane on either side, so that every cell has six neighbours; the
-// ring is empty, but where the box repeats along rows or columns it holds copies of those at the other end, and where
-// other ranks own rows of the same planes theirs. Face (a, at) is the lower face of the cell with index `at` in
-// direction a. Not collective, except for complete().
+// have a ring of cells around each plane and a ghost plane on either side, so that every cell has six neighbours. The
+// ring is empty, except where the box is periodic along rows or columns: there it holds copies of the cells at the
+// other end. Where other ranks own rows of the same planes, it holds those rows. Face (a, at) is the lower face of the
+// cell with index `at` in direction a. Not collective, except for complete().
 #pragma once
 
 #include <algorithm>
@@ -44,11 +44,11 @@ class ProjectionGrid {
       const Real extent = box.max[axis_[a]] - box.min[axis_[a]];
       size_[static_cast<Eigen::Index>(a)] = extent / count_[a];
       origin_[b] = box.min[axis_[a]];
-      per_length_[b] = grid.per_length(a);  // so that rounding gives the same cell
+      per_length_[b] = grid.per_length(a);  // the same value, so that rounding gives the same cell
     }
   }
 
-  /// What this rank owns, and columns in use, at most those of the box.
+  /// Sets the window that this rank owns and the number of columns in use, at most that of the box.
   void resize(const CellWindow& own, LocalId columns) {
     own_ = own;
     columns_ = std::min(columns, count_[2]);
@@ -60,9 +60,9 @@ class ProjectionGrid {
   Scratch& scratch() const { return *scratch_; }
 
   LocalId planes() const { return own_.planes.size(); }
-  /// All own rows of some planes, to go through with for_each_row().
+  /// All owned rows of some planes, for for_each_row().
   CellRows rows_of(Range planes) const { return {planes, rows(), columns_}; }
-  /// The same with the ghost rows beside them, where rows are cut.
+  /// The same including the ghost rows beside them, where rows are cut.
   CellRows rows_and_ghosts_of(Range planes) const {
     return rows_are_cut() ? CellRows{planes, rows() + 2, columns_, -1} : rows_of(planes);
   }
@@ -70,23 +70,24 @@ class ProjectionGrid {
   const CellWindow& window() const { return own_; }
   LocalId first_plane() const { return own_.planes.begin; }
   LocalId first_row() const { return own_.rows.begin; }
-  /// Whether other ranks own rows of the same planes. The ring then holds theirs.
+  /// Whether other ranks own rows of the same planes. The ring then holds their rows.
   bool rows_are_cut() const { return rows() < count_[1]; }
-  /// Whether the row before the first one is the last one, on this rank.
+  /// Whether the row before the first one is the last one on this rank.
   bool rows_wrap() const { return repeats_[1] && !rows_are_cut(); }
-  /// Whether there is a row r, which may be one beyond the own ones.
+  /// Whether there is a row r, which may be one beyond the owned rows.
   bool has_row(LocalId r) const {
     const LocalId row = first_row() + r;
     return (r >= 0 && r < rows()) || (rows_are_cut() && (repeats_[1] || (row >= 0 && row < count_[1])));
   }
-  /// The row that stands for row r, which may be one beyond the own ones.
+  /// The row that represents row r, which may be one beyond the owned rows.
   LocalId row_beside(LocalId r) const { return rows_wrap() ? (r + rows()) % rows() : r; }
   LocalId columns() const { return columns_; }
-  /// Columns of row r of plane k, which may be a ghost row, to look at: in higher ones, and in those around them, there
-  /// is nothing.
+  /// Number of columns to be visited in row r of plane k, which may be a ghost row. There is nothing in higher columns
+  /// or in those around them.
   LocalId columns(LocalId k, LocalId r) const { return reach_[row_index(k, r)]; }
   void set_columns(LocalId k, LocalId r, LocalId columns) { reach_[row_index(k, r)] = std::min(columns, columns_); }
-  /// Makes room for the particles of `order` in those columns, once they are set of all rows, ghost planes included.
+  /// Lays out memory for the particles of `order` in those columns, once these are set for all rows, also of ghost
+  /// planes.
   void store_rows(const CellOrder& order) {
     const std::array<bool, 2> cut{rows_are_cut() && has_row(-1), rows_are_cut() && has_row(rows())};
     const CellRows all = rows_of({0, planes() + 2});
@@ -96,12 +97,12 @@ class ProjectionGrid {
                              reach_);
   }
   const RowStorage& storage() const { return storage_; }
-  /// With the cells beside those that hold particles, and without whole rows.
+  /// The storage that includes the cells beside those that hold particles, without whole rows.
   const RowStorage& storage_beside() const { return storage_beside_; }
-  /// For fields of which some planes are needed at a time, as they are worked on one after the other.
+  /// The storage for fields of which only some planes are needed at a time, because planes are processed in turn.
   const RowStorage& storage_rolling() const { return storage_rolling_; }
-  /// Planes that are then worked on at a time: few, but with rows for all threads. All where rows are cut, whose ends
-  /// travel together.
+  /// Number of planes that are then processed at a time: few, but with enough rows for all threads. It is all of them
+  /// where rows are cut, because the ends of these are sent together.
   LocalId rolling_planes() const {
     constexpr LocalId rows_of_thread = 32;
     if (rows_are_cut()) return planes();
@@ -110,23 +111,24 @@ class ProjectionGrid {
   std::size_t bytes() const {
     return storage_.bytes() + storage_beside_.bytes() + storage_rolling_.bytes() + reach_.capacity() * sizeof(LocalId);
   }
-  /// Lengths of a cell, m.
+  /// Edge lengths of a cell, m.
   const Vec3& size() const { return size_; }
-  /// Difference of index from a cell to its upper neighbour in direction a; step(0) is the number of cells in a plane.
+  /// Difference of the index of a cell and that of its upper neighbour in direction a; step(0) is the number of cells
+  /// in a plane.
   std::size_t step(std::size_t a) const { return step_[a]; }
   std::size_t cells() const { return (static_cast<std::size_t>(planes()) + 2) * step_[0]; }
-  /// Planes are counted from 1, rows and columns from 0.
+  /// Planes are numbered from 1, rows and columns from 0.
   std::size_t index(LocalId k, LocalId r, LocalId c) const {
     return static_cast<std::size_t>(k) * step_[0] + (static_cast<std::size_t>(r) + 1) * step_[1] +
            static_cast<std::size_t>(c) + 1;
   }
-  /// Whether the lower face in direction a of cell (k, r, c) is in a wall; the cell may be one past the last.
+  /// Whether the lower face in direction a of cell (k, r, c) lies in a wall; the cell may be one past the last.
   bool is_wall(std::size_t a, LocalId k, LocalId r, LocalId c) const {
     if (a == 0) return (wall_below() && k == 1) || (wall_above() && k == planes() + 1);
     const LocalId row = first_row() + r;
     return !repeats_[a] && (a == 1 ? row == 0 || row == count_[1] : c == 0 || c == count_[2]);
   }
-  /// Whether a face of cell (k, r, c) is in a wall.
+  /// Whether a face of cell (k, r, c) lies in a wall.
   bool is_wall(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
     const auto& [a, upper] = face;
     return is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c + (upper && a == 2));
@@ -136,7 +138,7 @@ class ProjectionGrid {
   /// Whether the cell below cell (k, r, c) in direction a has an index: those below the ghost planes and rows have
   /// none.
   static bool has_below(std::size_t a, LocalId k, LocalId r) { return (a != 0 || k > 0) && (a != 1 || r >= 0); }
-  /// Whether a face of the cell, a ghost perhaps, is in a wall that water may move along.
+  /// Whether a face of the cell, which may be a ghost cell, lies in a wall along which water may move.
   bool is_at_wall(LocalId k, LocalId r, LocalId c) const {
     const std::array<LocalId, 3> cell{first_plane() - 1 + k, first_row() + r, c};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -147,15 +149,15 @@ class ProjectionGrid {
   }
   /// Whether the box is periodic along planes, rows and columns.
   const Repeats& repeats() const { return repeats_; }
-  /// Whether it is that of two dimensions, a single row of cells in each plane, which nothing moves across.
+  /// Whether the grid is that of two dimensions: a single row of cells in each plane, across which nothing moves.
   bool is_layer() const { return is_layer_; }
-  /// Fills the ring of cells where rows and columns repeat on this rank.
+  /// Fills the ring of cells where rows and columns are periodic on this rank.
   template <class Field>
   void repeat(Field& field) const {
     if (repeats_[2]) repeat_columns(field, columns_);
     if (rows_wrap()) repeat_rows(field, rows(), columns_);
   }
-  /// The same, and the ghost rows that other ranks have. Collective.
+  /// The same, and the ghost rows that other ranks own. Collective.
   template <class Field>
   void complete(Halo& halo, Field& field) const {
     repeat(field);
@@ -169,15 +171,16 @@ class ProjectionGrid {
   const std::array<Real, 3>& per_length() const { return per_length_; }
   /// The distance of p from the corner of the box along direction a, in cells.
   Real cells_to(const Vec3& p, std::size_t a) const { return (p[axis_[a]] - origin_[axis(a)]) * per_length_[axis(a)]; }
-  /// The number along direction a of the cell of the box in which p is; a particle on an upper wall counts to the last.
+  /// The number along direction a of the cell of the box that contains p; for a particle on an upper wall, the last
+  /// one.
   LocalId cell_of(const Vec3& p, std::size_t a) const {
     return std::min(static_cast<LocalId>(cells_to(p, a)), count_[a] - 1);
   }
-  /// The number of a plane of the box as this rank counts its own, from 1, and that of a row, from 0.
+  /// The number of a plane of the box among the owned planes, from 1; the number of a row among the owned rows, from 0.
   LocalId own_plane(LocalId plane) const { return plane - first_plane() + 1; }
   LocalId own_row(LocalId row) const { return row - first_row(); }
-  /// Where cell (k, r, c) is. Its corner is counted from that of the box, or, along periodic axes, where positions and
-  /// this difference are exact, from itself.
+  /// The position of cell (k, r, c). Its corner is relative to that of the box or, along periodic axes, where positions
+  /// and this difference are exact, to itself.
   CellPlace place_of(LocalId k, LocalId r, LocalId c) const {
     CellPlace place{origin_, {}};
     const std::array<LocalId, 3> cell{first_plane() - 1 + k, first_row() + r, c};
@@ -189,7 +192,7 @@ class ProjectionGrid {
     }
     return place;
   }
-  /// The place of another cell of the same row.
+  /// Changes the position to that of another cell of the same row.
   void set_column(CellPlace& place, LocalId c) const {
     const std::size_t b = axis(2);
     if (repeats_[2]) {
@@ -200,7 +203,7 @@ class ProjectionGrid {
   }
   /// The lower end of the box along direction a, m.
   Real low(std::size_t a) const { return origin_[axis(a)]; }
-  /// Cells of the box in direction a.
+  /// Number of cells of the box in direction a.
   LocalId count(std::size_t a) const { return count_[a]; }
 
  private:

@@ -1,25 +1,26 @@
-// Fifth stage of the projection: what the grid's solution does to the particles.
+// Fifth stage of the projection: it transfers the solution on the grid to the particles.
 //
 // *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction
-// (lowest-order Raviart and Thomas), at the beginning of its path: a force that acts there has no torque about a centre
-// it points to. What exceeds the weight by half, and all beyond it in cells that solids cut, but bodies, acts by its
-// gradient there (pull_back()). Above the surface it fades out, so that water thrown up falls back.
+// (lowest-order Raviart–Thomas), at the beginning of its path: a force that acts there has no torque about a centre to
+// which it points. What exceeds the weight by half, and everything beyond the weight in cells that solids other than
+// bodies cut, acts by its gradient there (pull_back()). Above the surface it fades out, so that water thrown up falls
+// back.
 //
-// *Walls.* A closed face of the box takes what goes into it. In a cell that a solid cuts, closed faces carry on what
-// pressure does at its open ones, δ in the mean, or what bears the weight along a direction that has none, and stop
-// only what goes into the solid: with n the mean normal of the surface in the cell, by Gauss's theorem from the areas
-// of its faces, they are displaced by δ − n (n · u_s + n · δ), u_s being the motion of the water at the surface past
-// the solid, from the flux through the open faces. Water so slips along walls of any direction. Horizontally a closed
-// face takes what continues linearly from the opposite open face to that displacement where the surface is: a
-// particle's path goes through cells whose walls have different directions, and constant displacements beside them
-// brake water that turns.
+// *Walls.* A closed face of the box absorbs the motion into it. In a cell that a solid cuts, closed faces continue the
+// displacement δ that the pressure causes at the open ones, on average, or along a direction without open faces the
+// displacement that bears the weight. They stop only the motion into the solid. With n the mean normal of the surface
+// in the cell, by Gauss's theorem from the areas of its faces, they are displaced by δ − n (n · u_s + n · δ), where u_s
+// is the motion of the water at the surface relative to the solid, from the flux through the open faces. Water thus
+// slips along walls of any direction. Horizontally the displacement of a closed face is extrapolated linearly from the
+// opposite open face through that displacement at the surface: the path of a particle goes through cells whose walls
+// have different directions, and constant displacements beside them slow down rotating water.
 //
-// *Noise.* What is smooth is kept, what differs from particle to particle dies away in noise_time. With the filter
+// *Noise.* Smooth motion is kept, and differences between particles decay within noise_time. With the filter
 // F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F
-// applied twice: affine motion is not touched, a wave of wavelength L with (h/L)^4. As each fit pulls all the particles
-// that it was made of, with the weights it was made with, its normal equations keep linear and angular momentum. In cut
-// cells, where noise is made, the motion relaxes to the fit itself, the slower the smoother it is; at solids that move
-// in the water near the surface only.
+// applied twice. It does not affect affine motion, and damps a wave of wavelength L in proportion to (h/L)^4. Each fit
+// pulls all the particles from which it was made, with the weights with which it was made, so its normal equations
+// conserve linear and angular momentum. In cut cells, where noise is generated, the motion relaxes to the fit itself,
+// the more slowly the smoother it is; at solids that move in the water only near the surface.
 //
 // Collective: prepare().
 #pragma once
@@ -31,41 +32,43 @@
 
 namespace trevi {
 
-/// phi is found where the motion is seen, y, and acts where paths begin, x: of phi(y(x)) the gradient is (I + Bᵀ/2)
-/// times that at y, with the slope B of the motion, whose y is in cells (README.md). `by` takes a share of that, and
-/// the rest at x as if it were found there, as what bears weight is: volumes are those at x. `held`, m: its upward
-/// part.
+/// phi is found at y, where the motion is evaluated, and acts at x, where paths begin. The gradient of phi(y(x)) is
+/// (I + Bᵀ/2) times that at y, with the slope B of the motion, whose y is in cells (README.md). `by` takes `share` of
+/// this, and the rest at x as if it had been found there. The latter applies to what bears the weight, because volumes
+/// are those at x. `held`, m: the upward part of that.
 void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, Real share, CellDisplacement& by);
 
 class GridToParticles {
  public:
-  /// `spacing` of the start lattice, `h`, m. Fits of noise take the place of the `spreads` of the motion's.
+  /// `spacing` of the initial lattice and `h`, m. Fits of the noise overwrite `spreads`, those of the fits of the
+  /// motion.
   GridToParticles(const FreeSurface& surface, CellFields& spreads, Real spacing, Real h)
       : surface_(surface), spacing_(spacing), h_(h), noise_fit_(spreads) {}
 
-  /// Of a step: how far gravity moves a particle down, g dt², m, and dt in units of sqrt(h/g); 0 without gravity.
+  /// Data of a step: the displacement by gravity, g dt², m, and dt in units of sqrt(h/g); both 0 without gravity.
   struct Step {
     Real g_dt2, time;
   };
-  /// Finds how the water moves into closed faces, of which displacements are not needed any more, and noise and its
-  /// fits, in memory that is borrowed until give_back(), but without gravity: nothing makes noise there.
+  /// Finds the motion of the water into closed faces, after which the displacements of faces are no longer needed. With
+  /// gravity it also finds the noise and its fits, in memory that is borrowed until give_back(); without gravity
+  /// nothing generates noise.
   void prepare(Halo& halo, const Step& step);
-  /// The damping in a row of cells: maps of which `weight` is what a particle loses of its own motion. One for each
-  /// part of a loop of threads, in which rows come in their order.
+  /// The damping in a row of cells: maps whose `weight` is the share that a particle loses of its own motion. There is
+  /// one for each part of a loop that threads share, in which the rows come in their order.
   struct Damping {
     std::vector<FourCells> row;
     std::array<TentMemory, 3> memories;  // of the fits of noise, of the motion, and of that in cut cells
   };
   void find_damping(Damping& damping, LocalId k, LocalId r) const;
-  /// How the particles of cell (k, r, c) are displaced.
+  /// The displacement of the particles of cell (k, r, c).
   CellDisplacement displacement_of(const Pressure& pressure, const Damping& damping, LocalId k, LocalId r,
                                    LocalId c) const;
-  /// Whether particles of a cell are displaced: without gravity those of dry cells are, by what of their faces is
-  /// known.
+  /// Whether particles of a cell are displaced. Without gravity those of dry cells are, too, by those of their faces
+  /// that are known.
   bool displaces(std::size_t at) const { return !surface_.upright() || surface_.is_wet(at) || follows(at); }
-  /// The same by the faces alone, without damping and the fade at the surface.
+  /// The displacement by the faces alone, without damping and without the fade at the surface.
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
-  /// To be called when all particles are displaced.
+  /// To be called when all particles have been displaced.
   void give_back() { cut_fit_.give_back(); }
   std::size_t bytes() const { return closed_.bytes(); }
 
@@ -78,7 +81,7 @@ class GridToParticles {
   using Faces = std::array<FacePair, 3>;
   FacePair faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
   bool follows(std::size_t at) const;
-  // Of a solid in a cell: its mean normal, by directions of the grid, and what goes into it, m.
+  // The surface of a solid in a cell: its mean normal, by directions of the grid, and the motion into it, m.
   struct SolidSurface {
     Vec3 normal;
     Real into;
@@ -101,9 +104,9 @@ class GridToParticles {
   Real spacing_, h_;
   Step step_{};
   ClosedFaces closed_;
-  CellFields noise_{numbers::flow};   // what the filter's first pass leaves
-  CellFields& noise_fit_;             // the fit of that, times the rate of its cell
-  CellFields cut_fit_{numbers::map};  // in cut cells that of the motion itself, times its rate
+  CellFields noise_{numbers::flow};   // the result of the first pass of the filter
+  CellFields& noise_fit_;             // its fit, times the rate of the cell
+  CellFields cut_fit_{numbers::map};  // in cut cells the fit of the motion itself, times its rate
 };
 
 }  // namespace trevi

@@ -1,7 +1,7 @@
-// Where water leaves and enters, as the projection sees it. The cells of a drain are open: whatever is in them is dry,
-// at the pressure of the air, so that the water around them is pushed towards them. One that lies on one wall of the
-// box, not thicker than a cell or two, is a hole in that wall: water above it enters from above. An opening in a wall
-// of the box is a part of that wall through which water goes with a given displacement; it is no surface. Not
+// Inflow and outflow as the projection sees them. The cells of a drain are open: they are dry and at air pressure,
+// whatever they hold, so that the water around them is pushed towards them. A drain that lies on one wall of the box
+// and is no thicker than a cell or two is a hole in that wall: water above it enters from above. An opening in a wall
+// of the box is a part of that wall through which water flows with a given displacement; it is not a free surface. Not
 // collective.
 #pragma once
 
@@ -15,51 +15,51 @@
 
 namespace trevi {
 
-/// A rectangle in an upright wall of the box that water goes through.
+/// A rectangle in a vertical wall of the box through which water flows.
 struct WallOpening {
   int axis = 0;                      ///< coordinate across the wall
   bool at_max = false;               ///< the wall at the upper end of that axis
-  std::array<Real, 2> across{};      ///< from and to along the other level axis, m
+  std::array<Real, 2> across{};      ///< its ends along the other horizontal axis, m
   Real bottom = 0, row_height = 0;   ///< of its rows, m
   std::vector<Real> displacement{};  ///< of the water in each row along +axis in the substep, m
-  bool takes_all = false;            ///< it reaches as high as the water does
+  bool takes_all = false;            ///< whether it reaches as high as the water does
 };
 
 class Openings {
  public:
   struct Drain {
-    std::function<bool(const Vec3&)> takes;  ///< what is at a place
-    Box bounds;                              ///< of all that it takes
+    std::function<bool(const Vec3&)> takes;  ///< whether it takes water at a position
+    Box bounds;                              ///< of its region
   };
   explicit Openings(std::vector<Drain> drains) : drains_(std::move(drains)) {}
 
-  /// Those of the substep that comes.
+  /// Sets the openings of the next substep.
   void set_walls(std::vector<WallOpening> walls) { walls_ = std::move(walls); }
-  /// Water that inlets bring in the substep that comes, around places of their openings.
+  /// Water that inlets bring in the next substep, around places of their openings.
   struct Source {
     Vec3 place, direction;
     Real volume;  ///< m³
   };
-  /// Each fills cubes of edge `spacing`.
+  /// Each source fills cubes of edge `spacing`.
   void set_sources(std::vector<Source> sources, Real spacing) {
     sources_ = std::move(sources);
     spacing_ = spacing;
   }
 
-  /// For the planes and columns that `grid` has now.
+  /// Finds the cells and faces of the openings in the present planes and columns of `grid`.
   void measure(const ProjectionGrid& grid);
 
   bool is_drained(std::size_t at) const { return drained_[at] == open_to_air; }
-  /// The same, or a cell that keeps itself empty as a drain takes all of it, at the edge of what it takes.
+  /// Whether the cell is drained, or stays empty because a drain takes all of it, at the edge of the drain's region.
   bool is_emptied(std::size_t at) const { return drained_[at] != 0; }
-  /// Holes under water take nothing through their sides. `wet` of all cells.
+  /// Closes the sides of holes under water. `wet`: of all cells.
   void close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet);
   /// Whether face (a, at) is the side of a hole under water.
   bool closes(std::size_t a, std::size_t at) const { return (closed_[at] & (1U << a)) != 0; }
-  /// Displacement of what goes through face (a, at) of a wall, m.
+  /// Displacement of the water that flows through face (a, at) of a wall, m.
   Real displacement(std::size_t a, std::size_t at) const { return through_[a][at]; }
 
-  /// A face of a wall and the cell before it.
+  /// A face of a wall and the cell in front of it.
   struct Face {
     std::size_t cell, a, at;
     bool at_max;
@@ -68,7 +68,7 @@ class Openings {
   };
   const std::vector<Face>& faces() const { return faces_; }
 
-  /// What sources bring to an own cell, as a share of the cell, and what is behind the opening: a cell or a wall.
+  /// The volume that sources bring to an owned cell, as a share of the cell, and the cell or wall behind the opening.
   struct Gain {
     LocalId k, r, c;
     std::size_t cell, behind;
@@ -77,21 +77,22 @@ class Openings {
     std::size_t a, face;  ///< between the two
     Real path;            ///< of the water in the substep along +a, in cells
   };
-  /// On all ranks alike.
+  /// The same on all ranks.
   bool has_sources() const { return !sources_.empty(); }
   const std::vector<Gain>& gains() const { return gains_; }
-  /// From here on in this substep that water comes as if through the face behind it.
+  /// From now on in this substep this water enters as if through the face behind it.
   void come_through(const ProjectionGrid& grid, const Gain& gain) {
     through_[gain.a][gain.face] = gain.path * grid.size()[static_cast<Eigen::Index>(gain.a)];
   }
 
-  /// Adds what pressed water takes to make room, m² of phi times the volume of a particle: of the own cells.
+  /// Adds the work of making room in water under pressure, in m² of phi times the volume of a particle, for owned
+  /// cells.
   void add_work(Real work, Real dt) {
-    constexpr Real highest = 1e12;  // of what no run survives
+    constexpr Real highest = 1e12;  // more than any run survives
     const Real units = work / (dt * dt * work_unit);
     if (std::abs(units) < highest) work_ += std::llround(units);
   }
-  /// The same since it was last taken, in work_unit of a particle: whole numbers, so that no order is seen in it.
+  /// The work since the last call, in work_unit per particle: an integer, so that it does not depend on the order.
   std::int64_t take_work() { return std::exchange(work_, 0); }
   static constexpr Real work_unit = 1.0 / (1 << 20);  ///< m²/s²
 
@@ -99,12 +100,12 @@ class Openings {
 
  private:
   using Cell = std::array<LocalId, 3>;  // of the box
-  // Of a hole: the direction out of its wall, and whether that is upwards along it.
+  // A drained cell. For a hole: the direction out of its wall, and whether that points upwards along this direction.
   struct Drained {
     Cell cell;
     int out = -1;
     bool up = false;
-    bool empty = false;  // taken whole, and no hole
+    bool empty = false;  // whether a drain takes all of it and is not a hole
   };
   static constexpr char open_to_air = 1, emptied = 2;  // of drained_
   void find_drained(const ProjectionGrid& grid);

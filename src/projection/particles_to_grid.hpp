@@ -1,20 +1,22 @@
-// First stage of the projection: what the particles say to the grid. For each cell the volume of water in it and the
-// affine fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the water there.
+// First stage of the projection: transfer from the particles to the grid. For each cell it finds the volume of water in
+// it and the affine fit of its motion (affine.hpp), for each face the displacement that the prediction gives to the
+// water there.
 //
-// The volume of a cell is that of the particles in and around it, each with a density that falls linearly to nothing,
-// along x and y a cell away and along z one spacing: a count of particles would not show a surface that tilts by less
-// than a layer. As such a volume changes by what passes the faces of a column, by the weights below, so do levels; with
-// others water that moves as a whole pulls itself along the cells (the self-force of particle-in-cell methods, Birdsall
-// & Langdon 1985, ch. 8). Particles are placed at the positions at the start of the step. Pressure then acts on the
-// surface as it was before the motion that it causes, as in leapfrog, and a wave keeps its amplitude; with the
-// predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
+// The volume of a cell is that of the particles in and around it, each with a density that falls linearly to zero, a
+// cell away along x and y and one spacing along z: a count of particles would not show a surface that tilts by less
+// than a layer. Such a volume changes by the flow through the faces of a column, with the weights below, and so do
+// levels. With other weights, water that moves as a whole pulls itself along the cells (the self-force of
+// particle-in-cell methods, Birdsall & Langdon 1985, ch. 8). Particles are placed at their positions at the start of
+// the step. Pressure then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave
+// keeps its amplitude; with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
 //
 // The displacement of a face is the mean over the particles of the two cells beside it, with weights that fall linearly
-// with the distance from the face, of what each of them says of the middle of the open part of the face,
+// with the distance from the face, each extrapolated to the centroid of the open part of the face,
 //   u_f = Σ w_i (u_i + B (x_f − y_i)) / Σ w_i,
-// with the slope B of its cell's fit. It is exact for any affine motion, however the particles lie. They are seen
-// midway of their paths, which makes it that of the middle of the step: second order in time. Between two cells without
-// particles, of which one is wet, it is what the fits around say, weighted by their particles.
+// with the slope B of the fit of its cell. It is exact for any affine motion, however the particles lie. Particles are
+// evaluated at the midpoints of their paths, which gives the displacement at the middle of the step: second order in
+// time. Between two cells without particles, one of which is wet, it is the mean of the surrounding fits, weighted by
+// their particles.
 //
 // Sums are formed by the owner of a plane in the order of the particles: the same bits on any rank count. Collective:
 // gather().
@@ -31,25 +33,25 @@ namespace trevi {
 
 class ParticlesToGrid {
  public:
-  /// `spacing` of the start lattice, m.
+  /// `spacing` of the initial lattice, m.
   ParticlesToGrid(const ProjectionGrid& grid, Real spacing);
 
-  /// Borrows memory for the grid as it is now, and gives back what is for the time up to the end of gather().
+  /// Borrows memory for the present grid; gather() gives back the part that is needed only until its end.
   void borrow();
-  /// When no moments are needed any more but for means(); when nothing is but for fits; when no fit is.
+  /// To be called in this order: when only means() of the moments are still needed; when only fits are; when no fit is.
   void keep_means();
   void keep_fits();
   void give_back() { fit_.give_back(); }
-  /// All of this from the owned particles of `order`. `cuts` may be null.
+  /// Computes all of this from the owned particles of `order`. `cuts` may be null.
   void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
-  /// After gather(), when cells are classified: the displacements of faces without particles on either side, where a
-  /// cell beside them is wet. Nobody asks for others.
+  /// After gather(), when cells have been classified: finds the displacements of faces without particles on either side
+  /// that are beside a wet cell. Others are not used.
   template <class IsWet>
   void find_empty_faces(const CutCells* cuts, const IsWet& is_wet);
 
-  /// The particles of a cell, in the order of storage; those that were in it when `order` was made.
+  /// The particles that were in a cell when `order` was made, in the order of storage.
   CellParticles particles_of(const CellOrder& order, LocalId k, LocalId r, LocalId c) const;
-  /// use(c, particles) for the cells of a row that hold any, in their order.
+  /// Calls use(c, particles) for the cells of a row that hold any, in their order.
   template <class Use>
   void for_each_cell(const CellOrder& order, LocalId k, LocalId r, const Use& use) const {
     constexpr LocalId four = FourCells::count;
@@ -72,32 +74,33 @@ class ParticlesToGrid {
   }
 
   const CellFrame& frame() const { return frame_; }
-  /// Height of still water above a level, in cells, whose particles have `volume` above it: as they reach beyond the
-  /// water, they have some also where it ends below.
+  /// Height of still water above a level, in cells, if its particles have `volume` above this level. Because particles
+  /// extend beyond the water, there is some volume even if the water ends below the level.
   Real height_of(Real volume) const {
     const Real edge = frame_.reach[grid_.axis(2)];
     return volume < edge / 2 ? std::sqrt(2 * edge * volume) - edge / 2 : volume;
   }
-  /// The most that a cell is told by particles on one side of it alone, in cells: air, where it holds none itself.
+  /// The largest fill of a cell by particles on one side of it only, in cells; up to this, a cell without particles is
+  /// air.
   Real told_from_one_side() const { return told_from_one_side_; }
-  /// Whether the cell, in an own plane or row or in one beside, holds particles.
+  /// Whether the cell, in an owned plane or row or in one beside it, holds particles.
   bool holds_any(LocalId k, LocalId r, LocalId c) const {
     const Range cells = filled(k, r);
     return c >= cells.begin && c < cells.end && sums_.number(0, k, r, c) > 0;
   }
-  /// Volumes of the water in the cells of an own row, in cells.
+  /// Volumes of the water in the cells of an owned row, in cells.
   void find_volumes(LocalId k, LocalId r, std::span<Real> volumes) const;
-  /// Of own cells and of ghost planes the moments of the particles of a cell, of which `more` is Σ |u|², m², and fits
-  /// of the motion around; the weight of a cell without particles is 0.
+  /// For owned cells and ghost planes: the moments of the particles of a cell, with `more` = Σ |u|², m², and the fits
+  /// of the surrounding motion, whose weight is 0 in a cell without particles.
   const CellFields& all_moments() const { return sums_; }
   const CellFields& fits() const { return fit_; }
-  /// Of the places that own cells with particles have fits of, the first numbers::spread of as many as a map has.
+  /// The spreads of the fits of owned cells with particles: the first numbers::spread values of those that a map has.
   const CellFields& spreads() const { return spread_; }
-  /// Memory of these, once noise has been fitted.
+  /// The memory of the spreads, which is overwritten when noise is fitted.
   CellFields& free_spreads() { return spread_; }
-  /// Those of one cell.
+  /// The moments of one cell.
   Moments moments(std::size_t at) const { return cell_at<Moments>(sums_, at); }
-  /// How many particles a cell holds, Σ y and Σ u of these, m.
+  /// The number of particles of a cell, and their Σ y and Σ u, m.
   struct Means {
     Real n = 0;
     ByAxis y{}, u{};
@@ -110,7 +113,7 @@ class ParticlesToGrid {
   /// Displacement of the water at face (a, at), m.
   Real displacement(std::size_t a, std::size_t at) const { return displacement_[a][at]; }
 
-  /// Where volumes, or displacements, have been read: they are not needed again.
+  /// To be called when volumes, or displacements, are no longer needed.
   void give_back_volumes() { volumes_.give_back(); }
   void give_back_displacements() {
     for (Borrowed<Real>& u : displacement_) u.give_back();
@@ -119,15 +122,15 @@ class ParticlesToGrid {
   std::size_t bytes() const;
 
  private:
-  // The volume that the particles of its plane add below a cell, to itself and above it: in whole rows after the
-  // moments of the cell's particles.
+  // The volumes that the particles of the plane add below a cell, to the cell itself and above it. In whole rows they
+  // follow the moments of the cell's particles.
   RowToWrite volumes_of(LocalId k, LocalId r) {
     return grid_.storage().is_exchanged(k, r) ? sums_.row(k, r).from_number(numbers::moments) : volumes_.row(k, r);
   }
   RowToRead volumes_of(LocalId k, LocalId r) const { return const_cast<ParticlesToGrid*>(this)->volumes_of(k, r); }
   void sum_planes(const CellOrder& order, Range planes, const Motion& motion, const CutCells* cuts);
   void sum_rows(const CellOrder& order, LocalId k, Range rows, const Motion& motion, const CutCells* cuts);
-  // The rows of a plane from one before row r on to which its cells add volume, [rows) of them.
+  // The rows of a plane to which the cells of row r add volume: those in [rows), counted from the row before r.
   struct RowsToAdd {
     std::array<RowToWrite, 3> volumes;
     std::array<LocalId, 3> columns;
@@ -135,13 +138,13 @@ class ParticlesToGrid {
   };
   RowsToAdd rows_to_add(LocalId k, LocalId r, Range own);
   void add_volume(const RowsToAdd& to, LocalId c, const CellSums& sums) const;
-  // What the cells of a row add to the cells of the row beside it: by planes, then along the row.
+  // The volumes that a cell of a row adds to the cells of the adjacent row: by plane, then along the row.
   using VolumesBeside = std::array<Real, 9>;
   void exchange_volumes(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
   void find_volumes_beside(const CellOrder& order, const Motion& motion, const CutCells* cuts, LocalId k,
                            std::size_t side);
   void add_ghost_row(LocalId k, std::size_t side);
-  // The sums of the cells of a row that were found for the ranks beside; null for other rows.
+  // The sums of the cells of a row that were found for the neighbouring ranks; null for other rows.
   const CellSums* known_sums(LocalId k, LocalId r) const {
     if (!grid_.rows_are_cut() || (r > 0 && r + 1 < grid_.rows())) return nullptr;
     return &ends_[r == 0 ? 0 : 1][beside_index(k, 0)];
@@ -162,7 +165,7 @@ class ParticlesToGrid {
   const Real* cells_at_solids(const CutCells& cuts, LocalId k, LocalId r) const;
   void fit_row(TentMemory& memory, const CutCells* cuts, LocalId k, LocalId r);
   void find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts);
-  // Beside obstacles, and faces without particles on either side; see particles_to_grid_cut.cpp.
+  // For cells beside obstacles, and for faces without particles on either side; see particles_to_grid_cut.cpp.
   using CellNumbers = std::array<LocalId, 3>;  // of plane, row and column
   struct FittedMean {
     Real sum = 0, weight = 0;
@@ -188,9 +191,9 @@ class ParticlesToGrid {
   std::vector<Range> filled_;         // filled(k, r)
   std::vector<LocalId> first_empty_;  // of the cells of a row, as above
   std::array<Borrowed<Real>, 3> displacement_;
-  // Where rows are cut, of the first and the last own row, and of the rows before and after these.
+  // Where rows are cut: given by the first and the last owned row, and received from the rows before and after these.
   std::array<std::vector<VolumesBeside>, 2> given_, received_;
-  std::array<std::vector<CellSums>, 2> ends_;  // of the first and the last own row
+  std::array<std::vector<CellSums>, 2> ends_;  // of the first and the last owned row
 };
 
 template <class IsWet>

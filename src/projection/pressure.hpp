@@ -1,24 +1,24 @@
-// Third and fourth stage of the projection, assembly and solution of the Poisson equation: displacements u = ∇phi that,
-// added to the predicted displacements d of the faces, leave no divergence,
+// Third and fourth stages of the projection: assembly and solution of the Poisson equation for displacements u = ∇phi
+// that, added to the predicted displacements d of the faces, leave no divergence,
 //   div(u + d) = r  in wet cells,   phi = 0 at the free surface,   u + d = 0 through walls,
 // where r slowly returns each cell to its volume.
 //
 // Under gravity the surface lies where the water ends, not at the edge of a cell (the ghost-fluid method: Gibou et al.,
-// J. Comput. Phys. 176, 2002; Enright et al. 2003): a face between a wet cell and a dry one has the weight 1/theta,
-// theta being the part of the way between their middles that is in water. Above a top cell that is the height of the
-// surface above its middle; at its side, where the surface steps down by a cell, the levels of the two columns say it.
-// Faces count as far as they are open, under water or not: a linear pressure is exact below a surface that leans, and
-// water that moves as a whole has no divergence, whatever the fill of its cells, so that no pressure acts in flight.
-// Without gravity phi is 0 in the middle of the first dry cell. Where cells are thinly filled, as at the sides of jets,
-// u is ∇phi over the mass that is there (Gerszewski & Bargteil, ACM Trans. Graph. 32, 2013): what a pressure takes from
-// one side of a face it gives to the other, momentum and energy. (Over the mass of the particles at every face the
-// noise of eight particles a cell costs energy: a vortex without viscosity keeps 0.92 of it after 1 s so, and 1.00 with
-// even links.)
+// J. Comput. Phys. 176, 2002; Enright et al. 2003). A face between a wet cell and a dry one has the weight 1/theta,
+// where theta is the part of the distance between their centres that lies in water. Above a top cell this is the height
+// of the surface above its centre; at its side, where the surface steps down by a cell, it follows from the levels of
+// the two columns. Faces count as far as they are open, under water or not. A linear pressure is thus exact below an
+// inclined surface, and water that moves as a whole has no divergence, whatever the fill of its cells, so that no
+// pressure acts in flight. Without gravity phi is 0 at the centre of the first dry cell. Where cells are thinly filled,
+// as at the sides of jets, u is ∇phi divided by the mass there (Gerszewski & Bargteil, ACM Trans. Graph. 32, 2013), so
+// that the momentum and energy that a pressure takes from one side of a face are given to the other. (With the mass of
+// the particles at every face, the noise of eight particles per cell costs energy: a vortex without viscosity then
+// keeps 0.92 of it after 1 s, and 1.00 with uniform links.)
 //
-// Solved by V-cycles of a multigrid (multigrid.hpp) from the hydrostatic pressure of each column, which is the exact
-// solution for water at rest. Their number is fixed: no dot products, hence the same bits on any rank count. Where
-// water is torn apart phi would pull it together, so it is limited to values ≤ 0; where none of the water has a
-// surface, phi has no origin, and its largest value becomes 0. Collective.
+// The equation is solved by V-cycles of a multigrid (multigrid.hpp) that start from the hydrostatic pressure of each
+// column, which is the exact solution for water at rest. Their number is fixed and there are no dot products, hence the
+// same bits on any rank count. Where water separates, phi would pull it together, so it is limited to values ≤ 0. Where
+// none of the water has a surface, phi has no origin, and its largest value is set to 0. Collective.
 #pragma once
 
 #include "multigrid/multigrid.hpp"
@@ -31,24 +31,25 @@ class Pressure {
   Pressure(MPI_Comm comm, const Repeats& repeats, std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
       : comm_(comm), multigrid_(comm, repeats, Multigrid::few_cells, std::move(scratch)) {}
 
-  /// Of a step in which gravity moves a particle `fall` down, g dt², m, and which undoes `return_fraction` of a cell's
-  /// deviation from its volume; without gravity that goes by the distance that the water travels. Water is at most
-  /// `depth` cells deep.
+  /// Data of a step: the displacement by gravity g dt², m; the fraction of a cell's deviation from its volume that is
+  /// removed in the step, which without gravity depends on the distance that the water travels; and the largest depth
+  /// of the water, in cells.
   struct Step {
     Real g_dt2, return_fraction;
     int depth;
   };
-  /// The equation, after which nobody asks how full cells are; its first cycles; more cycles; and
-  /// what of the pressure is left.
+  /// Assembles the equation, after which fills of cells are no longer needed; runs the first cycles; runs more cycles;
+  /// and completes the pressure.
   void assemble(const FreeSurface& surface, Halo& halo, const Step& step);
   void begin(Halo& halo);
   void improve(Halo& halo, int more) { multigrid_.improve(halo, more); }
-  /// What displacement() needs before finish().
+  /// Exchanges what displacement() needs before finish().
   void show(const FreeSurface& surface, Halo& halo) { surface.grid().complete(halo, multigrid_.finest().phi); }
   void finish(const FreeSurface& surface, Halo& halo);
   /// Gives back the memory of the pressure.
   void give_back() { multigrid_.give_back(); }
-  /// In between: the solid goes further through the closed part of face (a, at) by `change` of the whole face, m.
+  /// Between cycles: the displacement of the solid through the closed part of face (a, at) grows by `change`, in terms
+  /// of the whole face, m.
   void move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change);
 
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
@@ -61,14 +62,14 @@ class Pressure {
   /// phi of a cell, m².
   Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
   const Real* all_phi() const { return multigrid_.finest().phi.data(); }
-  /// What a cell gets from inlets, as a share of the cell.
+  /// Inflow of a cell from inlets, as a share of the cell.
   struct Inflow {
     std::size_t cell;
     Real share;
-    const Openings::Gain* out_of_wall;  ///< in the air; else null
+    const Openings::Gain* out_of_wall;  ///< if it comes out of a wall in the air; otherwise null
   };
   const std::vector<Inflow>& inflow() const { return inflow_; }
-  /// What finish() would make of it, where water has a surface.
+  /// phi as finish() would limit it, where water has a surface.
   Real phi_so_far(std::size_t at) const { return closed_ ? phi(at) : std::min(phi(at), 0.0); }
 
   std::size_t bytes() const { return multigrid_.bytes(); }
@@ -88,10 +89,10 @@ class Pressure {
   void set_origin(const FreeSurface& surface);
 
   MPI_Comm comm_;
-  bool closed_ = false;  // no water has a surface
+  bool closed_ = false;  // whether none of the water has a surface
   std::vector<Inflow> inflow_;
-  // Its links first hold the weight of each face: what is open of its area, as a fraction, over the mass of the water
-  // there and the distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
+  // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there
+  // and by the distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
   Multigrid multigrid_;
 };
 

@@ -1,10 +1,10 @@
-// The projection: finds on the cell grid what sweeps over pairs of particles cannot, the pressure over long distances,
-// and makes the water's motion free of divergence by it. A sweep carries a disturbance by about h, so deep water would
-// need as many as it has layers. The projection works with the particles' displacements, not with their densities:
-// those are noisy for ever, and a grid that followed them would lift deep water by that noise. Similar in purpose to
-// Kugelstadt et al., Implicit density projection for volume conserving liquids, IEEE TVCG 2019.
+// The projection finds on the cell grid what sweeps over pairs of particles cannot, the pressure over long distances,
+// and makes the motion of the water divergence-free. A sweep carries a disturbance by about h, so deep water would need
+// as many sweeps as it has layers. The projection works with the displacements of the particles, not with their
+// densities: densities are always noisy, and a grid that followed them would lift deep water by that noise. Its purpose
+// is similar to that of Kugelstadt et al., Implicit density projection for volume conserving liquids, IEEE TVCG 2019.
 //
-// Its stages, each in a file of its own: particles_to_grid, free_surface (classify), pressure (assemble, solve),
+// Its stages are in files of their own: particles_to_grid, free_surface (classify), pressure (assemble, solve),
 // grid_to_particles, record_forces; and shift_filter after the sweeps. Displacements are used rather than multipliers,
 // whose geometric stiffness becomes unstable at large dt. For gravity along −z, or none. Collective.
 #pragma once
@@ -24,7 +24,7 @@ namespace trevi {
 
 class Projection {
  public:
-  /// `spacing` of the start lattice, m; `gravity` downwards, m/s², or 0.
+  /// `spacing` of the initial lattice, m; `gravity` downwards, m/s², or 0.
   struct Model {
     Real spacing, h, gravity;
   };
@@ -32,30 +32,31 @@ class Projection {
   Projection(MPI_Comm comm, const CellGrid& grid, const Box& box, const Model& model, Obstacles* obstacles = nullptr,
              const std::shared_ptr<Scratch>& scratch = std::make_shared<Scratch>());
 
-  /// Shows its pressure from now on.
+  /// From now on the projection shows its pressure to `probes`; may be null.
   void show_to(PressureProbes* probes) { probes_ = probes; }
-  /// Water goes through them from now on; may be null.
+  /// From now on water flows through `openings`; may be null.
   void open_to(Openings* openings) {
     openings_ = openings;
     surface_.open_to(openings);
   }
 
-  /// Finds what displacements() tells of the owned particles in `order` for their motion in the time dt, s.
+  /// Solves for the owned particles in `order` and their motion in the time dt, s; displacements() returns the result.
   void find(const CellOrder& order, Halo& halo, Real dt, const Motion& motion);
-  /// To be called once after that: displacements, m, and as the scalar how far the grid acts on each of them, from 0 to
-  /// 1. Memory that was borrowed in find() is given back, but for what filter_shifts() and carry_velocities() need.
+  /// To be called once after that. Writes displacements, m, and as the scalar the degree to which the grid acts on each
+  /// particle, from 0 to 1. Memory that was borrowed in find() is given back, except for what filter_shifts() and
+  /// carry_velocities() need.
   template <class T>
   void displacements(const CellOrder& order, Real dt, const Motion& motion, std::span<Vec4<T>> out);
 
-  /// Minus the smooth part of the shifts, m, of the owned particles.
+  /// Writes minus the smooth part of the shifts, m, of the owned particles.
   template <class T>
   void filter_shifts(const CellOrder& order, Halo& halo, const Swept<T>& swept, std::span<Vec4<T>> out);
-  /// Gives shifted particles, in the time dt, s, the velocities of where they are, m/s (carry_cell() of
-  /// cell_shifts.hpp), of which the sum over a cell is 0.
+  /// Gives shifted particles the velocities of their new positions, m/s, for the time dt, s (carry_cell() of
+  /// cell_shifts.hpp). The changes add up to 0 over a cell.
   template <class T>
   void carry_velocities(const CellOrder& order, const Swept<T>& swept, Real dt, std::span<Vec3> velocity) const;
 
-  /// To be called when no more is needed of a substep.
+  /// To be called when nothing of a substep is needed any more.
   void give_back();
 
   std::size_t bytes() const;
@@ -73,7 +74,7 @@ class Projection {
   Box box_;
   ProjectionGrid grid_;
   ActiveRows rows_;
-  std::unique_ptr<CutCells> cuts_;  // null where there are no obstacles
+  std::unique_ptr<CutCells> cuts_;  // null if there are no obstacles
   ParticlesToGrid particles_to_grid_;
   FreeSurface surface_;
   Pressure pressure_;
@@ -83,7 +84,7 @@ class Projection {
   Obstacles* obstacles_;
   PressureProbes* probes_ = nullptr;
   Openings* openings_ = nullptr;
-  std::unique_ptr<BodyCoupling> coupling_;  // null where no body moves freely
+  std::unique_ptr<BodyCoupling> coupling_;  // null if no body moves freely
 };
 
 }  // namespace trevi

@@ -1,8 +1,8 @@
-// Part of the last stage of the projection, beside record_forces: what closed faces give to the particles of a cell
-// that a solid cuts beyond the pressure of the cell, as they take them along with the solid and stop what goes into it.
-// It is the solid's, while the rest of what the transfer leaves over is nobody's. Of a body that floats it is what they
-// would give to water that fills what is open of the cell, where there is any particle. Not collective; on any thread
-// for rows.
+// Part of the last stage of the projection, in addition to record_forces: the impulses that closed faces give to the
+// particles of a cut cell beyond the pressure of the cell, because they take the particles along with the solid and
+// stop motion into it. These belong to the solid, while the remainder of the transfer belongs to no solid in
+// particular. For a floating body they are computed as for water that fills the open part of the cell, if this holds
+// any particle. Not collective; on any thread for rows.
 #pragma once
 
 #include "projection/grid_to_particles.hpp"
@@ -23,10 +23,10 @@ class RecordBeside {
   RecordBeside(const Sources& sources, Obstacles& obstacles, Real spacing, Real g_dt2)
       : from_(sources), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
 
-  /// Of a row of cells.
+  /// Records those of a row of cells.
   void of_row(LocalId k, LocalId r, const CellOrder& order, const Motion& motion) const;
-  /// Of a cell that a body cuts which floats; it has no couple of it, by which one that is light would turn. The
-  /// pressure need not be the last one.
+  /// The impulse on a floating body in a cell that it cuts. It has no couple, because this would turn a light body. The
+  /// pressure need not be the final one.
   Vec3 of_body(LocalId k, LocalId r, LocalId c, const CellOrder& order) const;
 
  private:
@@ -35,7 +35,7 @@ class RecordBeside {
   bool is_at_surface(std::size_t here) const;
   bool is_under_water(LocalId k, LocalId r, LocalId c) const;
   Vec3 of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const;
-  // Moments are about the middle of the box.
+  // Moments are about the centre of the box.
   TotalImpulse of_obstacle(LocalId k, LocalId r, LocalId c, const CellOrder& order, const Motion& motion) const;
   TotalImpulse of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                             bool across) const;

@@ -1,5 +1,5 @@
-// Last stage of the projection: what its pressure does to obstacles, box and gauges, for the impulse sums of the
-// obstacles. Not collective; on any thread for rows.
+// Last stage of the projection: it records the impulses of the pressure on obstacles, box and gauges in the impulse
+// sums of the obstacles. Not collective; on any thread for rows.
 #pragma once
 
 #include <array>
@@ -15,15 +15,16 @@ class RecordForces {
   RecordForces(const FreeSurface& surface, const Pressure& pressure, Obstacles& obstacles, Real spacing, Real g_dt2)
       : surface_(surface), pressure_(pressure), obstacles_(obstacles), spacing_(spacing), g_dt2_(g_dt2) {}
 
-  /// Obstacles and box have what the pressure of the cells does to their surface; what it leaves of all that moves the
-  /// particles of the row, which are `moved` where they come `from`, is the rest (Obstacles::total()).
+  /// Obstacles and box receive the pressure of the cells on their surface. The difference between this and the impulses
+  /// on the particles of the row, which are displaced by `moved` at the positions `from`, is recorded as the remainder
+  /// (Obstacles::total()).
   template <class T>
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, std::span<const Vec3> from) const;
   void of_gauges(const Box& box) const;
-  /// What the pressure of a cell that a solid cuts gives to the water (CutCells::pushes()), for all of its particles.
+  /// The impulses that the pressure of a cut cell gives to the water (CutCells::pushes()), for all of its particles.
   using Pushes = CutCells::Pushes;
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
-  /// The pressure on an upright side of a cell as far as the water stands there, in the mean over all of the side, m².
+  /// The pressure on a vertical side of a cell up to the height of the water, averaged over the whole side, m².
   Real on_side(std::size_t at) const;
 
  private:

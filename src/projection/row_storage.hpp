@@ -1,10 +1,11 @@
-// Where CellFields keep the cells of rows, counted in fours of cells: there is memory for fours that hold a cell with
-// particles, or for some fields also one beside such a cell in its plane, and all others are one and the same four,
-// which is 0 and never written. Planes at ends beyond which other ranks go on, the last own one and the ghost plane,
-// which neighbours exchange, come first, one after another, and have memory for the fours beside cells with particles,
-// too. Ranks agree on them without a word, as both know the particles of all cells of these planes. Where slabs are cut
-// inside, that is not so at the corners: there those planes have memory for all of their cells and for a ring of rows
-// around them, and of the other planes the rows that are exchanged, the last own one and the ghost row. Not collective.
+// The places at which CellFields store the cells of rows, in groups of four cells ("fours"). There is memory for groups
+// that contain a cell with particles; for some fields also for groups beside such a cell in its plane. All other groups
+// share one and the same group, which is 0 and never written. Planes that are exchanged, the last owned plane and the
+// ghost plane at an end with a neighbouring rank, come first, one after another, and also have memory for the groups
+// beside cells with particles. Ranks agree on these without communication, because both know the particles of all cells
+// of these planes. Where slabs are cut inside, this does not hold at the corners. These planes then have memory for all
+// of their cells and for a ring of rows around them; of the other planes, the rows that are exchanged, the last owned
+// row and the ghost row, are stored whole. Not collective.
 #pragma once
 
 #include <cstddef>
@@ -25,37 +26,37 @@ struct alignas(32) FourCells {
 
 class RowStorage {
  public:
-  /// Planes of the grid, ghost planes included; at which ends planes are exchanged; where the grid repeats; at which
-  /// ends rows are exchanged.
+  /// Planes of the grid, ghost planes included; the ends at which planes are exchanged; the periodic directions; the
+  /// ends at which rows are exchanged.
   struct Shape {
     CellRows cells;
     std::array<bool, 2> exchanged;
     Repeats repeats;
     std::array<bool, 2> rows_exchanged;
     bool beside = false;  // whether there is memory for the cells beside those with particles
-    /// Where planes are worked on one after the other: this many of them are needed at a time, and each has the memory
-    /// of the one so many before. Not those at ends that are exchanged, nor those beside these. 0: none shares memory.
+    /// Where planes are processed one after the other: the number of planes needed at a time. Each plane reuses the
+    /// memory of the plane this many before it, except exchanged planes and those beside them. 0: planes share none.
     LocalId window = 0;
   };
-  /// `columns` of each row of each plane, with one row before and one after the own ones, that are looked at: particles
-  /// above them do not count.
+  /// `columns`: number of columns in use in each row of each plane, including one row before and one after the owned
+  /// ones. Particles above them do not count.
   void lay_out(const Shape& shape, const CellOrder& order, std::span<const LocalId> columns);
 
-  /// Of row (k, r) the places of its fours in the memory; −1 and rows() are the rows of the ring.
+  /// The places of the groups of row (k, r) in memory; −1 and rows() are the rows of the ring.
   const std::uint32_t* places(LocalId k, LocalId r) const { return &places_[row_index(k, r) * whole_]; }
-  /// Whether there is memory for a four of it.
+  /// Whether there is memory for group f of the row.
   bool has(LocalId k, LocalId r, std::size_t f) const { return places(k, r)[f] != nowhere_; }
-  /// The place of the four that stands for all that there is no memory for.
+  /// The place of the group that stands for all groups without memory.
   std::uint32_t nowhere() const { return nowhere_; }
-  /// Fours of a whole row, of all planes and rows that are exchanged, and of all.
+  /// Number of groups of a whole row, of all exchanged planes and rows, and in total.
   std::size_t per_row() const { return whole_; }
   std::size_t exchanged() const { return nowhere_; }
   std::size_t size() const { return size_; }
-  /// Fours one after another.
+  /// Consecutive groups.
   struct Run {
     std::size_t first = 0, count = 0;
   };
-  /// Those of an exchanged plane; where rows are cut, of these rows of it.
+  /// The groups of an exchanged plane; where rows are cut, those of these rows of it.
   Run exchanged_plane(LocalId k, const Range& rows) const {
     if (!are_cut()) return planes_[static_cast<std::size_t>(k)];
     return {places(k, rows.begin)[0], static_cast<std::size_t>(rows.size()) * whole_};
@@ -89,7 +90,7 @@ class RowStorage {
   void place_whole_rows(LocalId k);
   void place_row(LocalId k, LocalId r);
   void find_begins();
-  // Whether the plane has the memory of others.
+  // Whether the plane shares memory with others.
   bool is_shared(LocalId k) const {
     const LocalId last = shape_.cells.planes.end - 1;
     return shape_.window > 0 && !(shape_.exchanged[0] && k <= 2) && !(shape_.exchanged[1] && k + 2 >= last);
@@ -99,9 +100,9 @@ class RowStorage {
   std::size_t whole_ = 0, size_ = 0;
   std::uint32_t nowhere_ = 0;
   std::vector<std::uint32_t> places_;
-  std::vector<char> held_;            // of each four, whether particles in or beside it are in its row
-  std::vector<std::uint32_t> begin_;  // of each row, the first place
-  std::vector<Run> planes_;           // of each plane that is exchanged, where rows are not cut
+  std::vector<char> held_;            // for each group, whether its row has particles in it or beside it
+  std::vector<std::uint32_t> begin_;  // the first place of each row
+  std::vector<Run> planes_;           // the groups of each exchanged plane, where rows are not cut
 };
 
 }  // namespace trevi

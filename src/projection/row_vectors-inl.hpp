@@ -1,4 +1,4 @@
-// Vectors of cells of a row, and the tents over them. Included once per instruction set.
+// Vectors of cells of a row, and tents over them. Included once per instruction set.
 #if defined(TREVI_PROJECTION_ROW_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_PROJECTION_ROW_VECTORS_INL
 #undef TREVI_PROJECTION_ROW_VECTORS_INL
@@ -21,7 +21,7 @@ namespace HWY_NAMESPACE {
 
 static_assert(max_lanes == FourCells::count);
 
-/// The next cells of a row, as many as a vector has lanes. Where a row is one of FourCells, whole vectors are written.
+/// The next cells of a row, as many as a vector has lanes. If a row consists of FourCells, whole vectors are written.
 struct Part {
   std::size_t begin, end;
   HWY_INLINE Part& operator++() {
@@ -40,7 +40,7 @@ struct Part {
   HWY_INLINE bool is_in(const RowToRead& row) const { return row.has(begin / max_lanes); }
 };
 HWY_INLINE V load(const Real* row, const Part& part) { return hn::LoadU(Wide(), row + part.begin); }
-/// Nothing beyond the end is written: it may be another thread's.
+/// Writes nothing beyond the end, because that may belong to another thread.
 HWY_INLINE void store(V v, const Part& part, Real* row) {
   const Wide d;
   Real* const to = row + part.begin;
@@ -50,7 +50,7 @@ HWY_INLINE void store(V v, const Part& part, Real* row) {
   std::copy_n(last, part.end - part.begin, to);
 }
 
-/// Numbers of cells that lie `stride` apart.
+/// Numbers of cells at a distance of `stride` from each other.
 template <std::size_t stride = max_lanes>
 struct Numbers {
   const Real* first;
@@ -58,9 +58,9 @@ struct Numbers {
 };
 HWY_INLINE void write(V v, Real* numbers, std::size_t q) { hn::Store(v, Wide(), numbers + q * max_lanes); }
 
-// Cells beside one another along coordinate axis b: the sums over them, of which those below and above have the weight
-// w and coordinates of their own, one cell less and one more. Each number in its turn is
-// own + w (low + high + what the coordinates make of other numbers).
+// Adjacent cells along coordinate axis b, and the sums over them. The cells below and above have the weight w, and
+// their coordinates are relative to their own corners, one cell lower and one higher. Each sum is therefore own + w
+// (low + high + a correction from other numbers for the shift of the coordinates).
 template <std::size_t from, std::size_t to>
 struct Beside {
   Numbers<from> low, own, high;
@@ -72,7 +72,7 @@ struct Beside {
   }
 };
 
-// Numbers of Moments, of a Flow and of an AffineMap.
+// The numbers of a Flow, of Moments and of an AffineMap.
 struct FlowSums {
   static constexpr std::size_t count = numbers::flow;
   template <std::size_t b, std::size_t first = 0, class Cells>
@@ -128,16 +128,16 @@ HWY_INLINE void add_beside(std::size_t axis, const Cells& cells) {
 using SixCells = TentMemory::SixCells;
 constexpr std::size_t in_six = sizeof(SixCells) / sizeof(Real);
 
-/// Whole fours of cells are worked on.
+/// The cells of a row, from the start of the first group of four on.
 HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / max_lanes * max_lanes, rows.end}; }
-/// With one more at either end, and all of the last four.
+/// The same with one more cell at either end, up to the end of the last group of four.
 HWY_INLINE Part cells_around(const RowsAround& rows) {
   const std::size_t begin = rows.begin - (rows.begin > 0 ? 1 : 0), end = std::min(rows.end + 1, rows.columns);
   return {begin / max_lanes * max_lanes, (end + max_lanes - 1) / max_lanes * max_lanes};
 }
 
-// Whether the sums of a four are asked for: its row holds something there, or in the four beside it and the rows
-// around hold something there, too.
+// Whether the sums of a group of four cells are needed: if its row holds something in this group, or in a group beside
+// it while one of the surrounding rows holds something in this group.
 HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t f) {
   const std::size_t last = (rows.columns - 1) / max_lanes;
   const auto is_own = [&](std::size_t of) { return rows.rows[1][1].has(of); };
@@ -152,7 +152,7 @@ HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t f) {
   return false;
 }
 
-// Of a four of row i of those around, across the planes.
+// The sums across the planes, for a group of four cells of row i of the surrounding rows.
 template <class Sums>
 HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, std::size_t f, FourCells* out) {
   const std::array<RowToRead, 3>& planes = rows.rows[i];
@@ -167,7 +167,7 @@ HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, std::size_t f,
   }
 }
 
-// What four cells need of those before and after them, and of the other end where the row repeats.
+// Copies the values of the cells before and after each group of four, from the other end where the row is periodic.
 template <std::size_t count>
 HWY_INLINE void join_fours(const RowsAround& rows, SixCells* sums) {
   const Part cells = cells_around(rows);
@@ -186,7 +186,7 @@ HWY_INLINE void join_fours(const RowsAround& rows, SixCells* sums) {
   }
 }
 
-/// Sums over the rows around, of the fours in which the row holds something; null where no cell is asked for.
+/// Sums over the surrounding rows, for the groups in which the row holds something; null if no cell is needed.
 template <class Sums>
 HWY_INLINE const SixCells* sum_across(const RowsAround& rows) {
   if (rows.begin == rows.end) return nullptr;
@@ -201,7 +201,7 @@ HWY_INLINE const SixCells* sum_across(const RowsAround& rows) {
       continue;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      if ((rows.is_layer && i != 1) || across[i]->is_known[f] != 0) continue;  // beside a layer all is 0
+      if ((rows.is_layer && i != 1) || across[i]->is_known[f] != 0) continue;  // all is 0 beside a layer
       sum_planes<Sums>(rows, i, f, across[i]->values.data());
       across[i]->is_known[f] = 1;
     }
@@ -225,7 +225,7 @@ class TentSums {
     const Real* const low = sums[part.begin / max_lanes * Sums::count].of + part.begin % max_lanes;
     Sums::template add<2>(Beside<in_six, max_lanes>{{low}, {low + 1}, {low + 2}, value_});
   }
-  /// From number q on.
+  /// The numbers from q on.
   HWY_INLINE Numbers<> from(std::size_t q = 0) const { return {value_ + q * max_lanes}; }
 
  private:

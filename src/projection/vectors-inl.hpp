@@ -1,4 +1,4 @@
-// Vectors of the projection's loops: doubles, at most four at a time. Included once per instruction set.
+// Vectors for the loops of the projection: doubles, at most four at a time. Included once per instruction set.
 #if defined(TREVI_PROJECTION_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_PROJECTION_VECTORS_INL
 #undef TREVI_PROJECTION_VECTORS_INL
@@ -25,7 +25,7 @@ using V3 = std::array<V, 3>;
 
 HWY_INLINE V set(Real a) { return hn::Set(Wide(), a); }
 HWY_INLINE V clamp(V v, Real low, Real high) { return hn::Min(hn::Max(v, set(low)), set(high)); }
-// Always made with values: the default constructor would not be of this instruction set.
+// Always initialised with values: the default constructor would not be compiled for this instruction set.
 HWY_INLINE V3 zeros() { return {hn::Zero(Wide()), hn::Zero(Wide()), hn::Zero(Wide())}; }
 
 }  // namespace HWY_NAMESPACE

@@ -1,6 +1,6 @@
-// Anderson mixing of the Jacobi iteration by PETSc: SNES of type anderson on a Vec that holds a copy of the positions
-// p*. One Jacobi iteration G is the fixed-point map, so F(p) = p − G(p) = −relaxation · delta(p). All -snes_* options
-// apply. Collective.
+// Anderson mixing of the Jacobi iteration by PETSc: an SNES of type anderson on a Vec that holds a copy of the
+// positions p*. One Jacobi iteration G is the fixed-point map, so F(p) = p − G(p) = −relaxation · delta(p). All -snes_*
+// options apply. Collective.
 #pragma once
 
 #include "solver/density_solver.hpp"

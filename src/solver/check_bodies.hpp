@@ -1,4 +1,4 @@
-// Whether bodies that move freely can be as the settings have them. Not collective.
+// Checks of the settings of freely moving bodies. Not collective.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace trevi {
 
-/// What is wrong with body k and the remedy; empty where it is fine. Its shape has been checked, its mesh read.
+/// What is wrong with body k, and the remedy; empty if it is valid. Its shape must have been checked and its mesh read.
 std::string why_no_body(const Settings& settings, std::size_t k);
 
 }  // namespace trevi

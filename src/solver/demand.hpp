@@ -1,4 +1,4 @@
-// How make_solver() refuses settings. All comparisons are written so that a NaN fails. Not collective.
+// Helpers with which make_solver() refuses settings. All comparisons are written such that a NaN fails. Not collective.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace trevi {
 
-/// InputError that names the member of the settings and its rule, unless it holds.
+/// Throws an InputError that names the member of the settings and its rule, unless the rule holds.
 inline void demand(bool holds, const std::string& rule) {
   if (!holds) throw InputError("settings of the solver: " + rule);
 }

@@ -1,6 +1,6 @@
 // The density solve of a substep (Macklin & Müller 2013, Algorithm 1, lines 8 to 19): an iteration over the operations
-// of DensityProblem, with the halo exchanges between them. It leaves p* corrected, inside the walls and with ghosts
-// that are up to date. Collective; the same bits on any rank count, except for anderson, which uses PETSc's dot
+// of DensityProblem, with the halo exchanges between them. Afterwards p* is corrected and inside the walls, and the
+// ghosts are up to date. Collective; the same bits on any rank count, except for anderson, which uses PETSc's dot
 // products.
 //   jacobi     p* += relaxation · delta (relaxation 1 in the paper)
 //   chebyshev  the same, accelerated by Chebyshev weights (Wang 2015) on the multipliers
@@ -18,22 +18,23 @@ namespace trevi {
 
 struct SolveResult {
   int iterations = 0;
-  bool converged = true;  ///< always, when no tolerance was asked for
+  bool converged = true;  ///< always if no tolerance was requested
 };
 
 template <class T>
 class DensitySolver {
  public:
   virtual ~DensitySolver() = default;
-  /// What comes before neighbours are known, as it needs none of them and memory that their list takes afterwards.
+  /// The part of the solve that precedes the neighbour search, because it needs no neighbours and uses memory that
+  /// their list takes afterwards.
   virtual void begin(DensityProblem<T>&) {}
   virtual SolveResult solve(DensityProblem<T>& problem) = 0;
-  /// Whether solve() leaves the velocities, too; else they are (p* − x)/dt.
+  /// Whether solve() also sets the velocities; otherwise they are (p* − x)/dt.
   virtual bool sets_velocities() const { return false; }
   virtual std::size_t bytes() const { return 0; }
 };
 
-/// What a density solver needs to know of the scene and the machine.
+/// The data of the scene and the machine that a density solver needs.
 struct DensitySolverContext {
   MPI_Comm comm;
   const CellGrid& grid;
@@ -41,13 +42,13 @@ struct DensitySolverContext {
   const DensityModel& model;
   Real spacing;
   Vec3 gravity;                      ///< m/s²
-  Obstacles* obstacles = nullptr;    ///< null where there are none
+  Obstacles* obstacles = nullptr;    ///< null if there are none
   PressureProbes* probes = nullptr;  ///< may be null; a projection shows its pressure to them
   Openings* openings = nullptr;      ///< may be null; those of a projection
   std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>();  ///< for a projection
 };
 
-/// Whether the coarse grid can be used: its columns are vertical, so gravity must point down more than sideways.
+/// Whether the coarse grid can be used: its columns are vertical, so gravity must act more downwards than sideways.
 bool is_downward(const Vec3& gravity);
 /// Whether velocities are those of the projection, and sweeps shift positions only.
 bool shifts_positions_only(const DensitySettings& settings, const Vec3& gravity);
@@ -57,8 +58,8 @@ template <class T>
 std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& settings,
                                                       const DensitySolverContext& context);
 
-/// Whether the compression at the densities computed last meets the tolerance: the mean is at most the tolerance, the
-/// largest at most ten times the tolerance. Always false without a tolerance.
+/// Whether the compression at the last computed densities meets the tolerance: the mean is at most the tolerance, and
+/// the largest at most ten times the tolerance. Always false without a tolerance.
 template <class T>
 bool within_tolerance(const DensitySettings& settings, const DensityProblem<T>& problem) {
   if (!settings.tolerance) return false;
@@ -66,8 +67,7 @@ bool within_tolerance(const DensitySettings& settings, const DensityProblem<T>& 
   return c.mean <= *settings.tolerance && c.max <= 10 * *settings.tolerance;
 }
 
-/// The same for the p* that the last iteration has left, at which the density is computed once more. True without a
-/// tolerance.
+/// The same for the p* of the last iteration, at which the density is computed once more. True without a tolerance.
 template <class T>
 bool ends_within_tolerance(const DensitySettings& settings, DensityProblem<T>& problem) {
   if (!settings.tolerance) return true;

@@ -1,7 +1,7 @@
-// The row of series.csv: sums of integers, whose units depend on the largest numbers of all particles, so that every
-// column except imbalance and wall_seconds has the same bits on any rank count. Definitions: postprocess/README.md; SI
-// units. Collective. An interior particle is more than h from every wall and has at least 90 % of the neighbours of a
-// lattice point.
+// The row of series.csv. Sums are formed in integers whose units depend on the largest values of all particles, so that
+// every column except imbalance and wall_seconds has the same bits on any rank count. Definitions:
+// postprocess/README.md; SI units. Collective. An interior particle is more than h from every wall and has at least 90
+// % of the neighbours of a lattice point.
 #pragma once
 
 #include "domain/balance.hpp"
@@ -13,7 +13,7 @@
 
 namespace trevi {
 
-/// What a row is computed from; all of the owned particles, in the frozen order.
+/// The input of a row: all owned particles, in the frozen order.
 struct DiagnosticsInput {
   const Particles& particles;
   std::span<const Real> density;  ///< kg/m³
@@ -24,9 +24,9 @@ struct DiagnosticsInput {
 
 class DiagnosticsSum {
  public:
-  /// `walls`: where they are, which is far away along periodic axes; `lattice_neighbours`: number of neighbours of an
-  /// interior point of the start lattice; `gravity` in m/s²;
-  /// `water_mass`, kg, that a particle stands for.
+  /// `walls`: their positions, which are far away along periodic axes; `lattice_neighbours`: number of neighbours of an
+  /// interior point of the initial lattice; `gravity` in m/s²; `water_mass`: mass of water that a particle represents,
+  /// kg.
   struct Surroundings {
     Box box, walls;
     int lattice_neighbours;
@@ -55,8 +55,8 @@ class DiagnosticsSum {
   Real water_mass_;
 };
 
-/// The largest distance that p* of an owned particle moves between begin() and end(), while the neighbour list stays as
-/// it is; 0 without a begin().
+/// The largest distance by which p* of an owned particle moves between begin() and end(), while the neighbour list is
+/// unchanged; 0 without a begin().
 class DriftMeter {
  public:
   void begin(Scratch& scratch, const std::vector<Vec3>& predicted);
@@ -69,7 +69,7 @@ class DriftMeter {
 };
 
 /// The n-th smallest (from 1) of the coordinates along `axis` of the positions on all ranks, to 1e-10 of the box, in
-/// three rounds of counting and without sorting. nan where n is 0. Collective.
+/// three rounds of counting and without sorting. nan if n is 0. Collective.
 Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, GlobalId n, const Box& box);
 
 }  // namespace trevi

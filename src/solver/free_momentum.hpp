@@ -1,12 +1,13 @@
-// Keeps the momentum of each piece of water along axes along which nothing can push it (water_pieces.hpp), and the
-// angular one of what touches nothing, beside what gravity gives. The projection hands what is smooth of its pressure
-// to the particles of a face as if they were as many as full water has there (face_shares.hpp), and sweeps shift
-// positions without velocity: both are right in the mean, but not to rounding; and in flight the pressure at the upper
-// side of water that is pressed together is higher than at the lower one. What the substep has changed of the two
-// momenta is undone by a translation and a rotation of the velocities of the piece, where the box repeats along an axis
-// by a translation alone; and the centre of what touches nothing goes back to where free flight takes it
-// (free_flight.hpp). Water on a smooth floor keeps its momentum along it as far as no wall that stands across is near,
-// nor a solid; what pushes at the sides of a drain in the floor goes to all of the water. Collective.
+// Conserves the momentum of each piece of water along axes along which nothing can push it (water_pieces.hpp), and the
+// angular momentum of pieces that touch nothing, apart from the effect of gravity. The projection gives the smooth part
+// of its pressure to the particles of a face as if there were as many as in full water (face_shares.hpp), and sweeps
+// shift positions without velocity. Both conserve momentum on average, but not to rounding. In flight, moreover, the
+// pressure at the upper side of compressed water is higher than at the lower side. The changes of the two momenta in
+// the substep are undone by a translation and a rotation of the velocities of the piece, or by a translation alone if
+// the box is periodic along an axis. The centre of a piece that touches nothing is moved back to the position of free
+// flight (free_flight.hpp). Water on a smooth floor keeps its momentum along the floor as long as no wall across this
+// direction and no solid is near. The momentum from pressure at the sides of a drain in the floor is spread over all of
+// the water. Collective.
 #pragma once
 
 #include "base/orderless_sum.hpp"
@@ -19,7 +20,7 @@ namespace trevi {
 template <class T>
 class FreeMomentum : public DensitySolver<T> {
  public:
-  /// `solver` sets velocities.
+  /// `solver` must set velocities.
   FreeMomentum(const DensitySolverContext& context, std::unique_ptr<DensitySolver<T>> solver);
 
   void begin(DensityProblem<T>& problem) override { solver_->begin(problem); }
@@ -28,9 +29,9 @@ class FreeMomentum : public DensitySolver<T> {
   std::size_t bytes() const override { return solver_->bytes(); }
 
  private:
-  // Of a piece, lengths in units of h: particles, those near what may push along each axis, a wall or a fixed solid,
-  // and those near a body that moves freely; Σ v dt, and if it may turn Σ p, Σ p × v dt, and Σ p pᵀ in units of (16
-  // h)², p being measured from its first cell.
+  // For a piece, with lengths in units of h: the number of particles, of those near something that may push along each
+  // axis, a wall or a fixed solid, and of those near a freely moving body; Σ v dt; and if it may rotate, Σ p, Σ p × v
+  // dt, and Σ p pᵀ in units of (16 h)², where p is measured from its first cell.
   static constexpr std::size_t counts = 5, sums = 15, words = counts + OrderlessSum::words * sums;
   using Words = std::vector<std::int64_t>;  // those of each piece
   struct Moments {
@@ -46,16 +47,16 @@ class FreeMomentum : public DensitySolver<T> {
     WaterPieces::Axes touched = 0;
 
     explicit Sums(const std::int64_t* numbers);
-    // About the centre of all.
+    // About the centre of all its particles.
     Vec3 own_spin() const { return spin - (p / count).cross(path); }
   };
-  // In units of h, paths of the substep; from the first cell of the piece.
+  // Corrections of the paths of the substep, in units of h, relative to the first cell of the piece.
   struct Undoing {
     Vec3 drift = Vec3::Zero(), turn = Vec3::Zero(), centre = Vec3::Zero(), off = Vec3::Zero();
     bool is_nothing() const { return drift.isZero(0) && turn.isZero(0) && off.isZero(0); }
   };
 
-  // Of motion alone, or of all.
+  // The sums of the motion only, or of everything.
   template <bool all, class Place, class Velocity>
   Words sums_of(const DensityProblem<T>& problem, const Place& place, const Velocity& velocity) const;
   void add_other_ranks(Words& before, Words& after) const;
@@ -68,10 +69,10 @@ class FreeMomentum : public DensitySolver<T> {
 
   MPI_Comm comm_;
   CellGrid grid_;
-  Box box_, interior_;           // m; where no wall acts
+  Box box_, interior_;           // m; interior_: where no wall acts
   Real h_;                       // m
-  bool turns_ = true;            // whether there is an angular momentum to keep
-  WaterPieces::Axes still_ = 0;  // along which nothing moves
+  bool turns_ = true;            // whether there is an angular momentum to conserve
+  WaterPieces::Axes still_ = 0;  // axes along which nothing moves
   Obstacles* obstacles_;
   WaterPieces pieces_;
   std::unique_ptr<DensitySolver<T>> solver_;

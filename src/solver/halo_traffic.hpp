@@ -1,6 +1,6 @@
-// What halos send in a step of water at rest, by the formula of postprocess/results/scaling.md, before a run and
-// without particles. Exact where the water stands equally high in the whole box, the cuts of neighbour slabs meet,
-// nothing is periodic and there are no obstacles. Not collective.
+// The halo traffic of a step of water at rest, by the formula of postprocess/results/scaling.md, before a run and
+// without particles. It is exact if the water is equally high in the whole box, the cuts of neighbouring slabs are
+// aligned, nothing is periodic and there are no obstacles. Not collective.
 #pragma once
 
 #include "particles/cell_grid.hpp"
@@ -9,29 +9,29 @@
 namespace trevi {
 
 struct RestingWater {
-  LocalId planes = 1, rows = 1, columns = 1;  ///< cells of the box
-  LocalId wet_columns = 1;                    ///< cells of water above one another
-  Real particles_per_row = 0;                 ///< of a row of a plane
-  Real particles_per_cell = 1;                ///< where it is full
+  LocalId planes = 1, rows = 1, columns = 1;  ///< numbers of cells of the box
+  LocalId wet_columns = 1;                    ///< number of water cells above one another
+  Real particles_per_row = 0;                 ///< for a row of a plane
+  Real particles_per_cell = 1;                ///< for a full cell
   int iterations = 1;
-  Real record_bytes = 0;  ///< of a particle
+  Real record_bytes = 0;  ///< per particle
   bool projected = true;
-  bool upright = true;  ///< under gravity, where the flow that the filter of noise leaves is sent, too
+  bool upright = true;                     ///< under gravity, where the result of the noise filter is sent, too
   bool viscous = false, swirling = false;  ///< velocities are filtered
   bool gradients = false;                  ///< and their gradients exchanged, for nu
 };
 
-/// `particles` as if they stood equally high in the whole box.
+/// Water of `particles` that are equally high in the whole box.
 RestingWater resting_water(const Settings& settings, const CellGrid& grid, Real particles);
 
-/// Cells that one rank has, those of a node, or of all ranks, and what is sent from there.
+/// The cells of one rank, of a node, or of all ranks, from which data are sent.
 struct TrafficBlock {
-  Real slab_sides = 0, part_sides = 0;  ///< sides on which there is another rank: of slabs, and within slabs
+  Real slab_sides = 0, part_sides = 0;  ///< number of sides with another rank: of slabs, and within slabs
   LocalId planes = 1, rows = 1;
   Real slabs = 1, parts = 1;  ///< ranks side by side along these sides
   bool rows_are_cut = false;
 };
-/// Of all ranks of a run.
+/// The block of all ranks of a run.
 TrafficBlock all_ranks(const RestingWater& water, int slabs, int parts);
 
 struct Traffic {

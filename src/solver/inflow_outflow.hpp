@@ -1,10 +1,10 @@
-// Water that enters and leaves: before each substep drains take the particles in their regions, and inlets make the
-// layers that are due. All ranks know what has been done so far (FlowState) and find the same layers from it: which
-// places are free is a small reduction over the ranks, and the ids are those that follow, so that no id and no place
+// Inflow and outflow of water: before each substep drains remove the particles in their regions, and inlets make the
+// layers that are due. All ranks know what has been done so far (FlowState) and derive the same layers from it. A small
+// reduction over the ranks determines which places are free, and ids are consecutive, so that no id and no place
 // depends on the ranks. A particle is made by the rank that owns its place. Places with water nearer than half a
-// spacing are left out, and made up for by layers that come sooner; those that a solid or a wall covers are not made up
-// for. Within a spacing ahead of the opening water keeps the velocity of the jet, from there on it flies under gravity,
-// to the part of a substep. Collective: begin() and exchange().
+// spacing are left out, and layers that come sooner make up for them; places that a solid or a wall covers are not made
+// up for. Within a spacing ahead of the opening water keeps the velocity of the jet. From there on it flies under
+// gravity, also for a part of a substep. Collective: begin() and exchange().
 #pragma once
 
 #include <memory>
@@ -24,7 +24,7 @@
 
 namespace trevi {
 
-/// Counts a particle that has come to, or of `sign` −1 gone from, the others.
+/// Counts a particle that has been added, or with `sign` −1 removed.
 void count(StepState& change, GlobalId id, std::uint64_t sign);
 
 class InflowOutflow {
@@ -35,46 +35,47 @@ class InflowOutflow {
     Box box;
     Real spacing = 0;
     Vec3 gravity = Vec3::Zero();
-    std::shared_ptr<WallFlows> flows{};  ///< null where no opening is in a wall
+    std::shared_ptr<WallFlows> flows{};  ///< null if no opening is in a wall
   };
-  /// `state`: that of a run that goes on.
+  /// `state`: that of the run that is continued.
   InflowOutflow(Parts parts, std::optional<FlowState> state);
 
   /// The nozzles of the inlets, in their order.
   std::vector<std::unique_ptr<Forcing>> forcings() const;
-  /// Before the first substep, with all particles there are. New ids follow the largest of them. `boundary` outlives
-  /// the forcings.
+  /// To be called before the first substep, with all particles. New ids follow the largest of these. `boundary` must
+  /// outlive the forcings.
   void begin(MPI_Comm comm, const Boundary& boundary, const Particles& particles);
-  /// The particles of all ranks that have come, less those that have gone.
+  /// Removes and adds particles. Returns the particles of all ranks that were added, minus those that were removed.
   StepState exchange(Particles& particles, const StepInfo& info, const CellGrid& grid, const Slabs& slabs);
 
   const FlowState& state() const { return state_; }
-  /// What a projection is to know.
+  /// The openings for the projection.
   Openings* openings() { return openings_.get(); }
 
  private:
-  // The particles of this rank, and what tells which of the new ones are its own.
+  // The particles of this rank, and the data that determine which of the new ones it owns.
   struct Water {
     Particles& particles;
     const StepInfo& info;
     const CellGrid& grid;
     const Slabs& slabs;
   };
-  // Layers that are due at once.
+  // Layers that are due at the same time.
   struct Layers {
     const Inlet& inlet;
     Real speed;      // m/s
-    Real first = 0;  // ahead of the opening, m; the others follow, a spacing each
+    Real first = 0;  // distance ahead of the opening, m; the others follow at intervals of a spacing
     GlobalId count = 0;
     Real ahead(GlobalId layer, Real spacing) const { return first - static_cast<Real>(layer) * spacing; }
   };
-  // Places layer by layer, the farthest layer first: what can be made of each.
+  // The state of each place, layer by layer, the farthest layer first.
   enum Place : char { taken, open, covered };
   struct Made {
     GlobalId particles = 0, covered = 0, blocked = 0;
-    bool dry = false;  // there was not enough water for all of the layers
+    bool dry = false;  // whether there was not enough water for all of the layers
   };
-  // A place of an inlet in a wall, and how far ahead of the opening; of a row the first of these, and its layers.
+  // A place of an inlet in a wall and its distance ahead of the opening; for a row, the first of its places and the
+  // number of its layers.
   struct Due {
     GlobalId place;
     Real ahead;

@@ -1,5 +1,5 @@
-// make_solver() of trevi/solver.hpp for callers that know more than the settings say: that the pumps were made before,
-// and what checkpoints tell of the run. Collective.
+// make_solver() of trevi/solver.hpp for callers that have more than the settings: pumps that were made before, and the
+// information about the run for checkpoints. Collective.
 #pragma once
 
 #include "io/hdf5/checkpoint.hpp"
@@ -8,8 +8,8 @@
 
 namespace trevi {
 
-/// SolverExtras::flow is not read: `flow` was made with it. `info` is for checkpoints of settings.output, and without
-/// a folder of no use.
+/// SolverExtras::flow is not read, because `flow` was made with it. `info` is for checkpoints of settings.output and is
+/// not used without a folder.
 std::unique_ptr<Solver> make_solver_with(MPI_Comm comm, const Settings& settings, Particles particles,
                                          SolverExtras extras, FlowParts flow, const CheckpointInfo& info);
 

@@ -1,7 +1,7 @@
 // The time step of position based fluids (Macklin & Müller 2013, Algorithm 1) on slabs, and the state that it advances.
-// Collective throughout. The ghosts and the order of the particles stay the same from the prediction to the end
-// of the velocity filters of a substep, and so does the neighbour list, which is made after the projection: what these
-// two need in turns lies in the same memory (base/scratch.hpp).
+// Collective throughout. The ghosts and the order of the particles stay the same from the prediction to the end of the
+// velocity filters of a substep. So does the neighbour list from its construction after the projection on: the
+// projection and the neighbour list use the same memory in turn (base/scratch.hpp).
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@
 
 namespace trevi {
 
-/// A duplicate of a communicator for the life of the object. Collective.
+/// A duplicate of a communicator for the lifetime of the object. Collective.
 class OwnCommunicator {
  public:
   explicit OwnCommunicator(MPI_Comm comm) { MPI_Comm_dup(comm, &comm_); }
@@ -35,39 +35,39 @@ class OwnCommunicator {
   MPI_Comm comm_ = MPI_COMM_NULL;
 };
 
-/// Everything a solver is made of; filled by make_solver().
+/// All parts of a solver; filled by make_solver().
 template <class T>
 struct SolverParts {
   std::unique_ptr<OwnCommunicator> comm;
-  Box box;  ///< along periodic axes from the first cell on
+  Box box;  ///< beginning at the first cell along periodic axes
   std::array<LocalId, 3> first_cell{};
   std::unique_ptr<CellGrid> grid;
   std::unique_ptr<Slabs> slabs;
   std::unique_ptr<Balance> balance;
   std::unique_ptr<Boundary> boundary;
-  std::unique_ptr<ActiveAbsorption> absorption;                    ///< null without paddles that absorb
+  std::unique_ptr<ActiveAbsorption> absorption;                    ///< null without absorbing paddles
   std::unique_ptr<PressureProbes> probes;                          ///< null without gauges of pressure in the water
-  std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>();  ///< what stages of a step borrow their arrays from
+  std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>();  ///< memory from which stages of a step borrow arrays
   std::unique_ptr<DensityConstraint<T>> constraint;
   std::unique_ptr<DensitySolver<T>> density_solver;
   std::shared_ptr<InflowOutflow> flow;             ///< may be null
   std::vector<std::unique_ptr<Forcing>> forcings;  ///< gravity and friction first
-  std::size_t first_own_forcing = 0;  ///< from there on they are not ours: where they leave the particles is looked at
+  std::size_t first_own_forcing = 0;  ///< from here on they are the program's, and the particles are checked after them
   std::vector<std::unique_ptr<VelocityFilter<T>>> filters;
   std::vector<std::unique_ptr<Observer>> observers;
   std::unique_ptr<DiagnosticsSum> diagnostics;
   SubstepRule substep_rule;
-  ForceSums force_sums;  ///< of the solver before, as the next two
+  ForceSums force_sums;  ///< of the previous solver, as are the next two
   std::vector<BodyState> bodies;
   Real supplied_energy = 0;          ///< J
-  std::vector<Real> paddle_offsets;  ///< of the solver before, m
+  std::vector<Real> paddle_offsets;  ///< of the previous solver, m
   Real water_mass = 0;               ///< of a particle, kg
   Vec3 gravity = Vec3::Zero();
-  Vec3 corner = Vec3::Zero();  ///< of the box, m: there potential energies are 0
+  Vec3 corner = Vec3::Zero();  ///< of the box, m, where the potential energy is 0
   Real crush_limit = 0;
   Clock clock;
   std::function<RequestCounts()> requests;  ///< requests from outside that this rank sees; may be empty
-  Particles particles;                      ///< those in this rank's slab by position
+  Particles particles;                      ///< particles in this rank's slab by position
 };
 
 template <class T>

@@ -1,5 +1,5 @@
-// [domain] ranks = "auto": into how many slabs the box is cut, and into how many parts each of them, by the model of
-// postprocess/results/scaling.md, whose published form is postprocess/scaling_model.py. Not collective.
+// [domain] ranks = "auto": the number of slabs into which the box is cut, and the number of parts of each slab, by the
+// model of postprocess/results/scaling.md, whose published form is postprocess/scaling_model.py. Not collective.
 #pragma once
 
 #include <array>
@@ -8,12 +8,13 @@
 
 namespace trevi {
 
-/// Seconds of a step in the rank with the most cells. Its particles take what one takes on a core; its messages take
-/// their latency, and their bytes the way between ranks or, of the ranks of a node together, that out of the node.
+/// Time of a step on the rank with the largest number of cells, s. Each of its particles takes the time of one on a
+/// core. Its messages take their latency, and their bytes take the bandwidth between ranks or, for all ranks of a node
+/// together, that out of the node.
 Real step_by_model(const RestingWater& water, int slabs, int parts);
 
-/// Slabs and parts, `ranks` in all, for which that is shortest; of equal ones the one with fewer parts. A slab for each
-/// rank where no shape fits into the box, which first_slabs() refuses.
+/// The numbers of slabs and parts, for `ranks` in all, for which this time is shortest; among equal times the one with
+/// fewer parts. One slab per rank if no shape fits into the box, which first_slabs() refuses.
 std::array<int, 2> ranks_by_model(const RestingWater& water, int ranks);
 
 }  // namespace trevi

@@ -1,6 +1,6 @@
-// What a solver reports besides the step: rows and frames for the observers, the largest motion of a particle since the
-// neighbour list was built (drift), and counts of work. It never changes the state of the solver, except for the
-// density, which it computes again when an observer asks for it. Collective: observe, save, finish.
+// The reports of a solver besides the step: rows and frames for the observers, the largest motion of a particle since
+// the neighbour list was built (drift), and counters of work. It never changes the state of the solver, except for the
+// density, which it computes again if an observer wants it. Collective: observe, save, finish.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace trevi {
 
-/// The parts of a solver that are reported on; they outlive the reporter.
+/// The parts of a solver that are reported on; they must outlive the reporter.
 template <class T>
 struct ReportedState {
   MPI_Comm comm;
@@ -29,7 +29,7 @@ struct ReportedState {
   std::array<LocalId, 3> first_cell;
   Real crush_limit;                              ///< DensitySettings::crush_limit
   const PressureProbes* probes = nullptr;        ///< null without gauges of pressure in the water
-  const ActiveAbsorption* absorption = nullptr;  ///< null without paddles that absorb
+  const ActiveAbsorption* absorption = nullptr;  ///< null without absorbing paddles
 };
 
 template <class T>
@@ -39,38 +39,38 @@ class Reporter {
            const DiagnosticsSum& diagnostics, const SuppliedEnergy& supplied);
 
   void begin_step();
-  /// Which observers are due after that step, and what they want of it. Throws what they, and forcings that are asked
-  /// for their state, throw: to be called before all ranks agree on failures. Once before observe().
+  /// Finds which observers are due after this step, and what they want of it. Throws what they throw, and what forcings
+  /// throw that are asked for their state; to be called before all ranks agree on failures, once before observe().
   void ask_observers(std::int64_t step);
-  /// To be called after the neighbour search and after the density solve of a substep: the drift is how far p* moves
-  /// between.
+  /// To be called after the neighbour search and after the density solve of a substep. The drift is the distance by
+  /// which p* moves in between.
   void note_search(int substep);
   void note_solution(const SolveResult& result);
-  /// The forces of the step that has just been made are added to those since the last row of each observer.
+  /// Adds the forces of the step just completed to those since the last row of each observer.
   void add_forces();
-  /// Of a restart; each observer goes on with what it wants of them.
+  /// Sets the sums of a restart; each observer continues with those that it wants.
   void set_force_sums(const ForceSums& sums);
-  /// Does the work; what it changes of the energy of the water counts as supplied, where an observer wants to know.
-  /// `ago`: see SuppliedEnergy::measure().
+  /// Calls `work`. The change of the energy of the water by it counts as supplied if an observer wants to know. `ago`:
+  /// see SuppliedEnergy::measure().
   void measure_supply(const std::function<void()>& work, Real ago = 0);
-  /// The work of this rank's water that comes in, against the pressure there, in SuppliedEnergy::unit.
+  /// Adds the work of this rank's inflow against the pressure there, in SuppliedEnergy::unit.
   void note_work_of_inflow(std::int64_t units) {
     if (watches_energy()) supplied_.add_measured(units);
   }
-  /// What the step has been supplied with is added to what was before: what bodies have less of, too.
+  /// Adds the energy supplied in this step to that of previous steps, including the energy that bodies have lost.
   void add_supply();
-  /// The mean compression of the water at the end of a substep of a step, from 1; 0: at the start.
+  /// Notes the mean compression of the water at the end of a substep of this step, counted from 1; 0: at the start.
   void note_compression(Real mean, std::int64_t step);
   void count_migrated(GlobalId particles) { counters_.migrated += particles; }
 
   /// Calls the observers that are due, while the particles are still in the cell order of the step. Density and
-  /// diagnostics are computed only when one of them asks.
+  /// diagnostics are computed only if one of them wants them.
   void observe();
   void save();
   void finish();
 
   std::vector<FountainState> fountain_states(Real time) const;
-  /// The counters of the parts that this class sees.
+  /// The counters of the parts that this class knows.
   Solver::Counters counters() const;
   /// Measures the time of the simulation itself, without output.
   Stopwatch& stopwatch() { return stopwatch_; }
@@ -97,18 +97,18 @@ class Reporter {
   Asked asked_;
   DiagnosticsSum diagnostics_;
   SuppliedEnergy supplied_;
-  bool is_supplied_ = false;  // something of this step was measured
+  bool is_supplied_ = false;  // whether anything was measured in this step
   DriftMeter drift_;
   Solver::Counters counters_;
   Stopwatch stopwatch_;
   std::int64_t iterations_before_step_ = 0;
   std::vector<FountainState> fountain_states_;  // the frames given to observers point to it
-  std::vector<ForceSums> sums_, means_;         // of each observer: since its last row, and of the row that is due
+  std::vector<ForceSums> sums_, means_;         // for each observer: since its last row, and of the row that is due
   ForceSums sums_of_files_;
   std::vector<Real> offsets_;  // of obstacles (Body::paddle_offset()) at the start of the step
   std::vector<Real> probed_;
-  std::vector<BodyState> body_states_;  // as those of fountains
-  Real bodies_had_ = 0;                 // J, at the start of the step
+  std::vector<BodyState> body_states_;  // like fountain_states_
+  Real bodies_had_ = 0;                 // energy of the bodies at the start of the step, J
   Event diagnostics_event_{"Diagnostics"};
 };
 

@@ -1,7 +1,7 @@
-// The energy that the water is given from outside beside gravity, J since the start of a run: by the pumps of fountains
-// and by nozzles, by what inlets bring and drains take, and by obstacles that move. What a run gains beyond that is the
-// method's own (io/tables/energy_rise.hpp). Sums over particles are integers, so that neither their order nor the
-// number of ranks is seen in them. Collective: end_step().
+// The energy supplied to the water from outside other than by gravity, in J since the start of a run: by the pumps of
+// fountains and by nozzles, by the water that inlets bring and drains take, and by moving obstacles. Any further gain
+// of a run is due to the method itself (io/tables/energy_rise.hpp). Sums over particles are integers, so that they
+// depend neither on the order nor on the number of ranks. Collective: end_step().
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,18 @@ namespace trevi {
 
 class SuppliedEnergy {
  public:
-  /// Of particles of that mass, kg. `corner`: from which potential energies count, as those of the water (diagnostics).
-  /// `before`: J, of the run that goes on.
+  /// `mass`: of a particle, kg. `corner`: origin of potential energies, as for those of the water (diagnostics).
+  /// `before`: that of the run that is continued, J.
   SuppliedEnergy(MPI_Comm comm, Real mass, const Vec3& gravity, const Vec3& corner, Real before)
       : comm_(comm), mass_(mass), gravity_(gravity), corner_(corner), joules_(before) {}
 
-  /// Counts by how much `work` changes the kinetic and potential energy of this rank's particles, by their velocities
-  /// so many seconds ago, when gravity had given less.
+  /// Measures by how much `work` changes the kinetic and potential energy of this rank's particles, with their
+  /// velocities `ago` seconds earlier, before gravity had acted for that time.
   void measure(const Particles& particles, const std::function<void()>& work, Real ago = 0);
-  /// What this rank's water was given beside, in units of a particle.
+  /// Adds energy that this rank's water was given otherwise, in units per particle.
   void add_measured(std::int64_t units) { measured_ += units; }
-  static constexpr Real unit = Openings::work_unit;  ///< of the energy of a kilogram, m²/s²
-  /// The same on all ranks.
+  static constexpr Real unit = Openings::work_unit;  ///< of the energy per kilogram, m²/s²
+  /// Adds energy that is the same on all ranks.
   void add(Real joules) { joules_ += joules; }
   /// Adds what all ranks have measured in a step.
   void end_step();

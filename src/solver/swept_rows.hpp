@@ -1,7 +1,7 @@
-// Where a sweep has work: the rows of cells in which something may move, which is where a particle in a row, or in one
-// beside it, has a multiplier; and those whose densities may have changed, which is where something has moved in a row
-// or beside it. Water that flies, or rests as its lattice does, is not compressed, and its rows are left out; the
-// results are those of sweeps over all rows, bit by bit. Not collective.
+// The rows of cells that a sweep has to process. These are the rows in which something may move, because a particle in
+// the row or in an adjacent one has a multiplier; and the rows whose densities may have changed, because something has
+// moved in the row or in an adjacent one. Water in flight, or at rest on its lattice, is not compressed, and its rows
+// are skipped. The results are those of sweeps over all rows, bit by bit. Not collective.
 #pragma once
 
 #include <cstdint>
@@ -15,35 +15,35 @@ namespace trevi {
 
 class SweptRows {
  public:
-  /// All rows may have moved. `order` stays as it is until the next start().
+  /// Begins with all rows marked as possibly moved. `order` must not change until the next start().
   void start(const CellOrder& order);
-  /// Finds the rows of ghosts that have moved since the last call of it.
+  /// Finds the rows of ghosts that have moved since the last call.
   template <class T>
   void find_moved_ghosts(const std::vector<Packed<T>>& records);
 
-  /// Finds the rows where a multiplier, the scalar of the records, is not 0; those of ghosts are known, too.
+  /// Finds the rows where a multiplier, the scalar of the records, is not 0, including those of ghosts.
   template <class T>
   void find_multipliers(const std::vector<Packed<T>>& records);
-  /// The own rows that have one in or beside them move, and no others.
+  /// Marks the owned rows that have a multiplier in or beside them as moved, and no others.
   void move();
-  /// All rows move.
+  /// Marks all rows as moved.
   void move_all();
-  /// So does the row of owned particle i; may be called by several threads at once.
+  /// Marks the row of owned particle i as moved; may be called by several threads at once.
   void move(LocalId i);
 
-  /// Owned particles of rows that have a multiplier in or beside them. With `bridged` short gaps between them are
-  /// taken in, so that there are few ranges.
+  /// Owned particles of rows that have a multiplier in or beside them. With `bridged`, short gaps between them are
+  /// included, so that there are few ranges.
   std::vector<Range> with_multipliers(bool bridged) const { return beside(held_, bridged); }
   /// Owned particles of rows that have moved since move(), or are beside such ones.
   std::vector<Range> moved() const { return beside(moved_, true); }
-  /// Of each own row, plane by plane, whether a row within three of it has moved since start(), or has particles of
-  /// other ranks; until the next call.
+  /// For each owned row, plane by plane: whether a row within three of it has moved since start(), or has particles of
+  /// other ranks; valid until the next call.
   std::span<const char> find_near_shifts();
 
  private:
   std::size_t index(LocalId k, LocalId r) const;
   bool is_own(LocalId k, LocalId r) const { return k >= 1 && k <= planes_ && r >= 0 && r < rows_; }
-  // visit(k, r) for all rows, those of ghosts included, by several threads.
+  // Calls visit(k, r) for all rows, including those of ghosts, by several threads.
   template <class Visit>
   void for_each_row(const Visit& visit) const;
   bool is_beside(const std::vector<char>& marked, LocalId k, LocalId r) const;
@@ -51,13 +51,13 @@ class SweptRows {
 
   const CellOrder* order_ = nullptr;
   LocalId planes_ = 0, rows_ = 0;
-  // By row, of planes and rows with those beside them.
+  // By row, for all planes and rows including those beside them.
   std::vector<char> held_, moved_, shifted_;
-  std::vector<char> near_;             // by own row
-  std::vector<std::uint64_t> digest_;  // of where ghosts are
+  std::vector<char> near_;             // by owned row
+  std::vector<std::uint64_t> digest_;  // hash of the positions of ghosts
 };
 
-/// visit(range, whether it is in one of the ranges) for all of `part`, piece by piece; the ranges are in their order.
+/// Calls visit(range, whether it is in one of the ranges) for all of `part`, piece by piece; the ranges are in order.
 template <class Visit>
 void for_each_piece(Range part, const std::vector<Range>& ranges, const Visit& visit) {
   LocalId at = part.begin;

@@ -1,8 +1,8 @@
-// The connected pieces of the water in a substep that nothing can push along some axis: drops, jets in the air, blocks
-// that are thrown, along all of them; what lies on a level floor, or in a box that repeats, along others. Particles of
-// cells that share a face, an edge or a corner hang together. Nothing acts farther between particles: pairs are of
-// adjacent cells, and the projection has no pressure where there are no particles. Which pieces there are does not
-// depend on the ranks.
+// The connected pieces of the water in a substep that nothing can push along some axis. For drops, jets in the air and
+// thrown blocks these are all axes; for water on a level floor or in a periodic box, some of them. Particles of cells
+// that share a face, an edge or a corner are connected. Particles do not interact over longer distances: pairs are of
+// adjacent cells, and the projection has no pressure where there are no particles. The pieces do not depend on the
+// ranks.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace trevi {
 
 class WaterPieces {
  public:
-  /// Owned particles, counted from 0, of consecutive cells of a row.
+  /// Owned particles, numbered from 0, of consecutive cells of a row.
   struct Run {
     Range particles;
     std::size_t piece;
@@ -28,35 +28,35 @@ class WaterPieces {
   using Cell = std::array<LocalId, 3>;
   using Labels = Borrowed<std::int64_t>;
 
-  /// Along which axes something may push, a bit for each.
+  /// The axes along which something may push, one bit for each.
   using Axes = unsigned char;
   static constexpr Axes all_axes = 7;
 
-  /// Finds the pieces that are not touched along all axes. `touches` is asked of owned particles, on any thread;
-  /// `exchange` brings numbers of all particles, ghosts included, from those that own them, and is called, as ranks
-  /// gather what hangs together across cuts, where water ends on some rank without a wall there; these are borrowed
-  /// from `scratch`. Whether there are such pieces on any rank. Collective.
+  /// Finds the pieces that are not touched along all axes, and returns whether any rank has one. `touches` is called
+  /// for owned particles, on any thread. `exchange` sends the numbers of particles from their owners to the ghosts. It
+  /// is called if water ends on some rank without a wall there, when ranks also gather the connections across cuts. The
+  /// labels are borrowed from `scratch`. Collective.
   bool find(MPI_Comm comm, const CellOrder& order, Scratch& scratch, const std::function<Axes(std::size_t)>& touches,
             const std::function<void(Labels&)>& exchange);
 
-  /// Of this rank.
+  /// The runs of this rank.
   std::span<const Run> runs() const { return runs_; }
-  /// Number of pieces that runs belong to. The first shared() of them lie on several ranks: all ranks have the same
-  /// ones there, in the same order, whether they have particles of them or not.
+  /// Number of pieces to which the runs belong. The first shared() of them lie on several ranks. All ranks have the
+  /// same shared pieces in the same order, whether or not they have particles of them.
   std::size_t count() const { return first_cells_.size(); }
   std::size_t shared() const { return shared_; }
-  /// Of the cells of a piece in the box the first in their order.
+  /// The first of the cells of a piece, in the order of the cells of the box.
   Cell first_cell(std::size_t piece) const { return first_cells_[piece]; }
-  /// Along which axes a piece is touched.
+  /// The axes along which a piece is touched.
   Axes touched(std::size_t piece) const { return touched_[piece]; }
 
  private:
   struct CellRun {
-    Range columns, particles;  // counted with ghosts
-    std::size_t number = 0;    // of own ones
+    Range columns, particles;  // including ghosts
+    std::size_t number = 0;    // among the owned runs
   };
-  // Of a piece on several ranks: the label of a part of it, the least of all, or -1 where it is touched along all axes,
-  // and along which it is.
+  // A part of a piece on several ranks: its label; the lowest label of the piece, or -1 if it is touched along all
+  // axes; and the axes along which it is touched.
   struct Joined {
     std::int64_t label, first;
     Axes touched;
@@ -80,12 +80,12 @@ class WaterPieces {
   std::size_t root(std::size_t run);
   std::int64_t label(std::size_t run) { return labels_[root(run)]; }
 
-  std::vector<std::vector<CellRun>> rows_;  // of own planes and rows, and those of ghosts around them
-  std::vector<CellRun*> own_;               // runs of the own rows, in their order
-  std::vector<std::size_t> parent_;         // of each own run; of a piece here the first run is the root
-  Numbers labels_;              // of roots: the first cell in the box, -1 where it is touched along all axes
-  std::vector<Axes> of_roots_;  // along which axes they are touched here
-  std::vector<Joined> joined_;  // by their labels
+  std::vector<std::vector<CellRun>> rows_;  // for owned planes and rows, and for those of ghosts around them
+  std::vector<CellRun*> own_;               // runs of the owned rows, in their order
+  std::vector<std::size_t> parent_;         // of each owned run; the first run of a piece on this rank is the root
+  Numbers labels_;                          // of roots: the first cell in the box, -1 if it is touched along all axes
+  std::vector<Axes> of_roots_;              // axes along which they are touched on this rank
+  std::vector<Joined> joined_;              // in the order of their labels
   std::vector<Run> runs_;
   std::vector<Cell> first_cells_;  // of each piece
   std::vector<Axes> touched_;      // the same
