@@ -150,7 +150,7 @@ void FreeSurface::find_masses(Halo& halo) {
                  }
                });
   if (cuts() == nullptr) return grid().complete(halo, mass_);
-  exchange(halo, mass_);
+  grid().exchange(halo, mass_);
 }
 
 // What stands on water that is not thin has a level rather than a fill. What cells beside solids hold is noisy, and

@@ -117,7 +117,6 @@ class FreeSurface {
   bool is_pocket(const Place& place) const;
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, int cells, const Passes& passes) const;
-  void exchange(Halo& halo, Borrowed<Real>& field) const;
   Real resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real part_down_slope(std::size_t a, std::size_t wet, std::size_t dry) const;
   Real weight_at_side(std::size_t a, std::size_t wet, std::size_t dry) const;

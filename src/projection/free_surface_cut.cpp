@@ -54,7 +54,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   });
   grid().complete(halo, wet_);
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) { find_tops(k, r); });
-  exchange(halo, height_);
+  grid().exchange(halo, height_);
   // At the walls of a cylinder of R = 10 spacings the level is that at the mean place of the water in a cut cell, but
   // acts at its middle: as it was the paraboloid was a quarter too steep.
   level_cut_cells(halo, [&](const Place& place, std::size_t at) {
@@ -63,12 +63,6 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   level_cut_cells(halo, [&](const Place& place, std::size_t at) {
     return !is_small(at) ? height_[at] : cuts()->floats(at) ? level_beside(place) : level_beyond_widest(place);
   });
-}
-
-void FreeSurface::exchange(Halo& halo, Borrowed<Real>& field) const {
-  halo.start_planes(field, grid().step(0));
-  halo.finish();
-  grid().complete(halo, field);
 }
 
 // level(place, at) is the next level of a cut top cell, as the present ones say.
@@ -83,7 +77,7 @@ void FreeSurface::level_cut_cells(Halo& halo, const Level& level) {
       if (is_cut(at) && is_top(at)) next[at] = level({k, r, c}, at);
     }
   });
-  exchange(halo, next);
+  grid().exchange(halo, next);
   height_.swap(next);
 }
 

@@ -165,6 +165,14 @@ class ProjectionGrid {
     halo.finish();
   }
 
+  /// The same, and the ghost planes. Collective.
+  template <class Field>
+  void exchange(Halo& halo, Field& field) const {
+    halo.start_planes(field, step(0));
+    halo.finish();
+    complete(halo, field);
+  }
+
   /// The coordinate along direction a: 0 for x.
   std::size_t axis(std::size_t a) const { return static_cast<std::size_t>(axis_[a]); }
   /// By coordinate: cells per metre.

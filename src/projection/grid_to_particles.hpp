@@ -7,13 +7,13 @@
 // back.
 //
 // *Walls.* A closed face of the box absorbs the motion into it. In a cell that a solid cuts, closed faces continue the
-// displacement δ that the pressure causes at the open ones, on average, or along a direction without open faces the
-// displacement that bears the weight. They stop only the motion into the solid. With n the mean normal of the surface
-// in the cell, by Gauss's theorem from the areas of its faces, they are displaced by δ − n (n · u_s + n · δ), where u_s
-// is the motion of the water at the surface relative to the solid, from the flux through the open faces. Water thus
-// slips along walls of any direction. Horizontally the displacement of a closed face is extrapolated linearly from the
-// opposite open face through that displacement at the surface: the path of a particle goes through cells whose walls
-// have different directions, and constant displacements beside them slow down rotating water.
+// displacement δ that the pressure causes at the open ones, extrapolated to the surface, or along a direction without
+// open faces the displacement that bears the weight. They stop only the motion into the solid. With n the mean normal
+// of the surface in the cell, by Gauss's theorem from the areas of its faces, they are displaced by δ − n (n · u_s +
+// n · δ), where u_s is the motion of the water at the surface relative to the solid, from the flux through the open
+// faces. Water thus slips along walls of any direction. Horizontally the displacement of a closed face is extrapolated
+// linearly from the opposite open face through that displacement at the surface: the path of a particle goes through
+// cells whose walls have different directions, and constant displacements beside them slow down rotating water.
 //
 // *Noise.* Smooth motion is kept, and differences between particles decay within noise_time. With the filter
 // F u = Σ_c w_c (fit_c u − u)/Σ_c w_c over the cells around a particle, and the fits of what F leaves, the damping is F
@@ -38,6 +38,10 @@ namespace trevi {
 /// are those at x. `held`, m: the upward part of that.
 void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, Real share, CellDisplacement& by);
 
+/// The smaller of two displacements into a wall, by the linear mean and by the mean of the particles; 0 if these differ
+/// in sign.
+Real bounded(Real by_slope, Real by_mean);
+
 class GridToParticles {
  public:
   /// `spacing` of the initial lattice and `h`, m. Fits of the noise overwrite `spreads`, those of the fits of the
@@ -53,6 +57,9 @@ class GridToParticles {
   /// gravity it also finds the noise and its fits, in memory that is borrowed until give_back(); without gravity
   /// nothing generates noise.
   void prepare(Halo& halo, const Step& step);
+  /// Among obstacles, once the pressure is known: finds the change of its displacement across the cells beside them, in
+  /// memory that is borrowed until give_back(). Collective.
+  void find_rises(const Pressure& pressure, Halo& halo);
   /// The damping in a row of cells: maps whose `weight` is the share that a particle loses of its own motion. There is
   /// one for each part of a loop that threads share, in which the rows come in their order.
   struct Damping {
@@ -69,7 +76,10 @@ class GridToParticles {
   /// The displacement by the faces alone, without damping and without the fade at the surface.
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles have been displaced.
-  void give_back() { cut_fit_.give_back(); }
+  void give_back() {
+    cut_fit_.give_back();
+    for (Borrowed<Real>& of : rise_) of.give_back();
+  }
   std::size_t bytes() const { return closed_.bytes(); }
 
  private:
@@ -86,11 +96,17 @@ class GridToParticles {
     Vec3 normal;
     Real into;
   };
-  Vec3 by_open_faces(std::size_t at, const Faces& faces) const;
+  Real rise_across(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
+  Real at_surface(std::size_t a, std::size_t at, const FacePair& faces) const;
+  Vec3 at_surface(std::size_t at, const Faces& faces) const;
   std::optional<SolidSurface> solid_surface(std::size_t at, std::size_t own, const Faces& faces,
                                             const Vec3& pushed) const;
   void slip(std::size_t at, std::size_t own, Faces& faces) const;
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
+  std::optional<Real> mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
+  Real change_of_rise(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
+  Real mixed_difference(const Pressure& pressure, std::size_t at) const;
+  void move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
   Real rate(Real rest2) const;
@@ -107,6 +123,9 @@ class GridToParticles {
   CellFields noise_{numbers::flow};   // the result of the first pass of the filter
   CellFields& noise_fit_;             // its fit, times the rate of the cell
   CellFields cut_fit_{numbers::map};  // in cut cells the fit of the motion itself, times its rate
+  // Along planes and along rows the difference of the pressure's displacement between the upper and the lower face of a
+  // cell, m, where both are open and in the water, else 0; for cells beside solids.
+  std::array<Borrowed<Real>, 2> rise_;
 };
 
 }  // namespace trevi

@@ -263,6 +263,8 @@ Damped damped(const Field& motion) {
     if (cell.begin == cell.end) return;
     CellDisplacement by = at.back->displacement_of(at.pressure, damping, k, r, c);
     by.low = by.rise = {};
+    const CellDisplacement by_faces = at.back->displacement_by_faces(at.pressure, k, r, c);
+    for (std::size_t a = 0; a < 3; ++a) by.offset[a] -= by_faces.offset[a];
     by.fade = 0;
     by.at_surface = 1;
     std::vector<Vec4<double>> out(cell.end - cell.begin);

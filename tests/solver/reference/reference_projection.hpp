@@ -1,18 +1,18 @@
-// The projection by brute force, serially and over the whole box. Written from what the headers of src/projection say
-// of themselves and the constants of parameters.hpp; shares no code with them. Without obstacles. Not collective.
+// What the projection does to particles by brute force, serially and over the whole box. Written from what the headers
+// of src/projection say of themselves and the constants of parameters.hpp; shares no code with them. Without obstacles.
+// Not collective.
 #pragma once
 
-#include "reference_multigrid.hpp"
-#include "reference_particles_to_grid.hpp"
+#include <numeric>
+
+#include "reference_pressure.hpp"
 
 namespace trevi::test {
 
-class ReferenceProjection : ReferenceParticlesToGrid {
+class ReferenceProjection : ReferencePressure {
  public:
-  using ReferenceParticlesToGrid::pieces;
-  explicit ReferenceProjection(const Scene& scene) : ReferenceParticlesToGrid(scene) {
-    if (scene.gravity) gravity_ = -scene.gravity->z();
-  }
+  using ReferencePressure::pieces;
+  explicit ReferenceProjection(const Scene& scene) : ReferencePressure(scene) {}
 
   struct Displacement {
     Vec3 u;    // m
@@ -103,172 +103,6 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   }
 
  private:
-  bool upright() const { return gravity_ > 0; }
-
-  // ---- the water and its surface ----------------------------------------------------------------------------------
-
-  void find_water() {
-    fill_.emplace(cells_, 0);
-    wet_.emplace(cells_, 0);
-    height_.emplace(cells_, 1);
-    for_each_cell([&](const Cell& c) { (*fill_)[c] = volume_in(c); });
-    const Real told = told_from_one_side();
-    for_each_cell([&](const Cell& c) {
-      const bool submerged = c.z() + 1 < count_.z() && (*fill_)[c] >= 0.3 && (*fill_)[c + unit(2)] >= 0.3;
-      const bool on_floor = c.z() == 0 && (*fill_)[c] >= 0.2;
-      // Without a particle, and told no more than from one side, it is air.
-      const bool is_water = holds_any(c) || (*fill_)[c] > 1.001 * told;
-      (*wet_)[c] = is_water && (cells_.repeats(2) || c.z() < (*reach_)[Cell(c.x(), c.y(), 0)]) &&
-                   ((*fill_)[c] >= 0.585 || (upright() && (submerged || on_floor)));
-    });
-    // Water under the ceiling has no surface.
-    for_each_cell([&](const Cell& c) {
-      if (c.z() + 1 == count_.z() && !cells_.repeats(2)) (*wet_)[c + unit(2)] = (*wet_)[c];
-    });
-    for_each_cell([&](const Cell& c) {
-      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.2);
-    });
-    closed_ = true;
-    for_each_face([&](int a, const Cell& c) {
-      if (!is_wall(a, c) && wet(c) != wet(c - unit(a))) closed_ = false;
-    });
-  }
-  bool wet(const Cell& c) const { return (*wet_)[c] != 0; }
-  bool is_top(const Cell& c) const { return upright() && wet(c) && !wet(c + unit(2)); }
-  // A column that stands on the floor has all of its volume below its surface.
-  Real height_of_top(const Cell& c) const {
-    const Real own = (*fill_)[c] + (*fill_)[c + unit(2)];
-    Real excess = 0;
-    for (Cell below = c - unit(2); below.z() >= 0; below -= unit(2)) {
-      if (!wet(below)) return own;
-      const Real off = (*fill_)[below] - 1;  // counts in full up to 0.1, not at all from 0.2 on
-      excess += off * std::clamp(2 - std::abs(off) / 0.1, 0.0, 1.0);
-    }
-    return own + std::clamp(excess, -0.25, 0.25);
-  }
-  Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
-
-  // Water at rest has the mass of its level, whatever its top cell holds; thin water has that of its fill, but at
-  // walls.
-  Real mass(const Cell& c) const {
-    for (int a = 0; a < 3; ++a)
-      if ((is_wall(a, c) || is_wall(a, c + unit(a))) && !(a == 1 && dimensions_ == 2)) return 1;
-    Real fill = (*fill_)[c];
-    if (is_top(c)) {
-      fill += std::max((*fill_)[c + unit(2)], 0.0);
-      if (wet(c - unit(2))) fill = std::max(fill, (*fill_)[c - unit(2)]);
-    }
-    if (fill >= 0.8) return 1;
-    return fill <= 0.6 ? fill : fill + (fill - 0.6) / 0.2 * (1 - fill);
-  }
-  // What divides the difference of phi over face (a, c): the mass beside it times the distance, in cells, of the points
-  // at which phi is given; the surface is one where a cell is dry. At a side the water's own weight is both.
-  Real resistance(int a, const Cell& c) const {
-    const Cell below = c - unit(a), water = wet(c) ? c : below, beside = (wet(c) ? below : c) - unit(2);
-    if (wet(below) == wet(c)) return (mass(c) + mass(below)) / 2;
-    if (!upright() || a == 2) return mass(water) * (is_top(below) && a == 2 ? above_middle(below) : 1);
-    if (!is_top(beside)) return weight_at_side(a, c, water);  // the surface does not step down by one cell
-    const Real in = is_top(water) ? above_middle(water) : 1 + above_middle(water + unit(2));
-    return mass(water) * in / std::max(in + 1.5 - (*height_)[beside], 1e-6);
-  }
-  Real weight_at_side(int a, const Cell& c, const Cell& water) const {
-    Real sum = 0;
-    for (const Particle& i : particles_)
-      if (!i.in_flight && i.cell == cells_.wrapped(water)) sum += wet(c) ? 1 - i.y[a] : i.y[a];
-    return std::clamp(sum * std::pow(s_, 3) / size_.prod(), 0.3, 1.0);
-  }
-
-  // ---- the pressure -----------------------------------------------------------------------------------------------
-
-  bool is_open(int a, const Cell& c) const { return !is_wall(a, c) && (wet(c) || wet(c - unit(a))); }
-  Real weight(int a, const Cell& c) const { return is_open(a, c) ? 1 / resistance(a, c) : 0; }
-
-  Real divergence(const Cell& c) const {
-    Real sum = 0;
-    for (int a = 0; a < 3; ++a) {
-      const Cell up = c + unit(a);
-      sum += ((is_open(a, up) ? mean(a, up) : 0) - (is_open(a, c) ? mean(a, c) : 0)) / size_[a];
-    }
-    return sum;
-  }
-
-  // Nothing pulls where air is beside a cell or below it, or, without gravity, above it.
-  bool may_swell(const Cell& c) const {
-    for (int a = 0; a < 3; ++a) {
-      const Cell down = c - unit(a), up = c + unit(a);
-      if (!is_wall(a, c) && !wet(down)) return true;
-      if ((a < 2 || !upright()) && !is_wall(a, up) && !wet(up)) return true;
-    }
-    return false;
-  }
-  Real returned(const Cell& c, Real return_fraction) const {
-    Real less = (*fill_)[c] - 1;
-    if (closed_ || (less < 0 && may_swell(c))) return 0;
-    Real height = 1;
-    if (is_top(c)) {  // of the water above it, whose last layer reaches down into it
-      const Real above = (*fill_)[c + unit(2)], edge = s_ / size_.z();
-      height = above < edge / 2 ? edge * (std::sqrt(2 * above / edge) - 0.5) : above;
-      if (less < 0) less = std::min(less + above - height, 0.0);
-    }
-    if (upright()) return return_fraction * std::clamp(2 * height, 0.0, 1.0) * less;
-    Vec3 way = Vec3::Zero();  // of the water of the cell, in cells
-    const std::vector<std::size_t>& here = (*members_)[c];
-    for (const std::size_t i : here) way += particles_[i].way.cwiseQuotient(size_) / static_cast<Real>(here.size());
-    return std::min(way.norm() / 6, 1.0) * less;
-  }
-
-  /// Of a column that stands on the floor: what water at rest would have below its surface, or below the ceiling where
-  /// there is no surface at all.
-  void set_hydrostatic_guess(Real g_dt2) {
-    for_each_cell([&](const Cell& c) {
-      Cell top = c;
-      for (Cell below = c; below.z() >= 0; below -= unit(2))
-        if (!wet(below)) return;
-      while (top.z() < count_.z() && !is_top(top)) top += unit(2);
-      if (top.z() < count_.z()) {
-        (*phi_)[c] = -g_dt2 * size_.z() * (above_middle(top) + top.z() - c.z());
-      } else if (closed_) {
-        (*phi_)[c] = -g_dt2 * size_.z() * (count_.z() - 0.5 - c.z());
-      }
-    });
-  }
-
-  ReferenceMultigrid::Level equation() const {
-    ReferenceMultigrid::Level level;
-    CellArray<int> row(cells_, -1);
-    for_each_cell([&](const Cell& c) {
-      if (!wet(c)) return;
-      row[c] = static_cast<int>(level.cells.size());
-      level.cells.push_back(c);
-    });
-    const auto rows = static_cast<Eigen::Index>(level.cells.size());
-    level.matrix = Eigen::MatrixXd::Zero(rows, rows);
-    for_each_face([&](int a, const Cell& c) {
-      const int below = row[c - unit(a)], above = row[c];
-      const Real link = weight(a, c) / (size_[a] * size_[a]);
-      if (below >= 0) level.matrix(below, below) += link;
-      if (above >= 0) level.matrix(above, above) += link;
-      if (below >= 0 && above >= 0) level.matrix(below, above) = level.matrix(above, below) = -link;
-    });
-    return level;
-  }
-
-  void solve(Real g_dt2, Real return_fraction) {
-    phi_.emplace(cells_, 0);
-    if (upright()) set_hydrostatic_guess(g_dt2);
-    const ReferenceMultigrid::Level level = equation();
-    Eigen::VectorXd phi(level.matrix.rows()), right(level.matrix.rows());
-    for (Eigen::Index i = 0; i < phi.size(); ++i) {
-      const Cell& c = level.cells[static_cast<std::size_t>(i)];
-      phi[i] = (*phi_)[c];
-      right[i] = divergence(c) - returned(c, return_fraction);
-    }
-    ReferenceMultigrid(cells_, depth(), closed_).solve(level, phi, right, closed_ ? 6 : 3);
-    const Real origin = closed_ && phi.size() > 0 ? phi.maxCoeff() : 0;
-    for (Eigen::Index i = 0; i < phi.size(); ++i)
-      (*phi_)[level.cells[static_cast<std::size_t>(i)]] = std::min(phi[i] - origin, 0.0);
-  }
-
   // ---- what the particles take from it ----------------------------------------------------------------------------
 
   /// Whether what little is in the cell follows the top cell below it.
@@ -353,12 +187,59 @@ class ReferenceProjection : ReferenceParticlesToGrid {
   /// At the beginning of the path, by the water in cell c: under gravity what is beyond one and a half of the weight,
   /// and from two and a half on all, goes by the gradient there, which is that where it is seen and the transpose of
   /// half of the motion's slope times that; but for what holds the weight.
+  Real pulled_share(const Found& found, const Cell& c) const {
+    if (!upright() || !wet(c) || (*fit_)[c].weight == 0) return 0;
+    return std::clamp(found.middle.norm() / g_dt2_ - 1.5, 0.0, 1.0);
+  }
   Vec3 at_begin(const Found& found, const Cell& c) const {
-    if (!upright() || !wet(c) || (*fit_)[c].weight == 0) return found.begin;
-    const Real share = std::clamp(found.middle.norm() / g_dt2_ - 1.5, 0.0, 1.0);
+    const Real share = pulled_share(found, c);
+    if (share == 0) return found.begin;
     const Vec3 held(0, 0, std::clamp(found.middle.z(), 0.0, g_dt2_));
     const Vec3 more = ((*fit_)[c].b.transpose() * (found.seen - held)).cwiseQuotient(2 * size_);
     return share * (found.seen + more) + (1 - share) * found.begin;
+  }
+
+  /// The mean upward displacement by the open faces of a cell in the water.
+  std::optional<Real> mean_rise(const Cell& c) const {
+    std::vector<Real> faces;
+    for (const Cell& face : {c, Cell(c + unit(2))})
+      if (wet(c) && !is_wall(2, face)) faces.push_back(*through(2, face, c));
+    if (faces.empty()) return std::nullopt;
+    return std::accumulate(faces.begin(), faces.end(), 0.0) / static_cast<Real>(faces.size());
+  }
+  Eigen::Matrix3d mixed_derivatives(const Cell& c) const {
+    Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
+    for (int a = 0; a < dimensions_ - 1; ++a) {
+      const Cell step = unit(a);
+      const auto low = is_wall(a, c) ? std::nullopt : mean_rise(c - step), own = mean_rise(c);
+      const auto high = is_wall(a, c + step) ? std::nullopt : mean_rise(c + step);
+      Real change = 0;
+      if (own && (low || high)) change = (high.value_or(*own) - low.value_or(*own)) / (low && high ? 2 : 1);
+      mixed(a, 2) = mixed(2, a) = change / size_[a];
+    }
+    Real sum = 0;
+    int edges = 0;
+    for (const int i : {-1, 1}) {
+      for (const int j : {-1, 1}) {
+        const Cell x = c + i * unit(0), y = c + j * unit(1), both = x + j * unit(1);
+        if (dimensions_ == 2 || !wet(x) || !wet(y) || !wet(both)) continue;
+        sum += i * j * ((*phi_)[both] - (*phi_)[x] - (*phi_)[y] + (*phi_)[c]);
+        ++edges;
+      }
+    }
+    if (edges > 0) mixed(0, 1) = mixed(1, 0) = sum / edges / size_[0] / size_[1];
+    return mixed;
+  }
+  /// Across its direction a displacement is that at the ends of paths, but for this: moved back by the mean path of the
+  /// cell, as far as what is not pulled back is moved.
+  Vec3 back_across(const Found& found, const Cell& c) const {
+    const std::vector<std::size_t>& here = (*members_)[c];
+    if (!wet(c) || static_cast<Real>(here.size()) * std::pow(s_, 3) < 0.375 * size_.prod()) return Vec3::Zero();
+    Vec3 path = Vec3::Zero();
+    for (const std::size_t i : here) path += particles_[i].way / static_cast<Real>(here.size());
+    for (int a = 0; a < 3; ++a)
+      path[a] = std::abs(path[a]) < 1e-3 * size_[a] ? 0 : std::clamp(path[a], -0.25 * size_[a], 0.25 * size_[a]);
+    return -(1 - pulled_share(found, c) / 2) * (mixed_derivatives(c) * path);
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
@@ -380,7 +261,7 @@ class ReferenceProjection : ReferenceParticlesToGrid {
       found.middle[a] = first + rise / 2;
       shared[a] = (1 - i.y[a]) * beyond(a, c) + i.y[a] * beyond(a, c + unit(a));
     }
-    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + shared + damping;
+    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + back_across(found, c) + shared + damping;
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
@@ -388,11 +269,6 @@ class ReferenceProjection : ReferenceParticlesToGrid {
     return {faded * u, faded};
   }
 
-  Real gravity_ = 0;     // m/s²
-  Real g_dt2_ = 0;       // m, of the step
-  bool closed_ = false;  // no water has a surface
-  std::optional<CellArray<Real>> fill_, height_, phi_;
-  std::optional<CellArray<char>> wet_;
   std::vector<Displacement> result_;
 };
 
