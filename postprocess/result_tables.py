@@ -118,6 +118,14 @@ def paddles():
                row["theory"], fixed(row["measured"], 3)]
 
 
+def currents():
+    rows = rows_of("currents")
+    speeds = list(dict.fromkeys(row["current"] for row in rows))
+    yield ["steps a second"] + [f"{signed(speed, 1) if float(speed) else '0'} m/s" for speed in speeds]
+    for rate in dict.fromkeys(row["steps_per_second"] for row in rows):
+        yield [rate] + [signed(row["growth"], 3) for row in rows if row["steps_per_second"] == rate]
+
+
 def channels():
     yield ["case", "spacing, m", "quantity", "theory", "measured"]
     for row in rows_of("channels"):
@@ -180,7 +188,7 @@ def shapes():
 
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-    "frames": frames, "channels": channels, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
+    "frames": frames, "channels": channels, "currents": currents, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
     "leaks": leaks, "scaling_shapes": shapes}
 
 
