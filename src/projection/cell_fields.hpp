@@ -79,7 +79,7 @@ class CellFields {
   void borrow(Scratch& scratch, const RowStorage& storage) {
     borrow(storage, [&](std::size_t size) { return scratch.borrow<FourCells>(size); });
   }
-  /// The same for a stage that ends before any other loan does.
+  /// The same for a stage that ends before any Loan does: the memory may be lent.
   void borrow_briefly(Scratch& scratch, const RowStorage& storage) {
     borrow(storage, [&](std::size_t size) { return scratch.borrow_briefly<FourCells>(size); });
   }

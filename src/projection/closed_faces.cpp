@@ -8,7 +8,7 @@ namespace trevi {
 void ClosedFaces::find(const FreeSurface& surface) {
   const ProjectionGrid& grid = surface.grid();
   rows_of_plane_ = grid.rows();
-  rows_.resize(static_cast<std::size_t>(grid.planes()) * static_cast<std::size_t>(grid.rows()));
+  rows_.resize(row_index(grid.planes() + 1, 0));
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) { find_in_row(surface, k, r); });
 }
 
@@ -21,8 +21,7 @@ std::size_t ClosedFaces::bytes() const {
 void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   const ParticlesToGrid& water = surface.water();
-  std::vector<Known>& known =
-      rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r)];
+  std::vector<Known>& known = rows_[row_index(k, r)];
   known.clear();
   const LocalId columns = grid.columns(k, r);
   // Where solids or drains may close a face; elsewhere walls do.
@@ -45,8 +44,7 @@ void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 Real ClosedFaces::displacement(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
-  const std::vector<Known>& row =
-      rows_[static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r)];
+  const std::vector<Known>& row = rows_[row_index(k, r)];
   const std::uint32_t number = number_of(face, c);
   const auto known = std::lower_bound(row.begin(), row.end(), number,
                                       [](const Known& one, std::uint32_t of) { return one.number < of; });

@@ -26,6 +26,9 @@ class ClosedFaces {
   static std::uint32_t number_of(const CellFace& face, LocalId c) {
     return static_cast<std::uint32_t>(c) * 6 + static_cast<std::uint32_t>(2 * face.a) + (face.upper ? 1 : 0);
   }
+  std::size_t row_index(LocalId k, LocalId r) const {
+    return static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r);
+  }
   void find_in_row(const FreeSurface& surface, LocalId k, LocalId r);
 
   LocalId rows_of_plane_ = 0;

@@ -169,10 +169,10 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   FacePair pair;
   if (a == 1 && grid.is_layer()) return {0, 0, true, true, true, true};
   const CellFace lower{a, false}, upper{a, true};
-  pair.low_wall = grid.is_wall(lower, k, r, c);
-  pair.high_wall = grid.is_wall(upper, k, r, c);
   pair.low_closed = surface_.is_closed(lower, k, r, c);
   pair.high_closed = surface_.is_closed(upper, k, r, c);
+  pair.low_wall = pair.low_closed && grid.is_wall(lower, k, r, c);
+  pair.high_wall = pair.high_closed && grid.is_wall(upper, k, r, c);
   const bool wet = surface_.is_wet(at);
   const auto through = [&](const CellFace& of, bool closed, bool& known) {
     const std::size_t face = grid.index_of(of, at);
@@ -255,21 +255,19 @@ Real GridToParticles::mixed_difference(const Pressure& pressure, std::size_t at)
 // the ends of the paths, while pressure acts where they begin. It is therefore moved back by the mean path of the cell,
 // as far as volumes are (max_path), with its changes across, which are mixed derivatives of phi. Without this the
 // upward displacement was that of a path ahead of the level that makes it, and waves of 1 m on a current of 1 m/s grew,
-// or died, by a tenth in a second at 1/120 s. Not where few particles are in a cell, of which those that lie flat on a
-// floor gained 0.12 of their energy by it.
+// or died, by a tenth in a second at 1/120 s.
 void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c,
                                        CellDisplacement& by) const {
-  constexpr Real shortest_path = 1e-3;  // cells
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   if (!surface_.is_wet(at) || surface_.is_cut(at)) return;
   const ParticlesToGrid::Means held = surface_.water().means(at);
-  if (held.n * spacing_ * spacing_ * spacing_ < few * grid.size().prod()) return;
+  if (held.n * spacing_ * spacing_ * spacing_ < min_held_across * grid.size().prod()) return;
   std::array<Real, 3> path{};  // by direction
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
     const Real mean = std::clamp(held.u[b] / held.n * grid.per_length()[b], -max_path, max_path);
-    if (std::abs(mean) >= shortest_path) path[a] = mean * (1 + by.back) / 2;
+    if (std::abs(mean) >= min_path_across) path[a] = mean * (1 + by.back) / 2;
   }
   // `change` of the displacement along a from cell to cell along b, m.
   const auto move_back = [&](std::size_t a, std::size_t b, Real change) {

@@ -53,9 +53,9 @@ class GridToParticles {
   struct Step {
     Real g_dt2, time;
   };
-  /// Finds the motion of the water into closed faces, after which the displacements of faces are no longer needed. With
-  /// gravity it also finds the noise and its fits, in memory that is borrowed until give_back(); without gravity
-  /// nothing generates noise.
+  /// Finds the motion of the water into closed faces, so that the displacements of faces are needed only until the
+  /// equation is assembled. With gravity it also finds the noise and its fits, in memory that is borrowed until
+  /// give_back(); without gravity nothing generates noise.
   void prepare(Halo& halo, const Step& step);
   /// Among obstacles, once the pressure is known: finds the change of its displacement across the cells beside them, in
   /// memory that is borrowed until give_back(). Collective.

@@ -42,9 +42,9 @@ Real GridToParticles::at_surface(std::size_t a, std::size_t at, const FacePair& 
   const Real low = faces.low_closed ? 0 : cuts.face(a, at), high = faces.high_closed ? 0 : cuts.face(a, at + step);
   if (low + high == 0) return a == 2 ? step_.g_dt2 : 0;
   if (a == 2) return (low * faces.low + high * faces.high) / (low + high);
-  constexpr Real level = 0.05;  // of the difference of faces below which the surface does not cross between them
   const Real closing = low - high, beyond_half = cuts.open(at) - (low + high) / 2;
-  const Real place = std::clamp(0.5 + beyond_half * closing / (closing * closing + level * level), 0.0, 1.0);
+  const Real place =
+      std::clamp(0.5 + beyond_half * closing / (closing * closing + level_surface * level_surface), 0.0, 1.0);
   if (high == 0) return faces.low + place * rise_[a][at - step];
   if (low == 0) return faces.high - (1 - place) * rise_[a][at + step];
   return faces.low + place * (faces.high - faces.low);

@@ -72,8 +72,7 @@ TEST(Pool, RestsWhereCellsAtItsSurfaceAreAsFullAsMakesThemWet) {
   }
 }
 
-// ---- flight
-// -------------------------------------------------------------------------------------------------------------
+// ---- flight ----------------------------------------------------------------------------------------------------
 
 // Thrown blocks, one of which turns, and a drop fly on the parabola, to rounding. By the new velocity alone they were
 // g t dt/2 too low, 65 mm at a thirtieth of a second.
@@ -111,8 +110,7 @@ TEST(Flight, IsOnTheParabolaInAnyStep) {
   }
 }
 
-// ---- jets that meet
-// ---------------------------------------------------------------------------------------------------
+// ---- jets that meet --------------------------------------------------------------------------------------------
 
 const std::string jets_scene = tank_text({.min = "-2.0, -1.4, -1.4",
                                           .max = "2.0, 1.8, 1.8",
@@ -205,8 +203,7 @@ TEST(Jets, KeepTheirMomentumWithProjectedVorticity) {
   EXPECT_LT(changes({strong, projected, "density.precision='single'"}).linear, 1e-8);
 }
 
-// ---- impacts without gravity
-// -------------------------------------------------------------------------------------------
+// ---- impacts without gravity -----------------------------------------------------------------------------------
 
 Real kinetic_energy(const Particles& particles) {
   Real sum = 0;
