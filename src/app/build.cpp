@@ -63,7 +63,7 @@ std::shared_ptr<EnergyRise> make_energy_rise(const Scene& scene) {
   for (std::size_t a = 0; a < 3; ++a)  // water falls for ever along a periodic axis
     if (scene.periodic[a] && gravity[static_cast<Eigen::Index>(a)] != 0) return nullptr;
   const Real g = gravity.norm();
-  auto energy = std::make_shared<EnergyRise>(water_mass(scene.fluid), g, scene.fluid.kernel_radius);
+  auto energy = std::make_shared<EnergyRise>(water_mass(scene.fluid), g, scene.fluid.kernel_radius, scene.dt);
   const Vec3 extent = scene.domain.max - scene.domain.min;
   if (!has_solids(scene) && !is_supplied(scene) && is_downward(gravity))
     energy->set_tank(extent.x() * extent.y(), scene.fluid.spacing);

@@ -203,10 +203,10 @@ void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement
   pull_back(motion, surface_.grid().per_length(), std::clamp(middle.z(), 0.0, step_.g_dt2), share, by);
 }
 
-// Of a cell in the water that no solid cuts, the mean upward displacement by its open faces.
+// Of a cell in the water, the mean upward displacement by its open faces.
 std::optional<Real> GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
   const std::size_t at = surface_.grid().index(k, r, c);
-  if (!surface_.is_wet(at) || surface_.is_cut(at)) return std::nullopt;
+  if (!is_water(at)) return std::nullopt;
   Real sum = 0;
   int faces = 0;
   for (const bool upper : {false, true}) {
@@ -232,7 +232,6 @@ Real GridToParticles::change_of_rise(const Pressure& pressure, std::size_t a, Lo
 // The mixed difference of phi along planes and rows, m², in the mean over the edges of a cell around which all four
 // cells are in the water.
 Real GridToParticles::mixed_difference(const Pressure& pressure, std::size_t at) const {
-  const auto is_water = [&](std::size_t cell) { return surface_.is_wet(cell) && !surface_.is_cut(cell); };
   const std::size_t plane = surface_.grid().step(0), row = surface_.grid().step(1);
   Real sum = 0;
   int edges = 0;
@@ -251,24 +250,32 @@ Real GridToParticles::mixed_difference(const Pressure& pressure, std::size_t at)
   return edges > 0 ? sum / edges : 0;
 }
 
+// The mean path of the particles of a cell, cells, by direction: at most max_path along each axis, and nothing if it is
+// short or the particles are few.
+std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
+  const ProjectionGrid& grid = surface_.grid();
+  const ParticlesToGrid::Means held = surface_.water().means(at);
+  std::array<Real, 3> path{};
+  if (held.n * spacing_ * spacing_ * spacing_ < min_held_across * grid.size().prod()) return path;
+  for (std::size_t a = 0; a < 3; ++a) path[a] = held.u[grid.axis(a)] / held.n * grid.per_length()[grid.axis(a)];
+  const Real longest = std::max({std::abs(path[0]), std::abs(path[1]), std::abs(path[2]), max_path});
+  for (Real& along : path) along = std::abs(along) < min_path_across ? 0 : along * (max_path / longest);
+  return path;
+}
+
 // The displacement by faces is linear along its own direction only. Across that it is the one of the cell that holds
 // the ends of the paths, while pressure acts where they begin. It is therefore moved back by the mean path of the cell,
 // as far as volumes are (max_path), with its changes across, which are mixed derivatives of phi. Without this the
 // upward displacement was that of a path ahead of the level that makes it, and waves of 1 m on a current of 1 m/s grew,
-// or died, by a tenth in a second at 1/120 s.
+// or died, by a tenth in a second at 1/120 s. What is pulled back (pull_back()) acts midway of the path, but for the
+// upward displacement, which follows from the level, and thus belongs to the beginning: otherwise waves around water
+// that turns in a cylinder of R = 20 s grew by half to twice in each turn at 1/120 and 1/60 s.
 void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c,
                                        CellDisplacement& by) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
-  if (!surface_.is_wet(at) || surface_.is_cut(at)) return;
-  const ParticlesToGrid::Means held = surface_.water().means(at);
-  if (held.n * spacing_ * spacing_ * spacing_ < min_held_across * grid.size().prod()) return;
-  std::array<Real, 3> path{};  // by direction
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t b = grid.axis(a);
-    const Real mean = std::clamp(held.u[b] / held.n * grid.per_length()[b], -max_path, max_path);
-    if (std::abs(mean) >= min_path_across) path[a] = mean * (1 + by.back) / 2;
-  }
+  if (!is_water(at)) return;
+  const std::array<Real, 3> path = mean_path(at);
   // `change` of the displacement along a from cell to cell along b, m.
   const auto move_back = [&](std::size_t a, std::size_t b, Real change) {
     by.offset[grid.axis(a)] -= change * path[b];
@@ -280,7 +287,7 @@ void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, Loca
       move_back(2, a, change_of_rise(pressure, a, k, r, c));
   }
   if ((path[0] != 0 || path[1] != 0) && !grid.is_layer())
-    move_back(0, 1, mixed_difference(pressure, at) / grid.size()[0]);
+    move_back(0, 1, mixed_difference(pressure, at) / grid.size()[0] * (1 + by.back) / 2);
 }
 
 CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,

@@ -103,6 +103,8 @@ class GridToParticles {
                                             const Vec3& pushed) const;
   void slip(std::size_t at, std::size_t own, Faces& faces) const;
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
+  bool is_water(std::size_t at) const { return surface_.is_wet(at) && !surface_.is_solid(at); }
+  std::array<Real, 3> mean_path(std::size_t at) const;
   std::optional<Real> mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   Real change_of_rise(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
   Real mixed_difference(const Pressure& pressure, std::size_t at) const;

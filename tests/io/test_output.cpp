@@ -197,6 +197,9 @@ TEST(EnergyRise, IsThatBeyondWhatIsSupplied) {
   EXPECT_EQ(pumped.fraction(), 0);
   for (const Real supplied : {0.0, 20.0, 40.0}) gains.add(row_of_energies(supplied * 1.1, 10), supplied);
   EXPECT_NEAR(gains.fraction(), 4.0 / 44, 1e-12) << "of the largest energy of motion so far";
+  EnergyRise still(1, 0, 1, 0.01);  // of rounding alone
+  for (const Real supplied : {0.0, -2e-29}) still.add(row_of_energies(0, 0), supplied);
+  EXPECT_TRUE(std::isnan(still.fraction()));
   EnergyRise beside(1, 0, 1);  // water at rest without gravity, and a body that spins with 8 J
   for (const Real supplied : {0.0, -1e-15, 1e-15}) beside.add(row_of_energies(0, 0), supplied, 8);
   EXPECT_LT(beside.fraction(), 1e-15) << "bodies are what they have less of but for rounding";

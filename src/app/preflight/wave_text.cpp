@@ -34,8 +34,8 @@ Expected expected_of(const WavemakerSettings& w) {
   constexpr Real two_pi = 2 * std::numbers::pi;
   if (w.wave == WaveKind::solitary) {
     const SolitaryWave wave(w.height, w.depth, w.gravity);
-    const Real width = two_pi / wave.kappa;  // 99.6 % of its volume
-    return {wave.kappa, width, wave.celerity, wave.stroke()};
+    const Real length = two_pi / wave.kappa;  // 99.6 % of its volume
+    return {wave.kappa, length, wave.celerity, wave.stroke()};
   }
   const Real k = wave_number(two_pi / w.period, w.depth, w.gravity);
   return {k, two_pi / k, two_pi / k / w.period, stroke_of(w)};

@@ -21,8 +21,9 @@ void EnergyRise::add(const Diagnostics& row, Real supplied, Real of_bodies) {
   }
   highest_ = std::max(highest_, energy);
   if (supplied == 0) return;
-  const Real largest =
-      std::max({std::abs(supplied), row.kinetic_energy, of_bodies, mass_ * g_ * h_ * static_cast<Real>(row.particles)});
+  const auto count = static_cast<Real>(row.particles);
+  const Real largest = std::max({std::abs(supplied), row.kinetic_energy, of_bodies, mass_ * g_ * h_ * count});
+  if (largest <= rounding_ * count) return;
   scale_ = std::isnan(scale_) ? largest : std::max(scale_, largest);
 }
 

@@ -8,14 +8,18 @@
 // same rows give the same fractions on all ranks. May be copied as bytes.
 #pragma once
 
+#include <cmath>
+
 #include "trevi/observer.hpp"
 
 namespace trevi {
 
 class EnergyRise {
  public:
-  /// Of a particle the water that it stands for, kg; g, m/s², and h, m.
-  EnergyRise(Real mass, Real g, Real h) : mass_(mass), g_(g), h_(h) {}
+  /// Of a particle the water that it stands for, kg; g, m/s², h, m, and the step dt, s. Of water supplied with no more
+  /// energy than takes all of it by 1e-10 h in a step nothing is told: that is rounding.
+  EnergyRise(Real mass, Real g, Real h, Real dt = INFINITY)
+      : mass_(mass), g_(g), h_(h), rounding_(mass / 2 * std::pow(1e-10 * h / dt, 2)) {}
   /// Water at rest is level in a closed box of that floor, m², with nothing in it; its particles are `spacing` apart.
   void set_tank(Real floor, Real spacing) { floor_ = floor, spacing_ = spacing; }
 
@@ -31,6 +35,7 @@ class EnergyRise {
 
  private:
   Real mass_, g_, h_;
+  Real rounding_;  // J, of a particle
   Real floor_ = NAN, spacing_ = NAN;
   Real start_ = NAN, highest_ = NAN, scale_ = NAN;  // J
   Real motion_ = NAN, least_ = NAN;                 // J

@@ -101,8 +101,8 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
       walls_(walls_of(settings)),
       middles_{walls_.min.array() + spacing_ / 2, walls_.max.array() - spacing_ / 2},
       in_layer_(settings.fluid.dimensions == 2),
-      stands_on_solid_(stand_on_solids(gauges_, settings)),
-      pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)) {
+      pressures_(std::any_of(gauges_.begin(), gauges_.end(), is_pressure)),
+      stands_on_solid_(stand_on_solids(gauges_, settings)) {
   std::optional<StandingSolids> solids;
   for (const GaugeSettings& gauge : gauges_) {
     first_.push_back(first_.back() + (gauge.kind == GaugeKind::velocity ? count_of_moments : 1));

@@ -231,15 +231,18 @@ class ReferenceProjection : ReferencePressure {
     return mixed;
   }
   /// Across its direction a displacement is that at the ends of paths, but for this: moved back by the mean path of the
-  /// cell, as far as what is not pulled back is moved.
+  /// cell; what is pulled back by half of it, but for the part that goes with the level.
   Vec3 back_across(const Found& found, const Cell& c) const {
     const std::vector<std::size_t>& here = (*members_)[c];
     if (!wet(c) || static_cast<Real>(here.size()) * std::pow(s_, 3) < 0.375 * size_.prod()) return Vec3::Zero();
     Vec3 path = Vec3::Zero();
     for (const std::size_t i : here) path += particles_[i].way / static_cast<Real>(here.size());
-    for (int a = 0; a < 3; ++a)
-      path[a] = std::abs(path[a]) < 1e-3 * size_[a] ? 0 : std::clamp(path[a], -0.25 * size_[a], 0.25 * size_[a]);
-    return -(1 - pulled_share(found, c) / 2) * (mixed_derivatives(c) * path);
+    path = path.cwiseQuotient(size_);
+    path *= 0.25 / std::max(path.cwiseAbs().maxCoeff(), 0.25);
+    path = (path.array().abs() < 1e-3).select(0, path).cwiseProduct(size_);
+    Eigen::Matrix3d mixed = mixed_derivatives(c);
+    mixed.topLeftCorner<2, 2>() *= 1 - pulled_share(found, c) / 2;
+    return -mixed * path;
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
