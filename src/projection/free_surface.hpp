@@ -114,6 +114,7 @@ class FreeSurface {
   void join_cells_at_solids(Halo& halo);
   bool joins(const Place& place) const;
   bool is_at_solid(std::size_t at) const;
+  bool is_run_into(const Place& place) const;
   bool is_pocket(const Place& place) const;
   template <class Passes>
   bool is_under(std::size_t at, LocalId c, int cells, const Passes& passes) const;

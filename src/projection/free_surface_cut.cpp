@@ -135,6 +135,7 @@ bool FreeSurface::is_pocket(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
   const int deep_enough = cuts()->floats(at) ? 1 : 2;  // cells
+  if (!upright() && is_run_into(place)) return false;
   bool deep = upright() && is_under(at, c, deep_enough, [&](std::size_t above) { return wet_[above] == dry_at_solid; });
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
@@ -147,6 +148,22 @@ bool FreeSurface::is_pocket(const Place& place) const {
     }
   }
   return deep;
+}
+
+// Whether water runs into a cell without particles, faster than the solid beyond gives way: a gap that closes, which
+// holds no more than what the particles on one side of it reach into it.
+bool FreeSurface::is_run_into(const Place& place) const {
+  const std::size_t at = grid().index(place.k, place.r, place.c);
+  if (is_small(at) || water().holds_any(place.k, place.r, place.c)) return false;
+  if (fill_[at] * cuts()->capacity(at) > (1 + told_rounding) * water().told_from_one_side()) return false;
+  Real closing = 0;  // m, by the open parts of faces
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t above = at + grid().step(a);
+    if (is_wet(at - grid().step(a)))
+      closing += cuts()->face(a, at) * (water().displacement(a, at) - cuts()->moved(a, above));
+    if (is_wet(above)) closing += cuts()->face(a, above) * (cuts()->moved(a, at) - water().displacement(a, above));
+  }
+  return closing > 0;
 }
 
 // Whether the first of the cells above that one of which this does not hold is water of one or two cells, or a solid

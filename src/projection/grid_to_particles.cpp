@@ -259,7 +259,8 @@ std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
   if (held.n * spacing_ * spacing_ * spacing_ < min_held_across * grid.size().prod()) return path;
   for (std::size_t a = 0; a < 3; ++a) path[a] = held.u[grid.axis(a)] / held.n * grid.per_length()[grid.axis(a)];
   const Real longest = std::max({std::abs(path[0]), std::abs(path[1]), std::abs(path[2]), max_path});
-  for (Real& along : path) along = std::abs(along) < min_path_across ? 0 : along * (max_path / longest);
+  const Real shortest = surface_.is_cut(at) ? min_path_across_cut : min_path_across;
+  for (Real& along : path) along = std::abs(along) < shortest ? 0 : along * (max_path / longest);
   return path;
 }
 

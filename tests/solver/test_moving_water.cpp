@@ -87,22 +87,76 @@ radius = 0.5
 height = 2
 [time]
 dt = 0.0166666666666667
-end = 11
+end = 21.5
 [gravity]
 )toml";
 
-// In five turns in a cylinder of ten spacings it lost 3 % before the closed faces of cut cells went by the place of the
-// wall.
+// Shallow water in a cylinder of ten spacings lost 3 % in five turns before the closed faces of cut cells went by the
+// place of the wall, and 7 % in ten, to waves around it that grew, before the upward displacement of cut cells was that
+// of the beginning of paths.
 TEST(MovingWater, TurnsOnInASmoothCylinder) {
   Flow flow(turning);
   const auto angular = [&] {
     return flow.sum([](const Vec3& p, const Vec3& v) { return p.x() * v.y() - p.y() * v.x(); });
   };
   const Real start = angular();
-  flow.steps(628);
-  const Real left = angular() / start;
-  if (rank_of(world) == 0) std::printf("angular momentum after five turns: %.4f\n", left);
-  EXPECT_NEAR(left, 1, 0.015);
+  std::array<Real, 2> left{};
+  for (Real& after : left) {
+    flow.steps(628);
+    after = angular() / start;
+  }
+  if (rank_of(world) == 0) std::printf("angular momentum after five and ten turns: %.4f, %.4f\n", left[0], left[1]);
+  EXPECT_NEAR(left[0], 1, 0.015);
+  EXPECT_NEAR(left[1], 1, 0.025);
+}
+
+const std::string retreating = R"toml(
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [5, 4]
+[fluid]
+spacing = 0.05
+[[inlet]]
+type = "rectangle"
+center = [0.5, 2]
+size = [0.4, 0.4]
+direction = [1, 0]
+speed = 3
+[[obstacle]]
+type = "box"
+center = [1.85, 2]
+size = [0.3, 3.2]
+velocity = [1, 0]
+[[drain]]
+type = "plane"
+center = [0, 0.3]
+axis = [0, -1]
+[[drain]]
+type = "plane"
+center = [0, 3.7]
+axis = [0, 1]
+[time]
+dt = 0.00208333333
+end = 1.5
+)toml";
+
+// Empty cells before the plate counted as water, so that the jet was stopped 0.25 m before it and, as it touched
+// nothing, got its momentum back: it flew at up to 3.8 m/s.
+TEST(MovingWater, AJetReachesAPlateThatRetreats) {
+  Flow flow(retreating);
+  flow.steps(672);
+  Real front = 0, fastest = 0;
+  const Particles& all = flow.solver->particles();
+  for (std::size_t i = 0; i < all.id.size(); ++i) {
+    const Vec3& p = all.position[i];
+    if (std::abs(p.z() - 2) < 0.2) front = std::max(front, p.x());
+    if (p.x() < 2) fastest = std::max(fastest, all.velocity[i].norm());
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &front, 1, MPI_DOUBLE, MPI_MAX, world);
+  MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE, MPI_MAX, world);
+  EXPECT_GT(front, 1.7 + 1.4 - 0.1);
+  EXPECT_NEAR(fastest, 3, 0.02);
 }
 
 }  // namespace
