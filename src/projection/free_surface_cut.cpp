@@ -150,18 +150,17 @@ bool FreeSurface::is_pocket(const Place& place) const {
   return deep;
 }
 
-// Whether water runs into a cell without particles, faster than the solid beyond gives way: a gap that closes, which
-// holds no more than what the particles on one side of it reach into it.
+// Whether water runs into a cell without particles at a solid that moves, faster than that gives way: a gap that
+// closes, which holds no more than what the particles on one side of it reach into it.
 bool FreeSurface::is_run_into(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
-  if (is_small(at) || water().holds_any(place.k, place.r, place.c)) return false;
+  if (!cuts()->is_driven(at) || is_small(at) || water().holds_any(place.k, place.r, place.c)) return false;
   if (fill_[at] * cuts()->capacity(at) > (1 + told_rounding) * water().told_from_one_side()) return false;
   Real closing = 0;  // m, by the open parts of faces
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t above = at + grid().step(a);
-    if (is_wet(at - grid().step(a)))
-      closing += cuts()->face(a, at) * (water().displacement(a, at) - cuts()->moved(a, above));
-    if (is_wet(above)) closing += cuts()->face(a, above) * (cuts()->moved(a, at) - water().displacement(a, above));
+    const std::size_t below = at - grid().step(a), above = at + grid().step(a);
+    if (is_wet(below)) closing += cuts()->face(a, at) * (water().displacement(a, at) - cuts()->moved(a, above));
+    if (is_wet(above)) closing -= cuts()->face(a, above) * (water().displacement(a, above) - cuts()->moved(a, at));
   }
   return closing > 0;
 }
