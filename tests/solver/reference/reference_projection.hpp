@@ -242,6 +242,7 @@ class ReferenceProjection : ReferencePressure {
     path = (path.array().abs() < 1e-3).select(0, path).cwiseProduct(size_);
     Eigen::Matrix3d mixed = mixed_derivatives(c);
     mixed.topLeftCorner<2, 2>() *= 1 - pulled_share(found, c) / 2;
+    if (upright()) mixed.topRightCorner<2, 1>().setZero();  // not by the upward path
     return -mixed * path;
   }
 
