@@ -50,7 +50,7 @@ Real integral_to(Real a, Real b) {
   b = std::min(b, 1.0);
   const auto below = [b](Real x) { return x * b * (1 - (x * x + b * b) / 3); };  // where all of [0, b] is in the disc
   if (a * a + b * b <= 1) return below(a);
-  const auto within = [](Real x) {  // of 2/3 (1 - x²)^(3/2), which is what is left up to the edge
+  const auto within = [](Real x) {  // integral of 2/3 (1 - x²)^(3/2), the part up to the edge
     return (x * (5 - 2 * x * x) * std::sqrt(1 - x * x) + 3 * std::asin(x)) / 12;
   };
   const Real edge = std::sqrt(1 - b * b);
